@@ -1,0 +1,1 @@
+//! Accuracy figures of ISO 9283.

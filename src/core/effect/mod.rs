@@ -1,0 +1,5 @@
+//! Physical effects that extend the nominal model.
+
+mod setting;
+
+pub use setting::EffectSetting;

@@ -1,0 +1,1 @@
+//! Identification: problems, solver, summary.

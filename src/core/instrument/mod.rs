@@ -1,0 +1,1 @@
+//! Phase 1 instruments: winches, force sensors, the home reference platform.

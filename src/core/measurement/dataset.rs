@@ -1,0 +1,208 @@
+//! Measurements in columns; "not measured" is NaN, an empty column was never measured.
+
+use crate::geometry::{Pose, Vec3};
+use crate::robot::Robot;
+
+/// A robot together with what was measured on it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataset {
+    /// The robot, nominal or as a model.
+    pub robot: Robot,
+    /// One row per measured pose.
+    pub measurements: Measurements,
+}
+
+/// One value per pose and cable, row-major; NaN where nothing was measured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Grid {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl Grid {
+    /// A grid without rows for `columns` cables.
+    #[must_use]
+    pub fn new(columns: usize) -> Self {
+        Self {
+            columns,
+            values: Vec::new(),
+        }
+    }
+
+    /// A grid of `rows` poses and `columns` cables in which nothing was measured.
+    #[must_use]
+    pub fn missing(rows: usize, columns: usize) -> Self {
+        Self {
+            columns,
+            values: vec![f64::NAN; rows * columns],
+        }
+    }
+
+    /// Appends the values of one pose.
+    ///
+    /// # Panics
+    /// If the number of values is not the number of columns.
+    pub fn push_row(&mut self, row: &[f64]) {
+        assert_eq!(row.len(), self.columns, "one value per cable");
+        self.values.extend_from_slice(row);
+    }
+
+    /// Whether this quantity was not measured at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Number of cables.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Number of poses.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.values.len().checked_div(self.columns).unwrap_or(0)
+    }
+
+    /// The values of one pose; empty if the quantity was not measured at all.
+    #[must_use]
+    pub fn row(&self, pose: usize) -> &[f64] {
+        if self.is_empty() {
+            return &[];
+        }
+        &self.values[pose * self.columns..(pose + 1) * self.columns]
+    }
+
+    /// The value at a pose and cable, NaN if not measured.
+    #[must_use]
+    pub fn get(&self, pose: usize, cable: usize) -> f64 {
+        self.row(pose).get(cable).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Sets the value at a pose and cable.
+    pub fn set(&mut self, pose: usize, cable: usize, value: f64) {
+        self.values[pose * self.columns + cable] = value;
+    }
+}
+
+/// Everything that was measured, one entry per pose in each column that is not empty.
+///
+/// Column meanings and units are those of `poses.csv`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measurements {
+    /// Labels of the poses; 0 is the home pose if the robot has one.
+    pub labels: Vec<i64>,
+    /// Time of measurement (s).
+    pub time_s: Vec<f64>,
+    /// Temperature (degrees Celsius).
+    pub temperature_c: Vec<f64>,
+    /// Commanded pose, where given.
+    pub commanded: Vec<Option<Pose>>,
+    /// Motor revolutions since home, positive pays cable out.
+    pub revolutions: Grid,
+    /// Absolute cable length from entry point to platform anchor (m), instead of revolutions.
+    pub length_m: Grid,
+    /// Raw force sensor reading (N).
+    pub force_n: Grid,
+    /// Laser distance (m).
+    pub laser_m: Vec<f64>,
+    /// Swivel angle of the pulleys (rad).
+    pub swivel_rad: Grid,
+    /// Roll, pitch, yaw of the inclinometer (rad).
+    pub inclination_rad: Vec<[f64; 3]>,
+    /// Platform position by the external instrument (m).
+    pub tracked_position_m: Vec<[f64; 3]>,
+    /// Platform orientation by the external instrument, quaternion w first.
+    pub tracked_orientation_wxyz: Vec<[f64; 4]>,
+    /// Standard deviation of the tracked position (m), where it differs from the robot's.
+    pub tracked_position_sd_m: Vec<[f64; 3]>,
+    /// True values of simulated data.
+    pub truth: Truth,
+    /// Columns this program does not know: name and cells, kept when the data are written.
+    pub other: Vec<(String, Vec<String>)>,
+}
+
+/// True values behind simulated data; never used by identification or diagnosis.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Truth {
+    /// True poses.
+    pub poses: Vec<Pose>,
+    /// True tensions (N).
+    pub tension_n: Grid,
+}
+
+impl Measurements {
+    /// Number of rows, the home row included.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// Whether there is no row.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.labels.is_empty()
+    }
+
+    /// Row of the home pose (label 0).
+    #[must_use]
+    pub fn home_row(&self) -> Option<usize> {
+        self.labels.iter().position(|label| *label == 0)
+    }
+
+    /// Laser distance at a pose (m), NaN if not measured.
+    #[must_use]
+    pub fn laser_at(&self, pose: usize) -> f64 {
+        self.laser_m.get(pose).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Tracked position at a pose (m), if all three coordinates were measured.
+    #[must_use]
+    pub fn tracked_position_at(&self, pose: usize) -> Option<Vec3> {
+        let position = Vec3::from(*self.tracked_position_m.get(pose)?);
+        position.iter().all(|v| v.is_finite()).then_some(position)
+    }
+
+    /// The measurements of the given rows only, in the given order.
+    #[must_use]
+    pub fn select(&self, rows: &[usize]) -> Self {
+        fn pick<T: Clone>(column: &[T], rows: &[usize]) -> Vec<T> {
+            if column.is_empty() {
+                return Vec::new();
+            }
+            rows.iter().map(|row| column[*row].clone()).collect()
+        }
+        let pick_grid = |grid: &Grid| {
+            let mut picked = Grid::new(grid.columns());
+            if !grid.is_empty() {
+                rows.iter().for_each(|row| picked.push_row(grid.row(*row)));
+            }
+            picked
+        };
+        Self {
+            labels: pick(&self.labels, rows),
+            time_s: pick(&self.time_s, rows),
+            temperature_c: pick(&self.temperature_c, rows),
+            commanded: pick(&self.commanded, rows),
+            revolutions: pick_grid(&self.revolutions),
+            length_m: pick_grid(&self.length_m),
+            force_n: pick_grid(&self.force_n),
+            laser_m: pick(&self.laser_m, rows),
+            swivel_rad: pick_grid(&self.swivel_rad),
+            inclination_rad: pick(&self.inclination_rad, rows),
+            tracked_position_m: pick(&self.tracked_position_m, rows),
+            tracked_orientation_wxyz: pick(&self.tracked_orientation_wxyz, rows),
+            tracked_position_sd_m: pick(&self.tracked_position_sd_m, rows),
+            truth: Truth {
+                poses: pick(&self.truth.poses, rows),
+                tension_n: pick_grid(&self.truth.tension_n),
+            },
+            other: self
+                .other
+                .iter()
+                .map(|(name, cells)| (name.clone(), pick(cells, rows)))
+                .collect(),
+        }
+    }
+}

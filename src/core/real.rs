@@ -1,0 +1,1 @@
+//! The scalar type of the prediction: plain reals, SIMD lanes, dual numbers.

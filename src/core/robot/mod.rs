@@ -1,0 +1,12 @@
+//! The nominal description of a robot, as drawings and the first two phases give it.
+
+mod check;
+mod description;
+pub mod presets;
+
+pub use check::FieldError;
+pub use description::{
+    Cable, CableMaterial, DistanceCurve, ForceSensor, FrameTransform, Home, HomePlatform,
+    HomeSensor, Inclinometer, Laser, PerAxis, Plane, Platform, Pulley, Robot, TargetPlane, Tracker,
+    Winch, WrenchSd,
+};

@@ -1,0 +1,1 @@
+//! Virtual robots that produce measurements.

@@ -1,0 +1,1 @@
+//! Probability distributions that tests and intervals need.

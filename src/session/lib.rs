@@ -1,0 +1,1 @@
+//! Files of Tautline: dataset folders, session files, model files.

@@ -1,0 +1,3 @@
+//! The Tautline program.
+
+fn main() {}
