@@ -1,1 +1,5 @@
 //! Cable and platform kinematics.
+
+mod pulley;
+
+pub use pulley::{CablePath, PathChange, PulleyGeometry};
