@@ -1,11 +1,15 @@
 //! Cable and platform kinematics.
 
+mod bank;
+mod forward;
 mod inverse;
 mod pulley;
 #[cfg(test)]
 pub(crate) mod samples;
 mod statics;
 
+pub use bank::MAX_CABLES;
+pub use forward::{ForwardKinematics, ForwardSolution};
 pub use inverse::{
     CableState, KinematicsError, LengthGradient, inverse_kinematics, length_gradients,
 };
