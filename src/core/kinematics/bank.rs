@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use crate::real::Lanes;
+use crate::real::{Lanes, dot};
 use crate::robot::Robot;
 
 use super::inverse::check_pulley;
@@ -80,11 +80,10 @@ impl CableBank {
     /// The pulleys of the cables in vector `index`.
     #[inline(always)]
     pub(crate) fn pulleys<S: Simd>(&self, simd: S, index: usize) -> PulleyGeometry<Lanes<S>> {
-        let load = |column: &[f64]| Lanes::load(simd, column, index);
         PulleyGeometry {
             entry: load_vector(simd, &self.entry, index),
             axis: load_vector(simd, &self.axis, index),
-            radius: load(&self.radius),
+            radius: Lanes::load(simd, &self.radius, index),
         }
     }
 
@@ -97,7 +96,11 @@ impl CableBank {
         rotation: &[[Lanes<S>; 3]; 3],
     ) -> [Lanes<S>; 3] {
         let anchor = load_vector(simd, &self.anchor, index);
-        rotation.map(|row| crate::real::dot(row, anchor))
+        [
+            dot(rotation[0], anchor),
+            dot(rotation[1], anchor),
+            dot(rotation[2], anchor),
+        ]
     }
 }
 
@@ -112,11 +115,19 @@ fn load_vector<S: Simd>(simd: S, columns: &[Vec<f64>; 3], index: usize) -> [Lane
 
 impl Placement<f64> {
     /// The same placement in all lanes.
+    // No closures here and wherever lanes are: they would be compiled for the plain processor.
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(&self, simd: S) -> Placement<Lanes<S>> {
-        Placement {
-            position: self.position.map(|v| Lanes::splat(simd, v)),
-            rotation: self.rotation.map(|row| row.map(|v| Lanes::splat(simd, v))),
+        let mut place = Placement {
+            position: [Lanes::splat(simd, 0.0); 3],
+            rotation: [[Lanes::splat(simd, 0.0); 3]; 3],
+        };
+        for i in 0..3 {
+            place.position[i] = Lanes::splat(simd, self.position[i]);
+            for j in 0..3 {
+                place.rotation[i][j] = Lanes::splat(simd, self.rotation[i][j]);
+            }
         }
+        place
     }
 }

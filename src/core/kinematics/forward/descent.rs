@@ -46,12 +46,8 @@ pub(super) fn descend<S: Simd>(
     free: &[bool; 6],
     mut state: State,
 ) -> Descent {
-    let evaluate = |state: &State| {
-        let mut normal = assemble(simd, bank, lengths, &state.placement());
-        normal.lock(free);
-        normal
-    };
-    let mut normal = evaluate(&state);
+    let mut normal = assemble(simd, bank, lengths, &state.placement());
+    normal.lock(free);
     let mut damping = 0.0;
     let mut last_step = 0.0;
     let mut at_rest = false;
@@ -64,7 +60,8 @@ pub(super) fn descend<S: Simd>(
         };
         let step = shortened(step);
         let trial = state.moved(&step);
-        let reached = evaluate(&trial);
+        let mut reached = assemble(simd, bank, lengths, &trial.placement());
+        reached.lock(free);
         let size = step.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let gain = normal.cost - reached.cost;
         // Rounding of the lengths: residuals cannot be told apart below it.

@@ -58,12 +58,19 @@ pub(super) fn assemble<S: Simd>(
             }
         }
     }
-    NormalEquations {
+    let mut sums = NormalEquations {
         cost: cost.sum(),
-        gradient: gradient.map(|v| v.sum()),
-        matrix: matrix.map(|v| v.sum()),
+        gradient: [0.0; 6],
+        matrix: [0.0; TRIANGLE],
         blocked: blocked.sum(),
+    };
+    for i in 0..6 {
+        sums.gradient[i] = gradient[i].sum();
     }
+    for i in 0..TRIANGLE {
+        sums.matrix[i] = matrix[i].sum();
+    }
+    sums
 }
 
 impl NormalEquations {
