@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::super::bank::{CableBank, Placement};
-use super::normal::assemble;
+use super::normal::{NormalEquations, assemble};
 
 /// Limit on the steps tried from one start.
 const STEPS: usize = 60;
@@ -37,64 +37,92 @@ pub(super) struct Descent {
     pub(super) iterations: usize,
 }
 
-/// Descends from `state`; `lengths` is padded with NaN to whole vectors.
+/// What is solved, the same at every step.
+#[derive(Clone, Copy)]
+pub(super) struct Lengths<'a> {
+    pub(super) bank: &'a CableBank,
+    /// Measured lengths (m), padded with NaN to whole vectors.
+    pub(super) measured: &'a [f64],
+    pub(super) free: &'a [bool; 6],
+}
+
+impl Lengths<'_> {
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, state: &State) -> NormalEquations {
+        let mut normal = assemble(simd, self.bank, self.measured, &state.placement());
+        normal.lock(self.free);
+        normal
+    }
+}
+
+/// Descends from `state`.
 #[inline(always)]
-pub(super) fn descend<S: Simd>(
-    simd: S,
-    bank: &CableBank,
-    lengths: &[f64],
-    free: &[bool; 6],
-    mut state: State,
-) -> Descent {
-    let mut normal = assemble(simd, bank, lengths, &state.placement());
-    normal.lock(free);
-    let mut damping = 0.0;
-    let mut last_step = 0.0;
-    let mut at_rest = false;
+pub(super) fn descend<S: Simd>(simd: S, lengths: Lengths<'_>, state: State) -> Descent {
+    let mut walk = Walk {
+        state,
+        normal: lengths.at(simd, &state),
+        damping: 0.0,
+        last_step: 0.0,
+        at_rest: false,
+    };
     let mut iterations = 0;
-    while iterations < STEPS && damping < LAST_DAMPING {
+    while iterations < STEPS && walk.damping < LAST_DAMPING && !walk.at_rest {
         iterations += 1;
-        let Some(step) = normal.step(damping) else {
-            damping = raised(damping);
+        let Some(step) = walk.normal.step(walk.damping) else {
+            walk.damping = raised(walk.damping);
             continue;
         };
         let step = shortened(step);
-        let trial = state.moved(&step);
-        let mut reached = assemble(simd, bank, lengths, &trial.placement());
-        reached.lock(free);
-        let size = step.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let gain = normal.cost - reached.cost;
-        // Rounding of the lengths: residuals cannot be told apart below it.
-        let noise = 1e-30 + 1e-14 * normal.cost;
-        if !(gain >= -noise) {
-            at_rest = size < POSE_TOLERANCE;
-            if at_rest {
-                break;
-            }
-            damping = raised(damping);
-            continue;
+        let trial = walk.state.moved(&step);
+        let reached = lengths.at(simd, &trial);
+        walk.judge(&step, trial, reached);
+    }
+    Descent {
+        state: walk.state,
+        cost: walk.normal.cost,
+        at_rest: walk.at_rest,
+        blocked: walk.normal.blocked > 0.0,
+        conditioning: walk.normal.conditioning(),
+        iterations,
+    }
+}
+
+/// A descent under way.
+struct Walk {
+    state: State,
+    normal: NormalEquations,
+    damping: f64,
+    /// Size of the last accepted step; 0 before the first.
+    last_step: f64,
+    at_rest: bool,
+}
+
+impl Walk {
+    /// Accepts the trial or raises the damping, and notices when nothing is left to gain.
+    #[inline(always)]
+    fn judge(&mut self, step: &[f64; 6], trial: State, reached: NormalEquations) {
+        let mut size = 0.0_f64;
+        for value in step {
+            size = size.max(value.abs());
         }
-        damping = relaxed(damping, gain, normal.promised_decrease(&step));
-        (state, normal) = (trial, reached);
+        let gain = self.normal.cost - reached.cost;
+        // Residuals cannot be told apart below the rounding of the lengths.
+        let noise = 1e-30 + 1e-14 * self.normal.cost;
+        if gain.is_nan() || gain < -noise {
+            self.at_rest = size < POSE_TOLERANCE;
+            self.damping = raised(self.damping);
+            return;
+        }
+        self.damping = relaxed(self.damping, gain, self.normal.promised_decrease(step));
+        (self.state, self.normal) = (trial, reached);
         // Steps shrink at least by this ratio from now on, so that what is left is their sum.
-        let ratio = if last_step > 0.0 {
-            size / last_step
+        let ratio = if self.last_step > 0.0 {
+            size / self.last_step
         } else {
             1.0
         };
-        last_step = size;
-        at_rest = size < POSE_TOLERANCE || (ratio < 0.3 && size * ratio < POSE_TOLERANCE);
-        if at_rest {
-            break;
-        }
-    }
-    Descent {
-        state,
-        cost: normal.cost,
-        at_rest,
-        blocked: normal.blocked > 0.0,
-        conditioning: normal.conditioning(),
-        iterations,
+        self.last_step = size;
+        self.at_rest = size < POSE_TOLERANCE || (ratio < 0.3 && size * ratio < POSE_TOLERANCE);
     }
 }
 

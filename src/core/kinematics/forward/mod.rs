@@ -22,7 +22,7 @@ use crate::robot::Robot;
 
 use super::KinematicsError;
 use super::bank::{CableBank, MAX_CABLES};
-use descent::{Descent, State};
+use descent::{Descent, Lengths, State};
 
 /// Poses closer to a singularity than this are not called found; see
 /// [`ForwardSolution::conditioning`].
@@ -200,8 +200,12 @@ impl WithSimd for Search<'_> {
 impl Search<'_> {
     #[inline(always)]
     fn descend<S: Simd>(&self, simd: S, state: State) -> Descent {
-        let problem = self.problem;
-        descent::descend(simd, &problem.bank, self.lengths, &problem.free, state)
+        let lengths = Lengths {
+            bank: &self.problem.bank,
+            measured: self.lengths,
+            free: &self.problem.free,
+        };
+        descent::descend(simd, lengths, state)
     }
 
     fn rms(&self, found: &Descent) -> f64 {

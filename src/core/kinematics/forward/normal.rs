@@ -119,7 +119,7 @@ impl NormalEquations {
                 pivot -= l[entry(i, k)] * l[entry(i, k)];
             }
             // Below rounding the direction is not seen by the cables at all.
-            if !(pivot > 1e-13 * diagonal) {
+            if pivot.is_nan() || pivot <= 1e-13 * diagonal {
                 return None;
             }
             let inverse = 1.0 / pivot.sqrt();
