@@ -1,5 +1,20 @@
 //! Cable and platform kinematics.
 
+mod bank;
+mod forward;
+mod inverse;
 mod pulley;
+#[cfg(test)]
+pub(crate) mod samples;
+mod statics;
 
+pub use bank::MAX_CABLES;
+pub use forward::{ForwardKinematics, ForwardSolution};
+pub use inverse::{
+    CableState, KinematicsError, LengthGradient, inverse_kinematics, length_gradients,
+};
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
+pub use statics::{
+    Feasibility, TensionDistribution, applied_wrench, distribute_tension, equilibrium_residual,
+    structure_matrix,
+};

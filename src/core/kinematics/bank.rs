@@ -1,0 +1,133 @@
+//! All cables of a robot in columns, so that one SIMD vector holds the same number of several cables.
+
+use pulp::Simd;
+
+use crate::real::{Lanes, dot};
+use crate::robot::Robot;
+
+use super::inverse::check_pulley;
+use super::{KinematicsError, PulleyGeometry};
+
+/// Most cables a robot can have.
+pub const MAX_CABLES: usize = 64;
+/// Columns are padded to whole vectors of this many numbers, the widest there are.
+const WIDEST: usize = 8;
+
+/// Pulleys and platform anchors of all cables, in columns padded with copies of the first cable.
+#[derive(Debug, Clone)]
+pub(crate) struct CableBank {
+    count: usize,
+    entry: [Vec<f64>; 3],
+    axis: [Vec<f64>; 3],
+    radius: Vec<f64>,
+    anchor: [Vec<f64>; 3],
+}
+
+/// A robot's position and rotation as plain numbers; `rotation[row][column]`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placement<T> {
+    pub(crate) position: [T; 3],
+    pub(crate) rotation: [[T; 3]; 3],
+}
+
+impl CableBank {
+    /// The cables of `robot`.
+    pub(crate) fn new(robot: &Robot) -> Result<Self, KinematicsError> {
+        let count = robot.cable_count();
+        if !(1..=MAX_CABLES).contains(&count) {
+            return Err(KinematicsError::CableCount { count });
+        }
+        robot.cables.iter().try_for_each(check_pulley)?;
+        let padded = count.next_multiple_of(WIDEST);
+        let column = |get: &dyn Fn(&crate::robot::Cable) -> f64| -> Vec<f64> {
+            let at = |i: usize| get(&robot.cables[if i < count { i } else { 0 }]);
+            (0..padded).map(at).collect()
+        };
+        Ok(Self {
+            count,
+            entry: std::array::from_fn(|k| column(&|c| c.pulley.entry_point_m[k])),
+            axis: std::array::from_fn(|k| column(&|c| c.pulley.swivel_axis[k])),
+            radius: column(&|c| c.pulley.radius_m),
+            anchor: std::array::from_fn(|k| column(&|c| c.platform_anchor_m[k])),
+        })
+    }
+
+    /// Number of cables, padding left out.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of whole vectors that hold all cables.
+    #[inline(always)]
+    pub(crate) fn vectors<S: Simd>(&self) -> usize {
+        self.count.div_ceil(S::F64_LANES)
+    }
+
+    /// Mean of the entry points (m).
+    pub(crate) fn entry_centroid(&self) -> [f64; 3] {
+        let mean = |column: &Vec<f64>| column[..self.count].iter().sum::<f64>() / self.count as f64;
+        std::array::from_fn(|k| mean(&self.entry[k]))
+    }
+
+    /// Smallest and largest coordinate of the entry points along axis `k` (m).
+    pub(crate) fn entry_range(&self, k: usize) -> (f64, f64) {
+        let column = self.entry[k][..self.count].iter();
+        column.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(*v), high.max(*v))
+        })
+    }
+
+    /// The pulleys of the cables in vector `index`.
+    #[inline(always)]
+    pub(crate) fn pulleys<S: Simd>(&self, simd: S, index: usize) -> PulleyGeometry<Lanes<S>> {
+        PulleyGeometry {
+            entry: load_vector(simd, &self.entry, index),
+            axis: load_vector(simd, &self.axis, index),
+            radius: Lanes::load(simd, &self.radius, index),
+        }
+    }
+
+    /// `R b` of the cables in vector `index` (m).
+    #[inline(always)]
+    pub(crate) fn arms<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        rotation: &[[Lanes<S>; 3]; 3],
+    ) -> [Lanes<S>; 3] {
+        let anchor = load_vector(simd, &self.anchor, index);
+        [
+            dot(rotation[0], anchor),
+            dot(rotation[1], anchor),
+            dot(rotation[2], anchor),
+        ]
+    }
+}
+
+#[inline(always)]
+fn load_vector<S: Simd>(simd: S, columns: &[Vec<f64>; 3], index: usize) -> [Lanes<S>; 3] {
+    [
+        Lanes::load(simd, &columns[0], index),
+        Lanes::load(simd, &columns[1], index),
+        Lanes::load(simd, &columns[2], index),
+    ]
+}
+
+impl Placement<f64> {
+    /// The same placement in all lanes.
+    // No closures here and wherever lanes are: they would be compiled for the plain processor.
+    #[inline(always)]
+    pub(crate) fn splat<S: Simd>(&self, simd: S) -> Placement<Lanes<S>> {
+        let mut place = Placement {
+            position: [Lanes::splat(simd, 0.0); 3],
+            rotation: [[Lanes::splat(simd, 0.0); 3]; 3],
+        };
+        for i in 0..3 {
+            place.position[i] = Lanes::splat(simd, self.position[i]);
+            for j in 0..3 {
+                place.rotation[i][j] = Lanes::splat(simd, self.rotation[i][j]);
+            }
+        }
+        place
+    }
+}

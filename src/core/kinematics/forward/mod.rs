@@ -1,0 +1,252 @@
+//! Forward kinematics: the pose from the cable lengths.
+//!
+//! Minimises `sum_i (l_i(r, R) - l_i,measured)^2` over the free coordinates of the platform, with
+//! `l_i` the geometric length over the pulley from entry point to anchor (m). Gauss-Newton steps on
+//! the normal equations, damped after Levenberg and Marquardt only where a plain step fails;
+//! further starts from a fixed sequence where the residual stays large. Deterministic.
+//!
+//! With as many cables as free coordinates several poses can have the same lengths; the one that
+//! the start leads to is returned. With more cables a second pose is exceptional, but local minima
+//! with a residual are not: see [`ForwardKinematics::with_residual_limit`].
+//! Sources: Jin et al. 2018, equation 5; Pott 2018, chapter 4.4; Nocedal and Wright 2006, chapter 10.
+
+mod descent;
+mod normal;
+mod starts;
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::geometry::{Freedom, Pose, Vec3};
+use crate::robot::Robot;
+
+use super::KinematicsError;
+use super::bank::{CableBank, MAX_CABLES};
+use descent::{Descent, Lengths, State};
+
+/// Poses closer to a singularity than this are not called found; see
+/// [`ForwardSolution::conditioning`].
+const SINGULAR: f64 = 1e-6;
+/// Default of the residual limit, relative to the size of the frame.
+const RELATIVE_RESIDUAL_LIMIT: f64 = 1e-6;
+/// A residual below this, relative to the size of the frame, is rounding: no start can do better.
+const RELATIVE_ROUNDING: f64 = 1e-11;
+/// Default number of starts.
+const STARTS: usize = 40;
+
+/// A robot prepared for forward kinematics.
+#[derive(Debug, Clone)]
+pub struct ForwardKinematics {
+    bank: CableBank,
+    free: [bool; 6],
+    freedom: Freedom,
+    centre: Pose,
+    frame_size_m: f64,
+    residual_limit_m: f64,
+    starts: usize,
+    arch: Arch,
+}
+
+/// The pose found, and how far it can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForwardSolution {
+    /// The pose with the smallest residual that was found.
+    pub pose: Pose,
+    /// Whether it is a minimum that fits: the iteration came to rest, the residual is within the
+    /// limit, every cable has a path and the pose is not singular.
+    pub converged: bool,
+    /// Root mean square of the length residuals (m).
+    pub residual_rms_m: f64,
+    /// Steps tried, over all starts.
+    pub iterations: usize,
+    /// Starts used; 1: the given one sufficed.
+    pub starts_used: usize,
+    /// Independence of the free coordinates as the cables see them: the sine of the smallest angle
+    /// between a column of the length Jacobian and the columns before it. 1: orthogonal; 0:
+    /// singular, some motion changes no length.
+    pub conditioning: f64,
+}
+
+impl ForwardKinematics {
+    /// Prepares `robot`.
+    ///
+    /// # Errors
+    /// A pulley whose numbers cannot be used, by name, or an impossible number of cables.
+    pub fn new(robot: &Robot) -> Result<Self, KinematicsError> {
+        let bank = CableBank::new(robot)?;
+        let freedom = robot.platform.freedom();
+        let mut free = [false; 6];
+        for coordinate in freedom.coordinates() {
+            free[coordinate.index()] = true;
+        }
+        let frame_size_m = starts::frame_size(&bank);
+        let home = robot.home.map(|home| home.pose());
+        Ok(Self {
+            centre: home.unwrap_or_else(|| starts::centre(&bank, robot, frame_size_m)),
+            bank,
+            free,
+            freedom,
+            frame_size_m,
+            residual_limit_m: RELATIVE_RESIDUAL_LIMIT * frame_size_m,
+            starts: STARTS,
+            arch: Arch::new(),
+        })
+    }
+
+    /// With another limit on the rms residual (m) that a pose may have to count as found.
+    ///
+    /// By default a millionth of the frame's size: for lengths without error. For measured lengths
+    /// choose a few times their error. The tighter, the surer that a local minimum is recognised:
+    /// a small platform can have some that fit to one percent of the frame.
+    #[must_use]
+    pub fn with_residual_limit(mut self, limit_m: f64) -> Self {
+        self.residual_limit_m = limit_m;
+        self
+    }
+
+    /// With another number of starts that are tried at most; 1 forbids any but the given one.
+    #[must_use]
+    pub fn with_starts(mut self, starts: usize) -> Self {
+        self.starts = starts.max(1);
+        self
+    }
+
+    /// Number of cables.
+    #[must_use]
+    pub fn cable_count(&self) -> usize {
+        self.bank.count()
+    }
+
+    /// The start of [`Self::solve_from_anywhere`]: the home pose or the middle of the frame.
+    #[must_use]
+    pub fn centre(&self) -> &Pose {
+        &self.centre
+    }
+
+    /// The pose with the given lengths (m) from entry points to platform anchors, searched from
+    /// `start`; the coordinates that are not free stay as they are there.
+    ///
+    /// The first pose within the residual limit is taken; further starts are tried only where that
+    /// from `start` is not. A length that is NaN or missing leaves its cable out. Never fails:
+    /// see [`ForwardSolution::converged`].
+    #[must_use]
+    pub fn solve(&self, lengths_m: &[f64], start: &Pose) -> ForwardSolution {
+        self.search(lengths_m, start, self.residual_limit_m)
+    }
+
+    /// As [`Self::solve`], from the [centre](Self::centre) of the workspace, and by the best of all
+    /// starts unless one fits within rounding.
+    #[must_use]
+    pub fn solve_from_anywhere(&self, lengths_m: &[f64]) -> ForwardSolution {
+        let rounding = RELATIVE_ROUNDING * self.frame_size_m;
+        self.search(lengths_m, &self.centre, rounding)
+    }
+
+    fn search(&self, lengths_m: &[f64], start: &Pose, enough_m: f64) -> ForwardSolution {
+        let mut lengths = [f64::NAN; MAX_CABLES];
+        let count = lengths_m.len().min(self.bank.count());
+        lengths[..count].copy_from_slice(&lengths_m[..count]);
+        let known = lengths.iter().filter(|l| !l.is_nan()).count();
+        self.arch.dispatch(Search {
+            problem: self,
+            lengths: &lengths,
+            known,
+            start,
+            enough_m,
+        })
+    }
+}
+
+/// One solve, generic over the vectors of the processor.
+struct Search<'a> {
+    problem: &'a ForwardKinematics,
+    lengths: &'a [f64; MAX_CABLES],
+    known: usize,
+    start: &'a Pose,
+    /// No further start is tried once the rms residual (m) is below this.
+    enough_m: f64,
+}
+
+impl WithSimd for Search<'_> {
+    type Output = ForwardSolution;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ForwardSolution {
+        let mut best = self.descend(simd, State::from_pose(self.start));
+        let (mut iterations, mut used) = (best.iterations, 1);
+        // Fewer lengths than coordinates: no start can make the pose unique.
+        let determined = self.known >= self.problem.freedom.count();
+        while determined && used < self.problem.starts && !self.suffices(&best) {
+            let next = starts::further(self.problem, self.start, &best.state.pose(), used);
+            let found = self.descend(simd, State::from_pose(&next));
+            iterations += found.iterations;
+            used += 1;
+            if self.rank(&found) < self.rank(&best) {
+                best = found;
+            }
+        }
+        let converged = self.accepts(&best);
+        ForwardSolution {
+            pose: best.state.pose(),
+            converged,
+            residual_rms_m: self.rms(&best),
+            iterations,
+            starts_used: used,
+            conditioning: best.conditioning,
+        }
+    }
+}
+
+impl Search<'_> {
+    #[inline(always)]
+    fn descend<S: Simd>(&self, simd: S, state: State) -> Descent {
+        let lengths = Lengths {
+            bank: &self.problem.bank,
+            measured: self.lengths,
+            free: &self.problem.free,
+        };
+        descent::descend(simd, lengths, state)
+    }
+
+    fn rms(&self, found: &Descent) -> f64 {
+        (found.cost / self.known.max(1) as f64).sqrt()
+    }
+
+    /// Order of preference: accepted before not, then by residual.
+    fn rank(&self, found: &Descent) -> (bool, f64) {
+        (!self.accepts(found), found.cost)
+    }
+
+    fn suffices(&self, found: &Descent) -> bool {
+        self.accepts(found) && self.rms(found) <= self.enough_m
+    }
+
+    fn accepts(&self, found: &Descent) -> bool {
+        found.at_rest
+            && !found.blocked
+            && found.conditioning > SINGULAR
+            && self.known >= self.problem.freedom.count()
+            && self.rms(found) <= self.problem.residual_limit_m
+    }
+}
+
+impl State {
+    fn from_pose(pose: &Pose) -> Self {
+        let q = pose.orientation.quaternion();
+        Self {
+            position: pose.position.into(),
+            quaternion: [q.w, q.i, q.j, q.k],
+        }
+    }
+
+    fn pose(&self) -> Pose {
+        let [w, x, y, z] = self.quaternion;
+        Pose {
+            position: Vec3::from(self.position),
+            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

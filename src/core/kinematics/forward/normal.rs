@@ -1,0 +1,164 @@
+//! Residuals of the cable lengths at a pose, condensed to normal equations.
+
+use pulp::Simd;
+
+use super::super::bank::{CableBank, Placement};
+use crate::real::{Lanes, Real, add_scaled, cross, scaled};
+
+/// Entries of the lower triangle of a symmetric 6 x 6 matrix, row by row.
+pub(super) const TRIANGLE: usize = 21;
+
+/// Position of entry `(row, column)`, `column <= row`, in the triangle.
+#[inline(always)]
+pub(super) const fn entry(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
+}
+
+/// `sum r^2`, `J^T r` and `J^T J` of the length residuals `r = l(pose) - l_measured` with respect to
+/// the twist of the platform (m^2, m^2 and m^2/rad, ..).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NormalEquations {
+    pub(super) cost: f64,
+    pub(super) gradient: [f64; 6],
+    pub(super) matrix: [f64; TRIANGLE],
+    /// Sum over the cables of how far (m^2) their anchors are inside their pulleys.
+    pub(super) blocked: f64,
+}
+
+/// Normal equations at a placement; cables whose length is NaN do not take part. `lengths` is
+/// padded with NaN to whole vectors.
+#[inline(always)]
+pub(super) fn assemble<S: Simd>(
+    simd: S,
+    bank: &CableBank,
+    lengths: &[f64],
+    placement: &Placement<f64>,
+) -> NormalEquations {
+    let zero = Lanes::splat(simd, 0.0);
+    let (mut cost, mut blocked) = (zero, zero);
+    let mut gradient = [zero; 6];
+    let mut matrix = [zero; TRIANGLE];
+    let place = placement.splat(simd);
+    for index in 0..bank.vectors::<S>() {
+        let (length, weight) = Lanes::load(simd, lengths, index).present();
+        let arm = bank.arms(simd, index, &place.rotation);
+        let anchor = add_scaled(place.position, zero.lift(1.0), arm);
+        let path = bank.pulleys(simd, index).path_to(anchor);
+        let residual = (path.length - length) * weight;
+        // Row of J: minus [u; (R b) x u].
+        let down = scaled(path.toward_exit, -weight);
+        let turn = cross(arm, down);
+        let row = [down[0], down[1], down[2], turn[0], turn[1], turn[2]];
+        cost = residual.mul_add(residual, cost);
+        blocked = blocked + (-path.clearance).max(zero) * weight;
+        for i in 0..6 {
+            gradient[i] = row[i].mul_add(residual, gradient[i]);
+            for j in 0..=i {
+                matrix[entry(i, j)] = row[i].mul_add(row[j], matrix[entry(i, j)]);
+            }
+        }
+    }
+    let mut sums = NormalEquations {
+        cost: cost.sum(),
+        gradient: [0.0; 6],
+        matrix: [0.0; TRIANGLE],
+        blocked: blocked.sum(),
+    };
+    for i in 0..6 {
+        sums.gradient[i] = gradient[i].sum();
+    }
+    for i in 0..TRIANGLE {
+        sums.matrix[i] = matrix[i].sum();
+    }
+    sums
+}
+
+impl NormalEquations {
+    /// Locks the coordinates that are not free: no gradient, a unit on the diagonal.
+    #[inline(always)]
+    pub(super) fn lock(&mut self, free: &[bool; 6]) {
+        for i in 0..6 {
+            if free[i] {
+                continue;
+            }
+            self.gradient[i] = 0.0;
+            for j in 0..6 {
+                self.matrix[entry(i.max(j), i.min(j))] = if i == j { 1.0 } else { 0.0 };
+            }
+        }
+    }
+
+    /// The step `-(J^T J + damping diag(J^T J))^-1 J^T r`, `None` where the matrix is singular.
+    #[inline(always)]
+    pub(super) fn step(&self, damping: f64) -> Option<[f64; 6]> {
+        let factor = self.factor(damping)?;
+        let mut x = self.gradient.map(|v| -v);
+        for i in 0..6 {
+            for j in 0..i {
+                x[i] -= factor[entry(i, j)] * x[j];
+            }
+            x[i] *= factor[entry(i, i)];
+        }
+        for i in (0..6).rev() {
+            for j in i + 1..6 {
+                x[i] -= factor[entry(j, i)] * x[j];
+            }
+            x[i] *= factor[entry(i, i)];
+        }
+        Some(x)
+    }
+
+    /// Cholesky factor of the damped matrix, with the reciprocals of its diagonal.
+    #[inline(always)]
+    fn factor(&self, damping: f64) -> Option<[f64; TRIANGLE]> {
+        let mut l = self.matrix;
+        for i in 0..6 {
+            let diagonal = l[entry(i, i)];
+            let mut pivot = diagonal * (1.0 + damping);
+            for k in 0..i {
+                pivot -= l[entry(i, k)] * l[entry(i, k)];
+            }
+            // Below rounding the direction is not seen by the cables at all.
+            if pivot.is_nan() || pivot <= 1e-13 * diagonal {
+                return None;
+            }
+            let inverse = 1.0 / pivot.sqrt();
+            l[entry(i, i)] = inverse;
+            for j in i + 1..6 {
+                let mut value = l[entry(j, i)];
+                for k in 0..i {
+                    value -= l[entry(j, k)] * l[entry(i, k)];
+                }
+                l[entry(j, i)] = value * inverse;
+            }
+        }
+        Some(l)
+    }
+
+    /// Smallest pivot of the Cholesky factor relative to its column: the sine of the smallest
+    /// angle between a column of `J` and those before it. 0 at a singular pose.
+    #[inline(always)]
+    pub(super) fn conditioning(&self) -> f64 {
+        let Some(factor) = self.factor(0.0) else {
+            return 0.0;
+        };
+        (0..6).fold(1.0, |least: f64, i| {
+            let inverse_pivot = factor[entry(i, i)];
+            least.min(1.0 / (inverse_pivot * self.matrix[entry(i, i)].sqrt()))
+        })
+    }
+
+    /// Decrease of the cost that the linear model promises for `step`.
+    #[inline(always)]
+    pub(super) fn promised_decrease(&self, step: &[f64; 6]) -> f64 {
+        let mut curvature = 0.0;
+        let mut slope = 0.0;
+        for i in 0..6 {
+            slope += self.gradient[i] * step[i];
+            for j in 0..6 {
+                curvature += self.matrix[entry(i.max(j), i.min(j))] * step[i] * step[j];
+            }
+        }
+        -2.0 * slope - curvature
+    }
+}

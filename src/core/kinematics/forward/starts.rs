@@ -1,0 +1,104 @@
+//! Where forward kinematics starts, and where it tries again.
+
+use super::super::bank::CableBank;
+use super::ForwardKinematics;
+use crate::geometry::{Pose, Vec3};
+use crate::robot::Robot;
+
+/// Largest component of the rotation vector of a further start (rad).
+const TURN: f64 = 1.2;
+/// Half width of the box of further starts, relative to that of the frame.
+const SPREAD: f64 = 0.6;
+
+/// Diagonal of the box around the entry points (m).
+pub(super) fn frame_size(bank: &CableBank) -> f64 {
+    half_width(bank).norm() * 2.0
+}
+
+fn half_width(bank: &CableBank) -> Vec3 {
+    Vec3::from_fn(|k, _| {
+        let (low, high) = bank.entry_range(k);
+        0.5 * (high - low)
+    })
+}
+
+/// The middle of the entry points; below it, along gravity, where they all lie at one height: there
+/// the platform hangs, and at that height itself vertical motion would change no length.
+pub(super) fn centre(bank: &CableBank, robot: &Robot, frame_size_m: f64) -> Pose {
+    let mut position = Vec3::from(bank.entry_centroid());
+    let down = robot.gravity().try_normalize(1e-9).unwrap_or_default();
+    let heights = robot
+        .cables
+        .iter()
+        .map(|cable| down.dot(&Vec3::from(cable.pulley.entry_point_m)));
+    let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+        (low.min(h), high.max(h))
+    });
+    let freedom = robot.platform.freedom();
+    if high - low < 0.1 * frame_size_m {
+        let drop = down * (0.3 * frame_size_m);
+        for coordinate in freedom.coordinates().iter().filter(|c| c.index() < 3) {
+            position[coordinate.index()] += drop[coordinate.index()];
+        }
+    }
+    Pose {
+        position,
+        ..Pose::identity()
+    }
+}
+
+/// Further start number `number`, from 1, in the free coordinates only; the others stay as in
+/// `start`.
+///
+/// Small platforms find their position from almost anywhere and err in their orientation, so the
+/// first ones turn the platform where the best descent so far has put it; then points of a Halton
+/// sequence around the centre.
+pub(super) fn further(
+    problem: &ForwardKinematics,
+    start: &Pose,
+    best: &Pose,
+    number: usize,
+) -> Pose {
+    let turning = number <= TURNS.len();
+    let target = if turning { best } else { &problem.centre };
+    let mut twist = target.difference(start);
+    if turning {
+        for k in 0..3 {
+            twist[3 + k] = TURNS[number - 1][k];
+        }
+    } else {
+        // Along a flat frame's normal the platform may still be far: use a part of the size.
+        let least = 0.25 * problem.frame_size_m;
+        let half = half_width(&problem.bank).map(|v| v.max(least));
+        for k in 0..6 {
+            let scale = if k < 3 { SPREAD * half[k] } else { TURN };
+            twist[k] += scale * (2.0 * halton(number, BASES[k]) - 1.0);
+        }
+    }
+    for k in (0..6).filter(|k| !problem.free[*k]) {
+        twist[k] = 0.0;
+    }
+    start.perturbed(&twist)
+}
+
+/// Rotation vectors of the first further starts, relative to the given start (rad).
+const TURNS: [[f64; 3]; 6] = [
+    [0.0, 0.0, 0.6],
+    [0.0, 0.0, -0.6],
+    [0.6, 0.0, 0.0],
+    [-0.6, 0.0, 0.0],
+    [0.0, 0.6, 0.0],
+    [0.0, -0.6, 0.0],
+];
+const BASES: [usize; 6] = [2, 3, 5, 7, 11, 13];
+
+/// Element `index` of the van der Corput sequence to `base`, in (0, 1).
+fn halton(mut index: usize, base: usize) -> f64 {
+    let (mut fraction, mut value) = (1.0, 0.0);
+    while index > 0 {
+        fraction /= base as f64;
+        value += fraction * (index % base) as f64;
+        index /= base;
+    }
+    value
+}

@@ -1,0 +1,327 @@
+//! Static equilibrium of the platform and a tension distribution that satisfies it.
+//!
+//! Row `i` of the structure matrix `A` holds the free components of `[u_i; (R b_i) x u_i]`, with
+//! `u_i` the unit vector from the anchor `B_i` to the exit point: the wrench on the platform, about
+//! its origin, per newton of tension. With the applied wrench `w = [m g; (R c) x m g]` (`c` centre of
+//! mass in the platform frame) the platform rests where `A^T T + w = 0`.
+//!
+//! Tensions in N, forces in N, torques in N m about the platform origin, all in base coordinates.
+//! Assumptions: massless straight cables, a rigid platform, no friction. Source: Pott,
+//! *Cable-Driven Parallel Robots*, 2018, chapter 3; Jin et al. 2018, equation 9 and section 3.
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+use crate::geometry::{Pose, Twist, Vec3};
+use crate::robot::Robot;
+
+use super::KinematicsError;
+use super::inverse::LocatedCable;
+
+/// Structure matrix `A` at a pose, one row per cable and one column per free coordinate.
+///
+/// # Errors
+/// The first cable that has no path at this pose, by name.
+pub fn structure_matrix(robot: &Robot, pose: &Pose) -> Result<DMatrix<f64>, KinematicsError> {
+    let freedom = robot.platform.freedom();
+    let mut matrix = DMatrix::zeros(robot.cable_count(), freedom.count());
+    for (i, cable) in robot.cables.iter().enumerate() {
+        let located = LocatedCable::new(cable, pose)?;
+        let u = located.toward_exit();
+        let torque = located.arm.cross(&u);
+        let wrench = Twist::new(u.x, u.y, u.z, torque.x, torque.y, torque.z);
+        for (j, coordinate) in freedom.coordinates().iter().enumerate() {
+            matrix[(i, j)] = wrench[coordinate.index()];
+        }
+    }
+    Ok(matrix)
+}
+
+/// Wrench of gravity on the platform in its free coordinates (N, N m).
+///
+/// # Errors
+/// If the mass is not given.
+pub fn applied_wrench(robot: &Robot, pose: &Pose) -> Result<DVector<f64>, KinematicsError> {
+    let mass = robot.platform.mass_kg;
+    let weight = robot.gravity() * mass.ok_or(KinematicsError::MassNotGiven)?;
+    let lever = pose.orientation * Vec3::from(robot.platform.center_of_mass_m);
+    let torque = lever.cross(&weight);
+    let wrench = [weight.x, weight.y, weight.z, torque.x, torque.y, torque.z];
+    let freedom = robot.platform.freedom();
+    let free = freedom.coordinates().iter();
+    Ok(DVector::from_iterator(
+        freedom.count(),
+        free.map(|c| wrench[c.index()]),
+    ))
+}
+
+/// Wrench that is out of balance at the given tensions: `A^T T + w` in the free coordinates.
+///
+/// # Errors
+/// The first cable that has no path at this pose, by name; or that the mass is not given.
+///
+/// # Panics
+/// If the number of tensions is not the number of cables.
+pub fn equilibrium_residual(
+    robot: &Robot,
+    pose: &Pose,
+    tensions_n: &[f64],
+) -> Result<DVector<f64>, KinematicsError> {
+    assert_eq!(
+        tensions_n.len(),
+        robot.cable_count(),
+        "one tension per cable"
+    );
+    let structure = structure_matrix(robot, pose)?;
+    let wrench = applied_wrench(robot, pose)?;
+    Ok(structure.tr_mul(&DVector::from_column_slice(tensions_n)) + wrench)
+}
+
+/// Whether tensions within the limits balance the applied wrench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Feasibility {
+    /// They do, within rounding.
+    Feasible,
+    /// No tensions within the limits do.
+    Infeasible,
+}
+
+/// Tensions nearest to a reference that balance the platform, or balance it as well as possible.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TensionDistribution {
+    /// Whether the platform is balanced.
+    pub feasibility: Feasibility,
+    /// Tension of each cable (N), within its limits.
+    pub tensions_n: Vec<f64>,
+    /// What is out of balance, `A^T T + w` (N, N m).
+    pub residual: Vec<f64>,
+    /// Newton steps taken.
+    pub iterations: usize,
+}
+
+/// Limit on the proximal steps; infeasible poses near the border need the most.
+const PROXIMAL_STEPS: usize = 60;
+/// Limit on the Newton steps within one proximal step.
+const NEWTON_STEPS: usize = 60;
+/// Curvature added to the dual, relative to columns of `A` of norm 1.
+const PROXIMAL_WEIGHT: f64 = 1e-6;
+/// Imbalance that counts as none, relative to the wrenches that are balanced.
+const BALANCE_TOLERANCE: f64 = 1e-10;
+
+type Vector6 = SVector<f64, 6>;
+type Matrix6 = SMatrix<f64, 6, 6>;
+
+/// Minimises `|T - T_ref|^2` subject to `A^T T + w = 0` and `lower <= T <= upper`.
+///
+/// Solved in the dual: `T(lambda) = clip(T_ref + A lambda)`, and `F(lambda) = A^T T(lambda) + w = 0` is
+/// the stationarity of a convex piecewise quadratic function, found by semismooth Newton steps
+/// with line search (Qi and Sun 1993). A proximal term `mu/2 |lambda - lambda_k|^2` keeps every step
+/// defined where cables are slack, at their limits or too few (Rockafellar 1976); its centres
+/// converge to the solution, or run off along a direction `p` with `max_T p.(A^T T + w) < 0`,
+/// which proves that there is none (Farkas).
+///
+/// `structure` is `A` (cables x free coordinates, at most 6), the limits may be infinite.
+///
+/// # Panics
+/// If the numbers of rows, columns, references and limits do not fit together.
+#[must_use]
+pub fn distribute_tension(
+    structure: &DMatrix<f64>,
+    wrench: &DVector<f64>,
+    reference_n: &[f64],
+    lower_n: &[f64],
+    upper_n: &[f64],
+) -> TensionDistribution {
+    let dual = Dual::new(structure, wrench, reference_n, lower_n, upper_n);
+    let mut centre = Vector6::zeros();
+    let mut iterations = 0;
+    let mut feasibility = Feasibility::Infeasible;
+    for _ in 0..PROXIMAL_STEPS {
+        let (next, steps) = dual.proximal_step(&centre);
+        iterations += steps;
+        let imbalance = dual.imbalance(&next);
+        let run = next - centre;
+        centre = next;
+        if imbalance.norm() <= BALANCE_TOLERANCE * dual.scale(&next) {
+            feasibility = Feasibility::Feasible;
+            break;
+        }
+        if dual.proves_infeasible(&run) {
+            break;
+        }
+    }
+    let tensions_n = dual.tensions(&centre);
+    let residual = structure.tr_mul(&DVector::from_column_slice(&tensions_n)) + wrench;
+    TensionDistribution {
+        feasibility,
+        tensions_n,
+        residual: residual.iter().copied().collect(),
+        iterations,
+    }
+}
+
+/// The dual problem, with columns of `A` scaled to norm 1 and padded to six coordinates.
+struct Dual<'a> {
+    rows: Vec<Vector6>,
+    wrench: Vector6,
+    reference: &'a [f64],
+    lower: &'a [f64],
+    upper: &'a [f64],
+}
+
+impl<'a> Dual<'a> {
+    fn new(
+        structure: &DMatrix<f64>,
+        wrench: &DVector<f64>,
+        reference: &'a [f64],
+        lower: &'a [f64],
+        upper: &'a [f64],
+    ) -> Self {
+        let (cables, coordinates) = structure.shape();
+        assert!(coordinates <= 6 && wrench.len() == coordinates);
+        assert!(reference.len() == cables && lower.len() == cables && upper.len() == cables);
+        let mut scale = Vector6::repeat(1.0);
+        for (j, column) in structure.column_iter().enumerate() {
+            let norm = column.norm();
+            // A coordinate that no cable moves keeps its own unit.
+            scale[j] = if norm > 1e-12 { 1.0 / norm } else { 1.0 };
+        }
+        let padded = |get: &dyn Fn(usize) -> f64| {
+            Vector6::from_fn(|j, _| {
+                if j < coordinates {
+                    get(j) * scale[j]
+                } else {
+                    0.0
+                }
+            })
+        };
+        Self {
+            rows: (0..cables)
+                .map(|i| padded(&|j| structure[(i, j)]))
+                .collect(),
+            wrench: padded(&|j| wrench[j]),
+            reference,
+            lower,
+            upper,
+        }
+    }
+
+    /// `T(lambda)` of one cable, and whether it is strictly between its limits.
+    fn tension(&self, i: usize, lambda: &Vector6) -> (f64, bool) {
+        let wanted = self.reference[i] + self.rows[i].dot(lambda);
+        let tension = wanted.min(self.upper[i]).max(self.lower[i]);
+        (tension, tension == wanted)
+    }
+
+    fn tensions(&self, lambda: &Vector6) -> Vec<f64> {
+        let cables = 0..self.rows.len();
+        cables.map(|i| self.tension(i, lambda).0).collect()
+    }
+
+    /// `F(lambda) = A^T T(lambda) + w`, scaled.
+    fn imbalance(&self, lambda: &Vector6) -> Vector6 {
+        let rows = self.rows.iter().enumerate();
+        rows.fold(self.wrench, |sum, (i, row)| {
+            sum + row * self.tension(i, lambda).0
+        })
+    }
+
+    /// Size of the wrenches that balance each other.
+    fn scale(&self, lambda: &Vector6) -> f64 {
+        let rows = self.rows.iter().enumerate();
+        rows.fold(self.wrench.norm(), |sum, (i, row)| {
+            sum + row.norm() * self.tension(i, lambda).0.abs()
+        })
+    }
+
+    /// Negative of the dual function plus the proximal term.
+    fn merit(&self, lambda: &Vector6, centre: &Vector6) -> f64 {
+        let proximal = 0.5 * PROXIMAL_WEIGHT * (lambda - centre).norm_squared();
+        let rows = self.rows.iter().enumerate();
+        rows.fold(proximal + lambda.dot(&self.wrench), |sum, (i, row)| {
+            let tension = self.tension(i, lambda).0;
+            let off = tension - self.reference[i];
+            sum + tension * row.dot(lambda) - 0.5 * off * off
+        })
+    }
+
+    fn curvature(&self, lambda: &Vector6) -> Matrix6 {
+        let mut sum = Matrix6::identity() * PROXIMAL_WEIGHT;
+        for (i, row) in self.rows.iter().enumerate() {
+            if self.tension(i, lambda).1 {
+                sum += row * row.transpose();
+            }
+        }
+        sum
+    }
+
+    /// Minimum of the dual with the proximal term about `centre`, and the Newton steps it took.
+    fn proximal_step(&self, centre: &Vector6) -> (Vector6, usize) {
+        let mut lambda = *centre;
+        for taken in 0..NEWTON_STEPS {
+            let gradient = self.imbalance(&lambda) + (lambda - centre) * PROXIMAL_WEIGHT;
+            if gradient.norm() <= 0.1 * BALANCE_TOLERANCE * self.scale(&lambda) {
+                return (lambda, taken);
+            }
+            let Some(factor) = self.curvature(&lambda).cholesky() else {
+                return (lambda, taken);
+            };
+            let step = -factor.solve(&gradient);
+            let Some(length) = self.line_search(&lambda, centre, &step, gradient.dot(&step)) else {
+                return (lambda, taken);
+            };
+            lambda += step * length;
+        }
+        (lambda, NEWTON_STEPS)
+    }
+
+    /// Step length with sufficient decrease (Armijo), `None` where rounding hides any decrease.
+    fn line_search(
+        &self,
+        lambda: &Vector6,
+        centre: &Vector6,
+        step: &Vector6,
+        slope: f64,
+    ) -> Option<f64> {
+        let before = self.merit(lambda, centre);
+        let rounding = 1e-15 * before.abs();
+        let mut length = 1.0;
+        for _ in 0..40 {
+            let after = self.merit(&(lambda + step * length), centre);
+            if after <= before + 1e-4 * length * slope + rounding {
+                return Some(length);
+            }
+            length *= 0.5;
+        }
+        None
+    }
+
+    /// Whether every admissible tension leaves a wrench against `direction`.
+    fn proves_infeasible(&self, direction: &Vector6) -> bool {
+        let norm = direction.norm();
+        if norm == 0.0 {
+            return false;
+        }
+        let p = direction / norm;
+        let mut most = p.dot(&self.wrench);
+        let mut scale = self.wrench.norm();
+        for (i, row) in self.rows.iter().enumerate() {
+            let along = row.dot(&p);
+            // The zero product keeps infinite limits of cables across the direction out.
+            if along != 0.0 {
+                let tension = if along > 0.0 {
+                    self.upper[i]
+                } else {
+                    self.lower[i]
+                };
+                most += along * tension;
+                scale += (along * tension).abs();
+            }
+        }
+        let against = if most < 0.0 { -most } else { 0.0 };
+        against > BALANCE_TOLERANCE * scale
+    }
+}
+
+#[cfg(test)]
+#[path = "statics_tests.rs"]
+mod tests;
