@@ -1,1 +1,26 @@
 //! Files of Tautline: dataset folders, session files, model files.
+//!
+//! Every reader takes bytes from anyone and returns a value that makes sense or a [`ReadError`]
+//! of one sentence; none panics and none needs memory beyond a few times the size of its input.
+//! Every writer replaces its file completely or not at all.
+
+mod atomic;
+mod error;
+mod json;
+mod phases;
+mod poses;
+mod robot_file;
+mod table;
+
+pub use error::{Loaded, Place, ReadError, WriteError};
+pub use json::{
+    Document, Migration, Schema, document_schema, parse_document, read_document, schema_for,
+    write_document,
+};
+pub use phases::{
+    CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
+    read_check, read_elongation, read_force, read_home, read_winch, write_check, write_elongation,
+    write_force, write_home, write_winch,
+};
+pub use poses::{read_poses, write_poses};
+pub use robot_file::{parse_robot, read_robot, write_robot};
