@@ -5,13 +5,16 @@
 //! Every writer replaces its file completely or not at all.
 
 mod atomic;
+mod dataset;
 mod error;
 mod json;
 mod phases;
 mod poses;
 mod robot_file;
+mod session;
 mod table;
 
+pub use dataset::{DatasetFolder, read_check_file, read_dataset, write_dataset};
 pub use error::{Loaded, Place, ReadError, WriteError};
 pub use json::{
     Document, Migration, Schema, document_schema, parse_document, read_document, schema_for,
@@ -24,3 +27,16 @@ pub use phases::{
 };
 pub use poses::{read_poses, write_poses};
 pub use robot_file::{parse_robot, read_robot, write_robot};
+pub use session::{
+    DiagnosisSettings, FreeEffect, IdentificationSettings, LogEntry, Method, NotATimestamp, Phase,
+    ResultRecord, Session, Settings, Timestamp, parse_session, read_session, write_session,
+};
+
+/// The schemas of all documents that are read.
+#[must_use]
+pub fn schemas() -> Vec<Schema> {
+    vec![
+        document_schema::<tautline_core::robot::Robot>(),
+        document_schema::<session::SessionDocument>(),
+    ]
+}

@@ -50,11 +50,11 @@ pub fn read_force(
 /// Writes `force.csv`, so that it reads back bit by bit.
 ///
 /// # Errors
-/// If the writer fails.
-pub fn write_force(out: impl Write, pairs: &[ForcePair]) -> IoResult<()> {
+/// If the writer fails or the robot has no such cable.
+pub fn write_force(out: impl Write, pairs: &[ForcePair], robot: &Robot) -> IoResult<()> {
     let mut table = TableWriter::new(out, &COLUMNS)?;
     for pair in pairs {
-        table.cable(pair.cable)?;
+        table.cable(pair.cable, robot)?;
         table.number(pair.reading_n)?;
         table.number(pair.load_n)?;
         table.end_row()?;

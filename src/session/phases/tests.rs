@@ -31,9 +31,8 @@ fn cables_are_named_or_numbered_and_names_win() {
 
 #[test]
 fn every_table_reads_back() {
-    // Cable names are no numbers here: files are written with numbers.
     let mut robot = robot();
-    robot.cables[0].name = "left".into();
+    robot.cables[1].name = "#right".into();
     let winch = vec![
         WinchPair {
             cable: 0,
@@ -49,7 +48,7 @@ fn every_table_reads_back() {
         },
     ];
     let mut bytes = Vec::new();
-    write_winch(&mut bytes, &winch).expect("written");
+    write_winch(&mut bytes, &winch, &robot).expect("written");
     assert_eq!(
         read_winch(&bytes[..], "w", &robot).expect("read").value,
         winch
@@ -61,7 +60,7 @@ fn every_table_reads_back() {
         load_n: 9.80665,
     }];
     bytes.clear();
-    write_force(&mut bytes, &force).expect("written");
+    write_force(&mut bytes, &force, &robot).expect("written");
     assert_eq!(
         read_force(&bytes[..], "f", &robot).expect("read").value,
         force

@@ -63,13 +63,13 @@ pub fn read_winch(
 /// Writes `winch.csv`, so that it reads back bit by bit.
 ///
 /// # Errors
-/// If the writer fails.
-pub fn write_winch(out: impl Write, pairs: &[WinchPair]) -> IoResult<()> {
+/// If the writer fails or the robot has no such cable.
+pub fn write_winch(out: impl Write, pairs: &[WinchPair], robot: &Robot) -> IoResult<()> {
     let with_tension = pairs.iter().any(|pair| pair.tension_n.is_some());
     let columns = if with_tension { 4 } else { 3 };
     let mut table = TableWriter::new(out, &COLUMNS[..columns])?;
     for pair in pairs {
-        table.cable(pair.cable)?;
+        table.cable(pair.cable, robot)?;
         table.number(pair.revolutions)?;
         table.number(pair.length_m)?;
         if with_tension {

@@ -1,7 +1,9 @@
 //! Writing CSV tables.
 
 use std::fmt::Write as _;
-use std::io::{Result, Write};
+use std::io::{Error, ErrorKind, Result, Write};
+
+use tautline_core::robot::Robot;
 
 /// Writes a table cell by cell; NaN becomes an empty cell.
 pub(crate) struct TableWriter<W: Write> {
@@ -13,7 +15,9 @@ impl<W: Write> TableWriter<W> {
     /// Starts a table with its header row.
     pub fn new<S: AsRef<str>>(out: W, names: &[S]) -> Result<Self> {
         let mut writer = Self {
-            csv: csv::Writer::from_writer(out),
+            csv: csv::WriterBuilder::new()
+                .comment(Some(b'#'))
+                .from_writer(out),
             cell: String::new(),
         };
         for name in names {
@@ -25,6 +29,9 @@ impl<W: Write> TableWriter<W> {
 
     /// A number in as few digits as read back to the same number.
     pub fn number(&mut self, value: f64) -> Result<()> {
+        if value.is_infinite() {
+            return Err(invalid("a number is infinite".into()));
+        }
         self.cell.clear();
         if !value.is_nan() {
             let _ = write!(self.cell, "{value}");
@@ -39,9 +46,12 @@ impl<W: Write> TableWriter<W> {
         Ok(self.csv.write_field(&self.cell)?)
     }
 
-    /// The number by which files call a cable, counted from 1.
-    pub fn cable(&mut self, index: usize) -> Result<()> {
-        self.integer(index as i64 + 1)
+    /// The name of a cable: unlike its number it cannot be mistaken for another cable's name.
+    pub fn cable(&mut self, index: usize, robot: &Robot) -> Result<()> {
+        match robot.cables.get(index) {
+            Some(cable) => self.text(&cable.name),
+            None => Err(invalid(format!("the robot has no cable {}", index + 1))),
+        }
     }
 
     /// A text, quoted where necessary.
@@ -58,4 +68,8 @@ impl<W: Write> TableWriter<W> {
     pub fn finish(mut self) -> Result<()> {
         self.csv.flush()
     }
+}
+
+fn invalid(message: String) -> Error {
+    Error::new(ErrorKind::InvalidInput, message)
 }

@@ -116,6 +116,9 @@ impl Object {
         if text.trim().is_empty() {
             return self.fail(key, "found an empty text, expected a name");
         }
+        if text.trim() != text {
+            return self.fail(key, "found spaces around the name, expected none");
+        }
         if text.chars().any(char::is_control) {
             return self.fail(
                 key,
