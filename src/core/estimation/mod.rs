@@ -5,6 +5,7 @@ mod home;
 mod options;
 mod parameter;
 mod problem;
+mod residuals;
 mod solution;
 mod solver;
 mod start;
@@ -13,6 +14,7 @@ mod system;
 pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};
+pub use residuals::{RowResidual, residuals_at};
 pub use solution::Solution;
 pub use solver::solve;
 
@@ -42,3 +44,6 @@ pub enum EstimationError {
     #[error("neither revolutions nor lengths of the cables were measured")]
     NoLengths,
 }
+
+#[cfg(test)]
+mod tests;

@@ -307,6 +307,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.attitudes = pack_attitudes::<T>(std::slice::from_ref(pose));
     }
 
+    /// A port of a cable, by its position in `CablePort::ALL`.
+    pub fn cable_port(&self, batch: usize, cable: usize, port: usize) -> T {
+        self.ports.store.load(self.ports.cables[cable][port], batch)
+    }
+
     /// Equations of a packet at its present poses.
     #[inline(always)]
     pub fn equations_at(&mut self, batch: usize) -> &mut Equations<T> {
