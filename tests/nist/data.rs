@@ -31,7 +31,8 @@ pub struct Problem {
 /// If the file is missing or not laid out as expected.
 pub fn read(name: &str) -> Result<Problem> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/nist");
-    let text = std::fs::read_to_string(folder.join(format!("{name}.dat"))).context(name.to_owned())?;
+    let text =
+        std::fs::read_to_string(folder.join(format!("{name}.dat"))).context(name.to_owned())?;
     parse(name, &text).with_context(|| name.to_owned())
 }
 
@@ -59,7 +60,9 @@ fn parse(name: &str, text: &str) -> Result<Problem> {
         y: Vec::new(),
         x: Vec::new(),
     };
-    lines[..data_line].iter().for_each(|line| problem.read_parameter(line));
+    lines[..data_line]
+        .iter()
+        .for_each(|line| problem.read_parameter(line));
     for line in &lines[data_line + 1..] {
         let numbers = numbers(line).context("a data line is not numbers")?;
         let [y, x @ ..] = numbers.as_slice() else {
@@ -97,5 +100,7 @@ impl Problem {
 }
 
 fn numbers(text: &str) -> Option<Vec<f64>> {
-    text.split_whitespace().map(|cell| cell.parse().ok()).collect()
+    text.split_whitespace()
+        .map(|cell| cell.parse().ok())
+        .collect()
 }

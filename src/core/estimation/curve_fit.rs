@@ -98,6 +98,10 @@ pub fn fit_curve(problem: &CurveProblem, start: &[f64], options: &CurveFitOption
     fitter.summary(termination, options)
 }
 
+/// First radius of the trust region, relative to the scaled parameters. MINPACK's 100 steps over the
+/// minimum of NIST's BoxBOD and MGH10 from their first starts; 0.3 to 10 solve all 54 starts.
+const INITIAL_RADIUS: f64 = 1.0;
+
 /// Parameters with what was computed at them.
 struct Point {
     parameters: DVector<f64>,
@@ -164,13 +168,19 @@ impl<'a> Fitter<'a> {
                 return Termination::NoProgress;
             };
             let reach = self.scaled_norm();
-            let mut current = radius.unwrap_or(if reach > 0.0 { 100.0 * reach } else { 100.0 });
+            let mut current = radius.unwrap_or(if reach > 0.0 {
+                INITIAL_RADIUS * reach
+            } else {
+                1.0
+            });
             loop {
                 let step = linear.step(current);
                 if step.predicted_reduction <= 1e-10 * self.point.square_sum {
                     return Termination::Stationary;
                 }
-                if step.scaled_length <= f64::EPSILON * reach {
+                // Negated, so that a step that is not a number ends the search too.
+                let moves = step.scaled_length > f64::EPSILON * reach;
+                if !moves {
                     return Termination::NoProgress;
                 }
                 let trial = self.trial(&step);
@@ -191,10 +201,10 @@ impl<'a> Fitter<'a> {
         self.scale.component_mul(&self.point.parameters).norm()
     }
 
-    /// Gauss-Newton steps as long as each at least halves the offset from the minimum. Close to it
-    /// the sum of squares is flat within rounding and can no longer tell a better point.
+    /// Gauss-Newton steps as long as each brings the minimum nearer. Close to it the sum of squares
+    /// is flat within rounding and can no longer tell a better point; the offset still can.
     fn refine(&mut self) {
-        const MOST: usize = 30;
+        const MOST: usize = 200;
         let Some(mut linear) = self.linearize() else {
             return;
         };
@@ -202,13 +212,13 @@ impl<'a> Fitter<'a> {
             let offset = linear.removable_square();
             let trial = self.trial(&linear.step(f64::INFINITY));
             let no_worse = trial.square_sum <= self.point.square_sum * (1.0 + 1e-9);
-            if offset == 0.0 || linear.rank() < self.scale.len() || !no_worse {
+            let is_done = offset <= 1e-24 * self.point.square_sum;
+            if is_done || linear.rank() < self.scale.len() || !no_worse {
                 return;
             }
             let before = std::mem::replace(&mut self.point, trial);
             match self.linearize() {
-                Some(next) if next.removable_square() < 0.25 * offset => linear = next,
-                Some(next) if next.removable_square() < offset => return,
+                Some(next) if next.removable_square() < offset => linear = next,
                 _ => {
                     self.point = before;
                     return;

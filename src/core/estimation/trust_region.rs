@@ -38,7 +38,8 @@ impl Linearization {
         for (mut column, scale) in scaled.column_iter_mut().zip(scale.iter()) {
             column /= *scale;
         }
-        if !scaled.iter().chain(residuals.iter()).all(|v| v.is_finite()) {
+        let mut numbers = scaled.iter().chain(residuals).chain(scale);
+        if !numbers.all(|v| v.is_finite()) {
             return None;
         }
         let qr = scaled.qr();
@@ -107,10 +108,7 @@ impl Linearization {
     /// Bisection in the logarithm: the length falls monotonically, and a tenth of the radius is
     /// close enough.
     fn damping(&self, radius: f64) -> f64 {
-        let gradient = self
-            .c
-            .component_mul(&self.singular_values)
-            .norm();
+        let gradient = self.c.component_mul(&self.singular_values).norm();
         let mut high = gradient / radius;
         let mut low = high * 1e-32;
         for _ in 0..60 {
