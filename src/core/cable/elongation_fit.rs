@@ -265,7 +265,7 @@ mod tests {
 
     use super::*;
 
-    /// A grid of 8 lengths and 9 tensions on a surface of degree 3 with noise of 20 micrometres.
+    /// A grid of 8 lengths and 9 tensions on a surface cubic in tension and linear in length.
     fn measurements(noise_m: f64, seed: u64) -> Vec<ElongationTriple> {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let grid = (0..8).flat_map(|i| (0..9).map(move |j| (f64::from(i), f64::from(j))));

@@ -292,3 +292,6 @@ fn next_radius(radius: f64, step_length: f64, ratio: f64) -> f64 {
         radius
     }
 }
+
+#[cfg(test)]
+mod tests;
