@@ -1,5 +1,6 @@
 //! Identification: problems, solver, summary.
 
+mod analysis;
 mod evaluator;
 mod home;
 mod options;
@@ -11,6 +12,7 @@ mod solver;
 mod start;
 mod system;
 
+pub use analysis::{Analysis, Reading, ReadingKind};
 pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};

@@ -305,7 +305,9 @@ fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
         for row in 0..tensions.rows() {
             for (index, cable) in robot.cables.iter().enumerate() {
                 let tension = tensions.get(row, index);
-                let reading = cable.force_sensor.map_or(f64::NAN, |s| s.reading_n(tension));
+                let reading = cable
+                    .force_sensor
+                    .map_or(f64::NAN, |s| s.reading_n(tension));
                 forces.set(row, index, reading);
             }
         }
