@@ -1,1 +1,3 @@
 //! Identification: problems, solver, summary.
+
+pub mod published;
