@@ -1,1 +1,3 @@
 //! Comparison with independent references.
+
+mod published;

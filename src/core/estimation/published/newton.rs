@@ -10,8 +10,6 @@ use crate::robot::Robot;
 
 use super::{MatrixPose, pseudo_inverse_times};
 
-/// Step of the forward differences (m, rad).
-const DIFFERENCE_STEP: f64 = 1e-7;
 /// Limit on the Newton steps.
 const STEPS: usize = 30;
 /// All poses are solved when none moves by as much any more (m, rad).
@@ -26,7 +24,9 @@ pub(super) struct PlainNewton {
     bank: CableBank,
     free: Vec<usize>,
     arch: Arch,
-    /// Rotations by the difference step about x, y, z.
+    /// Step of the forward differences (m, rad).
+    difference: f64,
+    /// Rotations by that step about x, y, z.
     turns: [Matrix3<f64>; 3],
 }
 
@@ -38,14 +38,15 @@ pub(super) struct Found {
 }
 
 impl PlainNewton {
-    pub(super) fn new(robot: &Robot) -> Result<Self, KinematicsError> {
+    pub(super) fn new(robot: &Robot, difference: f64) -> Result<Self, KinematicsError> {
         let freedom = robot.platform.freedom();
         let free = freedom.coordinates().iter().map(|c| c.index());
-        let turn = |k| Rotation3::new(Vec3::ith(k, DIFFERENCE_STEP)).into_inner();
+        let turn = |k| Rotation3::new(Vec3::ith(k, difference)).into_inner();
         Ok(Self {
             bank: CableBank::new(robot)?,
             free: free.collect(),
             arch: Arch::new(),
+            difference,
             turns: [turn(0), turn(1), turn(2)],
         })
     }
@@ -109,7 +110,7 @@ impl PlainNewton {
         };
         for (column, k) in self.free.iter().enumerate() {
             let there = if *k < 3 {
-                let moved = pose.position + Vec3::ith(*k, DIFFERENCE_STEP);
+                let moved = pose.position + Vec3::ith(*k, self.difference);
                 self.lengths_at(moved, &pose.rotation)
             } else {
                 self.lengths_at(pose.position, &(self.turns[k - 3] * pose.rotation))
@@ -117,7 +118,7 @@ impl PlainNewton {
             for i in 0..m {
                 // Through the residuals, as published: their rounding is that of the reference.
                 let (after, before) = (there[i] - measured[i], here[i] - measured[i]);
-                system.columns[column][i] = (after - before) / DIFFERENCE_STEP;
+                system.columns[column][i] = (after - before) / self.difference;
             }
         }
         for i in 0..m {
