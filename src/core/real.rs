@@ -5,7 +5,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 /// Arithmetic that the prediction needs.
 pub trait Real:
@@ -89,47 +89,95 @@ pub struct Lanes<S: Simd> {
     value: S::f64s,
 }
 
-impl<S: Simd> Lanes<S> {
-    /// Number of lanes.
-    pub const COUNT: usize = S::F64_LANES;
-
+/// A [`Real`] that holds one or more poses and moves between memory and registers.
+pub trait Packet: Real {
+    /// What is needed to make a value: the instruction set.
+    type Token: Copy + std::fmt::Debug;
+    /// Number of poses in a packet.
+    const LANES: usize;
     /// The same value in all lanes.
+    fn splat(token: Self::Token, value: f64) -> Self;
+    /// Packet number `index` of a slice of whole packets.
+    fn load(token: Self::Token, slice: &[f64], index: usize) -> Self;
+    /// Writes packet number `index` of a slice of whole packets.
+    fn store(self, slice: &mut [f64], index: usize);
+    /// Sum over the lanes.
+    fn sum(self) -> f64;
+    /// Runs a kernel compiled for this instruction set.
+    fn run<K: Kernel>(token: Self::Token, kernel: K) -> K::Output;
+}
+
+/// A hot piece of code that [`Packet::run`] compiles once per instruction set; its `call` and all
+/// it calls must be `#[inline(always)]`.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+    /// Runs it.
+    fn call(self) -> Self::Output;
+}
+
+struct Vectorized<K>(K);
+
+impl<K: Kernel> WithSimd for Vectorized<K> {
+    type Output = K::Output;
     #[inline(always)]
-    #[must_use]
-    pub fn splat(simd: S, value: f64) -> Self {
+    fn with_simd<S: Simd>(self, _simd: S) -> K::Output {
+        self.0.call()
+    }
+}
+
+impl Packet for f64 {
+    type Token = ();
+    const LANES: usize = 1;
+    #[inline(always)]
+    fn splat((): (), value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn load((): (), slice: &[f64], index: usize) -> Self {
+        slice[index]
+    }
+    #[inline(always)]
+    fn store(self, slice: &mut [f64], index: usize) {
+        slice[index] = self;
+    }
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self
+    }
+    fn run<K: Kernel>((): (), kernel: K) -> K::Output {
+        kernel.call()
+    }
+}
+
+impl<S: Simd> Packet for Lanes<S> {
+    type Token = S;
+    const LANES: usize = S::F64_LANES;
+    #[inline(always)]
+    fn splat(simd: S, value: f64) -> Self {
         Self {
             simd,
             value: simd.splat_f64s(value),
         }
     }
-
-    /// The vector at position `index` of a slice of whole vectors.
     #[inline(always)]
-    #[must_use]
-    pub fn load(simd: S, slice: &[f64], index: usize) -> Self {
+    fn load(simd: S, slice: &[f64], index: usize) -> Self {
         Self {
             simd,
             value: S::as_simd_f64s(slice).0[index],
         }
     }
-
-    /// Writes to position `index` of a slice of whole vectors.
     #[inline(always)]
-    pub fn store(self, slice: &mut [f64], index: usize) {
+    fn store(self, slice: &mut [f64], index: usize) {
         S::as_mut_simd_f64s(slice).0[index] = self.value;
     }
-
-    /// Sum over the lanes.
     #[inline(always)]
-    #[must_use]
-    pub fn sum(self) -> f64 {
+    fn sum(self) -> f64 {
         self.simd.reduce_sum_f64s(self.value)
     }
-
-    /// Writes one lane per element; `lanes` has as many elements as there are lanes.
     #[inline(always)]
-    pub fn write_to(self, lanes: &mut [f64]) {
-        self.store(lanes, 0);
+    fn run<K: Kernel>(simd: S, kernel: K) -> K::Output {
+        simd.vectorize(Vectorized(kernel))
     }
 }
 
@@ -309,7 +357,7 @@ pub fn difference<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pulp::{Arch, WithSimd};
+    use pulp::Arch;
 
     struct CompareAtan2<'a>(&'a [(f64, f64)]);
 
@@ -320,7 +368,7 @@ mod tests {
             let mut lanes = vec![0.0; S::F64_LANES];
             for (y, x) in self.0 {
                 let angle = Lanes::splat(simd, *y).atan2(Lanes::splat(simd, *x));
-                angle.write_to(&mut lanes);
+                angle.store(&mut lanes, 0);
                 let expected = f64::atan2(*y, *x);
                 for lane in &lanes {
                     worst = worst.max((lane - expected).abs() / expected.abs().max(1e-300));

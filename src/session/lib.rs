@@ -1,1 +1,42 @@
 //! Files of Tautline: dataset folders, session files, model files.
+//!
+//! Every reader takes bytes from anyone and returns a value that makes sense or a [`ReadError`]
+//! of one sentence; none panics and none needs memory beyond a few times the size of its input.
+//! Every writer replaces its file completely or not at all.
+
+mod atomic;
+mod dataset;
+mod error;
+mod json;
+mod phases;
+mod poses;
+mod robot_file;
+mod session;
+mod table;
+
+pub use dataset::{DatasetFolder, read_check_file, read_dataset, write_dataset};
+pub use error::{Loaded, Place, ReadError, WriteError};
+pub use json::{
+    Document, Migration, Schema, document_schema, parse_document, read_document, schema_for,
+    write_document,
+};
+pub use phases::{
+    CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
+    read_check, read_elongation, read_force, read_home, read_winch, write_check, write_elongation,
+    write_force, write_home, write_winch,
+};
+pub use poses::{read_poses, write_poses};
+pub use robot_file::{parse_robot, read_robot, write_robot};
+pub use session::{
+    DiagnosisSettings, FreeEffect, IdentificationSettings, LogEntry, Method, NotATimestamp, Phase,
+    ResultRecord, Session, Settings, Timestamp, parse_session, read_session, write_session,
+};
+
+/// The schemas of all documents that are read.
+#[must_use]
+pub fn schemas() -> Vec<Schema> {
+    vec![
+        document_schema::<tautline_core::robot::Robot>(),
+        document_schema::<session::SessionDocument>(),
+    ]
+}

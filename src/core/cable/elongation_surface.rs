@@ -26,3 +26,48 @@ pub struct ElongationSurface {
     /// Standard deviation of the residuals of the fit (m).
     pub residual_sd_m: f64,
 }
+
+/// Elongation and its derivatives at one length and tension.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceValue<T> {
+    /// Elongation (m).
+    pub elongation: T,
+    /// Its derivative with respect to the length.
+    pub by_length: T,
+    /// Its derivative with respect to the tension (m/N).
+    pub by_tension: T,
+}
+
+impl ElongationSurface {
+    /// Value and derivatives without asking whether the surface is valid there.
+    #[inline(always)]
+    #[must_use]
+    pub fn evaluate_unchecked<T: crate::real::Real>(
+        &self,
+        length: T,
+        tension: T,
+    ) -> SurfaceValue<T> {
+        let zero = length.lift(0.0);
+        let x = (length - zero.lift(self.length_center_m)) * zero.lift(1.0 / self.length_scale_m);
+        let y =
+            (tension - zero.lift(self.tension_center_n)) * zero.lift(1.0 / self.tension_scale_n);
+        // Horner in x; the coefficient of x^a is a polynomial in y of degree `degree - a`.
+        let index = |a: usize, b: usize| (a + b) * (a + b + 1) / 2 + b;
+        let (mut value, mut by_x, mut by_y) = (zero, zero, zero);
+        for a in (0..=self.degree).rev() {
+            let (mut p, mut slope) = (zero, zero);
+            for b in (0..=self.degree - a).rev() {
+                slope = slope.mul_add(y, p);
+                p = p.mul_add(y, zero.lift(self.coefficients[index(a, b)]));
+            }
+            by_x = by_x.mul_add(x, value);
+            value = value.mul_add(x, p);
+            by_y = by_y.mul_add(x, slope);
+        }
+        SurfaceValue {
+            elongation: value,
+            by_length: by_x * zero.lift(1.0 / self.length_scale_m),
+            by_tension: by_y * zero.lift(1.0 / self.tension_scale_n),
+        }
+    }
+}

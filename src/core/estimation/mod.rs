@@ -1,3 +1,50 @@
 //! Identification: problems, solver, summary.
 
+mod evaluator;
+mod home;
+mod options;
+mod parameter;
+mod problem;
 pub mod published;
+mod residuals;
+mod solution;
+mod solver;
+mod start;
+mod system;
+
+pub use options::{Control, Options, Progress, Termination};
+pub use parameter::{Parameter, ParameterId};
+pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};
+pub use residuals::{RowResidual, residuals_at};
+pub use solution::Solution;
+pub use solver::solve;
+
+use crate::effect::EffectError;
+
+/// Why an estimation cannot be set up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EstimationError {
+    /// An effect cannot be attached.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// Revolutions count from a home pose that the robot does not have.
+    #[error("revolutions were measured, but the robot has no home pose from which they count")]
+    NoHome,
+    /// The home row is missing.
+    #[error("the measurements have no row of the home pose (label 0)")]
+    NoHomeRow,
+    /// A tension at home is missing.
+    #[error(
+        "the tension of cable \"{0}\" was not read at the home pose, from which its length counts"
+    )]
+    NoHomeTension(String),
+    /// There is nothing to fit.
+    #[error("there is no pose to fit besides the home pose")]
+    NoPoses,
+    /// No cable lengths at all.
+    #[error("neither revolutions nor lengths of the cables were measured")]
+    NoLengths,
+}
+
+#[cfg(test)]
+mod tests;

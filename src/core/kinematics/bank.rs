@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use crate::real::{Lanes, dot};
+use crate::real::{Lanes, Packet, dot};
 use crate::robot::Robot;
 
 use super::inverse::check_pulley;

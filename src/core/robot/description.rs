@@ -9,7 +9,7 @@ use crate::geometry::{Coordinate, Freedom, Pose, Vec3};
 
 /// One standard deviation for all three axes, or one for each.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or three numbers")]
 pub enum PerAxis {
     /// The same on all axes.
     Same(f64),
@@ -54,6 +54,7 @@ pub struct Robot {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tracker: Option<Tracker>,
     /// The cables, in the order of the numbered columns of the measurements.
+    #[schemars(length(min = 1, max = 64))]
     pub cables: Vec<Cable>,
     /// Home reference platform of phase 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]

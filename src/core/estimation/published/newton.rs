@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::geometry::Vec3;
 use crate::kinematics::{CableBank, KinematicsError, MAX_CABLES, Placement};
-use crate::real::{Lanes, Real, add_scaled};
+use crate::real::{Lanes, Packet, Real, add_scaled};
 use crate::robot::Robot;
 
 use super::{MatrixPose, pseudo_inverse_times};

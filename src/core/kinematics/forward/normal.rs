@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::super::bank::{CableBank, Placement};
-use crate::real::{Lanes, Real, add_scaled, cross, scaled};
+use crate::real::{Lanes, Packet, Real, add_scaled, cross, scaled};
 
 /// Entries of the lower triangle of a symmetric 6 x 6 matrix, row by row.
 pub(super) const TRIANGLE: usize = 21;

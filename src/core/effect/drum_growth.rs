@@ -1,0 +1,31 @@
+//! Layers build up on the drum: `paid = k rev (1 + growth rev)` with revolutions of the motor. Typical
+//! 0.01 to 1 % per revolution.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct DrumGrowth;
+
+impl Effect for DrumGrowth {
+    fn id(&self) -> &'static str {
+        "drum_growth"
+    }
+    fn title(&self) -> &'static str {
+        "Build-up of layers on the drum"
+    }
+    fn scope(&self) -> Scope {
+        Scope::CableOrAll
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        &[EffectParameter {
+            name: "growth",
+            unit: "1/rev",
+            prior_sd: 0.005,
+            typical: [0.00005, 0.01],
+        }]
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        ports.paid *= parameters[0] * at.revolutions + 1.0;
+    }
+}

@@ -1,0 +1,129 @@
+//! Dual numbers: a value and its derivative with respect to one parameter.
+
+use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
+
+/// `value + slope * epsilon` with `epsilon^2 = 0`; arithmetic carries the exact derivative along.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Dual {
+    /// The value.
+    pub value: f64,
+    /// Its derivative with respect to the chosen parameter.
+    pub slope: f64,
+}
+
+impl Dual {
+    /// A constant.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Self { value, slope: 0.0 }
+    }
+
+    /// The parameter itself.
+    #[must_use]
+    pub fn variable(value: f64) -> Self {
+        Self { value, slope: 1.0 }
+    }
+
+    fn chain(self, value: f64, derivative: f64) -> Self {
+        Self {
+            value,
+            slope: derivative * self.slope,
+        }
+    }
+
+    /// Sine.
+    #[must_use]
+    pub fn sin(self) -> Self {
+        self.chain(self.value.sin(), self.value.cos())
+    }
+
+    /// Exponential.
+    #[must_use]
+    pub fn exp(self) -> Self {
+        self.chain(self.value.exp(), self.value.exp())
+    }
+
+    /// Reciprocal.
+    #[must_use]
+    pub fn recip(self) -> Self {
+        let inverse = self.value.recip();
+        self.chain(inverse, -inverse * inverse)
+    }
+}
+
+impl Add for Dual {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            slope: self.slope + other.slope,
+        }
+    }
+}
+
+impl Sub for Dual {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self * -1.0
+    }
+}
+
+impl Mul for Dual {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self {
+            value: self.value * other.value,
+            slope: self.slope.mul_add(other.value, self.value * other.slope),
+        }
+    }
+}
+
+impl Add<f64> for Dual {
+    type Output = Self;
+    fn add(self, other: f64) -> Self {
+        self.chain(self.value + other, 1.0)
+    }
+}
+
+impl Mul<f64> for Dual {
+    type Output = Self;
+    fn mul(self, other: f64) -> Self {
+        self.chain(self.value * other, other)
+    }
+}
+
+impl AddAssign for Dual {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl MulAssign for Dual {
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_match_finite_differences() {
+        let function = |x: Dual| {
+            let y = (x * 3.0).sin() + (x * x).exp() * 0.5 - x.recip();
+            y * x + 2.0
+        };
+        let (x, h) = (0.7, 1e-6);
+        let at = |x: f64| function(Dual::constant(x)).value;
+        let numeric = (at(x + h) - at(x - h)) / (2.0 * h);
+        assert!((function(Dual::variable(x)).slope - numeric).abs() < 1e-8);
+    }
+}

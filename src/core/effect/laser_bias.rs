@@ -1,0 +1,31 @@
+//! A constant added to every laser reading. Typical 0.5 to 5 mm; not separable from the offset of the
+//! target plane.
+
+use super::{Dual, Effect, EffectParameter, PlatformPorts, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct LaserBias;
+
+impl Effect for LaserBias {
+    fn id(&self) -> &'static str {
+        "laser_bias"
+    }
+    fn title(&self) -> &'static str {
+        "Laser bias"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        &[EffectParameter {
+            name: "bias",
+            unit: "m",
+            prior_sd: 0.005,
+            typical: [0.0005, 0.005],
+        }]
+    }
+    fn change_platform(&self, parameters: &[Dual], ports: &mut PlatformPorts) {
+        ports.laser_bias += parameters[0];
+    }
+}

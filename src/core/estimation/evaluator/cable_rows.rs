@@ -1,0 +1,388 @@
+//! Length, equilibrium and swivel equations of a packet of poses.
+//!
+//! Length row i: `L0_i(x) - s_i - paid_i` with `s_i` the unstrained length at home (or the run for
+//! absolute readings). Tension is latent: its reading's error `eps`, of standard deviation `sd_T`, enters the
+//! length row by `c = dL0/dT` and the equilibrium by the structure matrix `A`. Eliminating
+//! it, the length rows have the variance `D = sd_l^2 + c^2 sd_T^2`, and given them the equilibrium
+//! `A^T T + w` has the residual `z - A^T K e_l`, `K = c sd_T^2 / D`, of covariance
+//! `E = sum_i (sd_T sd_l)^2 / D A_i A_i^T + S_w`. Its Cholesky factor whitens it.
+
+use super::equations::{Attitude, Equations};
+use super::inputs::CableLink;
+use super::layout::Layout;
+use crate::cable::{CableLaw, ElongationSurface, Unstrained};
+use crate::effect::CablePort;
+use crate::kinematics::{CablePath, PathChange, PulleyGeometry};
+use crate::real::{Real, add_scaled, cross, difference, dot, scaled};
+
+/// What does not change from pose to pose, per cable.
+#[derive(Debug, Clone)]
+pub(super) struct CableConstants {
+    pub run: f64,
+    pub length_sd: f64,
+    pub tension_sd: f64,
+    pub sags: bool,
+    pub surface: Option<ElongationSurface>,
+    pub swivel_zero: [f64; 3],
+    pub swivel_sd: f64,
+}
+
+/// One cable of a packet of poses.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CableInputs<T> {
+    pub entry: [T; 3],
+    pub home_length: T,
+    pub ports: [T; CablePort::COUNT],
+    pub swivel: T,
+}
+
+/// Geometry and weights of one cable, kept for the equilibrium rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CableState<T> {
+    path: CablePath<T>,
+    unstrained: Unstrained<T>,
+    radius: T,
+    tension: T,
+    /// Lever arm `R b`, base frame (m).
+    lever: [T; 3],
+    anchor: [T; 3],
+    entry: [T; 3],
+    /// `dL0/dB`.
+    gradient: [T; 3],
+    /// `K`, regression of the equilibrium on the length residual.
+    regression: T,
+    /// `(sd_T sd_l)^2 / D`: variance of the tension given the length.
+    spread: T,
+    /// `sd_T^2`.
+    tension_variance: T,
+    /// `1 / sqrt(D)`, or 0 where the length was not measured.
+    weight: T,
+    /// `A_i`, force and torque per tension.
+    structure: [T; 6],
+}
+
+/// Change of a cable's predictions: length (m), wrench (N, N m), swivel angle (rad).
+#[derive(Debug, Clone, Copy)]
+struct PortChange<T> {
+    length: T,
+    wrench: [T; 6],
+    swivel: T,
+}
+
+/// `[f; r x f]`.
+#[inline(always)]
+fn wrench<T: Real>(lever: [T; 3], force: [T; 3]) -> [T; 6] {
+    let torque = cross(lever, force);
+    [
+        force[0], force[1], force[2], torque[0], torque[1], torque[2],
+    ]
+}
+
+impl<T: Real> CableState<T> {
+    #[inline(always)]
+    pub fn new(
+        constants: &CableConstants,
+        inputs: &CableInputs<T>,
+        pose: &Attitude<T>,
+        down: [f64; 3],
+    ) -> Self {
+        let p = &inputs.ports;
+        let zero = p[0].lift(0.0);
+        let one = zero.lift(1.0);
+        let entry = add_scaled(inputs.entry, one, [p[6], p[7], p[8]]);
+        let pulley = PulleyGeometry {
+            entry,
+            axis: [p[9], p[10], p[11]],
+            radius: p[5],
+        };
+        let lever = pose.rotate([p[12], p[13], p[14]]);
+        let anchor = add_scaled(lever, one, pose.position);
+        let path = pulley.path_to(anchor);
+        let (tension, has_tension) = p[1].present();
+        let law = CableLaw {
+            run: zero.lift(constants.run),
+            // Any positive tension does where none was read: the row has no weight.
+            tension: has_tension.select_positive(tension, one),
+            compliance: p[3],
+            strain: p[2],
+            weight: constants.sags.then_some(p[4]),
+            down,
+            surface: constants.surface.as_ref(),
+        };
+        let unstrained = law.unstrained(&path);
+        let gradient = unstrained.by_anchor(&path, pulley.radius, constants.sags);
+        let spread = zero.lift(constants.tension_sd * constants.tension_sd);
+        let variance = zero.lift(constants.length_sd * constants.length_sd);
+        let c = unstrained.by_tension;
+        let precision = one / (c * c).mul_add(spread, variance);
+        Self {
+            path,
+            unstrained,
+            radius: pulley.radius,
+            tension,
+            lever,
+            anchor,
+            entry,
+            gradient,
+            regression: c * spread * precision,
+            spread: spread * variance * precision,
+            tension_variance: spread,
+            weight: precision.sqrt() * has_tension,
+            structure: wrench(lever, path.toward_exit),
+        }
+    }
+
+    /// `dL0/dT` (m/N).
+    #[inline(always)]
+    pub fn length_by_tension(&self) -> T {
+        self.unstrained.by_tension
+    }
+
+    /// `A_i`: force and torque on the platform per tension.
+    #[inline(always)]
+    pub fn structure(&self) -> [T; 6] {
+        self.structure
+    }
+
+    /// Length row of cable `index`.
+    #[inline(always)]
+    pub fn length_row(
+        &self,
+        index: usize,
+        inputs: &CableInputs<T>,
+        equations: &mut Equations<T>,
+    ) -> T {
+        let zero = self.tension.lift(0.0);
+        let (paid, has_paid) = inputs.ports[0].present();
+        let weight = self.weight * has_paid;
+        let residual = (self.unstrained.length - inputs.home_length - paid) * has_paid;
+        let g = scaled(self.gradient, weight);
+        let torque = cross(self.lever, g);
+        equations.residual[index] = residual * weight;
+        equations.by_pose[index] = [g[0], g[1], g[2], torque[0], torque[1], torque[2]];
+        equations.length_by_cable[index] = [-g[0], -g[1], -g[2], -weight];
+        equations.present[index] = weight.select_positive(zero.lift(1.0), zero);
+        residual
+    }
+
+    /// Swivel row of this cable: `atan2((z x z0).e, z0.e) + offset - reading`.
+    #[inline(always)]
+    pub fn swivel_row(
+        &self,
+        (row, index): (usize, usize),
+        constants: &CableConstants,
+        inputs: &CableInputs<T>,
+        equations: &mut Equations<T>,
+    ) {
+        let zero = self.tension.lift(0.0);
+        let (reading, present) = inputs.swivel.present();
+        let p = &inputs.ports;
+        let origin = constants.swivel_zero.map(|v| zero.lift(v));
+        let axis = [p[9], p[10], p[11]];
+        let angle = dot(cross(axis, origin), self.path.facing).atan2(dot(origin, self.path.facing));
+        let off = angle + p[15] - reading;
+        // Bring the difference into (-pi, pi].
+        let turn = zero.lift(std::f64::consts::TAU);
+        let half = zero.lift(std::f64::consts::PI);
+        let off = (off - half).select_positive(off - turn, off);
+        let off = (-off - half).select_positive(off + turn, off);
+        let weight = present * zero.lift(constants.swivel_sd.recip());
+        let g = scaled(self.path.lateral, self.path.inverse_axis_distance * weight);
+        let torque = cross(self.lever, g);
+        equations.residual[row] = off * weight;
+        equations.by_pose[row] = [g[0], g[1], g[2], torque[0], torque[1], torque[2]];
+        equations.swivel_by_cable[index] = [-g[0], -g[1], -g[2], zero];
+        equations.present[row] = present;
+    }
+
+    /// Change of this cable's predictions per unit of a port.
+    #[inline(always)]
+    fn change_by_port(&self, port: CablePort, pose: &Attitude<T>) -> PortChange<T> {
+        let zero = self.tension.lift(0.0);
+        let unit = |axis: usize| -> [T; 3] {
+            std::array::from_fn(|k| zero.lift(if k == axis { 1.0 } else { 0.0 }))
+        };
+        let length_only = |length| PortChange {
+            length,
+            wrench: [zero; 6],
+            swivel: zero,
+        };
+        match port {
+            CablePort::Paid => length_only(zero.lift(-1.0)),
+            CablePort::Strain => length_only(self.unstrained.by_strain),
+            CablePort::Compliance => length_only(self.unstrained.by_compliance),
+            CablePort::Weight => length_only(self.unstrained.by_weight),
+            CablePort::Tension => PortChange {
+                wrench: self.structure,
+                ..length_only(self.unstrained.by_tension)
+            },
+            CablePort::SwivelOffset => PortChange {
+                swivel: zero.lift(1.0),
+                ..length_only(zero)
+            },
+            CablePort::Radius => self.by_path(&self.path.change_by_radius(self.radius), [zero; 3]),
+            CablePort::EntryShift(axis) => {
+                let step = scaled(unit(axis), zero.lift(-1.0));
+                self.by_path(&self.path.change_by_anchor(self.radius, step), step)
+            }
+            CablePort::Axis(axis) => {
+                let z = cross(self.path.facing, self.path.lateral);
+                let rotation = cross(z, unit(axis));
+                let offset = difference(self.anchor, self.entry);
+                let change = self.path.change_by_axis(self.radius, offset, rotation);
+                self.by_path(&change, cross(offset, rotation))
+            }
+            CablePort::Anchor(axis) => {
+                let step = pose.rotate(unit(axis));
+                let path = self.path.change_by_anchor(self.radius, step);
+                let mut change = self.by_path(&path, step);
+                let torque = scaled(cross(step, self.path.toward_exit), self.tension);
+                for k in 0..3 {
+                    change.wrench[3 + k] = change.wrench[3 + k] + torque[k];
+                }
+                change
+            }
+        }
+    }
+
+    /// Change by a change of the path; `step` is how the anchor moves as the pulley sees it.
+    #[inline(always)]
+    fn by_path(&self, change: &PathChange<T>, step: [T; 3]) -> PortChange<T> {
+        let force = scaled(change.toward_exit, self.tension);
+        PortChange {
+            length: self.unstrained.change(change),
+            wrench: wrench(self.lever, force),
+            swivel: dot(self.path.lateral, step) * self.path.inverse_axis_distance,
+        }
+    }
+
+    /// Adds the effect derivatives of this cable's rows; those of the equilibrium not yet whitened.
+    #[inline(always)]
+    pub fn link(
+        &self,
+        (link, slope): (&CableLink, T),
+        (index, constants): (usize, &CableConstants),
+        layout: &Layout,
+        pose: &Attitude<T>,
+        equations: &mut Equations<T>,
+    ) {
+        let change = self.change_by_port(link.port, pose);
+        let present = equations.present[index];
+        let length = change.length * slope * present;
+        let entry = &mut equations.effects_of(layout, index)[link.parameter];
+        *entry = length.mul_add(self.weight, *entry);
+        if let Some(first) = layout.swivel {
+            let row = first + index;
+            let weight = equations.present[row] * slope.lift(constants.swivel_sd.recip());
+            let entry = &mut equations.effects_of(layout, row)[link.parameter];
+            *entry = (change.swivel * slope).mul_add(weight, *entry);
+        }
+        if layout.equilibrium.is_some() {
+            let column = &mut equations.balance_by_column[layout.effect_column() + link.parameter];
+            let back = -(self.regression * length);
+            for k in 0..6 {
+                let by_length = self.structure[k] * back;
+                column[k] = column[k] + change.wrench[k].mul_add(slope, by_length);
+            }
+        }
+    }
+
+    /// Adds this cable to the equilibrium rows, not yet whitened.
+    #[inline(always)]
+    pub fn add_balance(
+        &self,
+        index: usize,
+        residual: T,
+        layout: &Layout,
+        balance: &mut Balance<T>,
+        equations: &mut Equations<T>,
+    ) {
+        let a = &self.structure;
+        let zero = self.tension.lift(0.0);
+        let present = equations.present[index];
+        let regression = self.regression * present;
+        let spread = present.select_positive(self.spread, self.tension_variance);
+        let back = -(regression * residual);
+        for k in 0..6 {
+            balance.residual[k] = a[k].mul_add(self.tension + back, balance.residual[k]);
+        }
+        for k in 0..6 {
+            let scaled = a[k] * spread;
+            for q in 0..=k {
+                let index = k * (k + 1) / 2 + q;
+                balance.covariance[index] = scaled.mul_add(a[q], balance.covariance[index]);
+            }
+        }
+        let first = layout.cable_column(index);
+        let columns = &mut equations.balance_by_column[first..first + 4];
+        let mut moved = [[zero; 6]; 3];
+        for axis in 0..3 {
+            let unit = std::array::from_fn(|k| zero.lift(if k == axis { 1.0 } else { 0.0 }));
+            let turned = scaled(self.path.turn(unit), self.tension);
+            let change = wrench(self.lever, turned);
+            let back = -(regression * self.gradient[axis]);
+            for k in 0..6 {
+                moved[axis][k] = a[k].mul_add(back, change[k]);
+                columns[axis][k] = -moved[axis][k];
+                balance.by_pose[axis][k] = balance.by_pose[axis][k] + moved[axis][k];
+            }
+        }
+        columns[3] = a.map(|v| v * regression);
+        self.add_rotation(&moved, balance);
+    }
+
+    /// A rotation about axis k moves the anchor by `e_k x lever` and turns the lever arm.
+    #[inline(always)]
+    fn add_rotation(&self, moved: &[[T; 6]; 3], balance: &mut Balance<T>) {
+        let [x, y, z] = self.lever;
+        let steps = [(2, y, 1, z), (0, z, 2, x), (1, x, 0, y)];
+        for (k, (plus, by_plus, minus, by_minus)) in steps.into_iter().enumerate() {
+            let column = &mut balance.by_pose[3 + k];
+            for q in 0..6 {
+                let change = moved[plus][q] * by_plus - moved[minus][q] * by_minus;
+                column[q] = column[q] + change;
+            }
+        }
+        add_lever_rotation(
+            self.lever,
+            scaled(self.path.toward_exit, self.tension),
+            balance,
+        );
+    }
+}
+
+/// Torque change of a force on a lever arm that turns: `(e_k x r) x f = r f_k - e_k (r.f)`.
+#[inline(always)]
+pub(super) fn add_lever_rotation<T: Real>(lever: [T; 3], force: [T; 3], balance: &mut Balance<T>) {
+    let along = dot(lever, force);
+    for k in 0..3 {
+        let column = &mut balance.by_pose[3 + k];
+        for q in 0..3 {
+            column[3 + q] = lever[q].mul_add(force[k], column[3 + q]);
+        }
+        column[3 + k] = column[3 + k] - along;
+    }
+}
+
+/// The equilibrium rows of a packet of poses while they are summed up.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Balance<T> {
+    pub residual: [T; 6],
+    /// Lower triangle of the covariance, row by row.
+    pub covariance: [T; 21],
+    /// Column by column: derivative with respect to each pose coordinate.
+    pub by_pose: [[T; 6]; 6],
+    pub present: T,
+}
+
+impl<T: Real> Balance<T> {
+    #[inline(always)]
+    pub fn new(zero: T) -> Self {
+        Self {
+            residual: [zero; 6],
+            covariance: [zero; 21],
+            by_pose: [[zero; 6]; 6],
+            present: zero.lift(1.0),
+        }
+    }
+}

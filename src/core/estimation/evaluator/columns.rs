@@ -1,0 +1,56 @@
+//! Numbers of many poses, laid out so that a packet of poses loads at once.
+
+use crate::real::Packet;
+
+/// Where a quantity lies: one packet for all poses, or one per batch of poses.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    offset: usize,
+    stride: usize,
+}
+
+/// A store of columns, each a sequence of packets.
+#[derive(Clone)]
+pub(super) struct ColumnStore<T: Packet> {
+    token: T::Token,
+    values: Vec<f64>,
+}
+
+impl<T: Packet> ColumnStore<T> {
+    pub fn new(token: T::Token) -> Self {
+        Self {
+            token,
+            values: Vec::new(),
+        }
+    }
+
+    /// Adds a quantity that is the same at all poses.
+    pub fn uniform(&mut self, value: f64) -> Column {
+        let offset = self.values.len() / T::LANES;
+        self.values.extend(std::iter::repeat_n(value, T::LANES));
+        Column { offset, stride: 0 }
+    }
+
+    /// Adds a quantity with one value per pose; the last packet is filled up with `padding`.
+    pub fn varying(&mut self, values: impl Iterator<Item = f64>, padding: f64) -> Column {
+        let start = self.values.len();
+        self.values.extend(values);
+        let count = self.values.len() - start;
+        let missing = count.next_multiple_of(T::LANES) - count;
+        self.values.extend(std::iter::repeat_n(padding, missing));
+        Column {
+            offset: start / T::LANES,
+            stride: 1,
+        }
+    }
+
+    /// The packet of a batch.
+    #[inline(always)]
+    pub fn load(&self, column: Column, batch: usize) -> T {
+        T::load(
+            self.token,
+            &self.values,
+            column.offset + column.stride * batch,
+        )
+    }
+}

@@ -1,0 +1,180 @@
+//! The whitened equations of one packet of poses, with their derivatives.
+
+use super::layout::{CABLE_COLUMNS, Layout};
+use crate::real::{Real, cross, scaled};
+
+/// Rows of one packet of poses; sparse where the equations are.
+#[derive(Debug, Clone)]
+pub(in crate::estimation) struct Equations<T> {
+    /// Whitened residual of each row.
+    pub residual: Vec<T>,
+    /// Derivative of each row with respect to the pose (translation, rotation vector; base frame).
+    pub by_pose: Vec<[T; 6]>,
+    /// Derivative of length row i with respect to the columns of cable i.
+    pub length_by_cable: Vec<[T; CABLE_COLUMNS]>,
+    /// Derivative of swivel row i with respect to the entry point of cable i.
+    pub swivel_by_cable: Vec<[T; CABLE_COLUMNS]>,
+    /// Derivative of the laser row with respect to the offset of the target plane.
+    pub laser_by_plane: T,
+    /// Derivative of the equilibrium rows, column by column.
+    pub balance_by_column: Vec<[T; 6]>,
+    /// Derivative of every row with respect to the effects, row by row; those of the
+    /// equilibrium rows are in `balance_by_column`.
+    pub by_effect: Vec<T>,
+    /// 1 where a row was measured, else 0.
+    pub present: Vec<T>,
+    /// `dL0/dT` of each cable (m/N); for the home row only.
+    pub length_by_tension: Vec<T>,
+    /// Force and torque per tension of each cable; for the home row only.
+    pub structure: Vec<[T; 6]>,
+}
+
+impl<T: Real> Equations<T> {
+    pub fn new(layout: &Layout, zero: T) -> Self {
+        let swivels = if layout.swivel.is_some() {
+            layout.cables
+        } else {
+            0
+        };
+        let dense = if layout.equilibrium.is_some() {
+            layout.columns
+        } else {
+            0
+        };
+        Self {
+            residual: vec![zero; layout.rows],
+            by_pose: vec![[zero; 6]; layout.rows],
+            length_by_cable: vec![[zero; CABLE_COLUMNS]; layout.cables],
+            swivel_by_cable: vec![[zero; CABLE_COLUMNS]; swivels],
+            laser_by_plane: zero,
+            balance_by_column: vec![[zero; 6]; dense],
+            by_effect: vec![zero; layout.rows * layout.effects],
+            present: vec![zero; layout.rows],
+            length_by_tension: vec![zero; layout.cables],
+            structure: vec![[zero; 6]; layout.cables],
+        }
+    }
+
+    /// Effect derivatives of one row.
+    #[inline(always)]
+    pub fn effects_of(&mut self, layout: &Layout, row: usize) -> &mut [T] {
+        &mut self.by_effect[row * layout.effects..(row + 1) * layout.effects]
+    }
+
+    /// Huber weighting: rows beyond `limit` standard deviations are scaled down, which makes their
+    /// square equal to the linear loss up to a constant. Returns the loss of all weighted rows.
+    #[inline(always)]
+    pub fn weigh_down_outliers(&mut self, layout: &Layout, limit: f64) -> T {
+        let zero = self.laser_by_plane.lift(0.0);
+        let balance = layout.equilibrium.map_or(0..0, |first| first..first + 6);
+        let mut loss = zero;
+        for row in 0..layout.rows {
+            let r = self.residual[row];
+            let size = r.max(-r);
+            if balance.contains(&row) {
+                loss = loss + r * r;
+                continue;
+            }
+            let k = zero.lift(limit);
+            let weight = (k / size.max(k)).sqrt();
+            loss = loss + (size - k).select_positive(k * (size + size - k), r * r);
+            self.residual[row] = r * weight;
+            self.by_pose[row] = self.by_pose[row].map(|v| v * weight);
+            if row < layout.cables {
+                self.length_by_cable[row] = self.length_by_cable[row].map(|v| v * weight);
+            }
+            if let Some(cable) = layout.swivel.and_then(|first| row.checked_sub(first)) {
+                if cable < layout.cables {
+                    self.swivel_by_cable[cable] = self.swivel_by_cable[cable].map(|v| v * weight);
+                }
+            }
+            if layout.laser == Some(row) {
+                self.laser_by_plane = self.laser_by_plane * weight;
+            }
+            for e in self.effects_of(layout, row) {
+                *e = *e * weight;
+            }
+        }
+        loss
+    }
+
+    /// Sum of squares of all rows.
+    #[inline(always)]
+    pub fn square_sum(&self) -> T {
+        let zero = self.laser_by_plane.lift(0.0);
+        self.residual.iter().fold(zero, |sum, r| r.mul_add(*r, sum))
+    }
+}
+
+/// Position and orientation of a packet of platforms.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimation) struct Attitude<T> {
+    /// Platform origin, base frame (m).
+    pub position: [T; 3],
+    /// Orientation, quaternion w first, of norm 1.
+    pub quaternion: [T; 4],
+    /// Rows of the rotation matrix from the platform to the base frame.
+    pub rotation: [[T; 3]; 3],
+}
+
+impl<T: Real> Attitude<T> {
+    #[inline(always)]
+    pub fn new(position: [T; 3], quaternion: [T; 4]) -> Self {
+        let [w, x, y, z] = quaternion;
+        let one = w.lift(1.0);
+        let two = w.lift(2.0);
+        let rotation = [
+            [
+                one - two * (y * y + z * z),
+                two * (x * y - w * z),
+                two * (x * z + w * y),
+            ],
+            [
+                two * (x * y + w * z),
+                one - two * (x * x + z * z),
+                two * (y * z - w * x),
+            ],
+            [
+                two * (x * z - w * y),
+                two * (y * z + w * x),
+                one - two * (x * x + y * y),
+            ],
+        ];
+        Self {
+            position,
+            quaternion,
+            rotation,
+        }
+    }
+
+    /// Rotates a vector from the platform to the base frame.
+    #[inline(always)]
+    pub fn rotate(&self, v: [T; 3]) -> [T; 3] {
+        self.rotation.map(|row| crate::real::dot(row, v))
+    }
+
+    /// The attitude after a small motion. The rotation is `1 + phi/2` as a quaternion, normalised:
+    /// it agrees with the exponential to second order, and needs no trigonometry.
+    #[inline(always)]
+    pub fn moved(&self, step: [T; 6]) -> Self {
+        let half = self.position[0].lift(0.5);
+        let v = scaled([step[3], step[4], step[5]], half);
+        let [w, x, y, z] = self.quaternion;
+        let q = [x, y, z];
+        let c = cross(v, q);
+        let turned = [
+            w - crate::real::dot(v, q),
+            v[0].mul_add(w, q[0]) + c[0],
+            v[1].mul_add(w, q[1]) + c[1],
+            v[2].mul_add(w, q[2]) + c[2],
+        ];
+        let square = turned.iter().fold(half.lift(0.0), |s, t| t.mul_add(*t, s));
+        let inverse = half.lift(1.0) / square.sqrt();
+        let position = [
+            self.position[0] + step[0],
+            self.position[1] + step[1],
+            self.position[2] + step[2],
+        ];
+        Self::new(position, turned.map(|t| t * inverse))
+    }
+}

@@ -1,0 +1,304 @@
+//! Packs what the equations of many poses need.
+
+use super::columns::{Column, ColumnStore};
+use crate::effect::{CableCircumstances, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts};
+use crate::estimation::problem::{Geometry, Globals, Problem};
+use crate::measurement::Measurements;
+use crate::real::Packet;
+use crate::robot::{Cable, Robot};
+
+/// A free parameter acts on a port of a cable with this slope.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CableLink {
+    pub port: CablePort,
+    pub parameter: usize,
+    pub slope: Column,
+}
+
+/// A free parameter acts on a port of the platform with this slope.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlatformLink {
+    pub port: PlatformPort,
+    pub parameter: usize,
+    pub slope: Column,
+}
+
+/// Ports of all poses, and how the free effects act on them.
+#[derive(Clone)]
+pub(super) struct PortInputs<T: Packet> {
+    pub store: ColumnStore<T>,
+    pub cables: Vec<[Column; CablePort::COUNT]>,
+    pub cable_links: Vec<Vec<CableLink>>,
+    pub platform: [Column; PlatformPort::COUNT],
+    pub platform_links: Vec<PlatformLink>,
+}
+
+/// Which rows are packed, and as what.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Selection<'a> {
+    pub rows: &'a [usize],
+    pub is_home: bool,
+}
+
+/// Cable paid out since home as the reading tells, or the absolute length read (m).
+fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home: bool) -> f64 {
+    if is_home {
+        0.0
+    } else if data.revolutions.is_empty() {
+        data.length_m.get(at.0, at.1)
+    } else {
+        cable.winch.cable_per_revolution_m() * data.revolutions.get(at.0, at.1)
+    }
+}
+
+/// Tension as the sensor tells (N); 0 without a sensor, NaN where it was not read.
+fn nominal_tension(cable: &Cable, data: &Measurements, at: (usize, usize)) -> f64 {
+    match cable.force_sensor {
+        Some(sensor) if !data.force_n.is_empty() => sensor.tension_n(data.force_n.get(at.0, at.1)),
+        _ => 0.0,
+    }
+}
+
+/// The ports of a cable before any effect, at one row.
+fn nominal_cable_ports(
+    cable: &Cable,
+    data: &Measurements,
+    at: (usize, usize),
+    is_home: bool,
+) -> (CablePorts, CableCircumstances) {
+    let (row, index) = at;
+    let revolutions = data.revolutions.get(row, index);
+    let paid = nominal_paid(cable, data, at, is_home);
+    let tension = nominal_tension(cable, data, at);
+    let constant = |values: [f64; 3]| values.map(Dual::constant);
+    let ports = CablePorts {
+        paid: Dual::constant(paid),
+        tension: Dual::constant(tension),
+        strain: Dual::constant(0.0),
+        compliance: Dual::constant(cable.cable.axial_stiffness_n.map_or(0.0, f64::recip)),
+        weight: Dual::constant(cable.cable.weight_n_per_m),
+        radius: Dual::constant(cable.pulley.radius_m),
+        entry_shift: constant([0.0; 3]),
+        axis: constant(cable.pulley.swivel_axis),
+        anchor: constant(cable.platform_anchor_m),
+        swivel_offset: Dual::constant(0.0),
+    };
+    let circumstances = CableCircumstances {
+        is_home,
+        revolutions: if is_home || revolutions.is_nan() {
+            0.0
+        } else {
+            revolutions
+        },
+        drum_per_motor: cable.winch.gear_ratio.recip(),
+    };
+    (ports, circumstances)
+}
+
+/// The ports of the platform before any effect.
+fn nominal_platform_ports(robot: &Robot) -> PlatformPorts {
+    let constant = |values: [f64; 3]| values.map(Dual::constant);
+    let laser = robot.laser;
+    PlatformPorts {
+        mass: Dual::constant(robot.platform.mass_kg.unwrap_or(0.0)),
+        center_of_mass: constant(robot.platform.center_of_mass_m),
+        laser_gain: Dual::constant(1.0),
+        laser_bias: Dual::constant(0.0),
+        laser_direction: constant(laser.map_or([0.0, 0.0, -1.0], |l| l.direction)),
+        target_normal: constant(laser.map_or([0.0, 0.0, 1.0], |l| l.target_plane.normal)),
+        inclination_offset: constant([0.0; 3]),
+    }
+}
+
+/// Values of all effects, with the `chosen` free parameter as the variable of differentiation.
+fn seeded(problem: &Problem<'_>, globals: &Globals, chosen: Option<usize>) -> Vec<Vec<Dual>> {
+    let mut number = 0;
+    let held = problem.held_effects.len();
+    let mut seed = |effect: usize, value: f64| {
+        let is_chosen = effect >= held && chosen == Some(number);
+        number += usize::from(effect >= held);
+        if is_chosen {
+            Dual::variable(value)
+        } else {
+            Dual::constant(value)
+        }
+    };
+    globals
+        .effects
+        .iter()
+        .enumerate()
+        .map(|(k, bound)| bound.values.iter().map(|v| seed(k, *v)).collect())
+        .collect()
+}
+
+impl<T: Packet> PortInputs<T> {
+    /// Packs the ports of the selected rows.
+    pub fn build(
+        token: T::Token,
+        problem: &Problem<'_>,
+        globals: &Globals,
+        selection: Selection<'_>,
+    ) -> Self {
+        let mut store = ColumnStore::new(token);
+        let robot = &problem.dataset.robot;
+        let mut cables = Vec::with_capacity(robot.cable_count());
+        let mut cable_links = Vec::with_capacity(robot.cable_count());
+        for index in 0..robot.cable_count() {
+            let (columns, links) = pack_cable(&mut store, problem, globals, selection, index);
+            cables.push(columns);
+            cable_links.push(links);
+        }
+        let mut platform_links = Vec::new();
+        let nominal = nominal_platform_ports(robot);
+        let evaluate = |chosen| {
+            let mut ports = nominal;
+            for (bound, values) in globals.effects.iter().zip(seeded(problem, globals, chosen)) {
+                bound.effect.change_platform(&values, &mut ports);
+            }
+            ports.scalars()
+        };
+        let platform = evaluate(None).map(|scalar| store.uniform(scalar.value));
+        for parameter in 0..free_parameter_count(problem) {
+            for (scalar, port) in evaluate(Some(parameter)).iter().zip(PlatformPort::ALL) {
+                if scalar.slope != 0.0 {
+                    let slope = store.uniform(scalar.slope);
+                    platform_links.push(PlatformLink {
+                        port,
+                        parameter,
+                        slope,
+                    });
+                }
+            }
+        }
+        Self {
+            store,
+            cables,
+            cable_links,
+            platform,
+            platform_links,
+        }
+    }
+}
+
+fn free_parameter_count(problem: &Problem<'_>) -> usize {
+    if problem.geometry == Geometry::Held {
+        return 0;
+    }
+    problem
+        .free_effects
+        .iter()
+        .map(|bound| bound.values.len())
+        .sum()
+}
+
+/// Packs the ports of one cable; only what differs from pose to pose takes space per pose.
+fn pack_cable<T: Packet>(
+    store: &mut ColumnStore<T>,
+    problem: &Problem<'_>,
+    globals: &Globals,
+    selection: Selection<'_>,
+    index: usize,
+) -> ([Column; CablePort::COUNT], Vec<CableLink>) {
+    let data = &problem.dataset.measurements;
+    let cable = &problem.dataset.robot.cables[index];
+    let concerned: Vec<usize> = (0..globals.effects.len())
+        .filter(|k| globals.effects[*k].cables.contains(&index))
+        .collect();
+    let scalars_at = |row: usize, values: &[Vec<Dual>]| {
+        let (mut ports, at) = nominal_cable_ports(cable, data, (row, index), selection.is_home);
+        // The error of the tension reading at home is a parameter of its own.
+        if selection.is_home {
+            ports.tension += Dual::constant(globals.home_tension_error_n[index]);
+        }
+        for k in &concerned {
+            let effect = globals.effects[*k].effect;
+            effect.change_cable(&values[*k], &at, &mut ports);
+        }
+        ports.scalars()
+    };
+    let plain = seeded(problem, globals, None);
+    let scalars: Vec<_> = if concerned.is_empty() && !selection.is_home {
+        let first = selection.rows.first().copied().into_iter();
+        first.map(|row| scalars_at(row, &plain)).collect()
+    } else {
+        selection
+            .rows
+            .iter()
+            .map(|row| scalars_at(*row, &plain))
+            .collect()
+    };
+    let columns = if concerned.is_empty() && !selection.is_home {
+        pack_plain(store, cable, data, selection, index, &scalars)
+    } else {
+        std::array::from_fn(|port| {
+            pack_scalars(store, &scalars, padding_of(port), |s| s[port].value)
+        })
+    };
+    let mut links = Vec::new();
+    if concerned.iter().all(|k| *k < problem.held_effects.len()) {
+        return (columns, links);
+    }
+    for parameter in 0..free_parameter_count(problem) {
+        let values = seeded(problem, globals, Some(parameter));
+        let scalars: Vec<_> = selection
+            .rows
+            .iter()
+            .map(|row| scalars_at(*row, &values))
+            .collect();
+        for (position, port) in CablePort::ALL.iter().enumerate() {
+            if scalars.iter().any(|s| s[position].slope != 0.0) {
+                let slope = pack_scalars(store, &scalars, Some(0.0), |s| s[position].slope);
+                links.push(CableLink {
+                    port: *port,
+                    parameter,
+                    slope,
+                });
+            }
+        }
+    }
+    (columns, links)
+}
+
+/// Readings are missing in the lanes that fill up the last packet; all else repeats its last value.
+fn padding_of(port: usize) -> Option<f64> {
+    (port < 2).then_some(f64::NAN)
+}
+
+/// Without effects only the first two ports, paid and tension, differ from pose to pose.
+fn pack_plain<T: Packet>(
+    store: &mut ColumnStore<T>,
+    cable: &Cable,
+    data: &Measurements,
+    selection: Selection<'_>,
+    index: usize,
+    first: &[[Dual; CablePort::COUNT]],
+) -> [Column; CablePort::COUNT] {
+    let rows = selection.rows.iter();
+    let paid = rows
+        .clone()
+        .map(|row| nominal_paid(cable, data, (*row, index), false));
+    let tension = rows.map(|row| nominal_tension(cable, data, (*row, index)));
+    let paid = store.varying(paid, f64::NAN);
+    let tension = store.varying(tension, f64::NAN);
+    std::array::from_fn(|port| match port {
+        0 => paid,
+        1 => tension,
+        _ => store.uniform(first.first().map_or(0.0, |scalars| scalars[port].value)),
+    })
+}
+
+fn pack_scalars<T: Packet>(
+    store: &mut ColumnStore<T>,
+    scalars: &[[Dual; CablePort::COUNT]],
+    padding: Option<f64>,
+    pick: impl Fn(&[Dual; CablePort::COUNT]) -> f64,
+) -> Column {
+    let (Some(first), Some(last)) = (scalars.first().map(&pick), scalars.last().map(&pick)) else {
+        return store.uniform(0.0);
+    };
+    if padding.is_some_and(f64::is_nan) || scalars.iter().any(|s| pick(s) != first) {
+        store.varying(scalars.iter().map(pick), padding.unwrap_or(last))
+    } else {
+        store.uniform(first)
+    }
+}

@@ -1,0 +1,103 @@
+//! Which rows a pose has and which columns the common parameters have.
+
+use crate::estimation::problem::{Geometry, Poses, Problem};
+
+/// Row and column numbering of one pose's whitened equations.
+///
+/// Columns of the common parameters, before they are mapped to the estimated ones: for each cable
+/// `[a_x a_y a_z s]` (entry point, unstrained length at home), then the offset of the target plane,
+/// then the parameters of free effects.
+#[derive(Debug, Clone)]
+pub(in crate::estimation) struct Layout {
+    pub cables: usize,
+    pub effects: usize,
+    pub equilibrium: Option<usize>,
+    pub laser: Option<usize>,
+    pub swivel: Option<usize>,
+    pub tracker_position: Option<usize>,
+    pub tracker_orientation: Option<usize>,
+    pub inclination: Option<usize>,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub columns: usize,
+}
+
+/// Columns per cable.
+pub(in crate::estimation) const CABLE_COLUMNS: usize = 4;
+
+impl Layout {
+    pub fn new(problem: &Problem<'_>, effect_columns: usize) -> Self {
+        let data = &problem.dataset.measurements;
+        let robot = &problem.dataset.robot;
+        let cables = robot.cable_count();
+        let mut rows = cables;
+        let mut block = |present: bool, count: usize| {
+            present.then(|| {
+                rows += count;
+                rows - count
+            })
+        };
+        let equilibrium = block(problem.has_equilibrium(), 6);
+        let laser = block(robot.laser.is_some() && !data.laser_m.is_empty(), 1);
+        let swivels = robot
+            .cables
+            .iter()
+            .any(|c| c.pulley.swivel_sd_rad.is_some());
+        let swivel = block(swivels && !data.swivel_rad.is_empty(), cables);
+        // Held poses are the tracker's: there is nothing to compare.
+        let tracked = robot.tracker.is_some() && problem.poses == Poses::Estimated;
+        let tracker_position = block(tracked && !data.tracked_position_m.is_empty(), 3);
+        let turns = tracked
+            && robot
+                .tracker
+                .is_some_and(|t| t.orientation_sd_rad.is_some());
+        let tracker_orientation = block(turns && !data.tracked_orientation_wxyz.is_empty(), 3);
+        let inclined = robot.inclinometer.is_some() && !data.inclination_rad.is_empty();
+        let inclination = block(inclined, 3);
+        Self {
+            cables,
+            effects: effect_columns,
+            equilibrium,
+            laser,
+            swivel,
+            tracker_position,
+            tracker_orientation,
+            inclination,
+            rows,
+            columns: CABLE_COLUMNS * cables + 1 + effect_columns,
+        }
+    }
+
+    /// First column of a cable.
+    pub fn cable_column(&self, cable: usize) -> usize {
+        CABLE_COLUMNS * cable
+    }
+
+    /// Column of the unstrained length at home of a cable.
+    pub fn home_length_column(&self, cable: usize) -> usize {
+        CABLE_COLUMNS * cable + 3
+    }
+
+    /// Column of the offset of the target plane.
+    pub fn plane_column(&self) -> usize {
+        CABLE_COLUMNS * self.cables
+    }
+
+    /// First column of the effects.
+    pub fn effect_column(&self) -> usize {
+        CABLE_COLUMNS * self.cables + 1
+    }
+}
+
+/// Number of columns that free effects take.
+pub(in crate::estimation) fn effect_columns(problem: &Problem<'_>) -> usize {
+    if problem.geometry == Geometry::Held {
+        return 0;
+    }
+    problem
+        .free_effects
+        .iter()
+        .map(|bound| bound.values.len())
+        .sum()
+}

@@ -1,0 +1,658 @@
+//! Evaluates the equations of many poses at once, one pose per SIMD lane.
+
+mod cable_rows;
+mod columns;
+mod equations;
+mod inputs;
+mod layout;
+mod normal;
+mod platform_rows;
+
+use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
+use columns::{Column, ColumnStore};
+use inputs::{PortInputs, Selection};
+use platform_rows::LaserInputs;
+
+pub(super) use equations::{Attitude, Equations};
+pub(super) use layout::{Layout, effect_columns};
+pub(super) use normal::{Elimination, Sums};
+
+use super::problem::{Globals, Poses, Problem};
+use crate::effect::PlatformPort;
+use crate::geometry::Pose;
+use crate::real::{Kernel, Packet};
+
+/// Scalars per pose that the back-substitution needs, besides `Y`.
+const FACTOR_AND_RESIDUAL: usize = 27;
+/// Scalars of a pose: position and quaternion.
+const ATTITUDE: usize = 7;
+
+/// Readings of the platform's instruments.
+#[derive(Clone)]
+struct PlatformInputs {
+    laser: Column,
+    swivel: Vec<Column>,
+    tracker_position: Vec<Column>,
+    tracker_inverse_sd: Vec<Column>,
+    tracker_orientation: Vec<Column>,
+    inclination: Vec<Column>,
+}
+
+/// The equations of a set of poses, packed for evaluation.
+#[derive(Clone)]
+pub(super) struct Evaluator<'a, T: Packet> {
+    token: T::Token,
+    problem: &'a Problem<'a>,
+    rows: Vec<usize>,
+    is_home: bool,
+    pub layout: Layout,
+    ports: PortInputs<T>,
+    readings: ColumnStore<T>,
+    platform: PlatformInputs,
+    constants: Vec<CableConstants>,
+    entry: Vec<[T; 3]>,
+    home_length: Vec<T>,
+    plane_offset: T,
+    down: [f64; 3],
+    gravity: [f64; 3],
+    wrench_variance: [f64; 6],
+    /// 1 for coordinates in which the poses move, else 0.
+    free: [f64; 6],
+    /// 1 for coordinates in which wrenches balance, else 0.
+    balanced: [f64; 6],
+    /// Attitudes, packet by packet; the previous ones are kept for a rejected step.
+    attitudes: Vec<f64>,
+    previous: Vec<f64>,
+    /// Factor, residual and `Y` of every packet, for the back-substitution.
+    eliminated: Vec<f64>,
+    equations: Equations<T>,
+    elimination: Elimination<T>,
+    pub sums: Sums<T>,
+}
+
+impl<'a, T: Packet> Evaluator<'a, T> {
+    /// Packs the poses of `rows`, starting from `start`.
+    pub fn new(
+        token: T::Token,
+        problem: &'a Problem<'a>,
+        globals: &Globals,
+        rows: Vec<usize>,
+        start: &[Pose],
+    ) -> Self {
+        Self::build(token, problem, globals, rows, start, false)
+    }
+
+    /// Packs the home row: its lengths are predictions, its tensions not latent.
+    pub fn home(token: T::Token, problem: &'a Problem<'a>, globals: &Globals, row: usize) -> Self {
+        Self::build(token, problem, globals, vec![row], &[globals.home], true)
+    }
+
+    fn build(
+        token: T::Token,
+        problem: &'a Problem<'a>,
+        globals: &Globals,
+        rows: Vec<usize>,
+        start: &[Pose],
+        is_home: bool,
+    ) -> Self {
+        let robot = &problem.dataset.robot;
+        let zero = T::splat(token, 0.0);
+        let layout = Layout::new(problem, effect_columns(problem));
+        let mut readings = ColumnStore::new(token);
+        let platform = pack_platform(&mut readings, problem, &layout, &rows);
+        let selection = Selection {
+            rows: &rows,
+            is_home,
+        };
+        let ports = PortInputs::build(token, problem, globals, selection);
+        let gravity = robot.gravity();
+        let down = gravity.try_normalize(0.0).unwrap_or_default().into();
+        let moving = problem.poses == Poses::Estimated || is_home;
+        let mut balanced = [0.0; 6];
+        for coordinate in robot.platform.freedom().coordinates() {
+            balanced[coordinate.index()] = 1.0;
+        }
+        let free = if moving { balanced } else { [0.0; 6] };
+        let wrench = robot.wrench_sd();
+        let wrench_variance = std::array::from_fn(|k| {
+            wrench.map_or(1.0, |sd| {
+                if k < 3 { sd.force_n } else { sd.torque_nm }.powi(2)
+            })
+        });
+        let mut evaluator = Self {
+            constants: constants_of(problem, is_home),
+            entry: Vec::new(),
+            home_length: vec![zero; robot.cable_count()],
+            plane_offset: zero,
+            down,
+            gravity: gravity.into(),
+            wrench_variance,
+            free,
+            balanced,
+            attitudes: pack_attitudes::<T>(start),
+            previous: Vec::new(),
+            eliminated: Vec::new(),
+            equations: Equations::new(&layout, zero),
+            elimination: Elimination::new(&layout, zero),
+            sums: Sums::new(token, &layout),
+            token,
+            problem,
+            rows,
+            is_home,
+            layout,
+            ports,
+            readings,
+            platform,
+        };
+        evaluator.set_globals(globals, None);
+        evaluator
+    }
+
+    /// Number of packets.
+    pub fn batches(&self) -> usize {
+        self.rows.len().div_ceil(T::LANES)
+    }
+
+    /// Rows of the measurements that are packed, in order.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// Takes over the common parameters; `home_lengths` are the unstrained lengths at home, or the
+    /// runs from drum to pulley where readings are absolute.
+    pub fn set_globals(&mut self, globals: &Globals, home_lengths: Option<&[f64]>) {
+        let splat = |v: f64| T::splat(self.token, v);
+        self.entry = globals.entry_points.iter().map(|p| p.map(splat)).collect();
+        self.plane_offset = splat(globals.plane_offset_m);
+        for (cable, constants) in self.constants.iter().enumerate() {
+            self.home_length[cable] = splat(match home_lengths {
+                Some(lengths) => lengths[cable],
+                None if self.is_home => 0.0,
+                None => constants.run,
+            });
+        }
+        if !globals.effects.is_empty() || self.is_home {
+            let selection = Selection {
+                rows: &self.rows,
+                is_home: self.is_home,
+            };
+            self.ports = PortInputs::build(self.token, self.problem, globals, selection);
+        }
+    }
+
+    /// Evaluates all packets and sums up: at the present poses, or after moving every pose by its
+    /// part of the common `step` (per column).
+    pub fn assemble(&mut self, step: Option<&[f64]>, huber: Option<f64>, damping: f64) {
+        self.sums.clear();
+        self.reserve();
+        if step.is_some() {
+            self.previous.clone_from(&self.attitudes);
+        }
+        let token = self.token;
+        T::run(
+            token,
+            Assemble {
+                evaluator: self,
+                step,
+                huber,
+                damping,
+            },
+        );
+    }
+
+    /// Goes back to the poses before the last step.
+    pub fn undo_step(&mut self) {
+        std::mem::swap(&mut self.attitudes, &mut self.previous);
+    }
+
+    #[inline(always)]
+    fn assemble_batch(
+        &mut self,
+        batch: usize,
+        attitude: &Attitude<T>,
+        huber: Option<f64>,
+        damping: f64,
+    ) {
+        self.evaluate(batch, attitude);
+        let loss = match huber {
+            Some(limit) => self.equations.weigh_down_outliers(&self.layout, limit),
+            None => self.equations.square_sum(),
+        };
+        self.sums.loss += loss.sum();
+        self.elimination
+            .eliminate(&self.equations, &self.layout, damping);
+        self.sums
+            .add(&self.equations, &self.elimination, &self.layout);
+        self.store_elimination(batch);
+    }
+
+    fn reserve(&mut self) {
+        let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
+        self.eliminated
+            .resize(self.batches() * per_pose * T::LANES, 0.0);
+    }
+
+    #[inline(always)]
+    fn store_elimination(&mut self, batch: usize) {
+        let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
+        let size = per_pose * T::LANES;
+        let slot = &mut self.eliminated[batch * size..(batch + 1) * size];
+        let numbers = self
+            .elimination
+            .factor
+            .iter()
+            .chain(&self.elimination.residual);
+        for (k, value) in numbers
+            .chain(self.elimination.columns.iter().flatten())
+            .enumerate()
+        {
+            value.store(slot, k);
+        }
+    }
+
+    #[inline(always)]
+    fn pose_step(&self, batch: usize, step: &[f64]) -> [T; 6] {
+        let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
+        let size = per_pose * T::LANES;
+        let slot = &self.eliminated[batch * size..(batch + 1) * size];
+        let load = |k: usize| T::load(self.token, slot, k);
+        let factor = std::array::from_fn(load);
+        let residual = std::array::from_fn(|k| load(21 + k));
+        let mut moved = [T::splat(self.token, 0.0); 6];
+        for (column, delta) in step.iter().enumerate() {
+            let delta = T::splat(self.token, *delta);
+            for k in 0..6 {
+                let y = load(FACTOR_AND_RESIDUAL + 6 * column + k);
+                moved[k] = y.mul_add(delta, moved[k]);
+            }
+        }
+        Elimination::pose_step(&factor, residual, moved)
+    }
+
+    /// The attitude of a packet.
+    #[inline(always)]
+    pub fn attitude(&self, batch: usize) -> Attitude<T> {
+        let load = |k: usize| T::load(self.token, &self.attitudes, batch * ATTITUDE + k);
+        Attitude::new(
+            std::array::from_fn(load),
+            std::array::from_fn(|k| load(3 + k)),
+        )
+    }
+
+    #[inline(always)]
+    fn store_attitude(&mut self, batch: usize, attitude: &Attitude<T>) {
+        let numbers = attitude.position.iter().chain(&attitude.quaternion);
+        for (k, value) in numbers.enumerate() {
+            value.store(&mut self.attitudes, batch * ATTITUDE + k);
+        }
+    }
+
+    /// The present poses, in the order of the rows.
+    pub fn poses(&self) -> Vec<Pose> {
+        let at = |index: usize, k: usize| {
+            let (batch, lane) = (index / T::LANES, index % T::LANES);
+            self.attitudes[(batch * ATTITUDE + k) * T::LANES + lane]
+        };
+        let pose = |index: usize| {
+            Pose::from_parts(
+                std::array::from_fn(|k| at(index, k)),
+                std::array::from_fn(|k| at(index, 3 + k)),
+            )
+        };
+        (0..self.rows.len()).map(pose).collect()
+    }
+
+    /// Sets the pose of a packed row, which must be the only one.
+    pub fn set_single_pose(&mut self, pose: &Pose) {
+        self.attitudes = pack_attitudes::<T>(std::slice::from_ref(pose));
+    }
+
+    /// A port of a cable, by its position in `CablePort::ALL`.
+    pub fn cable_port(&self, batch: usize, cable: usize, port: usize) -> T {
+        self.ports.store.load(self.ports.cables[cable][port], batch)
+    }
+
+    /// Equations of a packet at its present poses.
+    #[inline(always)]
+    pub fn equations_at(&mut self, batch: usize) -> &mut Equations<T> {
+        let attitude = self.attitude(batch);
+        self.evaluate(batch, &attitude);
+        &mut self.equations
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self, batch: usize, pose: &Attitude<T>) {
+        let zero = T::splat(self.token, 0.0);
+        self.equations.by_effect.fill(zero);
+        let mut balance = Balance::new(zero);
+        if self.layout.equilibrium.is_some() {
+            let first = self.layout.plane_column();
+            self.equations.balance_by_column[first..].fill([zero; 6]);
+        }
+        for cable in 0..self.layout.cables {
+            self.evaluate_cable(batch, cable, pose, &mut balance);
+        }
+        if let Some(first) = self.layout.equilibrium {
+            self.finish_balance(batch, first, pose, &mut balance);
+        }
+        self.evaluate_platform(batch, pose);
+        for k in 0..6 {
+            if self.free[k] == 0.0 {
+                for j in &mut self.equations.by_pose {
+                    j[k] = zero;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_cable(
+        &mut self,
+        batch: usize,
+        cable: usize,
+        pose: &Attitude<T>,
+        balance: &mut Balance<T>,
+    ) {
+        let columns = &self.ports.cables[cable];
+        let swivel = self.platform.swivel.get(cable);
+        let inputs = CableInputs {
+            entry: self.entry[cable],
+            home_length: self.home_length[cable],
+            ports: std::array::from_fn(|k| self.ports.store.load(columns[k], batch)),
+            swivel: swivel.map_or(T::splat(self.token, f64::NAN), |c| {
+                self.readings.load(*c, batch)
+            }),
+        };
+        let constants = &self.constants[cable];
+        let state = CableState::new(constants, &inputs, pose, self.down);
+        let residual = state.length_row(cable, &inputs, &mut self.equations);
+        if let Some(first) = self.layout.swivel {
+            let at = (first + cable, cable);
+            state.swivel_row(at, constants, &inputs, &mut self.equations);
+        }
+        if self.layout.equilibrium.is_some() {
+            state.add_balance(cable, residual, &self.layout, balance, &mut self.equations);
+            balance.present = balance.present * inputs.ports[1].present().1;
+        }
+        if self.is_home {
+            self.equations.length_by_tension[cable] = state.length_by_tension();
+            self.equations.structure[cable] = state.structure();
+        }
+        for link in &self.ports.cable_links[cable] {
+            let slope = self.ports.store.load(link.slope, batch);
+            let at = (cable, constants);
+            state.link((link, slope), at, &self.layout, pose, &mut self.equations);
+        }
+    }
+
+    /// Adds gravity, whitens, and leaves out coordinates that are not free.
+    #[inline(always)]
+    fn finish_balance(
+        &mut self,
+        batch: usize,
+        first: usize,
+        pose: &Attitude<T>,
+        balance: &mut Balance<T>,
+    ) {
+        let zero = T::splat(self.token, 0.0);
+        self.add_gravity(batch, pose, balance);
+        for k in 0..6 {
+            let diagonal = k * (k + 1) / 2 + k;
+            if self.balanced[k] == 0.0 {
+                for q in 0..6 {
+                    let (row, column) = (k.max(q), k.min(q));
+                    balance.covariance[row * (row + 1) / 2 + column] = zero;
+                }
+                balance.covariance[diagonal] = zero.lift(1.0);
+                balance.residual[k] = zero;
+                balance
+                    .by_pose
+                    .iter_mut()
+                    .for_each(|column| column[k] = zero);
+                let columns = &mut self.equations.balance_by_column;
+                columns.iter_mut().for_each(|column| column[k] = zero);
+            } else {
+                let variance = zero.lift(self.wrench_variance[k]);
+                balance.covariance[diagonal] = balance.covariance[diagonal] + variance;
+            }
+        }
+        normal::factorise(&mut balance.covariance, 0.0);
+        let factor = &balance.covariance;
+        let whiten = |column: &mut [T; 6]| {
+            normal::forward_substitute(factor, column);
+            *column = column.map(|v| v * balance.present);
+        };
+        whiten(&mut balance.residual);
+        balance.by_pose.iter_mut().for_each(whiten);
+        self.equations.balance_by_column.iter_mut().for_each(whiten);
+        for k in 0..6 {
+            let row = first + k;
+            self.equations.residual[row] = balance.residual[k];
+            self.equations.by_pose[row] = std::array::from_fn(|q| balance.by_pose[q][k]);
+            let counted = balance.present * zero.lift(self.balanced[k]);
+            self.equations.present[row] = counted;
+        }
+    }
+
+    #[inline(always)]
+    fn add_gravity(&mut self, batch: usize, pose: &Attitude<T>, balance: &mut Balance<T>) {
+        let port = |k: usize| self.ports.store.load(self.ports.platform[k], batch);
+        let per_kilogram = self.gravity.map(|g| T::splat(self.token, g));
+        let mass = port(0);
+        let weight = per_kilogram.map(|g| g * mass);
+        let lever = pose.rotate([port(1), port(2), port(3)]);
+        let torque = crate::real::cross(lever, weight);
+        for k in 0..3 {
+            balance.residual[k] = balance.residual[k] + weight[k];
+            balance.residual[3 + k] = balance.residual[3 + k] + torque[k];
+        }
+        add_lever_rotation(lever, weight, balance);
+        for link in &self.ports.platform_links {
+            let slope = self.ports.store.load(link.slope, batch);
+            let (force, lever) = match link.port {
+                PlatformPort::Mass => (per_kilogram, lever),
+                PlatformPort::CenterOfMass(axis) => {
+                    let zero = T::splat(self.token, 0.0);
+                    let unit =
+                        std::array::from_fn(|k| zero.lift(if k == axis { 1.0 } else { 0.0 }));
+                    (weight, pose.rotate(unit))
+                }
+                _ => continue,
+            };
+            let column = self.layout.effect_column() + link.parameter;
+            let column = &mut self.equations.balance_by_column[column];
+            let torque = crate::real::cross(lever, force);
+            for k in 0..3 {
+                if matches!(link.port, PlatformPort::Mass) {
+                    column[k] = force[k].mul_add(slope, column[k]);
+                }
+                column[3 + k] = torque[k].mul_add(slope, column[3 + k]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_platform(&mut self, batch: usize, pose: &Attitude<T>) {
+        let splat = |v: f64| T::splat(self.token, v);
+        let read = |column: &Column| self.readings.load(*column, batch);
+        let robot = &self.problem.dataset.robot;
+        let ports = || -> [T; PlatformPort::COUNT] {
+            std::array::from_fn(|k| self.ports.store.load(self.ports.platform[k], batch))
+        };
+        let links: Vec<_> = self
+            .ports
+            .platform_links
+            .iter()
+            .map(|link| {
+                (
+                    link.port,
+                    link.parameter,
+                    self.ports.store.load(link.slope, batch),
+                )
+            })
+            .collect();
+        if let (Some(row), Some(laser)) = (self.layout.laser, &robot.laser) {
+            let inputs = LaserInputs {
+                reading: read(&self.platform.laser),
+                origin: laser.origin_m.map(splat),
+                offset: self.plane_offset,
+                inverse_sd: splat(laser.sd_m.recip()),
+                ports: ports(),
+            };
+            inputs.row(row, &links, &self.layout, pose, &mut self.equations);
+        }
+        if let Some(first) = self.layout.tracker_position {
+            let reading = std::array::from_fn(|k| read(&self.platform.tracker_position[k]));
+            let weight = std::array::from_fn(|k| read(&self.platform.tracker_inverse_sd[k]));
+            platform_rows::tracker_position_rows(first, reading, weight, pose, &mut self.equations);
+        }
+        let tracker_sd = robot.tracker.and_then(|t| t.orientation_sd_rad);
+        if let (Some(first), Some(sd)) = (self.layout.tracker_orientation, tracker_sd) {
+            let reading = std::array::from_fn(|k| read(&self.platform.tracker_orientation[k]));
+            let weight = splat(sd.recip());
+            let equations = &mut self.equations;
+            platform_rows::tracker_orientation_rows(first, reading, weight, pose, equations);
+        }
+        if let (Some(first), Some(sensor)) = (self.layout.inclination, robot.inclinometer) {
+            let reading = std::array::from_fn(|k| read(&self.platform.inclination[k]));
+            platform_rows::inclination_rows(
+                first,
+                (reading, splat(sensor.sd_rad.recip())),
+                &ports(),
+                &links,
+                &self.layout,
+                pose,
+                &mut self.equations,
+            );
+        }
+    }
+}
+
+/// One pass over all packets.
+struct Assemble<'e, 'a, T: Packet> {
+    evaluator: &'e mut Evaluator<'a, T>,
+    step: Option<&'e [f64]>,
+    huber: Option<f64>,
+    damping: f64,
+}
+
+impl<T: Packet> Kernel for Assemble<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let evaluator = self.evaluator;
+        for batch in 0..evaluator.batches() {
+            let mut attitude = evaluator.attitude(batch);
+            if let Some(step) = self.step {
+                attitude = attitude.moved(evaluator.pose_step(batch, step));
+                evaluator.store_attitude(batch, &attitude);
+            }
+            evaluator.assemble_batch(batch, &attitude, self.huber, self.damping);
+        }
+    }
+}
+
+fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
+    let has_forces = !problem.dataset.measurements.force_n.is_empty();
+    let concerns_weight = |effect: &crate::effect::BoundEffect| effect.effect.id() == "cable_sag";
+    let effects = || problem.held_effects.iter().chain(&problem.free_effects);
+    let constants = |cable: &crate::robot::Cable| {
+        let measured = has_forces && cable.force_sensor.is_some();
+        let latent = problem.has_latent_tension() && !is_home;
+        CableConstants {
+            run: cable.winch.length_to_pulley_m,
+            length_sd: if is_home {
+                1.0
+            } else {
+                cable.winch.length_sd_m
+            },
+            tension_sd: match cable.force_sensor {
+                Some(sensor) if latent => sensor.tension_sd_n,
+                _ => 0.0,
+            },
+            sags: measured && (cable.cable.weight_n_per_m != 0.0 || effects().any(concerns_weight)),
+            surface: cable.cable.elongation_surface.clone().filter(|_| measured),
+            swivel_zero: cable.pulley.swivel_zero.unwrap_or_default(),
+            swivel_sd: cable.pulley.swivel_sd_rad.unwrap_or(f64::INFINITY),
+        }
+    };
+    problem.dataset.robot.cables.iter().map(constants).collect()
+}
+
+/// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.
+fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Vec<f64> {
+    let count = poses.len().next_multiple_of(T::LANES);
+    let mut packed = vec![0.0; count * ATTITUDE];
+    for index in 0..count {
+        let Some(pose) = poses.get(index).or(poses.last()) else {
+            continue;
+        };
+        let (batch, lane) = (index / T::LANES, index % T::LANES);
+        let numbers = pose.position.iter().copied().chain(pose.orientation_wxyz());
+        for (k, value) in numbers.enumerate() {
+            packed[(batch * ATTITUDE + k) * T::LANES + lane] = value;
+        }
+    }
+    packed
+}
+
+fn pack_platform<T: Packet>(
+    store: &mut ColumnStore<T>,
+    problem: &Problem<'_>,
+    layout: &Layout,
+    rows: &[usize],
+) -> PlatformInputs {
+    let data = &problem.dataset.measurements;
+    let nan = f64::NAN;
+    let mut triple = |present: bool, column: &[[f64; 3]]| -> Vec<Column> {
+        let count = if present { 3 } else { 0 };
+        let pack = |k: usize| store.varying(rows.iter().map(|row| column[*row][k]), nan);
+        (0..count).map(pack).collect()
+    };
+    let tracker_position = triple(layout.tracker_position.is_some(), &data.tracked_position_m);
+    let inclination = triple(layout.inclination.is_some(), &data.inclination_rad);
+    let tracker_sd = problem
+        .dataset
+        .robot
+        .tracker
+        .map_or([nan; 3], |t| t.position_sd_m.each());
+    let inverse_sd = |row: usize, k: usize| {
+        let own = data.tracked_position_sd_m.get(row).map_or(nan, |sd| sd[k]);
+        (if own.is_nan() { tracker_sd[k] } else { own }).recip()
+    };
+    let tracker_inverse_sd = tracker_position
+        .iter()
+        .enumerate()
+        .map(|(k, _)| store.varying(rows.iter().map(|row| inverse_sd(*row, k)), 0.0))
+        .collect();
+    let quaternion = if layout.tracker_orientation.is_some() {
+        4
+    } else {
+        0
+    };
+    let tracker_orientation = (0..quaternion)
+        .map(|k| {
+            store.varying(
+                rows.iter()
+                    .map(|row| data.tracked_orientation_wxyz[*row][k]),
+                nan,
+            )
+        })
+        .collect();
+    let swivels = if layout.swivel.is_some() {
+        layout.cables
+    } else {
+        0
+    };
+    let swivel = (0..swivels)
+        .map(|cable| store.varying(rows.iter().map(|row| data.swivel_rad.get(*row, cable)), nan))
+        .collect();
+    PlatformInputs {
+        laser: store.varying(rows.iter().map(|row| data.laser_at(*row)), nan),
+        swivel,
+        tracker_position,
+        tracker_inverse_sd,
+        tracker_orientation,
+        inclination,
+    }
+}

@@ -1,0 +1,365 @@
+//! Normal equations of many poses with the poses eliminated (Schur complement).
+//!
+//! A pose has the rows `r + J dx + G dg` with its own step `dx` and the common one `dg`. With the
+//! Cholesky factor `L L^T = J^T J`, `y = L^-1 J^T r` and `Y = L^-1 J^T G`, the common step sees
+//! `S = sum (G^T G - Y^T Y)` and `v = sum (G^T r - Y^T y)`, and `dx = -L^-T (y + Y dg)`.
+
+use super::equations::Equations;
+use super::layout::{CABLE_COLUMNS, Layout};
+use crate::real::Packet;
+
+/// Elimination of one packet of poses.
+#[derive(Clone)]
+pub(in crate::estimation) struct Elimination<T> {
+    /// Lower triangle of `L`, row by row, with the reciprocals of its diagonal in place of it.
+    pub factor: [T; 21],
+    /// `y`.
+    pub residual: [T; 6],
+    /// `Y`, column by column.
+    pub columns: Vec<[T; 6]>,
+}
+
+/// Sums over all poses.
+#[derive(Clone)]
+pub(in crate::estimation) struct Sums<T: Packet> {
+    token: T::Token,
+    /// Lower triangle of `S`, row by row, in packets.
+    information: Vec<f64>,
+    /// `v`, in packets.
+    gradient: Vec<f64>,
+    /// Loss of the rows.
+    pub loss: f64,
+    /// `sum y.y`: decrease of the loss that the poses alone promise.
+    pub decrease: f64,
+    /// Number of rows that were measured.
+    pub readings: f64,
+    /// Number of pose coordinates that the rows determine.
+    pub coordinates: f64,
+}
+
+impl<T: Packet> Elimination<T> {
+    pub fn new(layout: &Layout, zero: T) -> Self {
+        Self {
+            factor: [zero; 21],
+            residual: [zero; 6],
+            columns: vec![[zero; 6]; layout.columns],
+        }
+    }
+
+    /// Eliminates the poses from `equations`. Coordinates that nothing measures do not move.
+    #[inline(always)]
+    pub fn eliminate(&mut self, equations: &Equations<T>, layout: &Layout, damping: f64) {
+        let zero = equations.laser_by_plane.lift(0.0);
+        let mut hessian = [zero; 21];
+        let mut gradient = [zero; 6];
+        for (j, r) in equations.by_pose.iter().zip(&equations.residual) {
+            for k in 0..6 {
+                gradient[k] = j[k].mul_add(*r, gradient[k]);
+                for q in 0..=k {
+                    let at = k * (k + 1) / 2 + q;
+                    hessian[at] = j[k].mul_add(j[q], hessian[at]);
+                }
+            }
+        }
+        self.project(equations, layout, zero);
+        factorise(&mut hessian, damping);
+        self.factor = hessian;
+        self.residual = gradient;
+        forward_substitute(&self.factor, &mut self.residual);
+        for column in &mut self.columns {
+            forward_substitute(&self.factor, column);
+        }
+    }
+
+    /// `J^T G`.
+    #[inline(always)]
+    fn project(&mut self, equations: &Equations<T>, layout: &Layout, zero: T) {
+        for (cable, g) in equations.length_by_cable.iter().enumerate() {
+            let first = layout.cable_column(cable);
+            let columns = &mut self.columns[first..first + CABLE_COLUMNS];
+            let j = &equations.by_pose[cable];
+            for (column, g) in columns.iter_mut().zip(g) {
+                *column = j.map(|j| j * *g);
+            }
+        }
+        if let Some(first_row) = layout.swivel {
+            for (cable, g) in equations.swivel_by_cable.iter().enumerate() {
+                let first = layout.cable_column(cable);
+                let j = &equations.by_pose[first_row + cable];
+                for (column, g) in self.columns[first..first + 3].iter_mut().zip(g) {
+                    add_product(column, j, *g);
+                }
+            }
+        }
+        let plane = layout.plane_column();
+        self.columns[plane] = match layout.laser {
+            Some(row) => equations.by_pose[row].map(|j| j * equations.laser_by_plane),
+            None => [zero; 6],
+        };
+        for column in &mut self.columns[layout.effect_column()..] {
+            *column = [zero; 6];
+        }
+        if layout.effects > 0 {
+            let effects = equations.by_effect.chunks_exact(layout.effects);
+            for (j, effects) in equations.by_pose.iter().zip(effects) {
+                let columns = &mut self.columns[layout.effect_column()..];
+                for (column, e) in columns.iter_mut().zip(effects) {
+                    add_product(column, j, *e);
+                }
+            }
+        }
+        if let Some(first_row) = layout.equilibrium {
+            let rows = &equations.by_pose[first_row..first_row + 6];
+            for (column, g) in self.columns.iter_mut().zip(&equations.balance_by_column) {
+                for (j, g) in rows.iter().zip(g) {
+                    add_product(column, j, *g);
+                }
+            }
+        }
+    }
+
+    /// `dx` from `Y dg` of the poses.
+    #[inline(always)]
+    pub fn pose_step(factor: &[T; 21], residual: [T; 6], moved: [T; 6]) -> [T; 6] {
+        let mut x: [T; 6] = std::array::from_fn(|k| -(residual[k] + moved[k]));
+        for k in (0..6).rev() {
+            for q in k + 1..6 {
+                x[k] = x[k] - factor[q * (q + 1) / 2 + k] * x[q];
+            }
+            x[k] = x[k] * factor[k * (k + 1) / 2 + k];
+        }
+        x
+    }
+}
+
+#[inline(always)]
+fn add_product<T: Packet>(column: &mut [T; 6], j: &[T; 6], g: T) {
+    for k in 0..6 {
+        column[k] = j[k].mul_add(g, column[k]);
+    }
+}
+
+/// Cholesky factorisation in place, the diagonal inverted; a pivot that is zero but for rounding gives
+/// the reciprocal 0, so that nothing moves along it. The diagonal grows by the factor `1 + damping`.
+#[inline(always)]
+pub(super) fn factorise<T: Packet>(a: &mut [T; 21], damping: f64) {
+    let zero = a[0].lift(0.0);
+    let one = a[0].lift(1.0);
+    for k in 0..6 {
+        let diagonal = k * (k + 1) / 2 + k;
+        let grown = a[diagonal] * zero.lift(1.0 + damping);
+        let mut pivot = grown;
+        for q in 0..k {
+            let mut sum = a[k * (k + 1) / 2 + q];
+            for p in 0..q {
+                sum = sum - a[k * (k + 1) / 2 + p] * a[q * (q + 1) / 2 + p];
+            }
+            let entry = sum * a[q * (q + 1) / 2 + q];
+            a[k * (k + 1) / 2 + q] = entry;
+            pivot = pivot - entry * entry;
+        }
+        let sound = pivot - grown * zero.lift(1e-13);
+        let inverse = one / sound.select_positive(pivot, one).sqrt();
+        a[diagonal] = sound.select_positive(inverse, zero);
+    }
+}
+
+/// `L^-1 b` in place.
+#[inline(always)]
+pub(super) fn forward_substitute<T: Packet>(factor: &[T; 21], b: &mut [T; 6]) {
+    for k in 0..6 {
+        let mut sum = b[k];
+        for q in 0..k {
+            sum = sum - factor[k * (k + 1) / 2 + q] * b[q];
+        }
+        b[k] = sum * factor[k * (k + 1) / 2 + k];
+    }
+}
+
+impl<T: Packet> Sums<T> {
+    pub fn new(token: T::Token, layout: &Layout) -> Self {
+        let n = layout.columns;
+        Self {
+            token,
+            information: vec![0.0; n * (n + 1) / 2 * T::LANES],
+            gradient: vec![0.0; n * T::LANES],
+            loss: 0.0,
+            decrease: 0.0,
+            readings: 0.0,
+            coordinates: 0.0,
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.information.fill(0.0);
+        self.gradient.fill(0.0);
+        self.loss = 0.0;
+        self.decrease = 0.0;
+        self.readings = 0.0;
+        self.coordinates = 0.0;
+    }
+
+    /// Adds one packet of poses.
+    #[inline(always)]
+    pub fn add(&mut self, equations: &Equations<T>, elimination: &Elimination<T>, layout: &Layout) {
+        let y = &elimination.residual;
+        let square = y.iter().fold(y[0].lift(0.0), |sum, v| v.mul_add(*v, sum));
+        self.decrease += square.sum();
+        let zero = y[0].lift(0.0);
+        let one = y[0].lift(1.0);
+        let readings = equations.present.iter().fold(zero, |sum, p| sum + *p);
+        self.readings += readings.sum();
+        let determined = (0..6).fold(zero, |sum, k| {
+            sum + elimination.factor[k * (k + 1) / 2 + k].select_positive(one, zero)
+        });
+        self.coordinates += determined.sum();
+        match layout.equilibrium {
+            None => self.add_columns(elimination, y, None),
+            Some(first) => {
+                let balance = &equations.balance_by_column;
+                let residual = &equations.residual[first..first + 6];
+                let residual = std::array::from_fn(|k| residual[k]);
+                self.add_columns(elimination, y, Some((balance, &residual)));
+            }
+        }
+        self.add_sparse(equations, layout);
+    }
+
+    /// `- Y^T Y`, and the equilibrium rows' `G^T G`.
+    #[inline(always)]
+    fn add_columns(
+        &mut self,
+        elimination: &Elimination<T>,
+        y: &[T; 6],
+        balance: Option<(&Vec<[T; 6]>, &[T; 6])>,
+    ) {
+        let mut at = 0;
+        for (i, column) in elimination.columns.iter().enumerate() {
+            let minus = column.map(|v| -v);
+            let mut gradient = T::load(self.token, &self.gradient, i);
+            for k in 0..6 {
+                gradient = minus[k].mul_add(y[k], gradient);
+            }
+            let dense = balance.map(|(columns, residual)| (&columns[..=i], columns[i], residual));
+            if let Some((_, g, residual)) = dense {
+                for k in 0..6 {
+                    gradient = g[k].mul_add(residual[k], gradient);
+                }
+            }
+            gradient.store(&mut self.gradient, i);
+            let others = &elimination.columns[..=i];
+            match dense {
+                None => {
+                    for other in others {
+                        let mut sum = T::load(self.token, &self.information, at);
+                        for k in 0..6 {
+                            sum = minus[k].mul_add(other[k], sum);
+                        }
+                        sum.store(&mut self.information, at);
+                        at += 1;
+                    }
+                }
+                Some((columns, g, _)) => {
+                    for (other, h) in others.iter().zip(columns) {
+                        let mut sum = T::load(self.token, &self.information, at);
+                        let mut more = minus[0].lift(0.0);
+                        for k in 0..6 {
+                            sum = minus[k].mul_add(other[k], sum);
+                            more = g[k].mul_add(h[k], more);
+                        }
+                        (sum + more).store(&mut self.information, at);
+                        at += 1;
+                    }
+                }
+            }
+        }
+    }
+
+    /// `G^T G` of all other rows, each of which concerns few columns.
+    #[inline(always)]
+    fn add_sparse(&mut self, equations: &Equations<T>, layout: &Layout) {
+        for (cable, g) in equations.length_by_cable.iter().enumerate() {
+            self.add_block(layout.cable_column(cable), g, equations.residual[cable]);
+            self.add_effects(layout.cable_column(cable), g, cable, equations, layout);
+        }
+        if let Some(first) = layout.swivel {
+            for (cable, g) in equations.swivel_by_cable.iter().enumerate() {
+                self.add_block(
+                    layout.cable_column(cable),
+                    g,
+                    equations.residual[first + cable],
+                );
+                let row = first + cable;
+                self.add_effects(layout.cable_column(cable), g, row, equations, layout);
+            }
+        }
+        if let Some(row) = layout.laser {
+            let g = [equations.laser_by_plane];
+            self.add_block(layout.plane_column(), &g, equations.residual[row]);
+            self.add_effects(layout.plane_column(), &g, row, equations, layout);
+        }
+        if layout.effects > 0 {
+            let balance = layout.equilibrium.map_or(0..0, |first| first..first + 6);
+            for row in (0..layout.rows).filter(|row| !balance.contains(row)) {
+                let first = row * layout.effects;
+                let e = &equations.by_effect[first..first + layout.effects];
+                self.add_block(layout.effect_column(), e, equations.residual[row]);
+            }
+        }
+    }
+
+    /// `g g^T` and `g r` for consecutive columns from `first`.
+    #[inline(always)]
+    fn add_block(&mut self, first: usize, g: &[T], residual: T) {
+        for (k, g_k) in g.iter().enumerate() {
+            let row = first + k;
+            let gradient = T::load(self.token, &self.gradient, row);
+            g_k.mul_add(residual, gradient)
+                .store(&mut self.gradient, row);
+            for (q, g_q) in g[..=k].iter().enumerate() {
+                let at = row * (row + 1) / 2 + first + q;
+                let sum = T::load(self.token, &self.information, at);
+                g_k.mul_add(*g_q, sum).store(&mut self.information, at);
+            }
+        }
+    }
+
+    /// Products of a row's own columns with its effect derivatives.
+    #[inline(always)]
+    fn add_effects(
+        &mut self,
+        first: usize,
+        g: &[T],
+        row: usize,
+        equations: &Equations<T>,
+        layout: &Layout,
+    ) {
+        for e in 0..layout.effects {
+            let column = layout.effect_column() + e;
+            let by_effect = equations.by_effect[row * layout.effects + e];
+            for (q, g_q) in g.iter().enumerate() {
+                let at = column * (column + 1) / 2 + first + q;
+                let sum = T::load(self.token, &self.information, at);
+                by_effect
+                    .mul_add(*g_q, sum)
+                    .store(&mut self.information, at);
+            }
+        }
+    }
+
+    /// Lower triangle of `S`, row by row.
+    pub fn information(&self) -> Vec<f64> {
+        self.information
+            .chunks_exact(T::LANES)
+            .map(|c| c.iter().sum())
+            .collect()
+    }
+
+    /// `v`.
+    pub fn gradient(&self) -> Vec<f64> {
+        self.gradient
+            .chunks_exact(T::LANES)
+            .map(|c| c.iter().sum())
+            .collect()
+    }
+}

@@ -1,0 +1,182 @@
+//! The home row: unstrained lengths at home, and what was measured there.
+
+use super::evaluator::{Evaluator, Layout};
+use super::parameter::{Parameter, ParameterId};
+use super::problem::{Globals, Problem};
+
+/// Linearisation of the home row at some values of the common parameters.
+#[derive(Debug, Clone)]
+pub(super) struct HomeRow {
+    /// Unstrained length of each cable at home (m).
+    pub lengths: Vec<f64>,
+    /// Derivative of each length with respect to the parameters that it depends on.
+    pub length_gradients: Vec<Vec<(usize, f64)>>,
+    /// Whitened residuals of the other home readings.
+    pub residuals: Vec<f64>,
+    /// Their derivatives with respect to all parameters, row by row.
+    pub gradients: Vec<f64>,
+    /// Loss of these rows.
+    pub loss: f64,
+    /// Number of measured rows among them.
+    pub readings: f64,
+}
+
+/// Column of the common parameters before mapping, for those that have one.
+pub(super) fn direct_column(
+    id: &ParameterId,
+    layout: &Layout,
+    problem: &Problem<'_>,
+) -> Option<usize> {
+    match *id {
+        ParameterId::EntryPoint { cable, axis } => Some(layout.cable_column(cable) + axis),
+        ParameterId::PlaneOffset => Some(layout.plane_column()),
+        ParameterId::Effect { effect, parameter } => {
+            let before: usize = problem.free_effects[..effect]
+                .iter()
+                .map(|b| b.values.len())
+                .sum();
+            Some(layout.effect_column() + before + parameter)
+        }
+        ParameterId::Home(_) | ParameterId::HomeTension { .. } => None,
+    }
+}
+
+impl HomeRow {
+    /// Evaluates the home row.
+    pub fn evaluate(
+        evaluator: &mut Evaluator<'_, f64>,
+        problem: &Problem<'_>,
+        globals: &Globals,
+        parameters: &[Parameter],
+        huber: Option<f64>,
+    ) -> Self {
+        evaluator.set_globals(globals, None);
+        evaluator.set_single_pose(&globals.home);
+        let layout = evaluator.layout.clone();
+        let sd = problem.dataset.robot.wrench_sd();
+        let equations = evaluator.equations_at(0);
+        let lengths = equations.residual[..layout.cables].to_vec();
+        let length_gradients = (0..layout.cables)
+            .map(|cable| length_gradient(equations, &layout, problem, parameters, cable))
+            .collect();
+        let loss = match huber {
+            Some(limit) => {
+                let lengths: f64 = loss_of(&lengths, limit);
+                equations.weigh_down_outliers(&layout, limit) - lengths
+            }
+            None => equations.residual[layout.cables..]
+                .iter()
+                .map(|r| r * r)
+                .sum(),
+        };
+        let mut gradients = Vec::new();
+        for row in layout.cables..layout.rows {
+            for parameter in parameters {
+                let balance = layout.equilibrium.and_then(|first| row.checked_sub(first));
+                let derivative = match (parameter.id.clone(), balance.filter(|k| *k < 6)) {
+                    (ParameterId::HomeTension { cable }, Some(k)) => {
+                        let scale =
+                            sd.map_or(0.0, |sd| if k < 3 { sd.force_n } else { sd.torque_nm });
+                        equations.structure[cable][k] / scale * equations.present[row]
+                    }
+                    (ParameterId::Home(coordinate), _) => {
+                        equations.by_pose[row][coordinate.index()]
+                    }
+                    (id, balance) => direct_column(&id, &layout, problem).map_or(0.0, |column| {
+                        row_derivative(equations, &layout, (row, balance), column)
+                    }),
+                };
+                gradients.push(derivative);
+            }
+        }
+        Self {
+            lengths,
+            length_gradients,
+            residuals: equations.residual[layout.cables..].to_vec(),
+            gradients,
+            loss,
+            readings: equations.present[layout.cables..].iter().sum(),
+        }
+    }
+
+    /// The lengths to count from when readings are absolute: the runs from drum to pulley.
+    pub fn absolute(problem: &Problem<'_>) -> Self {
+        let cables = &problem.dataset.robot.cables;
+        Self {
+            lengths: cables.iter().map(|c| c.winch.length_to_pulley_m).collect(),
+            length_gradients: vec![Vec::new(); cables.len()],
+            residuals: Vec::new(),
+            gradients: Vec::new(),
+            loss: 0.0,
+            readings: 0.0,
+        }
+    }
+}
+
+fn loss_of(residuals: &[f64], limit: f64) -> f64 {
+    let loss = |r: &f64| {
+        let size = r.abs();
+        if size > limit {
+            limit * (2.0 * size - limit)
+        } else {
+            size * size
+        }
+    };
+    residuals.iter().map(loss).sum()
+}
+
+type HomeEquations = super::evaluator::Equations<f64>;
+
+/// Nonzero derivatives of the unstrained length of a cable at home.
+fn length_gradient(
+    equations: &HomeEquations,
+    layout: &Layout,
+    problem: &Problem<'_>,
+    parameters: &[Parameter],
+    cable: usize,
+) -> Vec<(usize, f64)> {
+    let derivative = |id: &ParameterId| match *id {
+        ParameterId::EntryPoint { cable: other, axis } if other == cable => {
+            equations.length_by_cable[cable][axis]
+        }
+        ParameterId::Home(coordinate) => equations.by_pose[cable][coordinate.index()],
+        ParameterId::HomeTension { cable: other } if other == cable => {
+            equations.length_by_tension[cable]
+        }
+        ParameterId::Effect { .. } => direct_column(id, layout, problem).map_or(0.0, |column| {
+            equations.by_effect[cable * layout.effects + column - layout.effect_column()]
+        }),
+        _ => 0.0,
+    };
+    parameters
+        .iter()
+        .enumerate()
+        .map(|(k, parameter)| (k, derivative(&parameter.id)))
+        .filter(|(_, value)| *value != 0.0)
+        .collect()
+}
+
+/// Derivative of a row that is not a length row with respect to a column.
+fn row_derivative(
+    equations: &HomeEquations,
+    layout: &Layout,
+    (row, balance): (usize, Option<usize>),
+    column: usize,
+) -> f64 {
+    if let Some(k) = balance {
+        return equations.balance_by_column[column][k];
+    }
+    if let Some(effect) = column.checked_sub(layout.effect_column()) {
+        return equations.by_effect[row * layout.effects + effect];
+    }
+    if layout.laser == Some(row) && column == layout.plane_column() {
+        return equations.laser_by_plane;
+    }
+    let swivelled = layout.swivel.and_then(|first| row.checked_sub(first));
+    match swivelled.filter(|cable| *cable < layout.cables) {
+        Some(cable) if column / 4 == cable && column < layout.plane_column() => {
+            equations.swivel_by_cable[cable][column % 4]
+        }
+        _ => 0.0,
+    }
+}

@@ -1,0 +1,180 @@
+//! What is to be estimated from which measurements: plain data.
+
+use super::EstimationError;
+use super::parameter::{Parameter, parameters_of};
+use crate::effect::{BoundEffect, EffectRequest};
+use crate::geometry::Pose;
+use crate::measurement::Dataset;
+
+/// How tensions enter the problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Problem R2: tensions are latent variables with their sensors' noise, static equilibrium holds.
+    Joint,
+    /// Problem R1: tensions are taken from the sensors as exact, no equilibrium.
+    Simple,
+}
+
+/// Loss function of the standardised residuals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Loss {
+    /// Least squares.
+    Square,
+    /// Huber's: quadratic up to this many standard deviations, linear beyond.
+    Huber(f64),
+}
+
+/// What is estimated besides the poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Geometry {
+    /// Entry points, target plane, home pose and free effects.
+    Estimated,
+    /// Nothing: only poses are fitted.
+    Held,
+}
+
+/// What is done about the poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Poses {
+    /// Every pose is estimated.
+    Estimated,
+    /// Poses are held at the external instrument's positions; rows without one are left out.
+    HeldAtTracker,
+}
+
+/// An estimation problem.
+#[derive(Debug, Clone)]
+pub struct Problem<'a> {
+    /// Robot and measurements.
+    pub dataset: &'a Dataset,
+    /// How tensions enter.
+    pub method: Method,
+    /// Loss function.
+    pub loss: Loss,
+    /// Whether geometry and effects are estimated.
+    pub geometry: Geometry,
+    /// Whether poses are estimated.
+    pub poses: Poses,
+    /// Effects of the model, their values held.
+    pub held_effects: Vec<BoundEffect>,
+    /// Effects whose parameters are estimated.
+    pub free_effects: Vec<BoundEffect>,
+}
+
+impl<'a> Problem<'a> {
+    /// The default problem for a dataset: joint method, least squares, everything estimated, the
+    /// effects of the robot's model held.
+    ///
+    /// # Errors
+    /// If the model names an effect that does not exist.
+    pub fn new(dataset: &'a Dataset) -> Result<Self, EstimationError> {
+        let held: Result<Vec<_>, _> = dataset
+            .robot
+            .effects
+            .iter()
+            .map(|setting| BoundEffect::from_setting(setting, &dataset.robot))
+            .collect();
+        Ok(Self {
+            dataset,
+            method: Method::Joint,
+            loss: Loss::Square,
+            geometry: Geometry::Estimated,
+            poses: Poses::Estimated,
+            held_effects: held?,
+            free_effects: Vec::new(),
+        })
+    }
+
+    /// Frees the requested effects.
+    ///
+    /// # Errors
+    /// If an effect or cable does not exist.
+    pub fn free(&mut self, requests: &[EffectRequest]) -> Result<(), EstimationError> {
+        for request in requests {
+            self.free_effects.extend(request.bind(&self.dataset.robot)?);
+        }
+        Ok(())
+    }
+
+    /// The same problem with another method.
+    #[must_use]
+    pub fn with_method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Whether static equilibrium is part of the problem.
+    #[must_use]
+    pub fn has_equilibrium(&self) -> bool {
+        let robot = &self.dataset.robot;
+        self.method == Method::Joint
+            && robot.platform.mass_kg.is_some()
+            && robot.has_force_sensors()
+            && !self.dataset.measurements.force_n.is_empty()
+    }
+
+    /// Whether tensions have noise of their own.
+    #[must_use]
+    pub fn has_latent_tension(&self) -> bool {
+        self.method == Method::Joint && !self.dataset.measurements.force_n.is_empty()
+    }
+
+    /// The parameters that are estimated besides the poses.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        parameters_of(self)
+    }
+
+    /// Rows of the measurements that are fitted, the home row excluded.
+    #[must_use]
+    pub fn pose_rows(&self) -> Vec<usize> {
+        let measurements = &self.dataset.measurements;
+        let home = self.home_row();
+        (0..measurements.len())
+            .filter(|row| Some(*row) != home)
+            .filter(|row| {
+                self.poses == Poses::Estimated || measurements.tracked_position_at(*row).is_some()
+            })
+            .collect()
+    }
+
+    /// Row of the home pose, if the robot has one.
+    #[must_use]
+    pub fn home_row(&self) -> Option<usize> {
+        self.dataset.robot.home?;
+        self.dataset.measurements.home_row()
+    }
+}
+
+/// Values of everything that is common to all poses.
+#[derive(Debug, Clone)]
+pub struct Globals {
+    /// Entry points, base frame (m).
+    pub entry_points: Vec<[f64; 3]>,
+    /// Offset of the laser's target plane (m).
+    pub plane_offset_m: f64,
+    /// Home pose.
+    pub home: Pose,
+    /// Error of the tension readings at home, per cable (N).
+    pub home_tension_error_n: Vec<f64>,
+    /// Effects, the held ones first.
+    pub effects: Vec<BoundEffect>,
+}
+
+impl Globals {
+    /// The nominal values of a problem.
+    #[must_use]
+    pub fn nominal(problem: &Problem<'_>) -> Self {
+        let robot = &problem.dataset.robot;
+        let entry = robot.cables.iter().map(|c| c.pulley.entry_point_m);
+        let mut effects = problem.held_effects.clone();
+        effects.extend(problem.free_effects.iter().cloned());
+        Self {
+            entry_points: entry.collect(),
+            plane_offset_m: robot.laser.map_or(0.0, |l| l.target_plane.offset_m),
+            home: robot.home.map_or_else(Pose::identity, |home| home.pose()),
+            home_tension_error_n: vec![0.0; robot.cable_count()],
+            effects,
+        }
+    }
+}

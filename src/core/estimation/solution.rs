@@ -1,0 +1,53 @@
+//! What a solve found.
+
+use nalgebra::DMatrix;
+
+use super::options::Termination;
+use super::parameter::Parameter;
+use super::problem::Globals;
+use crate::geometry::Pose;
+
+/// Result of an estimation. Non-convergence is a field, not an error.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// Common parameters at the solution.
+    pub globals: Globals,
+    /// Fitted poses with their rows in the measurements; the home row comes first if there is one.
+    pub poses: Vec<(usize, Pose)>,
+    /// The estimated parameters, in the order of the covariance.
+    pub parameters: Vec<Parameter>,
+    /// Covariance of the parameters (SI units squared); `None` where the data do not determine them.
+    pub covariance: Option<DMatrix<f64>>,
+    /// Information matrix of the parameters, the poses eliminated.
+    pub information: DMatrix<f64>,
+    /// Why the solve ended.
+    pub termination: Termination,
+    /// Number of steps taken.
+    pub iterations: usize,
+    /// Loss at the solution: chi-square for least squares, priors included.
+    pub chi2: f64,
+    /// Observations (readings, equilibrium equations, priors) minus unknowns.
+    pub degrees_of_freedom: f64,
+    /// Number of pose coordinates that the readings leave open.
+    pub undetermined_coordinates: usize,
+}
+
+impl Solution {
+    /// Whether the solve converged.
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.termination == Termination::Converged
+    }
+
+    /// Probability of a chi-square at least as large if model and noise are right.
+    #[must_use]
+    pub fn p_value(&self) -> Option<f64> {
+        crate::statistics::chi_square_survival(self.chi2, self.degrees_of_freedom)
+    }
+
+    /// Standard deviation of the parameter at `index`, if the data determine it.
+    #[must_use]
+    pub fn standard_deviation(&self, index: usize) -> Option<f64> {
+        self.covariance.as_ref().map(|c| c[(index, index)].sqrt())
+    }
+}

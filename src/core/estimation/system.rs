@@ -1,0 +1,212 @@
+//! The normal equations of the common parameters: poses eliminated, home row and priors included.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evaluator::{Layout, Sums};
+use super::home::{HomeRow, direct_column};
+use super::parameter::{Parameter, ParameterId};
+use super::problem::{Globals, Problem};
+use crate::geometry::{Coordinate, rotation_vector_jacobian_inverse};
+use crate::real::Packet;
+
+/// Whitened residuals of the priors and their derivatives.
+#[derive(Debug, Clone)]
+pub(super) struct Priors {
+    /// Residual of each prior, 0 for parameters without one.
+    pub residuals: Vec<f64>,
+    /// Nonzero derivatives: residual, parameter, value.
+    pub derivatives: Vec<(usize, usize, f64)>,
+    /// Sum of squares.
+    pub loss: f64,
+}
+
+impl Priors {
+    /// Priors at the present values.
+    pub fn evaluate(problem: &Problem<'_>, globals: &Globals, parameters: &[Parameter]) -> Self {
+        let deviations = globals.deviations(problem, parameters);
+        let home = Globals::nominal(problem).home;
+        let phi = globals
+            .home
+            .difference(&home)
+            .fixed_rows::<3>(3)
+            .into_owned();
+        let turn = rotation_vector_jacobian_inverse(&phi);
+        let mut residuals = vec![0.0; parameters.len()];
+        let mut derivatives = Vec::new();
+        for (row, parameter) in parameters.iter().enumerate() {
+            let Some(sd) = parameter.prior_sd else {
+                continue;
+            };
+            residuals[row] = deviations[row] / sd;
+            let Some(about) = rotation_axis(&parameter.id) else {
+                derivatives.push((row, row, sd.recip()));
+                continue;
+            };
+            for (column, other) in parameters.iter().enumerate() {
+                if let Some(by) = rotation_axis(&other.id) {
+                    derivatives.push((row, column, turn[(about, by)] / sd));
+                }
+            }
+        }
+        Self {
+            loss: residuals.iter().map(|r| r * r).sum(),
+            residuals,
+            derivatives,
+        }
+    }
+}
+
+fn rotation_axis(id: &ParameterId) -> Option<usize> {
+    match id {
+        ParameterId::Home(Coordinate::Rx) => Some(0),
+        ParameterId::Home(Coordinate::Ry) => Some(1),
+        ParameterId::Home(Coordinate::Rz) => Some(2),
+        _ => None,
+    }
+}
+
+/// Symmetric system `information * step = -gradient`.
+#[derive(Debug, Clone)]
+pub(super) struct System {
+    pub information: DMatrix<f64>,
+    pub gradient: DVector<f64>,
+}
+
+/// How the columns before mapping depend on the parameters.
+#[derive(Debug, Clone)]
+pub(super) struct ColumnMap {
+    /// Column of each parameter that is a column itself.
+    direct: Vec<Option<usize>>,
+    /// Columns of the unstrained lengths at home, per cable.
+    lengths: Vec<usize>,
+    columns: usize,
+}
+
+impl ColumnMap {
+    pub fn new(problem: &Problem<'_>, parameters: &[Parameter], layout: &Layout) -> Self {
+        Self {
+            direct: parameters
+                .iter()
+                .map(|p| direct_column(&p.id, layout, problem))
+                .collect(),
+            lengths: (0..layout.cables)
+                .map(|c| layout.home_length_column(c))
+                .collect(),
+            columns: layout.columns,
+        }
+    }
+
+    /// Step of the columns from a step of the parameters.
+    pub fn column_step(&self, home: &HomeRow, step: &[f64]) -> Vec<f64> {
+        let mut columns = vec![0.0; self.columns];
+        for (column, delta) in self.direct.iter().zip(step) {
+            if let Some(column) = column {
+                columns[*column] = *delta;
+            }
+        }
+        for (column, gradient) in self.lengths.iter().zip(&home.length_gradients) {
+            columns[*column] = gradient.iter().map(|(k, d)| d * step[*k]).sum();
+        }
+        columns
+    }
+}
+
+impl System {
+    /// Adds up poses, home row and priors.
+    pub fn build<T: Packet>(
+        sums: &Sums<T>,
+        map: &ColumnMap,
+        home: &HomeRow,
+        priors: &Priors,
+    ) -> Self {
+        let n = map.direct.len();
+        let mut system = Self {
+            information: DMatrix::zeros(n, n),
+            gradient: DVector::zeros(n),
+        };
+        system.add_poses(sums, map, home);
+        for (row, residual) in home.gradients.chunks_exact(n.max(1)).zip(&home.residuals) {
+            system.add_row(row, *residual);
+        }
+        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
+        for (row, column, value) in &priors.derivatives {
+            rows[*row].push((*column, *value));
+        }
+        for (row, residual) in rows.iter().zip(&priors.residuals) {
+            for (i, a) in row {
+                system.gradient[*i] += a * residual;
+                for (k, b) in row {
+                    system.information[(*i, *k)] += a * b;
+                }
+            }
+        }
+        system
+    }
+
+    fn add_row(&mut self, row: &[f64], residual: f64) {
+        for (i, a) in row.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            self.gradient[i] += a * residual;
+            for (k, b) in row.iter().enumerate() {
+                self.information[(k, i)] += a * b;
+            }
+        }
+    }
+
+    fn add_poses<T: Packet>(&mut self, sums: &Sums<T>, map: &ColumnMap, home: &HomeRow) {
+        let triangle = sums.information();
+        let gradient = sums.gradient();
+        let at = |i: usize, k: usize| {
+            let (i, k) = (i.max(k), i.min(k));
+            triangle[i * (i + 1) / 2 + k]
+        };
+        let direct: Vec<(usize, usize)> = map
+            .direct
+            .iter()
+            .enumerate()
+            .filter_map(|(q, column)| column.map(|column| (q, column)))
+            .collect();
+        for (q, column) in &direct {
+            self.gradient[*q] += gradient[*column];
+            for (p, other) in &direct {
+                self.information[(*p, *q)] += at(*column, *other);
+            }
+        }
+        for (column, terms) in map.lengths.iter().zip(&home.length_gradients) {
+            for (q, slope) in terms {
+                self.gradient[*q] += slope * gradient[*column];
+                for (p, other) in &direct {
+                    let value = slope * at(*column, *other);
+                    self.information[(*p, *q)] += value;
+                    self.information[(*q, *p)] += value;
+                }
+            }
+            for (other, more) in map.lengths.iter().zip(&home.length_gradients) {
+                let value = at(*column, *other);
+                for (q, slope) in terms {
+                    for (p, by) in more {
+                        self.information[(*p, *q)] += slope * value * by;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Damped step, and the decrease of the loss that it promises at the undamped system; `None`
+    /// if the damped system is singular.
+    pub fn step(&self, damping: f64) -> Option<(DVector<f64>, f64)> {
+        let mut damped = self.information.clone();
+        for k in 0..damped.nrows() {
+            damped[(k, k)] *= 1.0 + damping;
+        }
+        let factor = damped.cholesky()?;
+        let scale = self.information.diagonal();
+        let smallest = factor.l_dirty().diagonal();
+        let singular = smallest.iter().zip(&scale).any(|(l, d)| l * l <= 1e-13 * d);
+        if singular && damping == 0.0 {
+            return None;
+        }
+        let step = factor.solve(&-&self.gradient);
+        let promised = -step.dot(&self.gradient);
+        Some((step, promised))
+    }
+}

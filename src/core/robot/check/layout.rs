@@ -1,0 +1,168 @@
+//! Checks of pulleys and anchors together, and the size of the frame they span.
+
+use super::super::{Cable, Pulley, Robot};
+use super::{Checked, FieldError};
+use crate::geometry::{Pose, Vec3};
+
+/// No cable robot's frame is larger; one that seems to be is given in millimetres.
+const LARGEST_FRAME_M: f64 = 500.0;
+/// Pulleys closer than this share of the frame are in one place (Jin et al. 2018 print two within
+/// 1.3 % of MINI's frame) ...
+const SAME_PLACE_SHARE: f64 = 0.02;
+/// ... but on large frames pairs of pulleys do sit a few decimetres from each other on one post.
+const SAME_PLACE_AT_MOST_M: f64 = 0.1;
+/// Nearer to the swivel axis than this the direction of the pulley is not determined.
+const ON_AXIS_M: f64 = 1e-9;
+
+/// Why a pulley cannot lead its cable to a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ReachFault {
+    /// The point is nearer to the pulley's centre than its radius.
+    #[error("inside the pulley")]
+    InsidePulley,
+    /// The point is on the swivel axis, so the pulley's direction is not determined.
+    #[error("on the pulley's swivel axis")]
+    OnSwivelAxis,
+    /// The point is at the eyelet.
+    #[error("at the eyelet")]
+    AtEyelet,
+}
+
+impl Pulley {
+    /// Why the cable cannot reach a point (base frame, m), if it cannot.
+    #[must_use]
+    pub fn reach_fault(&self, point: &Vec3) -> Option<ReachFault> {
+        let d = point - Vec3::from(self.entry_point_m);
+        if self.radius_m == 0.0 {
+            return (d.norm() <= ON_AXIS_M).then_some(ReachFault::AtEyelet);
+        }
+        let axis = Vec3::from(self.swivel_axis);
+        let along = d.dot(&axis);
+        let across = (d - axis * along).norm();
+        if across <= ON_AXIS_M {
+            return Some(ReachFault::OnSwivelAxis);
+        }
+        let to_centre = (across - self.radius_m).hypot(along);
+        (to_centre <= self.radius_m).then_some(ReachFault::InsidePulley)
+    }
+}
+
+impl Robot {
+    /// Size of the frame (m): the largest distance between two pulleys, or with one cable from
+    /// the pulley to the home position. `None` if neither is known.
+    #[must_use]
+    pub fn frame_size_m(&self) -> Option<f64> {
+        let mut points: Vec<Vec3> = self.cables.iter().map(entry_point).collect();
+        if let ([_], Some(home)) = (points.as_slice(), &self.home) {
+            points.push(home.position_m.into());
+        }
+        let size = points
+            .iter()
+            .enumerate()
+            .flat_map(|(i, a)| points[..i].iter().map(move |b| (a - b).norm()))
+            .fold(0.0, f64::max);
+        (size > 0.0).then_some(size)
+    }
+
+    pub(super) fn check_layout(&self) -> Checked {
+        if let Some(size_m) = self.frame_size_m() {
+            self.check_units(size_m)?;
+            self.check_pulleys_apart(size_m)?;
+        } else if self.cables.len() > 1 {
+            let message = "found all pulleys in one place, expected different entry points";
+            return fail("/cables/1/pulley/entry_point_m".into(), message.into());
+        }
+        self.home
+            .map_or(Ok(()), |home| self.check_reach(&home.pose()))
+    }
+
+    fn check_units(&self, size_m: f64) -> Checked {
+        if size_m > LARGEST_FRAME_M {
+            let message = format!(
+                "found pulleys {size_m:.1} m apart, expected at most {LARGEST_FRAME_M} m: \
+                 the entry points look like millimetres"
+            );
+            return fail("/cables/0/pulley/entry_point_m".into(), message);
+        }
+        for (i, cable) in self.cables.iter().enumerate() {
+            let arm_m = Vec3::from(cable.platform_anchor_m).norm();
+            if arm_m > 3.0 * size_m {
+                let message = format!(
+                    "found an anchor {arm_m:.3} m from the platform's origin in a frame of \
+                     {size_m:.3} m, expected a platform that fits into the frame"
+                );
+                return fail(format!("/cables/{i}/platform_anchor_m"), message);
+            }
+        }
+        match &self.home {
+            Some(home) if Vec3::from(home.position_m).norm() > 10.0 * self.reach_m(size_m) => {
+                let message = format!(
+                    "found a place far outside the frame of {size_m:.3} m: \
+                     it looks like millimetres"
+                );
+                fail("/home/position_m".into(), message)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Distance from the origin within which everything of the robot is to be expected (m).
+    fn reach_m(&self, size_m: f64) -> f64 {
+        let farthest = self.cables.iter().map(|c| entry_point(c).norm());
+        farthest.fold(size_m, f64::max)
+    }
+
+    fn check_pulleys_apart(&self, size_m: f64) -> Checked {
+        let limit_m = (SAME_PLACE_SHARE * size_m).min(SAME_PLACE_AT_MOST_M);
+        for (i, cable) in self.cables.iter().enumerate() {
+            for other in &self.cables[..i] {
+                let distance_m = (entry_point(cable) - entry_point(other)).norm();
+                if distance_m < limit_m && !self.are_parallel(cable, other) {
+                    let message = format!(
+                        "found {:.1} mm from the pulley of {:?}, expected pulleys at least \
+                         {:.1} mm apart: two pulleys in one place",
+                        distance_m * 1e3,
+                        other.name,
+                        limit_m * 1e3
+                    );
+                    return fail(format!("/cables/{i}/pulley/entry_point_m"), message);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Two cables that run side by side: their anchors differ as their pulleys do.
+    fn are_parallel(&self, cable: &Cable, other: &Cable) -> bool {
+        let home = self.home.map_or_else(Pose::identity, |home| home.pose());
+        let arm = Vec3::from(cable.platform_anchor_m) - Vec3::from(other.platform_anchor_m);
+        let offset = entry_point(cable) - entry_point(other);
+        (offset - home.orientation * arm).norm() < 0.5 * offset.norm()
+    }
+
+    /// Checks that every cable can reach its anchor when the platform is at `pose`.
+    ///
+    /// # Errors
+    /// The first cable whose anchor is where no cable can lead.
+    pub fn check_reach(&self, pose: &Pose) -> Result<(), FieldError> {
+        for (i, cable) in self.cables.iter().enumerate() {
+            let anchor = pose.transform(&cable.platform_anchor_m.into());
+            if let Some(fault) = cable.pulley.reach_fault(&anchor) {
+                let message = format!(
+                    "found the platform anchor {fault} of {:?}, expected it clear of the pulley",
+                    cable.name
+                );
+                return fail(format!("/cables/{i}/platform_anchor_m"), message);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn entry_point(cable: &Cable) -> Vec3 {
+    cable.pulley.entry_point_m.into()
+}
+
+fn fail(pointer: String, message: String) -> Checked {
+    Err(FieldError { pointer, message })
+}

@@ -1,0 +1,104 @@
+use super::*;
+use crate::geometry::{Coordinate, Vec3};
+use crate::robot::{CableMaterial, Pulley, Winch};
+
+fn robot() -> Robot {
+    let corners = [[-2.0, -1.5, 2.0], [2.0, -1.5, 2.0], [0.0, 1.5, 2.0]];
+    Robot {
+        name: "three".into(),
+        home: None,
+        gravity_m_s2: [0.0, 0.0, -9.80665],
+        platform: Platform {
+            free: vec![Coordinate::X, Coordinate::Y, Coordinate::Z],
+            mass_kg: None,
+            center_of_mass_m: [0.0; 3],
+            wrench_sd: None,
+        },
+        laser: None,
+        inclinometer: None,
+        tracker: None,
+        cables: corners.iter().enumerate().map(cable).collect(),
+        home_platform: None,
+        effects: Vec::new(),
+    }
+}
+
+fn cable((index, entry_point_m): (usize, &[f64; 3])) -> Cable {
+    Cable {
+        name: format!("cable-{}", index + 1),
+        pulley: Pulley {
+            entry_point_m: *entry_point_m,
+            entry_point_sd_m: None,
+            swivel_axis: [0.0, 0.0, -1.0],
+            swivel_zero: None,
+            swivel_sd_rad: None,
+            radius_m: 0.05,
+        },
+        platform_anchor_m: [0.0; 3],
+        winch: Winch {
+            drum_diameter_m: 0.1,
+            drum_pitch_m: 0.0,
+            gear_ratio: 1.0,
+            length_to_pulley_m: 0.0,
+            length_sd_m: 1e-3,
+        },
+        cable: CableMaterial::default(),
+        force_sensor: None,
+    }
+}
+
+#[test]
+fn a_plain_robot_passes() {
+    assert_eq!(robot().check(), Ok(()));
+}
+
+#[test]
+fn pairs_of_pulleys_on_one_post_pass() {
+    // CoGiRo's two pulleys on a post are 0.2 m from each other, 1.1 % of its frame.
+    let mut pair = robot();
+    for (cable, entry) in pair.cables.iter_mut().zip([
+        [-7.175, -5.244, 5.462],
+        [-7.316, -5.103, 5.473],
+        [7.3, 5.2, 5.4],
+    ]) {
+        cable.pulley.entry_point_m = entry;
+    }
+    assert_eq!(pair.check(), Ok(()));
+}
+
+#[test]
+fn only_side_by_side_cables_may_have_close_pulleys() {
+    let mut close = robot();
+    close.cables[1].pulley.entry_point_m = [-1.98, -1.5, 2.0];
+    let error = close.check().expect_err("refused");
+    assert_eq!(error.pointer, "/cables/1/pulley/entry_point_m");
+    close.cables[1].platform_anchor_m = [0.02, 0.0, 0.0];
+    assert_eq!(close.check(), Ok(()));
+}
+
+#[test]
+fn reach_faults_are_told_apart() {
+    let pulley = robot().cables[0].pulley;
+    let at = |x: f64, z: f64| pulley.reach_fault(&Vec3::new(-2.0 + x, -1.5, 2.0 - z));
+    assert_eq!(at(0.05, 0.01), Some(ReachFault::InsidePulley));
+    assert_eq!(at(0.0, 0.5), Some(ReachFault::OnSwivelAxis));
+    assert_eq!(at(0.11, 0.0), None);
+    let eyelet = Pulley {
+        radius_m: 0.0,
+        ..pulley
+    };
+    assert_eq!(
+        eyelet.reach_fault(&eyelet.entry_point_m.into()),
+        Some(ReachFault::AtEyelet)
+    );
+    assert_eq!(eyelet.reach_fault(&Vec3::new(-2.0, -1.5, 1.0)), None);
+}
+
+#[test]
+fn values_that_json_cannot_hold_are_refused_too() {
+    let mut broken = robot();
+    broken.cables[2].pulley.entry_point_m[1] = f64::NAN;
+    let error = broken.check().expect_err("refused");
+    assert_eq!(error.pointer, "/cables/2/pulley/entry_point_m/1");
+    assert_eq!(error.message, "found NaN, expected a finite number");
+}

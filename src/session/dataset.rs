@@ -1,0 +1,184 @@
+//! Dataset folders: `robot.json`, `poses.csv` and the optional tables of the phases.
+
+use std::fs::{self, File};
+use std::io::{BufReader, ErrorKind, Result as IoResult, Write};
+use std::path::Path;
+
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+
+use crate::atomic::write_atomically;
+use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::phases::{self, PhaseData};
+use crate::poses::{read_poses, write_poses};
+use crate::robot_file::{read_robot, write_robot};
+
+/// The files of a dataset folder.
+const ROBOT: &str = "robot.json";
+const POSES: &str = "poses.csv";
+const WINCH: &str = "winch.csv";
+const FORCE: &str = "force.csv";
+const HOME: &str = "home.csv";
+const ELONGATION: &str = "elongation.csv";
+const CHECK: &str = "check.csv";
+
+/// Everything in a dataset folder.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DatasetFolder {
+    /// The robot and what was measured on it.
+    pub dataset: Dataset,
+    /// The optional tables; empty where the file is absent.
+    pub phases: PhaseData,
+    /// What the operator should know, one sentence each.
+    pub notices: Vec<String>,
+}
+
+/// Reads a dataset folder; `robot.json` and `poses.csv` have to be there.
+///
+/// # Errors
+/// The first file that is missing or wrong, with the place in it.
+pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
+    require_folder(folder)?;
+    let robot = read_robot(&folder.join(ROBOT))?;
+    let mut files = Files {
+        folder,
+        robot: &robot.value,
+        notices: robot.notices.clone(),
+    };
+    let measurements = files.require(POSES, read_poses)?;
+    let phases = PhaseData {
+        winch: files.find(WINCH, phases::read_winch)?,
+        force: files.find(FORCE, phases::read_force)?,
+        home: files.find(HOME, |reader, file, _| phases::read_home(reader, file))?,
+        elongation: files.find(ELONGATION, |reader, file, _| {
+            phases::read_elongation(reader, file)
+        })?,
+        check: files.find(CHECK, |reader, file, _| phases::read_check(reader, file))?,
+    };
+    let notices = files.notices;
+    Ok(DatasetFolder {
+        dataset: Dataset {
+            robot: robot.value,
+            measurements,
+        },
+        phases,
+        notices,
+    })
+}
+
+/// Reads a `check.csv` by itself.
+///
+/// # Errors
+/// If the file cannot be read or a row is wrong.
+pub fn read_check_file(path: &Path) -> Result<Loaded<Vec<phases::CheckRow>>, ReadError> {
+    let file = path.display().to_string();
+    let reader = open(path, &file)?;
+    phases::read_check(reader, &file)
+}
+
+fn require_folder(folder: &Path) -> Result<(), ReadError> {
+    let file = folder.display().to_string();
+    let message = match fs::metadata(folder) {
+        Ok(metadata) if metadata.is_dir() => return Ok(()),
+        Ok(_) => "is a file, expected a dataset folder",
+        Err(error) if error.kind() == ErrorKind::NotFound => "not found, expected a dataset folder",
+        Err(error) => return Err(ReadError::io(&file, Place::File, &error)),
+    };
+    Err(ReadError::new(&file, Place::File, message))
+}
+
+fn open(path: &Path, file: &str) -> Result<BufReader<File>, ReadError> {
+    File::open(path)
+        .map(|file| BufReader::with_capacity(1 << 16, file))
+        .map_err(|error| ReadError::io(file, Place::File, &error))
+}
+
+/// The tables of one folder, with the notices so far.
+struct Files<'a> {
+    folder: &'a Path,
+    robot: &'a Robot,
+    notices: Vec<String>,
+}
+
+impl Files<'_> {
+    fn require<T>(
+        &mut self,
+        name: &str,
+        read: impl FnOnce(BufReader<File>, &str, &Robot) -> Result<Loaded<T>, ReadError>,
+    ) -> Result<T, ReadError> {
+        let path = self.folder.join(name);
+        let file = path.display().to_string();
+        let loaded = read(open(&path, &file)?, &file, self.robot)?;
+        self.notices.extend(loaded.notices);
+        Ok(loaded.value)
+    }
+
+    fn find<T: Default>(
+        &mut self,
+        name: &str,
+        read: impl FnOnce(BufReader<File>, &str, &Robot) -> Result<Loaded<T>, ReadError>,
+    ) -> Result<T, ReadError> {
+        match fs::symlink_metadata(self.folder.join(name)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(T::default()),
+            _ => self.require(name, read),
+        }
+    }
+}
+
+/// Writes a dataset folder, creating it if necessary; each file is written atomically.
+///
+/// # Errors
+/// If a file cannot be written, or the folder holds a table that these data do not have: it would
+/// be read as a part of them, and it is not for this program to delete.
+pub fn write_dataset(
+    folder: &Path,
+    dataset: &Dataset,
+    phases: &PhaseData,
+) -> Result<(), WriteError> {
+    fs::create_dir_all(folder).map_err(|error| WriteError::io(folder, error))?;
+    let optional = [
+        (WINCH, phases.winch.is_empty()),
+        (FORCE, phases.force.is_empty()),
+        (HOME, phases.home.is_empty()),
+        (ELONGATION, phases.elongation.is_empty()),
+        (CHECK, phases.check.is_empty()),
+    ];
+    for (name, is_absent) in optional {
+        let path = folder.join(name);
+        if is_absent && path.exists() {
+            return Err(WriteError::InTheWay { path });
+        }
+    }
+    let robot = &dataset.robot;
+    write_robot(&folder.join(ROBOT), robot)?;
+    write_atomically(&folder.join(POSES), |out| {
+        write_poses(out, &dataset.measurements)
+    })?;
+    write_some(folder, WINCH, &phases.winch, |out, rows| {
+        phases::write_winch(out, rows, robot)
+    })?;
+    write_some(folder, FORCE, &phases.force, |out, rows| {
+        phases::write_force(out, rows, robot)
+    })?;
+    write_some(folder, HOME, &phases.home, |out, rows| {
+        phases::write_home(out, rows)
+    })?;
+    write_some(folder, ELONGATION, &phases.elongation, |out, rows| {
+        phases::write_elongation(out, rows)
+    })?;
+    write_some(folder, CHECK, &phases.check, |out, rows| {
+        phases::write_check(out, rows)
+    })
+}
+
+fn write_some<T>(
+    folder: &Path,
+    name: &str,
+    rows: &[T],
+    write: impl FnOnce(&mut dyn Write, &[T]) -> IoResult<()>,
+) -> Result<(), WriteError> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    write_atomically(&folder.join(name), |out| write(out, rows))
+}

@@ -1,0 +1,158 @@
+//! Errors of reading and writing files, each one sentence for the operator.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use tautline_core::robot::FieldError;
+
+/// Why a file could not be read, and where in it.
+///
+/// Displays as one sentence on one line:
+/// `poses.csv, line 12, column "rev_3": found "abc", expected a number`.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}{place}: {message}", OneLine(.file))]
+pub struct ReadError {
+    /// The file as the operator named it.
+    pub file: String,
+    /// Where in the file.
+    pub place: Place,
+    /// What was found and what was expected.
+    pub message: String,
+}
+
+/// A place in a file; lines and columns count from 1.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line of a text file.
+    Line(u64),
+    /// A cell of a CSV file: its line and the name of its column.
+    Cell(u64, String),
+    /// A character of a text file: line and column.
+    Character(u64, u64),
+    /// A JSON pointer, such as `/cables/3/pulley/radius_m`.
+    Pointer(String),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, ", line {line}"),
+            Self::Cell(line, column) => write!(f, ", line {line}, column {}", quoted(column)),
+            Self::Character(line, column) => write!(f, ", line {line}, column {column}"),
+            Self::Pointer(pointer) => write!(f, ", {}", shown_pointer(pointer)),
+        }
+    }
+}
+
+impl ReadError {
+    pub(crate) fn new(file: &str, place: Place, message: impl Into<String>) -> Self {
+        Self {
+            file: file.into(),
+            place,
+            message: message.into(),
+        }
+    }
+
+    pub(crate) fn field(file: &str, error: FieldError) -> Self {
+        Self::new(file, Place::Pointer(error.pointer), error.message)
+    }
+
+    pub(crate) fn io(file: &str, place: Place, error: &std::io::Error) -> Self {
+        use std::io::ErrorKind;
+        let message = match error.kind() {
+            ErrorKind::NotFound => "not found".into(),
+            ErrorKind::IsADirectory => "is a folder, expected a file".into(),
+            ErrorKind::NotADirectory => "not found, a part of its path is a file".into(),
+            ErrorKind::PermissionDenied => "may not be read (permission denied)".into(),
+            _ => format!("cannot be read ({})", OneLine(&error.to_string())),
+        };
+        Self::new(file, place, message)
+    }
+}
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The operating system refused.
+    #[error("{}: cannot be written ({source})", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The file exists and holds something else that must not be lost.
+    #[error("{}: belongs to another dataset, expected an empty folder", .path.display())]
+    InTheWay {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A number is infinite or "not a number" where the format has no such thing.
+    #[error("{}: {message}", .path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What cannot be written.
+        message: String,
+    },
+}
+
+impl WriteError {
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.into(),
+            source,
+        }
+    }
+}
+
+/// Longest piece of a file that a message repeats (characters).
+const QUOTED: usize = 40;
+/// Longest JSON pointer that a message repeats (characters).
+const POINTER: usize = 200;
+
+/// Text from a file for use in a message: quoted, shortened, on one line.
+pub(crate) fn quoted(text: &str) -> String {
+    format!("\"{}\"", OneLine(&shortened(text, QUOTED)))
+}
+
+/// A JSON pointer for use in a message: shortened, on one line.
+pub(crate) fn shown_pointer(pointer: &str) -> String {
+    OneLine(&shortened(pointer, POINTER)).to_string()
+}
+
+fn shortened(text: &str, limit: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(limit) {
+        Some((end, _)) => format!("{}...", &text[..end]).into(),
+        None => text.into(),
+    }
+}
+
+/// Shows control characters escaped, so that a message stays on one line.
+struct OneLine<'a>(&'a str);
+
+impl fmt::Display for OneLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for c in self.0.chars() {
+            if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
+                write!(f, "{}", c.escape_default())?;
+            } else {
+                write!(f, "{c}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What was read, and what the operator should know about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded<T> {
+    /// What was read.
+    pub value: T,
+    /// One sentence each: unknown keys and columns, readings that no instrument explains.
+    pub notices: Vec<String>,
+}

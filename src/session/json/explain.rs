@@ -1,0 +1,123 @@
+//! JSON values to types, with errors in the words of the format rather than of Rust.
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+use serde_path_to_error::{Path, Segment, Track};
+
+use crate::error::{Loaded, Place, ReadError, quoted, shown_pointer};
+
+/// More unknown keys than this are only counted.
+const MAX_NOTICES: usize = 20;
+
+/// Builds the type; keys it does not know become notices.
+pub(super) fn deserialize<T: DeserializeOwned>(
+    document: Map<String, Value>,
+    file: &str,
+) -> Result<Loaded<T>, ReadError> {
+    let mut unknown = Vec::new();
+    let mut note = |path: serde_ignored::Path<'_>| unknown.push(pointer_of_ignored(&path));
+    let mut track = Track::new();
+    let document = Value::Object(document);
+    let result = {
+        let tracked = serde_path_to_error::Deserializer::new(&document, &mut track);
+        T::deserialize(serde_ignored::Deserializer::new(tracked, &mut note))
+    };
+    match result {
+        Ok(value) => Ok(Loaded {
+            value,
+            notices: notices(&unknown, file),
+        }),
+        Err(error) => {
+            let pointer = pointer(&track.path());
+            let message = message(&error.to_string(), document.pointer(&pointer));
+            Err(ReadError::new(file, Place::Pointer(pointer), message))
+        }
+    }
+}
+
+fn notices(unknown: &[String], file: &str) -> Vec<String> {
+    let shown = unknown.iter().take(MAX_NOTICES);
+    let mut notices: Vec<String> = shown
+        .map(|pointer| format!("{file}, {}: unknown key, ignored", shown_pointer(pointer)))
+        .collect();
+    if unknown.len() > MAX_NOTICES {
+        let more = unknown.len() - MAX_NOTICES;
+        notices.push(format!("{file}: {more} more unknown keys, ignored"));
+    }
+    notices
+}
+
+fn pointer(path: &Path) -> String {
+    let mut pointer = String::new();
+    for segment in path {
+        match segment {
+            Segment::Seq { index } => push(&mut pointer, &index.to_string()),
+            Segment::Map { key } => push(&mut pointer, key),
+            Segment::Enum { .. } | Segment::Unknown => {}
+        }
+    }
+    pointer
+}
+
+fn pointer_of_ignored(path: &serde_ignored::Path<'_>) -> String {
+    use serde_ignored::Path as P;
+    let (parent, key) = match path {
+        P::Root => return String::new(),
+        P::Seq { parent, index } => (parent, index.to_string()),
+        P::Map { parent, key } => (parent, key.clone()),
+        P::Some { parent } | P::NewtypeStruct { parent } | P::NewtypeVariant { parent } => {
+            return pointer_of_ignored(parent);
+        }
+    };
+    let mut pointer = pointer_of_ignored(parent);
+    push(&mut pointer, &key);
+    pointer
+}
+
+fn push(pointer: &mut String, key: &str) {
+    pointer.push('/');
+    pointer.push_str(&key.replace('~', "~0").replace('/', "~1"));
+}
+
+/// The error in the words of the format: what is there, what should be.
+fn message(error: &str, found: Option<&Value>) -> String {
+    if let Some(key) = error.strip_prefix("missing field ") {
+        return format!("has no key {}, expected one", key.replace('`', "\""));
+    }
+    if let Some(rest) = error.strip_prefix("unknown variant ") {
+        return format!("found {}", rest.replace('`', "\""));
+    }
+    let found = found.map_or_else(|| "nothing".into(), kind);
+    match error.split_once("expected ").map(|(_, expected)| expected) {
+        Some(expected) => format!("found {found}, expected {}", plain(expected)),
+        None => format!("found {found}: {error}"),
+    }
+}
+
+/// What serde calls a Rust type, in plain words.
+fn plain(expected: &str) -> String {
+    match expected {
+        "f64" => "a number".into(),
+        "usize" | "u64" | "u32" => "a whole number, not negative".into(),
+        "i64" => "a whole number".into(),
+        "a sequence" => "an array".into(),
+        "a map" => "an object".into(),
+        _ if expected.starts_with("struct ") => "an object".into(),
+        _ => match expected.strip_prefix("an array of length ") {
+            Some(length) => format!("an array of {length}"),
+            None => expected.replace('`', "\""),
+        },
+    }
+}
+
+/// A JSON value in a few words.
+pub(super) fn kind(value: &Value) -> String {
+    match value {
+        Value::Null => "null".into(),
+        Value::Bool(value) => value.to_string(),
+        Value::Number(value) => value.to_string(),
+        Value::String(value) => quoted(value),
+        Value::Array(values) => format!("an array of {}", values.len()),
+        Value::Object(_) => "an object".into(),
+    }
+}

@@ -1,0 +1,85 @@
+//! Raw data of the phases around the poses: plain rows, one file each.
+
+mod check;
+mod elongation;
+mod force;
+mod home;
+mod winch;
+
+use std::collections::HashSet;
+use std::hash::Hash;
+use std::io::BufRead;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::robot::Robot;
+
+use crate::error::{Loaded, ReadError};
+use crate::table::{Row, Table};
+pub use check::{CheckKind, CheckPose, CheckRow, read_check, write_check};
+pub use elongation::{ElongationPoint, read_elongation, write_elongation};
+pub use force::{ForcePair, read_force, write_force};
+pub use home::{HomeReading, read_home, write_home};
+pub use winch::{WinchPair, read_winch, write_winch};
+
+/// Raw data of phases 1, 2 and 5; empty where nothing was measured.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct PhaseData {
+    /// Winch calibration of phase 1 (`winch.csv`).
+    pub winch: Vec<WinchPair>,
+    /// Force sensor calibration of phase 1 (`force.csv`).
+    pub force: Vec<ForcePair>,
+    /// Readings of the home reference platform of phase 1 (`home.csv`).
+    pub home: Vec<HomeReading>,
+    /// Elongation measurements of phase 2 (`elongation.csv`).
+    pub elongation: Vec<ElongationPoint>,
+    /// Poses and paths checked by an external instrument in phase 5 (`check.csv`).
+    pub check: Vec<CheckRow>,
+}
+
+/// Reads all rows of a table by `read_row`, with a notice for each column not in `known`.
+fn read_rows<T, R: BufRead>(
+    mut table: Table<R>,
+    known: &[&str],
+    mut read_row: impl FnMut(&Row<'_>) -> Result<T, ReadError>,
+) -> Result<Loaded<Vec<T>>, ReadError> {
+    let notices = table.unknown_columns(known);
+    let mut value = Vec::new();
+    while let Some(row) = table.next_row()? {
+        value.push(read_row(&row)?);
+    }
+    Ok(Loaded { value, notices })
+}
+
+/// Index of the cable that a cell names, by its name or by its number from 1.
+fn cable(row: &Row<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError> {
+    let text = row.text(column);
+    let number = || text.parse::<usize>().ok()?.checked_sub(1);
+    robot
+        .cable_index(text)
+        .or_else(|| number().filter(|index| *index < robot.cable_count()))
+        .ok_or_else(|| {
+            let count = robot.cable_count();
+            let expected = format!("the name of a cable or a number from 1 to {count}");
+            row.unexpected(column, &expected)
+        })
+}
+
+/// Refuses the second row about the same thing.
+fn once<K: Hash + Eq>(
+    seen: &mut HashSet<K>,
+    key: K,
+    row: &Row<'_>,
+    column: usize,
+    what: &str,
+) -> Result<(), ReadError> {
+    if seen.insert(key) {
+        Ok(())
+    } else {
+        Err(row.unexpected(column, &format!("each {what} once")))
+    }
+}
+
+#[cfg(test)]
+mod tests;

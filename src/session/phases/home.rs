@@ -1,0 +1,57 @@
+//! `home.csv`: readings of the six distance sensors of the home reference platform.
+
+use std::io::{BufRead, Result as IoResult, Write};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::read_rows;
+use crate::error::{Loaded, ReadError};
+use crate::table::{Table, TableWriter};
+
+/// Number of sensors of the home reference platform.
+const SENSORS: i64 = 6;
+
+/// One reading of a sensor; repeats of a sensor come in the order in which they were taken.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HomeReading {
+    /// Index of the sensor, from 0.
+    pub sensor: usize,
+    /// Reading: volts if the sensor has a curve, else metres.
+    pub reading: f64,
+}
+
+const COLUMNS: [&str; 2] = ["sensor", "reading"];
+
+/// Reads `home.csv`; `file` is the name for messages.
+///
+/// # Errors
+/// The first row that is no reading of one of the six sensors.
+pub fn read_home(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<HomeReading>>, ReadError> {
+    let table = Table::open(reader, file)?;
+    let (sensor, reading) = (table.require(COLUMNS[0])?, table.require(COLUMNS[1])?);
+    read_rows(table, &COLUMNS, |row| {
+        let number = row.integer(sensor)?;
+        if !(1..=SENSORS).contains(&number) {
+            return Err(row.unexpected(sensor, "a sensor from 1 to 6"));
+        }
+        Ok(HomeReading {
+            sensor: (number - 1) as usize,
+            reading: row.required(reading)?,
+        })
+    })
+}
+
+/// Writes `home.csv`, so that it reads back bit by bit.
+///
+/// # Errors
+/// If the writer fails.
+pub fn write_home(out: impl Write, readings: &[HomeReading]) -> IoResult<()> {
+    let mut table = TableWriter::new(out, &COLUMNS)?;
+    for reading in readings {
+        table.integer(reading.sensor as i64 + 1)?;
+        table.number(reading.reading)?;
+        table.end_row()?;
+    }
+    table.finish()
+}

@@ -1,0 +1,162 @@
+//! Named columns to measurements.
+
+use std::collections::HashMap;
+
+use nalgebra::{Quaternion, Unit, UnitQuaternion};
+use tautline_core::geometry::{Pose, Vec3};
+use tautline_core::measurement::{Grid, Measurements, Truth};
+use tautline_core::robot::Robot;
+
+use super::column::{Column, Group, PerCable};
+use super::columns::{Columns, Fault};
+use crate::table::quaternion_fault;
+
+/// Builds measurements from columns that passed [`Columns::check_header`].
+pub(crate) fn assemble(columns: Columns, robot: &Robot) -> Result<Measurements, Fault> {
+    check_labels(&columns.labels)?;
+    let cables = robot.cable_count();
+    let single = |column| columns.get(column).map(<[f64]>::to_vec).unwrap_or_default();
+    let tracked_orientation_wxyz = group::<4>(&columns, Group::Tracked, 3);
+    for (row, quaternion) in tracked_orientation_wxyz.iter().enumerate() {
+        check_quaternion(row, quaternion, Group::Tracked)?;
+    }
+    let truth = poses(&columns, Group::TruePose, robot)?;
+    if let Some(row) = truth.iter().position(Option::is_none) {
+        return Fault::at(row, "true_x_m", "found an empty cell, expected a number");
+    }
+    Ok(Measurements {
+        time_s: single(Column::Time),
+        temperature_c: single(Column::Temperature),
+        commanded: poses(&columns, Group::Commanded, robot)?,
+        revolutions: grid(&columns, PerCable::Revolutions, cables),
+        length_m: grid(&columns, PerCable::Length, cables),
+        force_n: grid(&columns, PerCable::Force, cables),
+        laser_m: single(Column::Laser),
+        swivel_rad: grid(&columns, PerCable::Swivel, cables),
+        inclination_rad: group(&columns, Group::Inclination, 0),
+        tracked_position_m: group(&columns, Group::Tracked, 0),
+        tracked_orientation_wxyz,
+        tracked_position_sd_m: group(&columns, Group::TrackedSd, 0),
+        truth: Truth {
+            poses: truth.into_iter().flatten().collect(),
+            tension_n: grid(&columns, PerCable::TrueTension, cables),
+        },
+        labels: columns.labels,
+        other: columns.other,
+    })
+}
+
+fn check_labels(labels: &[i64]) -> Result<(), Fault> {
+    let mut rows = HashMap::with_capacity(labels.len());
+    for (row, label) in labels.iter().enumerate() {
+        if let Some(earlier) = rows.insert(*label, row) {
+            let message = format!("found {label} again, expected each label once");
+            return Err(Fault {
+                earlier_row: Some(earlier),
+                ..Fault::new(Some(row), super::LABEL, message)
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Components `first..first + N` of a group by row; empty if none of them was measured.
+fn group<const N: usize>(columns: &Columns, group: Group, first: usize) -> Vec<[f64; N]> {
+    let parts: [Option<&[f64]>; N] =
+        std::array::from_fn(|k| columns.get(Column::Component(group, first + k)));
+    if parts.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let value = |part: Option<&[f64]>, row: usize| part.map_or(f64::NAN, |values| values[row]);
+    (0..columns.labels.len())
+        .map(|row| parts.map(|part| value(part, row)))
+        .collect()
+}
+
+fn grid(columns: &Columns, quantity: PerCable, cables: usize) -> Grid {
+    let parts: Option<Vec<&[f64]>> = (1..=cables)
+        .map(|number| columns.get(Column::Cable(quantity, number)))
+        .collect();
+    let Some(parts) = parts else {
+        return Grid::default();
+    };
+    let mut grid = Grid::missing(columns.labels.len(), cables);
+    for (cable, values) in parts.into_iter().enumerate() {
+        for (row, value) in values.iter().enumerate() {
+            grid.set(row, cable, *value);
+        }
+    }
+    grid
+}
+
+/// Poses of a group; a row without any number has none.
+fn poses(columns: &Columns, of: Group, robot: &Robot) -> Result<Vec<Option<Pose>>, Fault> {
+    let positions = group::<3>(columns, of, 0);
+    let mut quaternions = group::<4>(columns, of, 3);
+    if quaternions.is_empty() {
+        // A platform that does not rotate keeps the orientation it has at home.
+        let home = robot
+            .home
+            .map_or([1.0, 0.0, 0.0, 0.0], |home| home.orientation_wxyz);
+        quaternions = positions
+            .iter()
+            .map(|p| {
+                if measured(p) == 0 {
+                    [f64::NAN; 4]
+                } else {
+                    home
+                }
+            })
+            .collect();
+    }
+    let rows = positions.iter().zip(&quaternions).enumerate();
+    rows.map(|(row, (position, quaternion))| pose(row, position, quaternion, of))
+        .collect()
+}
+
+/// Number of cells that are not empty.
+fn measured(values: &[f64]) -> usize {
+    values.iter().filter(|value| !value.is_nan()).count()
+}
+
+fn check_quaternion(row: usize, wxyz: &[f64; 4], of: Group) -> Result<(), Fault> {
+    match quaternion_fault(wxyz) {
+        Some((k, message)) => Fault::at(row, of.names()[3 + k], message),
+        None => Ok(()),
+    }
+}
+
+fn pose(
+    row: usize,
+    position: &[f64; 3],
+    quaternion: &[f64; 4],
+    of: Group,
+) -> Result<Option<Pose>, Fault> {
+    let mut cells = position.iter().chain(quaternion);
+    match (measured(position), measured(quaternion)) {
+        (0, 0) => Ok(None),
+        (3, 4) => {
+            check_quaternion(row, quaternion, of)?;
+            Ok(Some(Pose {
+                position: Vec3::from(*position),
+                orientation: orientation(quaternion),
+            }))
+        }
+        _ => {
+            let empty = cells.position(|value| value.is_nan()).unwrap_or_default();
+            let message = "found an empty cell, expected the whole pose or no cell of it";
+            Fault::at(row, of.names()[empty], message)
+        }
+    }
+}
+
+/// A quaternion that is already normalised stays as it is, to the last bit.
+fn orientation(wxyz: &[f64; 4]) -> UnitQuaternion<f64> {
+    let [w, x, y, z] = *wxyz;
+    let quaternion = Quaternion::new(w, x, y, z);
+    if (quaternion.norm_squared() - 1.0).abs() < 1e-14 {
+        Unit::new_unchecked(quaternion)
+    } else {
+        UnitQuaternion::from_quaternion(quaternion)
+    }
+}

@@ -1,0 +1,193 @@
+//! Measurements as named columns: what `poses.csv` and session files have in common.
+
+use tautline_core::geometry::Pose;
+use tautline_core::measurement::{Grid, Measurements};
+use tautline_core::robot::Robot;
+
+use super::column::{Column, Group, PerCable};
+
+/// Measurements by column, all of the length of `labels`.
+#[derive(Debug, Default)]
+pub(crate) struct Columns {
+    /// Labels of the poses.
+    pub labels: Vec<i64>,
+    /// Numbers; NaN is "not measured".
+    pub numbers: Vec<(Column, Vec<f64>)>,
+    /// Columns this program does not know.
+    pub other: Vec<(String, Vec<String>)>,
+}
+
+/// What is wrong in a column, and in which row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fault {
+    /// Row from 0; `None` for the table as a whole.
+    pub row: Option<usize>,
+    /// Name of the column.
+    pub column: String,
+    /// What was found and what was expected.
+    pub message: String,
+    /// The row that it contradicts.
+    pub earlier_row: Option<usize>,
+}
+
+impl Fault {
+    pub fn new(row: Option<usize>, column: impl Into<String>, message: impl Into<String>) -> Self {
+        Self {
+            row,
+            column: column.into(),
+            message: message.into(),
+            earlier_row: None,
+        }
+    }
+
+    pub fn at<T>(
+        row: usize,
+        column: impl Into<String>,
+        message: impl Into<String>,
+    ) -> Result<T, Self> {
+        Err(Self::new(Some(row), column, message))
+    }
+}
+
+impl Columns {
+    /// The values of a column, if it is there.
+    pub fn get(&self, column: Column) -> Option<&[f64]> {
+        let mut columns = self.numbers.iter();
+        columns
+            .find(|(known, _)| *known == column)
+            .map(|(_, values)| values.as_slice())
+    }
+
+    /// Whether any column of a group is there.
+    pub fn has(&self, group: Group) -> bool {
+        (0..group.names().len()).any(|k| self.get(Column::Component(group, k)).is_some())
+    }
+
+    fn has_per_cable(&self, quantity: PerCable) -> bool {
+        let mut columns = self.numbers.iter();
+        columns.any(|(column, _)| matches!(column, Column::Cable(known, _) if *known == quantity))
+    }
+
+    /// Checks that the columns are those of this robot.
+    pub fn check_header(&self, robot: &Robot) -> Result<(), Fault> {
+        let fail = |column: String, message: String| Err(Fault::new(None, column, message));
+        let cables = robot.cable_count();
+        for (column, _) in &self.numbers {
+            if let Column::Cable(_, number) = column
+                && !(1..=cables).contains(number)
+            {
+                let message = format!("found cable {number}, expected 1 to {cables}");
+                return fail(column.name(), message);
+            }
+        }
+        for quantity in PerCable::ALL {
+            let is_missing = |number: &usize| self.get(Column::Cable(quantity, *number)).is_none();
+            if let Some(number) = (1..=cables).find(is_missing)
+                && self.has_per_cable(quantity)
+            {
+                let message = format!("missing, expected one column for each of {cables} cables");
+                return fail(quantity.name(number), message);
+            }
+        }
+        self.check_lengths(robot)?;
+        self.check_complete_poses(robot)
+    }
+
+    fn check_lengths(&self, robot: &Robot) -> Result<(), Fault> {
+        let revolutions = self.has_per_cable(PerCable::Revolutions);
+        let lengths = self.has_per_cable(PerCable::Length);
+        let (column, message) = match (revolutions, lengths) {
+            (true, true) => (
+                "length_1_m",
+                "found beside rev_1, expected one or the other",
+            ),
+            (false, false) => ("rev_1", "missing, expected rev_1 or length_1_m"),
+            (true, false) if robot.home.is_none() => (
+                "rev_1",
+                "found revolutions since home but the robot has no home, expected length_1_m",
+            ),
+            _ => return Ok(()),
+        };
+        Err(Fault::new(None, column, message))
+    }
+
+    /// Commanded and true poses need all their columns; a platform that does not rotate needs no
+    /// quaternion.
+    fn check_complete_poses(&self, robot: &Robot) -> Result<(), Fault> {
+        let rotates = robot.platform.free.iter().any(|c| c.index() >= 3);
+        for group in [Group::Commanded, Group::TruePose, Group::Tracked] {
+            let missing = |k: &usize| self.get(Column::Component(group, *k)).is_none();
+            let position_is_partial = group != Group::Tracked && (0..3).any(|k| missing(&k));
+            let no_quaternion = (3..7).all(|k| missing(&k));
+            let needs_quaternion = rotates && group != Group::Tracked;
+            let range = match (position_is_partial, no_quaternion && !needs_quaternion) {
+                (true, true) => 0..3,
+                (true, false) => 0..7,
+                (false, true) => continue,
+                (false, false) => 3..7,
+            };
+            if let Some(k) = range.clone().find(missing)
+                && self.has(group)
+            {
+                let message = "missing, expected beside the other columns of the pose";
+                return Err(Fault::new(None, group.names()[k], message));
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of measurements; those of quantities that were never measured are left out.
+    pub fn of(measurements: &Measurements) -> Self {
+        let m = measurements;
+        let mut columns = Self {
+            labels: m.labels.clone(),
+            numbers: Vec::new(),
+            other: m.other.clone(),
+        };
+        columns.add(Column::Time, &m.time_s);
+        columns.add(Column::Temperature, &m.temperature_c);
+        let commanded: Vec<[f64; 7]> = m.commanded.iter().map(pose_row).collect();
+        columns.add_group(Group::Commanded, 0, &commanded);
+        columns.add_grid(PerCable::Revolutions, &m.revolutions);
+        columns.add_grid(PerCable::Length, &m.length_m);
+        columns.add_grid(PerCable::Force, &m.force_n);
+        columns.add(Column::Laser, &m.laser_m);
+        columns.add_grid(PerCable::Swivel, &m.swivel_rad);
+        columns.add_group(Group::Inclination, 0, &m.inclination_rad);
+        columns.add_group(Group::Tracked, 0, &m.tracked_position_m);
+        columns.add_group(Group::Tracked, 3, &m.tracked_orientation_wxyz);
+        columns.add_group(Group::TrackedSd, 0, &m.tracked_position_sd_m);
+        let truth: Vec<[f64; 7]> = m.truth.poses.iter().map(|p| pose_row(&Some(*p))).collect();
+        columns.add_group(Group::TruePose, 0, &truth);
+        columns.add_grid(PerCable::TrueTension, &m.truth.tension_n);
+        columns
+    }
+
+    fn add(&mut self, column: Column, values: &[f64]) {
+        if !values.is_empty() {
+            self.numbers.push((column, values.to_vec()));
+        }
+    }
+
+    fn add_group<const N: usize>(&mut self, group: Group, first: usize, rows: &[[f64; N]]) {
+        for k in 0..N {
+            let values: Vec<f64> = rows.iter().map(|row| row[k]).collect();
+            self.add(Column::Component(group, first + k), &values);
+        }
+    }
+
+    fn add_grid(&mut self, quantity: PerCable, grid: &Grid) {
+        for cable in 0..grid.columns() {
+            let values: Vec<f64> = (0..grid.rows()).map(|row| grid.get(row, cable)).collect();
+            self.add(Column::Cable(quantity, cable + 1), &values);
+        }
+    }
+}
+
+/// Position and quaternion as they are, so that they read back bit by bit.
+fn pose_row(pose: &Option<Pose>) -> [f64; 7] {
+    pose.as_ref().map_or([f64::NAN; 7], |pose| {
+        let (p, q) = (pose.position, pose.orientation.quaternion());
+        [p.x, p.y, p.z, q.w, q.i, q.j, q.k]
+    })
+}

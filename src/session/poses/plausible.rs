@@ -1,0 +1,233 @@
+//! Values that fit the format but not the robot: wrong units, missing home, unknown instruments.
+
+use tautline_core::geometry::Vec3;
+use tautline_core::measurement::{Grid, Measurements};
+use tautline_core::robot::{Cable, Robot};
+
+use super::column::{Group, PerCable};
+use super::columns::Fault;
+
+/// A place or a length is at most this many times the size of the frame: metres given in
+/// millimetres exceed it by far, a long way around does not reach it.
+const FRAME_SIZES: f64 = 10.0;
+/// A laser may look far out of the frame.
+const LASER_FRAME_SIZES: f64 = 30.0;
+const FARTHEST_LASER_M: f64 = 1000.0;
+/// A revolution of the encoders at home by less cable than this is noise.
+const HOME_LENGTH_M: f64 = 5e-3;
+
+/// Checks what makes measurements usable: rows, and the home row if the encoders count from it.
+pub(crate) fn check_complete(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
+    if robot.home.is_some()
+        && !measurements.revolutions.is_empty()
+        && measurements.home_row().is_none()
+    {
+        let message = "found no row with pose 0, expected the home row because the robot has a \
+                       home and revolutions count from it";
+        return Err(Fault::new(None, super::LABEL, message));
+    }
+    Ok(())
+}
+
+/// Checks that units are right and cables can reach.
+pub(crate) fn check_plausible(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
+    let m = measurements;
+    check_angles(m)?;
+    check_temperature(&m.temperature_c)?;
+    check_deviations(&m.tracked_position_sd_m)?;
+    if let Some(size_m) = robot.frame_size_m() {
+        check_positions(m, robot, size_m)?;
+        check_lengths(m, robot, size_m)?;
+        check_laser(&m.laser_m, size_m)?;
+    }
+    for (row, pose) in m.commanded.iter().enumerate() {
+        if let Some(Err(error)) = pose.as_ref().map(|pose| robot.check_reach(pose)) {
+            return Fault::at(row, Group::Commanded.names()[0], error.message);
+        }
+    }
+    Ok(())
+}
+
+fn check_positions(m: &Measurements, robot: &Robot, size_m: f64) -> Result<(), Fault> {
+    let entry_points = robot
+        .cables
+        .iter()
+        .map(|c| Vec3::from(c.pulley.entry_point_m));
+    let centre = entry_points.sum::<Vec3>() / robot.cable_count() as f64;
+    let check = |row: usize, position: &[f64; 3], names: &[&str]| {
+        for k in 0..3 {
+            if (position[k] - centre[k]).abs() > FRAME_SIZES * size_m {
+                let message = format!(
+                    "found {} m, far outside the frame of {size_m:.3} m: it looks like millimetres",
+                    position[k]
+                );
+                return Fault::at(row, names[k], message);
+            }
+        }
+        Ok(())
+    };
+    for (row, position) in m.tracked_position_m.iter().enumerate() {
+        check(row, position, Group::Tracked.names())?;
+    }
+    for (row, pose) in m.commanded.iter().enumerate() {
+        if let Some(pose) = pose {
+            check(row, &pose.position.into(), Group::Commanded.names())?;
+        }
+    }
+    for (row, pose) in m.truth.poses.iter().enumerate() {
+        check(row, &pose.position.into(), Group::TruePose.names())?;
+    }
+    Ok(())
+}
+
+fn check_lengths(m: &Measurements, robot: &Robot, size_m: f64) -> Result<(), Fault> {
+    let limit_m = FRAME_SIZES * size_m;
+    for_each(&m.revolutions, PerCable::Revolutions, |value, cable| {
+        let length_m = value * robot.cables[cable].winch.cable_per_revolution_m();
+        (length_m.abs() > limit_m).then(|| {
+            format!(
+                "found {value} revolutions, {length_m:.1} m of cable in a frame of \
+                 {size_m:.3} m: it looks like degrees or counts"
+            )
+        })
+    })?;
+    for_each(&m.length_m, PerCable::Length, |value, _| {
+        if value <= 0.0 {
+            return Some(format!("found {value}, expected a length greater than 0"));
+        }
+        (value > limit_m).then(|| {
+            format!("found {value} m in a frame of {size_m:.3} m: it looks like millimetres")
+        })
+    })
+}
+
+fn for_each(
+    grid: &Grid,
+    quantity: PerCable,
+    fault: impl Fn(f64, usize) -> Option<String>,
+) -> Result<(), Fault> {
+    for row in 0..grid.rows() {
+        for (cable, value) in grid.row(row).iter().enumerate() {
+            if let Some(message) = fault(*value, cable) {
+                return Fault::at(row, quantity.name(cable + 1), message);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_laser(laser_m: &[f64], size_m: f64) -> Result<(), Fault> {
+    let limit_m = FARTHEST_LASER_M.min(LASER_FRAME_SIZES * size_m);
+    for (row, value) in laser_m.iter().enumerate() {
+        let message = if *value <= 0.0 {
+            format!("found {value}, expected a distance greater than 0")
+        } else if *value > limit_m {
+            format!("found {value} m, expected at most {limit_m:.0} m: it looks like millimetres")
+        } else {
+            continue;
+        };
+        return Fault::at(row, "laser_m", message);
+    }
+    Ok(())
+}
+
+/// Angles in radians stay within one turn; those in degrees sooner or later do not.
+fn check_angles(m: &Measurements) -> Result<(), Fault> {
+    let fault = |angle: f64| {
+        (angle.abs() > 6.3)
+            .then(|| format!("found {angle} rad, more than one turn: it looks like degrees"))
+    };
+    for (row, angles) in m.inclination_rad.iter().enumerate() {
+        for (angle, name) in angles.iter().zip(Group::Inclination.names()) {
+            if let Some(message) = fault(*angle) {
+                return Fault::at(row, *name, message);
+            }
+        }
+    }
+    for_each(&m.swivel_rad, PerCable::Swivel, |angle, _| fault(angle))
+}
+
+fn check_temperature(temperature_c: &[f64]) -> Result<(), Fault> {
+    let strange = |value: &f64| *value < -100.0 || *value > 200.0;
+    match temperature_c.iter().position(strange) {
+        Some(row) => {
+            let value = temperature_c[row];
+            let message = format!("found {value}, expected degrees Celsius from -100 to 200");
+            Fault::at(row, "temperature_c", message)
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_deviations(deviations: &[[f64; 3]]) -> Result<(), Fault> {
+    for (row, values) in deviations.iter().enumerate() {
+        for (value, name) in values.iter().zip(Group::TrackedSd.names()) {
+            if *value <= 0.0 {
+                let message = format!("found {value}, expected a number greater than 0");
+                return Fault::at(row, *name, message);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Readings that no instrument of the robot explains, and a home row that is not at zero.
+pub(crate) fn unexplained(m: &Measurements, robot: &Robot) -> impl Iterator<Item = String> {
+    let every = |has: fn(&Cable) -> bool| robot.cables.iter().all(has);
+    let swivels = |c: &Cable| c.pulley.swivel_zero.is_some() && c.pulley.swivel_sd_rad.is_some();
+    let tracked = !m.tracked_position_m.is_empty() || !m.tracked_orientation_wxyz.is_empty();
+    let unused =
+        |what: &str, missing: &str| format!("{what} are not used, the robot has no {missing}");
+    let mut notices = Vec::new();
+    let mut note = |present: bool, explained: bool, what: &str, missing: &str| {
+        if present && !explained {
+            notices.push(unused(what, missing));
+        }
+    };
+    let has_laser = robot.laser.is_some();
+    note(!m.laser_m.is_empty(), has_laser, "laser readings", "laser");
+    let has_inclinometer = robot.inclinometer.is_some();
+    let inclined = !m.inclination_rad.is_empty();
+    note(
+        inclined,
+        has_inclinometer,
+        "roll, pitch and yaw",
+        "inclinometer",
+    );
+    note(
+        tracked,
+        robot.tracker.is_some(),
+        "measured poses",
+        "tracker",
+    );
+    let every_force = every(|c| c.force_sensor.is_some());
+    let forces = !m.force_n.is_empty();
+    note(
+        forces,
+        every_force,
+        "some force readings",
+        "force_sensor on some cable",
+    );
+    let swivel = !m.swivel_rad.is_empty();
+    let explained = every(swivels);
+    note(
+        swivel,
+        explained,
+        "some swivel angles",
+        "swivel_zero or swivel_sd_rad on some pulley",
+    );
+    notices.extend(home_not_zero(m, robot));
+    notices.into_iter()
+}
+
+fn home_not_zero(m: &Measurements, robot: &Robot) -> Option<String> {
+    let home = m.revolutions.row(m.home_row()?);
+    let far = |(value, cable): &(&f64, &Cable)| {
+        (**value * cable.winch.cable_per_revolution_m()).abs() > HOME_LENGTH_M
+    };
+    let (value, cable) = home.iter().zip(&robot.cables).find(far)?;
+    Some(format!(
+        "the encoder of {:?} reads {value} revolutions at home, where it should be zero",
+        cable.name
+    ))
+}

@@ -1,0 +1,42 @@
+//! `robot.json` and model files: one document, a model has effects.
+
+use std::path::Path;
+
+use tautline_core::robot::{FieldError, Robot};
+
+use crate::error::{Loaded, ReadError, WriteError};
+use crate::json::{Document, parse_document, read_document, write_document};
+
+impl Document for Robot {
+    const FORMAT: &'static str = "tautline-robot";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 16 << 20;
+
+    fn check(&self) -> Result<(), FieldError> {
+        Self::check(self)
+    }
+}
+
+/// Reads a `robot.json` or model file.
+///
+/// # Errors
+/// If the file cannot be read or does not describe a possible robot.
+pub fn read_robot(path: &Path) -> Result<Loaded<Robot>, ReadError> {
+    read_document(path)
+}
+
+/// Reads a robot from memory; `file` is the name for messages.
+///
+/// # Errors
+/// If the bytes do not describe a possible robot.
+pub fn parse_robot(bytes: &[u8], file: &str) -> Result<Loaded<Robot>, ReadError> {
+    parse_document(bytes, file)
+}
+
+/// Writes a `robot.json` or model file, atomically.
+///
+/// # Errors
+/// If the robot is not a possible one or the file cannot be written.
+pub fn write_robot(path: &Path, robot: &Robot) -> Result<(), WriteError> {
+    write_document(path, robot)
+}

@@ -1,0 +1,61 @@
+//! What happened in a session: steps of the operator and results.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::Timestamp;
+
+/// The part of a calibration that a step belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// Phase 1: winches, force sensors, home reference platform.
+    Instruments,
+    /// Phase 2: elongation of the cables.
+    Cables,
+    /// Phase 3: measured poses.
+    Poses,
+    /// Phase 4: identification.
+    Identification,
+    /// Between 4 and 5: the search for hidden effects.
+    Diagnosis,
+    /// Phase 5: accuracy by an external instrument.
+    Accuracy,
+    /// The session itself: opened, renamed, exported.
+    Session,
+}
+
+/// One step of the operator.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct LogEntry {
+    /// When.
+    pub time: Timestamp,
+    /// In which part of the calibration.
+    pub phase: Phase,
+    /// What was done, one sentence.
+    pub text: String,
+}
+
+/// A result, kept as the document that the commands write with `--json`.
+///
+/// It is stored as it is rather than as a type, so that a session keeps results of kinds that
+/// this version of the program does not know, and old results stay what they were when the
+/// operator saw them. Its `format` and `version` say how to read it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ResultRecord {
+    /// When it was computed.
+    pub time: Timestamp,
+    /// What the operator calls it.
+    pub title: String,
+    /// The document, such as a `tautline-identification` or a `tautline-robot` (a model).
+    pub document: Value,
+}
+
+impl ResultRecord {
+    /// The `format` of the document, if it states one.
+    #[must_use]
+    pub fn format(&self) -> Option<&str> {
+        self.document.get("format")?.as_str()
+    }
+}

@@ -1,0 +1,313 @@
+//! CSV tables: columns by name, cells with their place in the file.
+
+mod lines;
+mod number;
+mod quaternion;
+mod write;
+
+use std::collections::HashMap;
+use std::io::BufRead;
+
+use crate::error::{Place, ReadError, quoted};
+use lines::Lines;
+pub(crate) use quaternion::quaternion_fault;
+pub(crate) use write::TableWriter;
+
+/// A table that is read row by row.
+pub(crate) struct Table<R> {
+    lines: Lines<R>,
+    header: Header,
+    cells: Cells,
+    rows: u64,
+}
+
+/// Names of the columns, and how numbers are written.
+struct Header {
+    file: String,
+    line: u64,
+    names: Vec<String>,
+    by_name: HashMap<String, usize>,
+    decimal_comma: bool,
+}
+
+/// The fields of one record: their text in one piece, and where each ends.
+struct Cells {
+    parser: csv_core::Reader,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+/// One row of a table.
+pub(crate) struct Row<'a> {
+    header: &'a Header,
+    line: u64,
+    text: &'a str,
+    ends: &'a [usize],
+}
+
+impl<R: BufRead> Table<R> {
+    /// Reads the header row.
+    pub fn open(reader: R, file: &str) -> Result<Self, ReadError> {
+        let mut lines = Lines::new(reader, file);
+        let Some((line, record)) = lines.next_record()? else {
+            let message = "found no line, expected a header row";
+            return Err(ReadError::new(file, Place::File, message));
+        };
+        // German Excel: the semicolon separates because the comma is the decimal sign.
+        let count = |c: u8| record.iter().filter(|byte| **byte == c).count();
+        let decimal_comma = count(b';') > count(b',');
+        let delimiter = if decimal_comma { b';' } else { b',' };
+        let mut cells = Cells::new(delimiter);
+        cells.split(record, file, line)?;
+        let text = utf8(&cells.text, file, line)?;
+        let names = (0..cells.ends.len()).map(|k| cell(text, &cells.ends, k).to_string());
+        let header = Header::new(file, line, names.collect(), decimal_comma)?;
+        Ok(Self {
+            lines,
+            header,
+            cells,
+            rows: 0,
+        })
+    }
+
+    /// The next row, which has as many cells as the header.
+    pub fn next_row(&mut self) -> Result<Option<Row<'_>>, ReadError> {
+        let header = &self.header;
+        let Some((line, record)) = self.lines.next_record()? else {
+            return match self.rows {
+                0 => Err(ReadError::new(
+                    &header.file,
+                    Place::Line(header.line),
+                    "found a header row only, expected rows of data after it",
+                )),
+                _ => Ok(None),
+            };
+        };
+        self.rows += 1;
+        self.cells.split(record, &header.file, line)?;
+        let text = utf8(&self.cells.text, &header.file, line)?;
+        header.check_count(line, self.cells.ends.len())?;
+        Ok(Some(Row {
+            header,
+            line,
+            text,
+            ends: &self.cells.ends,
+        }))
+    }
+
+    /// Names of the columns in the order of the file.
+    pub fn names(&self) -> &[String] {
+        &self.header.names
+    }
+
+    /// Index of the column called `name`.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.header.by_name.get(name).copied()
+    }
+
+    /// Index of a column that has to be there.
+    pub fn require(&self, name: &str) -> Result<usize, ReadError> {
+        self.find(name)
+            .ok_or_else(|| self.header_error(name, "missing, expected in the header row"))
+    }
+
+    /// An error about the column called `name`.
+    pub fn header_error(&self, name: &str, message: impl Into<String>) -> ReadError {
+        self.header.error(name, message)
+    }
+
+    /// A notice for each column that is not in `known`.
+    pub fn unknown_columns(&self, known: &[&str]) -> Vec<String> {
+        self.names()
+            .iter()
+            .filter(|name| !known.contains(&name.as_str()))
+            .map(|name| self.unknown_column(name, "ignored"))
+            .collect()
+    }
+
+    /// The notice for an unknown column.
+    pub fn unknown_column(&self, name: &str, what_happens: &str) -> String {
+        let file = &self.header.file;
+        format!("{file}, column {}: unknown, {what_happens}", quoted(name))
+    }
+}
+
+impl Header {
+    fn new(
+        file: &str,
+        line: u64,
+        names: Vec<String>,
+        decimal_comma: bool,
+    ) -> Result<Self, ReadError> {
+        let mut by_name = HashMap::with_capacity(names.len());
+        for (k, name) in names.iter().enumerate() {
+            let place = || Place::Cell(line, name.clone());
+            if name.is_empty() {
+                let message = format!("found no name for column {}, expected one", k + 1);
+                return Err(ReadError::new(file, Place::Line(line), message));
+            }
+            if by_name.insert(name.clone(), k).is_some() {
+                let message = "found in the header row again, expected once";
+                return Err(ReadError::new(file, place(), message));
+            }
+        }
+        Ok(Self {
+            file: file.into(),
+            line,
+            names,
+            by_name,
+            decimal_comma,
+        })
+    }
+
+    fn error(&self, name: &str, message: impl Into<String>) -> ReadError {
+        let place = Place::Cell(self.line, name.into());
+        ReadError::new(&self.file, place, message)
+    }
+
+    fn check_count(&self, line: u64, found: usize) -> Result<(), ReadError> {
+        let expected = self.names.len();
+        if found == expected {
+            return Ok(());
+        }
+        let hint = if found > expected && !self.decimal_comma {
+            " (decimal commas need ; as the separator)"
+        } else {
+            ""
+        };
+        let message = format!("found {found} cells, expected {expected} as in the header{hint}");
+        Err(ReadError::new(&self.file, Place::Line(line), message))
+    }
+}
+
+impl Cells {
+    fn new(delimiter: u8) -> Self {
+        Self {
+            parser: csv_core::ReaderBuilder::new()
+                .delimiter(delimiter)
+                .terminator(csv_core::Terminator::Any(b'\n'))
+                .build(),
+            text: Vec::new(),
+            ends: Vec::new(),
+        }
+    }
+
+    /// Splits one record into its cells.
+    fn split(&mut self, record: &[u8], file: &str, line: u64) -> Result<(), ReadError> {
+        // Unquoting only shortens, and there is at most one cell more than there are bytes.
+        self.text.resize(record.len() + 1, 0);
+        self.ends.resize(record.len() + 2, 0);
+        self.parser.reset();
+        let (_, read, written, cells) =
+            self.parser
+                .read_record(record, &mut self.text, &mut self.ends);
+        // The end of the input ends the record; it may add the last cell.
+        let (_, _, more, last) =
+            self.parser
+                .read_record(&[], &mut self.text[written..], &mut self.ends[cells..]);
+        if read < record.len() {
+            let message = "found a quotation mark inside a cell, expected cells quoted as a whole";
+            return Err(ReadError::new(file, Place::Line(line), message));
+        }
+        self.text.truncate(written + more);
+        self.ends.truncate(cells + last);
+        Ok(())
+    }
+}
+
+fn utf8<'a>(text: &'a [u8], file: &str, line: u64) -> Result<&'a str, ReadError> {
+    std::str::from_utf8(text).map_err(|error| {
+        let byte = text[error.valid_up_to()];
+        let message = format!("found the byte {byte:#04x}, expected UTF-8 text");
+        ReadError::new(file, Place::Line(line), message)
+    })
+}
+
+fn cell<'a>(text: &'a str, ends: &[usize], k: usize) -> &'a str {
+    let start = if k == 0 { 0 } else { ends[k - 1] };
+    // A cell boundary inside a character is possible only if the text was not UTF-8 per cell.
+    text.get(start..ends[k]).unwrap_or_default().trim()
+}
+
+impl Row<'_> {
+    /// Line of the file at which the row starts.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// Text of a cell.
+    pub fn text(&self, column: usize) -> &str {
+        cell(self.text, self.ends, column)
+    }
+
+    /// An error about a cell.
+    pub fn error(&self, column: usize, message: impl Into<String>) -> ReadError {
+        let place = Place::Cell(self.line, self.header.names[column].clone());
+        ReadError::new(&self.header.file, place, message)
+    }
+
+    /// "found .., expected .." about a cell.
+    pub fn unexpected(&self, column: usize, expected: &str) -> ReadError {
+        let found = match self.text(column) {
+            "" => "an empty cell".into(),
+            text => quoted(text),
+        };
+        self.error(column, format!("found {found}, expected {expected}"))
+    }
+
+    /// A number, NaN if the cell is empty.
+    pub fn number(&self, column: usize) -> Result<f64, ReadError> {
+        let text = self.text(column);
+        if text.is_empty() {
+            return Ok(f64::NAN);
+        }
+        number::parse(text, self.header.decimal_comma)
+            .map_err(|expected| self.unexpected(column, expected))
+    }
+
+    /// A number that has to be there.
+    pub fn required(&self, column: usize) -> Result<f64, ReadError> {
+        let value = self.number(column)?;
+        if value.is_nan() {
+            return Err(self.unexpected(column, "a number"));
+        }
+        Ok(value)
+    }
+
+    /// A number that has to be there and to satisfy a condition.
+    pub fn required_if(
+        &self,
+        column: usize,
+        condition: impl Fn(f64) -> bool,
+        expected: &str,
+    ) -> Result<f64, ReadError> {
+        let value = self.required(column)?;
+        if condition(value) {
+            Ok(value)
+        } else {
+            Err(self.unexpected(column, expected))
+        }
+    }
+
+    /// A quaternion of norm one, all of it or (if the cells are empty) none.
+    pub fn quaternion(&self, columns: [usize; 4]) -> Result<Option<[f64; 4]>, ReadError> {
+        let mut wxyz = [0.0; 4];
+        for (value, column) in wxyz.iter_mut().zip(columns) {
+            *value = self.number(column)?;
+        }
+        match quaternion_fault(&wxyz) {
+            Some((k, message)) => Err(self.error(columns[k], message)),
+            None => Ok(Some(wxyz).filter(|wxyz| !wxyz[0].is_nan())),
+        }
+    }
+
+    /// A whole number that has to be there.
+    pub fn integer(&self, column: usize) -> Result<i64, ReadError> {
+        self.text(column)
+            .parse()
+            .map_err(|_| self.unexpected(column, "a whole number"))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,23 @@
+//! Quaternions in four cells.
+
+/// How far the norm of a quaternion may be from one: files round it.
+const NORM_TOLERANCE: f64 = 1e-3;
+
+/// What is wrong with a quaternion, w first and NaN for an empty cell, and in which component: it
+/// is there as a whole or not at all, and has the norm one.
+pub(crate) fn quaternion_fault(wxyz: &[f64; 4]) -> Option<(usize, String)> {
+    let empty = wxyz.iter().position(|value| value.is_nan());
+    if let Some(k) = empty {
+        let partial = wxyz.iter().any(|value| !value.is_nan());
+        let message = "found an empty cell, expected the whole quaternion or no cell of it";
+        return partial.then(|| (k, message.into()));
+    }
+    let norm = wxyz.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let wrong = (norm - 1.0).abs() > NORM_TOLERANCE;
+    wrong.then(|| {
+        (
+            0,
+            format!("found a quaternion of norm {norm}, expected norm 1"),
+        )
+    })
+}

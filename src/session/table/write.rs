@@ -1,0 +1,75 @@
+//! Writing CSV tables.
+
+use std::fmt::Write as _;
+use std::io::{Error, ErrorKind, Result, Write};
+
+use tautline_core::robot::Robot;
+
+/// Writes a table cell by cell; NaN becomes an empty cell.
+pub(crate) struct TableWriter<W: Write> {
+    csv: csv::Writer<W>,
+    cell: String,
+}
+
+impl<W: Write> TableWriter<W> {
+    /// Starts a table with its header row.
+    pub fn new<S: AsRef<str>>(out: W, names: &[S]) -> Result<Self> {
+        let mut writer = Self {
+            csv: csv::WriterBuilder::new()
+                .comment(Some(b'#'))
+                .from_writer(out),
+            cell: String::new(),
+        };
+        for name in names {
+            writer.text(name.as_ref())?;
+        }
+        writer.end_row()?;
+        Ok(writer)
+    }
+
+    /// A number in as few digits as read back to the same number.
+    pub fn number(&mut self, value: f64) -> Result<()> {
+        if value.is_infinite() {
+            return Err(invalid("a number is infinite".into()));
+        }
+        self.cell.clear();
+        if !value.is_nan() {
+            let _ = write!(self.cell, "{value}");
+        }
+        Ok(self.csv.write_field(&self.cell)?)
+    }
+
+    /// A whole number.
+    pub fn integer(&mut self, value: i64) -> Result<()> {
+        self.cell.clear();
+        let _ = write!(self.cell, "{value}");
+        Ok(self.csv.write_field(&self.cell)?)
+    }
+
+    /// The name of a cable: unlike its number it cannot be mistaken for another cable's name.
+    pub fn cable(&mut self, index: usize, robot: &Robot) -> Result<()> {
+        match robot.cables.get(index) {
+            Some(cable) => self.text(&cable.name),
+            None => Err(invalid(format!("the robot has no cable {}", index + 1))),
+        }
+    }
+
+    /// A text, quoted where necessary.
+    pub fn text(&mut self, text: &str) -> Result<()> {
+        Ok(self.csv.write_field(text)?)
+    }
+
+    /// Ends the row.
+    pub fn end_row(&mut self) -> Result<()> {
+        Ok(self.csv.write_record(None::<&[u8]>)?)
+    }
+
+    /// Ends the table.
+    pub fn finish(mut self) -> Result<()> {
+        self.csv.flush()
+    }
+}
+
+fn invalid(message: String) -> Error {
+    Error::new(ErrorKind::InvalidInput, message)
+}
