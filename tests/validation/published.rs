@@ -295,7 +295,15 @@ fn iterates_are_those_of_the_reference() -> Result<()> {
     write_folder(&data, folder.path())?;
     let long = with_long_differences(&script, folder.path())?;
     for (script, differences, limit_m) in [(&script, SHORT, 1e-3), (&long, LONG, 1e-8)] {
+        let begin = std::time::Instant::now();
         let result = solved(&data, differences)?;
+        println!(
+            "published method, differences of {:e} m: {} steps in {:.3} s, {:?}",
+            differences.parameter_m,
+            result.iterations,
+            begin.elapsed().as_secs_f64(),
+            result.stop
+        );
         for steps in STEPS_COMPARED {
             let reference = reference_entry_points(script, folder.path(), steps)?;
             let off = largest_difference(&result.history[steps].entry_points_m, &reference);
