@@ -1,3 +1,4 @@
 //! Comparison with independent references.
 
 mod nist;
+mod published;

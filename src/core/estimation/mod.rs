@@ -7,6 +7,7 @@ mod options;
 mod parameter;
 mod problem;
 mod rank;
+pub mod published;
 mod residuals;
 mod solution;
 mod solver;
