@@ -1,1 +1,3 @@
 //! Helpers of the cross-crate suites.
+
+pub mod bad_input_cases;
