@@ -1,1 +1,4 @@
 //! The program as a user runs it.
+
+mod bad_input;
+mod schemas;

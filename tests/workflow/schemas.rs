@@ -1,0 +1,151 @@
+//! The published JSON Schemas accept what the readers accept and refuse what has another shape.
+
+use jsonschema::Validator;
+use serde_json::{Value, json};
+use tautline_session::{parse_robot, parse_session, read_robot, schemas, write_robot};
+use tautline_validation::bad_input_cases::GOOD_ROBOT;
+
+const PLANAR: &str = include_str!("../fuzz/seeds/robot_json/planar.json");
+const FULL: &str = include_str!("../fuzz/seeds/robot_json/full.json");
+const SESSION: &str = include_str!("../fuzz/seeds/session_file/small.json");
+
+fn validator(format: &str) -> Validator {
+    let file_name = format!("{format}-1.schema.json");
+    let schemas = schemas();
+    let schema = schemas.iter().find(|s| s.file_name == file_name);
+    let schema = &schema.expect("published").schema;
+    jsonschema::validator_for(schema).expect("a schema")
+}
+
+fn parsed(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+/// The smallest robot: one cable, nothing that is optional.
+fn minimal() -> Value {
+    json!({"format": "tautline-robot", "version": 1, "name": "one", "platform": {"free": ["x"]},
+        "cables": [{"name": "c", "platform_anchor_m": [0, 0, 0],
+            "pulley": {"entry_point_m": [1, 0, 0], "swivel_axis": [0, 0, 1], "radius_m": 0},
+            "winch": {"drum_diameter_m": 0.1, "length_sd_m": 0.001}}]})
+}
+
+#[test]
+fn robots_satisfy_schema_and_reader() {
+    let validator = validator("tautline-robot");
+    for robot in [minimal(), parsed(PLANAR), parsed(FULL), parsed(GOOD_ROBOT)] {
+        let errors: Vec<_> = validator
+            .iter_errors(&robot)
+            .map(|e| e.to_string())
+            .collect();
+        assert!(errors.is_empty(), "{errors:?}");
+        let loaded = parse_robot(robot.to_string().as_bytes(), "robot.json").expect("a robot");
+        assert!(loaded.notices.is_empty(), "{:?}", loaded.notices);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("robot.json");
+        write_robot(&path, &loaded.value).expect("written");
+        assert_eq!(read_robot(&path).expect("a robot"), loaded);
+        let written = parsed(&std::fs::read_to_string(&path).expect("a file"));
+        assert!(validator.is_valid(&written), "{written}");
+    }
+}
+
+#[test]
+fn null_is_as_good_as_absent() {
+    let mut robot = minimal();
+    for key in ["home", "laser", "inclinometer", "tracker", "home_platform"] {
+        robot[key] = Value::Null;
+    }
+    robot["platform"]["mass_kg"] = Value::Null;
+    robot["cables"][0]["force_sensor"] = Value::Null;
+    robot["cables"][0]["pulley"]["entry_point_sd_m"] = Value::Null;
+    assert!(validator("tautline-robot").is_valid(&robot));
+    let text = robot.to_string();
+    parse_robot(text.as_bytes(), "robot.json").expect("a robot");
+}
+
+#[test]
+fn unknown_keys_are_noticed() {
+    let mut robot = minimal();
+    robot["colour"] = json!("red");
+    robot["cables"][0]["pulley"]["maker"] = json!({"name": "x"});
+    assert!(validator("tautline-robot").is_valid(&robot));
+    let loaded = parse_robot(robot.to_string().as_bytes(), "r.json").expect("a robot");
+    let mut notices = loaded.notices;
+    notices.sort();
+    assert_eq!(
+        notices,
+        [
+            "r.json, /cables/0/pulley/maker: unknown key, ignored",
+            "r.json, /colour: unknown key, ignored"
+        ]
+    );
+}
+
+#[test]
+fn broken_robots_violate_schema_and_reader() {
+    let validator = validator("tautline-robot");
+    for (pointer, value) in [
+        ("/format", json!("tautline-session")),
+        ("/version", json!(2)),
+        ("/version", json!("1")),
+        ("/name", json!(7)),
+        ("/cables", json!([])),
+        ("/cables", json!({})),
+        ("/platform/free", json!(["q"])),
+        ("/cables/0/pulley/entry_point_m", json!([1, 2])),
+        ("/cables/0/pulley/radius_m", json!("0")),
+        ("/cables/0/pulley/radius_m", Value::Null),
+        ("/cables/0/winch", json!([])),
+    ] {
+        let mut robot = minimal();
+        *robot.pointer_mut(pointer).expect("there") = value;
+        assert!(!validator.is_valid(&robot), "schema accepts {robot}");
+        let text = robot.to_string();
+        assert!(
+            parse_robot(text.as_bytes(), "r").is_err(),
+            "reader accepts {text}"
+        );
+    }
+    for key in ["format", "version", "name", "platform", "cables"] {
+        let mut robot = minimal();
+        robot.as_object_mut().expect("an object").remove(key);
+        assert!(
+            !validator.is_valid(&robot),
+            "schema accepts a robot without {key}"
+        );
+        let text = robot.to_string();
+        assert!(
+            parse_robot(text.as_bytes(), "r").is_err(),
+            "reader needs no {key}"
+        );
+    }
+}
+
+#[test]
+fn sessions_satisfy_schema_and_reader() {
+    let validator = validator("tautline-session");
+    let session = parsed(SESSION);
+    let errors: Vec<_> = validator
+        .iter_errors(&session)
+        .map(|e| e.to_string())
+        .collect();
+    assert!(errors.is_empty(), "{errors:?}");
+    parse_session(SESSION.as_bytes(), "small.json").expect("a session");
+    for (pointer, value) in [
+        ("/format", json!("tautline-robot")),
+        ("/created", json!("yesterday")),
+        ("/robot/cables", json!([])),
+        ("/measurements/columns/rev_1/0", json!("x")),
+        ("/settings/identification/method", json!("guess")),
+        ("/log/0/phase", json!("lunch")),
+    ] {
+        let mut broken = session.clone();
+        *broken.pointer_mut(pointer).expect("there") = value;
+        assert!(!validator.is_valid(&broken), "schema accepts {pointer}");
+        let text = broken.to_string();
+        assert!(
+            parse_session(text.as_bytes(), "s").is_err(),
+            "reader accepts {pointer}"
+        );
+    }
+}
