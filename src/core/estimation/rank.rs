@@ -69,7 +69,11 @@ fn open_directions(information: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<
     let n = scale.len();
     let scaled = DMatrix::from_fn(n, n, |i, k| {
         let product = scale[i] * scale[k];
-        if product > 0.0 { information[(i, k)] / product } else { 0.0 }
+        if product > 0.0 {
+            information[(i, k)] / product
+        } else {
+            0.0
+        }
     });
     let eigen = SymmetricEigen::new(scaled);
     let largest = eigen.eigenvalues.max();
@@ -112,7 +116,9 @@ fn motions(problem: &Problem<'_>, solution: &Solution) -> Vec<(String, DVector<f
     for (k, parameter) in solution.parameters.iter().enumerate() {
         if let ParameterId::Effect { effect, .. } = parameter.id {
             let id = problem.free_effects[effect].effect.id();
-            scale[k] = f64::from(u8::from(id.starts_with("winch_scale") || id == "laser_scale"));
+            scale[k] = f64::from(u8::from(
+                id.starts_with("winch_scale") || id == "laser_scale",
+            ));
         }
     }
     motions.push(("a common scale of all lengths".to_owned(), scale));
@@ -127,7 +133,11 @@ fn generator(
     turn: &Vec3,
 ) -> DVector<f64> {
     let globals = &solution.globals;
-    let normal = problem.dataset.robot.laser.map_or(Vec3::zeros(), |l| l.target_plane.normal.into());
+    let normal = problem
+        .dataset
+        .robot
+        .laser
+        .map_or(Vec3::zeros(), |l| l.target_plane.normal.into());
     let home = displace(globals.home.position);
     let component = |id: &ParameterId| match *id {
         ParameterId::EntryPoint { cable, axis } => {

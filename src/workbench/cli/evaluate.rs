@@ -60,11 +60,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         open: deficiencies(&problem, &solution),
         seconds,
     };
+    let identification = fitted.identification();
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&fitted.identification()))?;
+        write_json(path, &tautline_session::document(&identification))?;
     }
     if is_readable(arguments.json.as_deref()) {
-        print_report(&fitted);
+        print_report(&fitted, &identification);
     }
     Ok(())
 }

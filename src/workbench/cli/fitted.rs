@@ -126,7 +126,11 @@ impl Fitted<'_> {
         let held = self.problem.held_effects.len();
         let mut effects = Vec::new();
         for (index, parameter) in self.solution.parameters.iter().enumerate() {
-            let ParameterId::Effect { effect, parameter: which } = parameter.id else {
+            let ParameterId::Effect {
+                effect,
+                parameter: which,
+            } = parameter.id
+            else {
                 continue;
             };
             let bound = &self.solution.globals.effects[held + effect];
@@ -150,7 +154,10 @@ impl Fitted<'_> {
         let words = |reading: &tautline_core::estimation::Reading| {
             let size = reading.normalised().unwrap_or(f64::NAN);
             let what = self.reading_name(reading.kind);
-            format!("pose {}, {what}: off by {size:+.1} standard deviations", labels[reading.row])
+            format!(
+                "pose {}, {what}: off by {size:+.1} standard deviations",
+                labels[reading.row]
+            )
         };
         suspects.iter().map(words).collect()
     }
@@ -235,23 +242,31 @@ impl Fitted<'_> {
             home.position_m = globals.home.position.into();
             home.orientation_wxyz = globals.home.orientation_wxyz();
         }
-        model.effects = globals.effects.iter().map(|b| b.setting(self.robot())).collect();
+        model.effects = globals
+            .effects
+            .iter()
+            .map(|b| b.setting(self.robot()))
+            .collect();
         model
     }
 }
 
 /// The readable report.
-pub fn print_report(fitted: &Fitted<'_>) {
-    let identification = fitted.identification();
+pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
     let solution = fitted.solution;
-    println!("{}", headline(fitted));
-    println!("{}", adequacy(&identification));
-    let mut points = table::numbers(&["Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm"]);
+    println!("{}", headline(fitted, identification));
+    println!("{}", adequacy(identification));
+    let mut points = table::numbers(&[
+        "Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm",
+    ]);
     for (index, cable) in fitted.robot().cables.iter().enumerate() {
         let point = solution.globals.entry_points[index];
         let nominal = cable.pulley.entry_point_m;
         let sds = identification.entry_points_sd_m[index];
-        let moved = (0..3).map(|k| (point[k] - nominal[k]).powi(2)).sum::<f64>().sqrt();
+        let moved = (0..3)
+            .map(|k| (point[k] - nominal[k]).powi(2))
+            .sum::<f64>()
+            .sqrt();
         let mut cells = vec![cable.name.clone()];
         cells.extend(point.map(|v| table::mm(v, 2)));
         cells.extend(sds.map(|sd| sd.map_or("open".to_owned(), |sd| table::mm(sd, 2))));
@@ -264,8 +279,15 @@ pub fn print_report(fitted: &Fitted<'_>) {
         for effect in &identification.effects {
             let on = effect.targets.join(", ");
             let name = format!("{} {} {on}", effect.effect, effect.parameter);
-            let sd = effect.sd.map_or("open".to_owned(), |sd| format!("{sd:.3e}"));
-            let cells = [name, format!("{:.5e}", effect.value), sd, effect.unit.clone()];
+            let sd = effect
+                .sd
+                .map_or("open".to_owned(), |sd| format!("{sd:.3e}"));
+            let cells = [
+                name,
+                format!("{:.5e}", effect.value),
+                sd,
+                effect.unit.clone(),
+            ];
             table::push(&mut effects, &cells);
         }
         println!("{effects}");
@@ -287,23 +309,26 @@ pub fn print_report(fitted: &Fitted<'_>) {
         println!("suspect: {suspect}");
     }
     if suspects.len() > SUSPECTS_SHOWN {
-        println!("... and {} more suspect readings", suspects.len() - SUSPECTS_SHOWN);
+        println!(
+            "... and {} more suspect readings",
+            suspects.len() - SUSPECTS_SHOWN
+        );
     }
 }
 
-fn headline(fitted: &Fitted<'_>) -> String {
-    let solution = fitted.solution;
-    let end = if solution.converged() {
-        "converged".to_owned()
+fn headline(fitted: &Fitted<'_>, identification: &Identification) -> String {
+    let end = if identification.converged {
+        "converged"
     } else {
-        format!("did NOT converge ({:?})", solution.termination)
+        "did NOT converge"
     };
     format!(
-        "{}: {} poses, {end} after {} iterations in {:.3} ms",
+        "{}: {} poses, {} method {end} after {} iterations in {:.3} ms",
         fitted.robot().name,
-        solution.poses.len(),
-        solution.iterations,
-        fitted.seconds * 1e3
+        identification.poses.len(),
+        identification.method,
+        identification.iterations,
+        identification.seconds * 1e3
     )
 }
 
@@ -314,7 +339,9 @@ fn adequacy(identification: &Identification) -> String {
     match identification.p_value {
         None => format!("{figures}: the data cannot be checked, nothing is redundant"),
         Some(p) if p < 1e-4 => format!("{figures}: the model does NOT explain the data"),
-        Some(p) if p < 0.01 => format!("{figures} (p = {p:.4}): the model hardly explains the data"),
+        Some(p) if p < 0.01 => {
+            format!("{figures} (p = {p:.4}): the model hardly explains the data")
+        }
         Some(p) if p > 0.9999 => {
             format!("{figures}: the data scatter less than the stated noise")
         }

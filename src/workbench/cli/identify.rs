@@ -12,9 +12,9 @@ use tautline_core::measurement::Dataset;
 use tautline_session::{read_dataset, write_robot};
 
 use super::BadInput;
+pub use super::fitted::Identification;
 use super::fitted::{self, Fitted};
 use super::output::{is_readable, write_json};
-pub use super::fitted::Identification;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -33,7 +33,7 @@ pub struct Arguments {
     robust: Option<f64>,
     /// Solve N times and report the least time
     #[arg(long, value_name = "N", default_value_t = 1)]
-    repeat: usize,
+    pub repeat: usize,
     /// Write the machine form; - is standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         eprintln!("{notice}");
     }
     if arguments.method == MethodName::Published {
-        return super::published::run(arguments.dataset.as_path(), &folder.dataset, arguments.json.as_deref(), arguments.model_out.as_deref());
+        return super::published::run(arguments, &folder.dataset);
     }
     let problem = problem_of(arguments, &folder.dataset)?;
     let (solution, seconds) = solve_repeatedly(&problem, arguments.repeat)?;
@@ -67,14 +67,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         open: deficiencies(&problem, &solution),
         seconds,
     };
+    deliver(arguments, &fitted, &fitted.identification())
+}
+
+/// Writes and prints what was asked for.
+pub fn deliver(
+    arguments: &Arguments,
+    fitted: &Fitted<'_>,
+    identification: &Identification,
+) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         write_robot(path, &fitted.model())?;
     }
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&fitted.identification()))?;
+        write_json(path, &tautline_session::document(identification))?;
     }
     if is_readable(arguments.json.as_deref()) {
-        fitted::print_report(&fitted);
+        fitted::print_report(fitted, identification);
     }
     Ok(())
 }
@@ -84,14 +93,22 @@ fn problem_of<'a>(arguments: &Arguments, dataset: &'a Dataset) -> Result<Problem
         MethodName::Simple => Method::Simple,
         MethodName::Joint | MethodName::Published => Method::Joint,
     };
-    let mut problem = Problem::new(dataset).map_err(BadInput::new)?.with_method(method);
-    let requests: Vec<_> = arguments.effects.iter().map(|e| EffectRequest::parse(e)).collect();
+    let mut problem = Problem::new(dataset)
+        .map_err(BadInput::new)?
+        .with_method(method);
+    let requests: Vec<_> = arguments
+        .effects
+        .iter()
+        .map(|e| EffectRequest::parse(e))
+        .collect();
     problem
         .free(&requests)
         .map_err(|error| BadInput::new(format!("--effects: {error}")))?;
     if let Some(limit) = arguments.robust {
         if !(limit.is_finite() && limit > 0.0) {
-            return Err(BadInput::new(format!("--robust: found {limit}, expected a positive number")));
+            return Err(BadInput::new(format!(
+                "--robust: found {limit}, expected a positive number"
+            )));
         }
         problem.loss = Loss::Huber(limit);
     }

@@ -6,6 +6,7 @@ mod fitted;
 mod identify;
 mod output;
 mod precalibrate;
+mod published;
 mod schemas;
 mod simulate;
 mod table;

@@ -48,7 +48,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(preset) => preset.robot.clone(),
         None => robot_from_file(&arguments.robot)?,
     };
-    let measured = preset.as_ref().and_then(|p| p.measured_entry_points_m.clone());
+    let measured = preset
+        .as_ref()
+        .and_then(|p| p.measured_entry_points_m.clone());
     let geometry = match (arguments.truth, measured) {
         (None | Some(Truth::Measured), Some(points)) => TrueGeometry::EntryPoints(points),
         (Some(Truth::Measured), None) => {
@@ -58,7 +60,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (Some(Truth::Nominal), _) => TrueGeometry::Nominal,
         _ => TrueGeometry::Drawn,
     };
-    let effects: Result<Vec<_>> = arguments.effects.iter().map(|e| parse_effect(e, &robot)).collect();
+    let effects: Result<Vec<_>> = arguments
+        .effects
+        .iter()
+        .map(|e| parse_effect(e, &robot))
+        .collect();
     let options = SimulationOptions {
         geometry,
         effects: effects?,
@@ -108,7 +114,9 @@ fn parse_effect(text: &str, robot: &Robot) -> Result<EffectSetting> {
             continue;
         }
         for pair in part.split(',') {
-            let value = pair.split_once('=').and_then(|(k, v)| Some((k, v.parse::<f64>().ok()?)));
+            let value = pair
+                .split_once('=')
+                .and_then(|(k, v)| Some((k, v.parse::<f64>().ok()?)));
             let Some((name, value)) = value.filter(|(_, v)| v.is_finite()) else {
                 let message = format!("--effect {text}: found \"{pair}\", expected NAME=NUMBER");
                 return Err(BadInput::new(message));
