@@ -9,7 +9,7 @@
 //! Angles are the components of the rotation vector from the commanded to the attained
 //! orientation, in base coordinates: for the small deviations of a robot these are the deviations
 //! of the standard's angles about the base axes, without their singular orientations.
-//! Source: ISO 9283:1998, sections 7.2 and 8.2.
+//! Source: ISO 9283:1998, sections 7.2, 8.2 and 8.3.
 
 use crate::geometry::{Pose, Vec3};
 
