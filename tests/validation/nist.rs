@@ -6,8 +6,9 @@ use tautline_validation::nist::{self, Row};
 /// residual standard deviation. NIST certifies 11 digits of the nonlinear and 15 of the linear problems.
 fn required(row: &Row) -> [f64; 3] {
     match (row.problem.as_str(), row.start) {
-        // Powers rounded to f64 before the fit: the rounding itself costs these digits.
-        ("Filip, rounded powers", _) => [7.0, 7.0, 9.0],
+        // Powers rounded to f64 before the fit: the exact solution of the rounded problem, computed
+        // in rational arithmetic, has 7.63, 7.57 and 8.91 digits.
+        ("Filip, rounded powers", _) => [7.6, 7.5, 8.9],
         (_, 0) => [13.0, 13.0, 13.0],
         // The residuals of 1e-13 are a few hundred roundings of responses up to 2.5: f64 arithmetic leaves
         // them 3 digits (measured 2.9), and with them the standard deviations.

@@ -100,9 +100,9 @@ pub fn fit_elongation_surface(
     Ok(surface)
 }
 
-/// Fits degrees 1 to 5 with ten-fold cross-validation and takes the smallest whose mean square error
-/// lies within one standard error of the least (Breiman et al. 1984; Hastie, Tibshirani, Friedman, *The Elements of
-/// Statistical Learning*, section 7.10): a higher degree must earn its coefficients.
+/// Fits degrees 1 to 5 with ten-fold cross-validation and takes the smallest whose mean square
+/// error lies within one standard error of the least (Hastie, Tibshirani, Friedman, *The Elements
+/// of Statistical Learning*, section 7.10): a higher degree must earn its coefficients.
 ///
 /// # Errors
 /// If not even degree 1 can be fitted.

@@ -79,8 +79,9 @@ pub struct CurveFit {
 /// Fits the parameters from starting values.
 ///
 /// A trust-region Levenberg-Marquardt method (More, Lecture Notes in Mathematics 630 (1978) 105):
-/// the trust region is an ellipsoid scaled by the lengths of the Jacobian's columns, its factorisation is
-/// orthogonal. The end is refined by undamped Gauss-Newton steps. Validated on all NIST StRD nonlinear problems.
+/// the trust region is an ellipsoid scaled by the lengths of the Jacobian's columns, the
+/// factorisation is orthogonal. The end is refined by undamped Gauss-Newton steps. Validated on all
+/// NIST StRD nonlinear problems.
 ///
 /// # Panics
 /// If the numbers of observations and standard deviations differ, or there are no parameters.

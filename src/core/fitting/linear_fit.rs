@@ -8,11 +8,12 @@ use super::pivoted_qr::PivotedQr;
 
 /// Minimises `sum ((y_i - sum_k A_ik p_k) / sd_i)^2`.
 ///
-/// `design` is `A` (one row per observation), `observations` the `y_i`, `sd` their standard deviations
-/// (absent: all 1). The columns are scaled to length one and triangularised by Householder
-/// reflections with pivoting in doubled precision, so that the result has all the digits that the
-/// `f64` input determines (validated on the NIST StRD linear problems). A column that depends on others within
-/// rounding gets parameter 0, an infinite standard deviation and an entry in `undetermined`.
+/// `design` is `A` (one row per observation), `observations` the `y_i`, `sd` their standard
+/// deviations (absent: all 1). The columns are scaled to length one and triangularised by
+/// Householder reflections with pivoting in doubled precision, so that the result has all the digits
+/// that the `f64` input determines (validated on the NIST StRD linear problems). A column that
+/// depends on others within rounding gets parameter 0, an infinite standard deviation and an entry
+/// in `undetermined`.
 ///
 /// # Panics
 /// If the numbers of rows, observations and standard deviations differ.

@@ -33,9 +33,9 @@ pub struct DistancePair {
     pub distance_m: f64,
 }
 
-/// A fitted voltage curve, `d = 1 / (a v + b) + c` for triangulating sensors such as the GP2Y0A41SK0F, whose voltage
-/// falls with the distance. Distances are taken as of equal, independent errors, which
-/// include the voltage's noise.
+/// A fitted voltage curve `d = 1 / (a v + b) + c` for triangulating sensors such as the
+/// GP2Y0A41SK0F, whose voltage falls with the distance (m, V). Distances are taken as of equal,
+/// independent errors, which include the voltage's noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DistanceCurveFit {
     /// The curve.

@@ -17,9 +17,9 @@ pub struct ForcePair {
 
 /// Result of a force sensor calibration.
 ///
-/// `reading = g load + f0` (physics of Jin et al. 2018, section 3.2, with a bias; g = 2 by the deflection pulley). The
-/// loads are taken as exact, the readings as of equal, independent errors. Residuals are given as
-/// loads: `(reading - f0) / g - load`.
+/// `reading = g load + f0` (Jin et al. 2018, section 3.2, with a bias; g = 2 by the deflection
+/// pulley). The loads are taken as exact, the readings as of equal, independent errors. Residuals
+/// are given as loads: `(reading - f0) / g - load`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceSensorCalibration {
     /// Gain `g`, reading per load.

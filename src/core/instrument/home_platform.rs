@@ -5,8 +5,8 @@ use nalgebra::{Matrix6, SVD, Vector6};
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::robot::HomePlatform;
 
-/// The arrangement is singular when the smallest singular value of the sensors' sensitivity is below this
-/// fraction of the largest: a micrometre of reading would then be a metre of pose.
+/// The arrangement is singular when the smallest singular value of the sensors' sensitivity is below
+/// this fraction of the largest: a micrometre of reading would then be a metre of pose.
 const SINGULAR: f64 = 1e-6;
 
 /// Beams closer to their plane than this sine do not measure a distance to it.
@@ -39,9 +39,9 @@ pub enum HomePlatformError {
 
 /// Pose of the platform as the six sensors tell it.
 ///
-/// Sensor i at `o_i` looks along the unit vector `q_i` (reference frame) at the plane `n . x = h` fixed in the
-/// platform frame. With the platform at `(r, R)` in the reference frame and `N = R n` the distance is
-/// `d_i = (h + N.(r - o_i)) / (N.q_i)`; six distances give six equations for the pose.
+/// Sensor i at `o_i` looks along the unit vector `q_i` (reference frame) at the plane `n . x = h`
+/// fixed in the platform frame. With the platform at `(r, R)` in the reference frame and `N = R n`
+/// the distance is `d_i = (h + N.(r - o_i)) / (N.q_i)`; six distances give six equations for the pose.
 /// Assumed: exact planes, origins, directions and `base_from_reference`; independent errors of the
 /// distances. Source: Jin et al. 2018, section 3.3.
 #[derive(Debug, Clone, PartialEq)]

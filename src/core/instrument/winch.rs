@@ -25,11 +25,11 @@ pub struct WinchPair {
 
 /// Result of a winch calibration.
 ///
-/// `length = k rev + offset + e tension` (equation 1 of Jin et al. 2018 with a datum): `k` in metres of cable per
-/// motor revolution, `e` the stretch per newton at the mean length, fitted only where every reading has
-/// a tension and the tensions vary by more than a tenth of their mean. Otherwise the constant
-/// tension's stretch is part of `k` and the offset. Lengths are taken as of equal, independent errors,
-/// revolutions as exact.
+/// `length = k rev + offset + e tension` (equation 1 of Jin et al. 2018 with a datum): `k` in metres
+/// of cable per motor revolution, `e` the stretch per newton at the mean length, fitted only where
+/// every reading has a tension and the tensions vary by more than a tenth of their mean. Otherwise
+/// the constant tension's stretch is part of `k` and the offset. Lengths are taken as of equal,
+/// independent errors, revolutions as exact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WinchCalibration {
     /// Cable per motor revolution `k` (m).
