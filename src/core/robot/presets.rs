@@ -180,8 +180,10 @@ fn mini() -> Preset {
         .enumerate()
         .map(|(index, entry)| {
             let vertical = entry[2].signum();
+            // Upper cables cross over: all anchors on the lines to their pulleys would leave the
+            // rotation about z without hold.
             let anchor = [
-                0.06 * entry[0].signum(),
+                -0.06 * entry[0].signum() * vertical,
                 0.045 * entry[1].signum(),
                 -0.05 * vertical,
             ];
@@ -232,7 +234,7 @@ fn hall() -> Preset {
     for (level, vertical) in [(0.3, -1.0), (6.0, 1.0)] {
         for (x, y) in [(1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
             let entry = [8.0 * x, 6.0 * y, level];
-            let anchor = [0.5 * x, 0.4 * y, -0.35 * vertical];
+            let anchor = [-0.5 * x * vertical, 0.4 * y, -0.35 * vertical];
             cables.push(kind.cable(cables.len(), entry, [0.0, 0.0, vertical], anchor));
         }
     }
