@@ -1,3 +1,4 @@
 //! Helpers of the cross-crate suites.
 
 pub mod bad_input_cases;
+pub mod nist;

@@ -8,6 +8,7 @@ pub mod accuracy;
 pub mod cable;
 pub mod effect;
 pub mod estimation;
+pub mod fitting;
 pub mod geometry;
 pub mod instrument;
 pub mod kinematics;

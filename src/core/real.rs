@@ -322,6 +322,12 @@ pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
+/// Sum of squares.
+#[inline(always)]
+pub fn square_norm<T: Real, const N: usize>(a: [T; N]) -> T {
+    a[1..].iter().fold(a[0] * a[0], |sum, v| v.mul_add(*v, sum))
+}
+
 /// Vector product.
 #[inline(always)]
 pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {

@@ -15,6 +15,14 @@ pub(crate) fn write_atomically(
     replace(path, fill).map_err(|source| WriteError::io(path, source))
 }
 
+/// Writes a text file atomically.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
+    write_atomically(path, |out| out.write_all(text.as_bytes()))
+}
+
 fn replace(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,

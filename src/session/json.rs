@@ -84,11 +84,7 @@ pub fn write_document<T: Document>(path: &Path, value: &T) -> Result<(), WriteEr
         message,
     };
     value.check().map_err(|error| content(error.to_string()))?;
-    let document = Envelope {
-        format: T::FORMAT,
-        version: T::VERSION,
-        body: value,
-    };
+    let document = document(value);
     write_atomically(path, |out| {
         if T::MAX_BYTES > READABLE_BYTES {
             serde_json::to_writer(&mut *out, &document)?;
@@ -97,6 +93,15 @@ pub fn write_document<T: Document>(path: &Path, value: &T) -> Result<(), WriteEr
         }
         out.write_all(b"\n")
     })
+}
+
+/// The value as a document, ready to be serialised: `format` and `version` first.
+pub fn document<T: Document>(value: &T) -> impl Serialize {
+    Envelope {
+        format: T::FORMAT,
+        version: T::VERSION,
+        body: value,
+    }
 }
 
 /// Documents that can be larger than this are written without line breaks.

@@ -14,11 +14,12 @@ mod robot_file;
 mod session;
 mod table;
 
+pub use atomic::write_text;
 pub use dataset::{DatasetFolder, read_check_file, read_dataset, write_dataset};
 pub use error::{Loaded, Place, ReadError, WriteError};
 pub use json::{
-    Document, Migration, Schema, document_schema, parse_document, read_document, schema_for,
-    write_document,
+    Document, Migration, Schema, document, document_schema, parse_document, read_document,
+    schema_for, write_document,
 };
 pub use phases::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,

@@ -1,3 +1,9 @@
-//! The Tautline program.
+//! The Tautline program: headless commands.
 
-fn main() {}
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}

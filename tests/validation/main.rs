@@ -1,1 +1,4 @@
 //! Comparison with independent references.
+
+mod nist;
+mod published;

@@ -1,1 +1,3 @@
 //! Accuracy figures of ISO 9283.
+
+pub mod iso9283;

@@ -64,7 +64,12 @@ impl<T: Real> CableLaw<'_, T> {
             Some(surface) => {
                 let value = surface.evaluate_unchecked(span, self.tension);
                 let stretch = one / (one + self.strain);
-                (value.elongation, value.by_length, value.by_tension, stretch)
+                (
+                    value.elongation_m,
+                    value.by_length,
+                    value.by_tension_m_per_n,
+                    stretch,
+                )
             }
             None => {
                 let stretch = one / (self.tension.mul_add(self.compliance, one) + self.strain);

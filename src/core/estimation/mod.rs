@@ -1,18 +1,25 @@
 //! Identification: problems, solver, summary.
 
+mod analysis;
 mod evaluator;
 mod home;
 mod options;
 mod parameter;
 mod problem;
+pub mod published;
+mod rank;
+mod residuals;
 mod solution;
 mod solver;
 mod start;
 mod system;
 
+pub use analysis::{Analysis, Reading, ReadingKind};
 pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};
+pub use rank::{Deficiency, deficiencies};
+pub use residuals::{RowResidual, residuals_at};
 pub use solution::Solution;
 pub use solver::solve;
 
@@ -42,3 +49,6 @@ pub enum EstimationError {
     #[error("neither revolutions nor lengths of the cables were measured")]
     NoLengths,
 }
+
+#[cfg(test)]
+mod tests;

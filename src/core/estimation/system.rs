@@ -111,6 +111,25 @@ impl ColumnMap {
     }
 }
 
+impl ColumnMap {
+    /// Covariance of the columns from that of the parameters.
+    pub fn column_covariance(&self, home: &HomeRow, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = covariance.nrows();
+        let mut map = DMatrix::zeros(self.columns, n);
+        for (q, column) in self.direct.iter().enumerate() {
+            if let Some(column) = column {
+                map[(*column, q)] = 1.0;
+            }
+        }
+        for (column, gradient) in self.lengths.iter().zip(&home.length_gradients) {
+            for (q, slope) in gradient {
+                map[(*column, *q)] = *slope;
+            }
+        }
+        &map * covariance * map.transpose()
+    }
+}
+
 impl System {
     /// Adds up poses, home row and priors.
     pub fn build<T: Packet>(

@@ -52,6 +52,15 @@ impl CableBank {
         })
     }
 
+    /// Moves the entry points (m).
+    pub(crate) fn set_entry_points(&mut self, entries: &[[f64; 3]]) {
+        for (i, entry) in entries.iter().enumerate() {
+            for k in 0..3 {
+                self.entry[k][i] = entry[k];
+            }
+        }
+    }
+
     /// Number of cables, padding left out.
     pub(crate) fn count(&self) -> usize {
         self.count

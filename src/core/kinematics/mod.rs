@@ -9,6 +9,7 @@ pub(crate) mod samples;
 mod statics;
 
 pub use bank::MAX_CABLES;
+pub(crate) use bank::{CableBank, Placement};
 pub use forward::{ForwardKinematics, ForwardSolution};
 pub use inverse::{
     CableState, KinematicsError, LengthGradient, inverse_kinematics, length_gradients,

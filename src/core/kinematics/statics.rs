@@ -7,7 +7,7 @@
 //!
 //! Tensions in N, forces in N, torques in N m about the platform origin, all in base coordinates.
 //! Assumptions: massless straight cables, a rigid platform, no friction. Source: Pott,
-//! *Cable-Driven Parallel Robots*, 2018, chapter 3; Jin et al. 2018, equation 9 and section 3.
+//! *Cable-Driven Parallel Robots*, 2018, chapter 3.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 

@@ -1,1 +1,7 @@
-//! Virtual robots that produce measurements.
+//! Virtual robots that produce measurements, from the same prediction that the estimator uses.
+
+mod virtual_robot;
+mod workspace;
+
+pub use virtual_robot::{Simulated, SimulationError, SimulationOptions, TrueGeometry, simulate};
+pub use workspace::{TensionRange, Workspace};

@@ -23,9 +23,11 @@ pub(in crate::estimation) struct Equations<T> {
     pub by_effect: Vec<T>,
     /// 1 where a row was measured, else 0.
     pub present: Vec<T>,
-    /// `dL0/dT` of each cable (m/N); for the home row only.
+    /// Cholesky factor of the equilibrium rows' covariance, its diagonal inverted.
+    pub balance_factor: [T; 21],
+    /// `dL0/dT` of each cable (m/N), if asked for.
     pub length_by_tension: Vec<T>,
-    /// Force and torque per tension of each cable; for the home row only.
+    /// Force and torque per tension of each cable, if asked for.
     pub structure: Vec<[T; 6]>,
 }
 
@@ -50,6 +52,7 @@ impl<T: Real> Equations<T> {
             balance_by_column: vec![[zero; 6]; dense],
             by_effect: vec![zero; layout.rows * layout.effects],
             present: vec![zero; layout.rows],
+            balance_factor: [zero; 21],
             length_by_tension: vec![zero; layout.cables],
             structure: vec![[zero; 6]; layout.cables],
         }
@@ -96,6 +99,34 @@ impl<T: Real> Equations<T> {
             }
         }
         loss
+    }
+
+    /// Estimated errors of the tension readings (N):
+    /// `sd_T^2 (c lambda_l + A lambda_q)` with `lambda = covariance^-1 residual` of the length and
+    /// equilibrium rows. `spreads` are variances of length and tension per cable.
+    #[inline(always)]
+    pub fn tension_errors(&self, layout: &Layout, spreads: &[(f64, f64)], errors: &mut [T]) {
+        let zero = self.laser_by_plane.lift(0.0);
+        let mut lambda = [zero; 6];
+        if let Some(first) = layout.equilibrium {
+            for k in (0..6).rev() {
+                let mut sum = self.residual[first + k];
+                for q in k + 1..6 {
+                    sum = sum - self.balance_factor[q * (q + 1) / 2 + k] * lambda[q];
+                }
+                lambda[k] = sum * self.balance_factor[k * (k + 1) / 2 + k];
+            }
+        }
+        for (cable, (length_variance, tension_variance)) in spreads.iter().enumerate() {
+            let a = &self.structure[cable];
+            let balance = (0..6).fold(zero, |sum, k| a[k].mul_add(lambda[k], sum));
+            let c = self.length_by_tension[cable];
+            let spread = zero.lift(*tension_variance);
+            let variance = (c * c).mul_add(spread, zero.lift(*length_variance));
+            let residual = self.residual[cable] * variance.sqrt();
+            let length = (residual - spread * c * balance) / variance * self.present[cable];
+            errors[cable] = spread * c.mul_add(length, balance);
+        }
     }
 
     /// Sum of squares of all rows.

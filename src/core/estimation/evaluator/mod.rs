@@ -60,6 +60,8 @@ pub(super) struct Evaluator<'a, T: Packet> {
     free: [f64; 6],
     /// 1 for coordinates in which wrenches balance, else 0.
     balanced: [f64; 6],
+    /// Whether the equations carry what only the home row and reports need.
+    pub detailed: bool,
     /// Attitudes, packet by packet; the previous ones are kept for a rejected step.
     attitudes: Vec<f64>,
     previous: Vec<f64>,
@@ -129,6 +131,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             wrench_variance,
             free,
             balanced,
+            detailed: is_home,
             attitudes: pack_attitudes::<T>(start),
             previous: Vec::new(),
             eliminated: Vec::new(),
@@ -307,6 +310,22 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.attitudes = pack_attitudes::<T>(std::slice::from_ref(pose));
     }
 
+    /// Variances of length (m^2) and tension (N^2) per cable.
+    pub fn tension_spreads(&self) -> Vec<(f64, f64)> {
+        let square = |c: &CableConstants| (c.length_sd.powi(2), c.tension_sd.powi(2));
+        self.constants.iter().map(square).collect()
+    }
+
+    /// The equations that were evaluated last.
+    pub fn equations(&self) -> &Equations<T> {
+        &self.equations
+    }
+
+    /// A port of a cable, by its position in `CablePort::ALL`.
+    pub fn cable_port(&self, batch: usize, cable: usize, port: usize) -> T {
+        self.ports.store.load(self.ports.cables[cable][port], batch)
+    }
+
     /// Equations of a packet at its present poses.
     #[inline(always)]
     pub fn equations_at(&mut self, batch: usize) -> &mut Equations<T> {
@@ -369,7 +388,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             state.add_balance(cable, residual, &self.layout, balance, &mut self.equations);
             balance.present = balance.present * inputs.ports[1].present().1;
         }
-        if self.is_home {
+        if self.detailed {
             self.equations.length_by_tension[cable] = state.length_by_tension();
             self.equations.structure[cable] = state.structure();
         }
@@ -412,6 +431,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             }
         }
         normal::factorise(&mut balance.covariance, 0.0);
+        self.equations.balance_factor = balance.covariance;
         let factor = &balance.covariance;
         let whiten = |column: &mut [T; 6]| {
             normal::forward_substitute(factor, column);

@@ -118,6 +118,62 @@ impl<T: Packet> Elimination<T> {
         }
     }
 
+    /// `L^-1 j` of one row.
+    #[inline(always)]
+    pub fn half_solve(&self, mut row: [T; 6]) -> [T; 6] {
+        forward_substitute(&self.factor, &mut row);
+        row
+    }
+
+    /// What is left of a row's derivative with respect to the columns once the poses follow:
+    /// `g - Y^T y` with `y = L^-1 j`.
+    #[inline(always)]
+    pub fn remaining_gradient(
+        &self,
+        equations: &Equations<T>,
+        layout: &Layout,
+        row: usize,
+        y: [T; 6],
+    ) -> Vec<T> {
+        let zero = y[0].lift(0.0);
+        let mut gradient: Vec<T> = self
+            .columns
+            .iter()
+            .map(|column| (0..6).fold(zero, |sum, k| sum - column[k] * y[k]))
+            .collect();
+        let mut add = |first: usize, g: &[T]| {
+            for (entry, g) in gradient[first..].iter_mut().zip(g) {
+                *entry = *entry + *g;
+            }
+        };
+        if let Some(k) = layout
+            .equilibrium
+            .and_then(|first| row.checked_sub(first))
+            .filter(|k| *k < 6)
+        {
+            for (column, g) in equations.balance_by_column.iter().enumerate() {
+                add(column, &[g[k]]);
+            }
+            return gradient;
+        }
+        if row < layout.cables {
+            add(layout.cable_column(row), &equations.length_by_cable[row]);
+        }
+        let swivel = layout.swivel.and_then(|first| row.checked_sub(first));
+        if let Some(cable) = swivel.filter(|cable| *cable < layout.cables) {
+            add(
+                layout.cable_column(cable),
+                &equations.swivel_by_cable[cable],
+            );
+        }
+        if layout.laser == Some(row) {
+            add(layout.plane_column(), &[equations.laser_by_plane]);
+        }
+        let effects = &equations.by_effect[row * layout.effects..(row + 1) * layout.effects];
+        add(layout.effect_column(), effects);
+        gradient
+    }
+
     /// `dx` from `Y dg` of the poses.
     #[inline(always)]
     pub fn pose_step(factor: &[T; 21], residual: [T; 6], moved: [T; 6]) -> [T; 6] {

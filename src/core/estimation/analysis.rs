@@ -1,0 +1,382 @@
+//! What the residuals at a solution say: standardised residuals, redundancies, suspicious readings.
+//!
+//! For a whitened row `r` with the fitted part's variance `h`, the redundancy is `1 - h`: the share of an
+//! error in that reading that shows in its residual (Baarda 1968). `r / sqrt(1 - h)` is standard
+//! normal if model and noise are right. The redundancies of all rows and priors sum to the degrees of
+//! freedom.
+
+use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::evaluator::{Elimination, Evaluator, Layout};
+use super::home::HomeRow;
+use super::problem::Problem;
+use super::solution::Solution;
+use super::system::{ColumnMap, Priors};
+use crate::geometry::Coordinate;
+use crate::real::{Kernel, Lanes, Packet};
+
+/// Which reading a residual belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReadingKind {
+    /// Length of a cable.
+    Length(usize),
+    /// Balance of forces or torques along a coordinate; stands for the tension readings.
+    Equilibrium(Coordinate),
+    /// Laser distance.
+    Laser,
+    /// Swivel angle of a pulley.
+    Swivel(usize),
+    /// Position by the external instrument, axis 0, 1, 2.
+    TrackerPosition(usize),
+    /// Orientation by the external instrument, axis 0, 1, 2.
+    TrackerOrientation(usize),
+    /// Roll, pitch, yaw: 0, 1, 2.
+    Inclination(usize),
+}
+
+/// One reading at the solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Row of the measurements.
+    pub row: usize,
+    /// Which reading.
+    pub kind: ReadingKind,
+    /// Prediction minus reading, in standard deviations of the reading.
+    pub standardised: f64,
+    /// Standard deviation of the reading (SI unit of the reading, 1 for equilibrium rows).
+    pub sd: f64,
+    /// Share of an error of this reading that shows in its residual, 0 to 1; `None` where
+    /// the common parameters are not determined.
+    pub redundancy: Option<f64>,
+}
+
+impl Reading {
+    /// Prediction minus reading in SI units.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.standardised * self.sd
+    }
+
+    /// Residual in its own standard deviations: standard normal if model and noise are right. `None`
+    /// where the reading is hardly controlled by others.
+    #[must_use]
+    pub fn normalised(&self) -> Option<f64> {
+        let redundancy = self.redundancy.filter(|r| *r > 1e-3)?;
+        Some(self.standardised / redundancy.sqrt())
+    }
+}
+
+/// Residuals of all readings at a solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Analysis {
+    /// Every reading that was made, in the order of the rows.
+    pub readings: Vec<Reading>,
+    /// Estimated error of each tension reading (N): row, cable, value.
+    pub tension_errors_n: Vec<(usize, usize, f64)>,
+    /// Redundancy of the prior of each parameter.
+    pub prior_redundancies: Vec<Option<f64>>,
+}
+
+impl Analysis {
+    /// Analyses the residuals of `problem` at `solution`.
+    #[must_use]
+    pub fn new(problem: &Problem<'_>, solution: &Solution) -> Self {
+        Arch::new().dispatch(Dispatch { problem, solution })
+    }
+
+    /// Root mean square residual of the readings that `pick` accepts (SI units).
+    #[must_use]
+    pub fn rms(&self, pick: impl Fn(ReadingKind) -> bool) -> Option<f64> {
+        rms(self
+            .readings
+            .iter()
+            .filter(|r| pick(r.kind))
+            .map(Reading::residual))
+    }
+
+    /// Root mean square of the estimated errors of the tension readings (N).
+    #[must_use]
+    pub fn tension_rms_n(&self) -> Option<f64> {
+        rms(self.tension_errors_n.iter().map(|(_, _, error)| *error))
+    }
+
+    /// Readings whose normalised residual is improbable, the worst first: two-sided, at level
+    /// `alpha` for all readings together (Bonferroni).
+    #[must_use]
+    pub fn suspects(&self, alpha: f64) -> Vec<Reading> {
+        let level = alpha / self.readings.len().max(1) as f64;
+        let size = |r: &Reading| r.normalised().map_or(0.0, f64::abs);
+        let mut suspects: Vec<Reading> = self
+            .readings
+            .iter()
+            .filter(|r| crate::statistics::normal_two_sided(size(r)) < level)
+            .copied()
+            .collect();
+        suspects.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        suspects
+    }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0_usize, 0.0), |(n, s), v| (n + 1, s + v * v));
+    (count > 0).then(|| (sum / count as f64).sqrt())
+}
+
+struct Dispatch<'a> {
+    problem: &'a Problem<'a>,
+    solution: &'a Solution,
+}
+
+impl WithSimd for Dispatch<'_> {
+    type Output = Analysis;
+    fn with_simd<S: Simd>(self, simd: S) -> Analysis {
+        analyse::<Lanes<S>>(simd, self.problem, self.solution)
+    }
+}
+
+fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solution) -> Analysis {
+    let globals = &solution.globals;
+    let counts_from_home = !problem.dataset.measurements.revolutions.is_empty();
+    let home_row = problem.home_row().filter(|_| counts_from_home);
+    let fitted = &solution.poses[usize::from(home_row.is_some())..];
+    let rows: Vec<usize> = fitted.iter().map(|(row, _)| *row).collect();
+    let poses: Vec<_> = fitted.iter().map(|(_, pose)| *pose).collect();
+    let mut home_evaluator = home_row.map(|row| Evaluator::home((), problem, globals, row));
+    let home = match &mut home_evaluator {
+        Some(e) => HomeRow::evaluate(e, problem, globals, &solution.parameters, None),
+        None => HomeRow::absolute(problem),
+    };
+    let mut evaluator = Evaluator::<T>::new(token, problem, globals, rows, &poses);
+    evaluator.set_globals(globals, Some(&home.lengths));
+    evaluator.detailed = true;
+    let map = ColumnMap::new(problem, &solution.parameters, &evaluator.layout);
+    let covariance = solution
+        .covariance
+        .as_ref()
+        .map(|c| map.column_covariance(&home, c));
+    let readings = home_row.map_or_else(Vec::new, |row| {
+        let evaluator = home_evaluator.as_mut();
+        evaluator.map_or_else(Vec::new, |e| {
+            home_readings(e, problem, solution, &home, row)
+        })
+    });
+    let mut collector = Collector {
+        problem,
+        covariance,
+        readings,
+        tension_errors_n: Vec::new(),
+    };
+    T::run(
+        token,
+        AnalysePoses {
+            evaluator: &mut evaluator,
+            collector: &mut collector,
+            token,
+        },
+    );
+    Analysis {
+        readings: collector.readings,
+        tension_errors_n: collector.tension_errors_n,
+        prior_redundancies: prior_redundancies(problem, solution),
+    }
+}
+
+fn kind_of(layout: &Layout, row: usize) -> ReadingKind {
+    let within = |first: Option<usize>, count: usize| {
+        first
+            .and_then(|first| row.checked_sub(first))
+            .filter(|k| *k < count)
+    };
+    if row < layout.cables {
+        return ReadingKind::Length(row);
+    }
+    if let Some(k) = within(layout.equilibrium, 6) {
+        return ReadingKind::Equilibrium(Coordinate::ALL[k]);
+    }
+    if let Some(cable) = within(layout.swivel, layout.cables) {
+        return ReadingKind::Swivel(cable);
+    }
+    if let Some(k) = within(layout.tracker_position, 3) {
+        return ReadingKind::TrackerPosition(k);
+    }
+    if let Some(k) = within(layout.tracker_orientation, 3) {
+        return ReadingKind::TrackerOrientation(k);
+    }
+    match within(layout.inclination, 3) {
+        Some(k) => ReadingKind::Inclination(k),
+        None => ReadingKind::Laser,
+    }
+}
+
+/// Standard deviation of a reading; `length_weight` is the whitening factor of its length row.
+fn sd_of(problem: &Problem<'_>, kind: ReadingKind, row: usize, length_weight: f64) -> f64 {
+    let robot = &problem.dataset.robot;
+    match kind {
+        ReadingKind::Length(_) => length_weight.recip(),
+        ReadingKind::Equilibrium(_) => 1.0,
+        ReadingKind::Laser => robot.laser.map_or(f64::NAN, |l| l.sd_m),
+        ReadingKind::Swivel(cable) => robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN),
+        ReadingKind::TrackerPosition(k) => {
+            let own = problem.dataset.measurements.tracked_position_sd_m.get(row);
+            let nominal = robot
+                .tracker
+                .map_or(f64::NAN, |t| t.position_sd_m.each()[k]);
+            own.map(|sd| sd[k])
+                .filter(|sd| !sd.is_nan())
+                .unwrap_or(nominal)
+        }
+        ReadingKind::TrackerOrientation(_) => robot
+            .tracker
+            .and_then(|t| t.orientation_sd_rad)
+            .unwrap_or(f64::NAN),
+        ReadingKind::Inclination(_) => robot.inclinometer.map_or(f64::NAN, |i| i.sd_rad),
+    }
+}
+
+fn home_readings(
+    evaluator: &mut Evaluator<'_, f64>,
+    problem: &Problem<'_>,
+    solution: &Solution,
+    home: &HomeRow,
+    row: usize,
+) -> Vec<Reading> {
+    let layout = evaluator.layout.clone();
+    let present = evaluator.equations_at(0).present.clone();
+    let n = solution.parameters.len();
+    let measured = (layout.cables..layout.rows).filter(|r| present[*r] > 0.0);
+    measured
+        .map(|r| {
+            let index = r - layout.cables;
+            let kind = kind_of(&layout, r);
+            let gradient = DVector::from_column_slice(&home.gradients[index * n..(index + 1) * n]);
+            let fitted = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
+            Reading {
+                row,
+                kind,
+                standardised: home.residuals[index],
+                sd: sd_of(problem, kind, row, 1.0),
+                redundancy: solution.covariance.as_ref().map(|c| 1.0 - fitted(c)),
+            }
+        })
+        .collect()
+}
+
+fn prior_redundancies(problem: &Problem<'_>, solution: &Solution) -> Vec<Option<f64>> {
+    let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
+    let n = solution.parameters.len();
+    let mut rows = vec![DVector::zeros(n); n];
+    for (row, column, value) in &priors.derivatives {
+        rows[*row][*column] = *value;
+    }
+    let redundancy = |k: usize| {
+        solution.parameters[k].prior_sd?;
+        let covariance = solution.covariance.as_ref()?;
+        Some(1.0 - rows[k].dot(&(covariance * &rows[k])))
+    };
+    (0..n).map(redundancy).collect()
+}
+
+struct Collector<'a> {
+    problem: &'a Problem<'a>,
+    covariance: Option<DMatrix<f64>>,
+    readings: Vec<Reading>,
+    tension_errors_n: Vec<(usize, usize, f64)>,
+}
+
+struct AnalysePoses<'e, 'a, T: Packet> {
+    evaluator: &'e mut Evaluator<'a, T>,
+    collector: &'e mut Collector<'a>,
+    token: T::Token,
+}
+
+impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn call(mut self) {
+        let layout = self.evaluator.layout.clone();
+        let zero = T::splat(self.token, 0.0);
+        let mut elimination = Elimination::new(&layout, zero);
+        let mut fitted = vec![zero; layout.rows];
+        let mut tension = vec![zero; layout.cables];
+        for batch in 0..self.evaluator.batches() {
+            let latent = self.evaluator.tension_spreads();
+            let equations = self.evaluator.equations_at(batch);
+            elimination.eliminate(equations, &layout, 0.0);
+            for row in 0..layout.rows {
+                let y = elimination.half_solve(equations.by_pose[row]);
+                fitted[row] = crate::real::square_norm(y);
+                if let Some(covariance) = &self.collector.covariance {
+                    let gradient = elimination.remaining_gradient(equations, &layout, row, y);
+                    fitted[row] = fitted[row] + quadratic_form(covariance, &gradient);
+                }
+            }
+            equations.tension_errors(&layout, &latent, &mut tension);
+            self.collect(batch, &layout, &fitted, &tension);
+        }
+    }
+}
+
+/// `g^T C g`.
+#[inline(always)]
+fn quadratic_form<T: Packet>(covariance: &DMatrix<f64>, gradient: &[T]) -> T {
+    let zero = gradient[0].lift(0.0);
+    let mut sum = zero;
+    for (g, column) in gradient.iter().zip(covariance.column_iter()) {
+        let mut inner = zero;
+        for (h, c) in gradient.iter().zip(&column) {
+            inner = h.mul_add(zero.lift(*c), inner);
+        }
+        sum = g.mul_add(inner, sum);
+    }
+    sum
+}
+
+impl<T: Packet> AnalysePoses<'_, '_, T> {
+    fn collect(&mut self, batch: usize, layout: &Layout, fitted: &[T], tension: &[T]) {
+        let lanes = |value: T| {
+            let mut values = vec![0.0; T::LANES];
+            value.store(&mut values, 0);
+            values
+        };
+        let first = batch * T::LANES;
+        let rows: Vec<usize> = self
+            .evaluator
+            .rows()
+            .iter()
+            .skip(first)
+            .take(T::LANES)
+            .copied()
+            .collect();
+        let equations = self.evaluator.equations();
+        let residual: Vec<_> = equations.residual.iter().map(|v| lanes(*v)).collect();
+        let present: Vec<_> = equations.present.iter().map(|v| lanes(*v)).collect();
+        let weights: Vec<_> = equations
+            .length_by_cable
+            .iter()
+            .map(|g| lanes(g[3]))
+            .collect();
+        let fitted: Vec<_> = fitted.iter().map(|v| lanes(*v)).collect();
+        let tension: Vec<_> = tension.iter().map(|v| lanes(*v)).collect();
+        let known = self.collector.covariance.is_some();
+        for (lane, row) in rows.iter().enumerate() {
+            for k in (0..layout.rows).filter(|k| present[*k][lane] > 0.0) {
+                let kind = kind_of(layout, k);
+                let weight = weights.get(k).map_or(1.0, |w| -w[lane]);
+                self.collector.readings.push(Reading {
+                    row: *row,
+                    kind,
+                    standardised: residual[k][lane],
+                    sd: sd_of(self.collector.problem, kind, *row, weight),
+                    redundancy: known.then(|| 1.0 - fitted[k][lane]),
+                });
+            }
+            let latent = self.collector.problem.has_latent_tension();
+            for (cable, errors) in tension.iter().enumerate().filter(|_| latent) {
+                self.collector
+                    .tension_errors_n
+                    .push((*row, cable, errors[lane]));
+            }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Residuals in physical units at given poses: the prediction that simulation inverts and that reports
+//! show.
+
+use super::evaluator::Evaluator;
+use super::home::HomeRow;
+use super::problem::{Globals, Problem};
+use crate::effect::CablePort;
+use crate::geometry::Pose;
+
+/// Prediction minus reading at one row of the measurements; NaN where nothing was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowResidual {
+    /// Unstrained length paid out, per cable (m).
+    pub length_m: Vec<f64>,
+    /// Laser distance (m).
+    pub laser_m: f64,
+    /// Swivel angle, per cable (rad).
+    pub swivel_rad: Vec<f64>,
+    /// Tension at the platform that the model makes of the reading, per cable (N).
+    pub tension_n: Vec<f64>,
+    /// Roll, pitch and yaw (rad).
+    pub inclination_rad: [f64; 3],
+}
+
+/// Residuals of `rows` at `poses` for given common parameters, without any fit.
+#[must_use]
+pub fn residuals_at(
+    problem: &Problem<'_>,
+    globals: &Globals,
+    rows: &[usize],
+    poses: &[Pose],
+) -> Vec<RowResidual> {
+    let home = match problem.home_row() {
+        Some(row) if !problem.dataset.measurements.revolutions.is_empty() => {
+            let mut evaluator = Evaluator::<f64>::home((), problem, globals, row);
+            HomeRow::evaluate(&mut evaluator, problem, globals, &[], None)
+        }
+        _ => HomeRow::absolute(problem),
+    };
+    let mut evaluator = Evaluator::<f64>::new((), problem, globals, rows.to_vec(), poses);
+    evaluator.set_globals(globals, Some(&home.lengths));
+    (0..rows.len())
+        .map(|index| row_residual(&mut evaluator, problem, index))
+        .collect()
+}
+
+fn row_residual(
+    evaluator: &mut Evaluator<'_, f64>,
+    problem: &Problem<'_>,
+    index: usize,
+) -> RowResidual {
+    let robot = &problem.dataset.robot;
+    let layout = evaluator.layout.clone();
+    let tension = CablePort::ALL
+        .iter()
+        .position(|p| *p == CablePort::Tension)
+        .unwrap_or_default();
+    let tension_n = (0..layout.cables)
+        .map(|c| evaluator.cable_port(index, c, tension))
+        .collect();
+    let equations = evaluator.equations_at(index);
+    let raw = |row: usize, sd: f64| {
+        if equations.present[row] > 0.0 {
+            equations.residual[row] * sd
+        } else {
+            f64::NAN
+        }
+    };
+    // A length row is whitened by `-dr/ds`, whatever the tension's share in its variance.
+    let length_m = (0..layout.cables)
+        .map(|cable| raw(cable, -equations.length_by_cable[cable][3].recip()))
+        .collect();
+    let swivel_sd = |cable: usize| robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN);
+    let laser_sd = robot.laser.map_or(f64::NAN, |laser| laser.sd_m);
+    let inclination_sd = robot.inclinometer.map_or(f64::NAN, |sensor| sensor.sd_rad);
+    let inclination = |k: usize| {
+        layout
+            .inclination
+            .map_or(f64::NAN, |first| raw(first + k, inclination_sd))
+    };
+    RowResidual {
+        length_m,
+        laser_m: layout.laser.map_or(f64::NAN, |row| raw(row, laser_sd)),
+        swivel_rad: match layout.swivel {
+            Some(first) => (0..layout.cables)
+                .map(|c| raw(first + c, swivel_sd(c)))
+                .collect(),
+            None => Vec::new(),
+        },
+        tension_n,
+        inclination_rad: std::array::from_fn(inclination),
+    }
+}

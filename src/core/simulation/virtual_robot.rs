@@ -1,0 +1,436 @@
+//! A robot whose true geometry differs from its description, and what is measured on it.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+use super::workspace::{TensionRange, Workspace};
+use crate::effect::EffectSetting;
+use crate::estimation::{EstimationError, Globals, Method, Problem, residuals_at};
+use crate::geometry::{Pose, Twist};
+use crate::kinematics::{KinematicsError, inverse_kinematics};
+use crate::measurement::{Dataset, Grid, Measurements, Truth};
+use crate::robot::Robot;
+
+/// Where the true geometry comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TrueGeometry {
+    /// Drawn from the priors that the robot states.
+    Drawn,
+    /// Entry points given (m); home pose and target plane are drawn.
+    EntryPoints(Vec<[f64; 3]>),
+    /// As described.
+    Nominal,
+}
+
+/// What to simulate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulationOptions {
+    /// Number of poses, without the home pose.
+    pub poses: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// True geometry.
+    pub geometry: TrueGeometry,
+    /// Effects that the description does not know.
+    pub effects: Vec<EffectSetting>,
+    /// Whether readings have noise.
+    pub noise: bool,
+    /// Where the platform moves; by default around its home pose.
+    pub workspace: Option<Workspace>,
+    /// How cables are tensioned; by default as suits the weight.
+    pub tension: Option<TensionRange>,
+}
+
+impl SimulationOptions {
+    /// Poses with noise and a true geometry drawn from the priors.
+    #[must_use]
+    pub fn new(poses: usize, seed: u64) -> Self {
+        Self {
+            poses,
+            seed,
+            geometry: TrueGeometry::Drawn,
+            effects: Vec::new(),
+            noise: true,
+            workspace: None,
+            tension: None,
+        }
+    }
+}
+
+/// A simulated calibration run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    /// What an operator has: the description and the measurements.
+    pub dataset: Dataset,
+    /// What is true: entry points, home pose, target plane and effects.
+    pub truth: Robot,
+}
+
+/// Why a robot cannot be simulated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// The kinematics has no answer at the home pose.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// An effect cannot be attached.
+    #[error(transparent)]
+    Effect(#[from] EstimationError),
+    /// No tensions hold the platform.
+    #[error("no tensions between {lower_n:.1} N and {upper_n:.1} N hold the platform at {place}")]
+    Infeasible {
+        /// Smallest tension (N).
+        lower_n: f64,
+        /// Largest tension (N).
+        upper_n: f64,
+        /// Where.
+        place: &'static str,
+    },
+}
+
+/// Pauses between poses (s).
+const SECONDS_PER_POSE: f64 = 30.0;
+/// Poses that are tried for each that is wanted.
+const TRIES_PER_POSE: usize = 200;
+/// Newton steps that invert the models of winch and force sensor.
+const INVERSION_STEPS: usize = 12;
+
+/// Simulates a calibration run.
+///
+/// # Errors
+/// If the robot cannot be held in its workspace, or an effect is unknown.
+pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated, SimulationError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+    let truth = true_robot(robot, options, &mut rng);
+    let (poses, commanded, tensions) = visit_poses(robot, &truth, options, &mut rng)?;
+    let mut measurements = blank(robot, &poses, &commanded, &tensions);
+    let mut exact = Dataset {
+        robot: truth.clone(),
+        measurements: std::mem::take(&mut measurements),
+    };
+    invert(&mut exact, &poses, &tensions)?;
+    if options.noise {
+        add_noise(robot, &mut exact.measurements, &mut rng);
+    }
+    Ok(Simulated {
+        dataset: Dataset {
+            robot: robot.clone(),
+            measurements: exact.measurements,
+        },
+        truth,
+    })
+}
+
+fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
+    sd * rng.sample::<f64, _>(StandardNormal)
+}
+
+fn true_robot(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) -> Robot {
+    let mut truth = robot.clone();
+    truth.effects.extend(options.effects.iter().cloned());
+    for (index, cable) in truth.cables.iter_mut().enumerate() {
+        let sd = cable
+            .pulley
+            .entry_point_sd_m
+            .map_or([0.0; 3], |sd| sd.each());
+        let offset = sd.map(|sd| normal(rng, sd));
+        match &options.geometry {
+            TrueGeometry::Drawn => {
+                for k in 0..3 {
+                    cable.pulley.entry_point_m[k] += offset[k];
+                }
+            }
+            TrueGeometry::EntryPoints(points) => cable.pulley.entry_point_m = points[index],
+            TrueGeometry::Nominal => {}
+        }
+    }
+    if options.geometry == TrueGeometry::Nominal {
+        return truth;
+    }
+    if let Some(laser) = &mut truth.laser {
+        let plane = &mut laser.target_plane;
+        plane.offset_m += normal(rng, plane.offset_sd_m.unwrap_or(0.0));
+    }
+    if let Some(home) = &mut truth.home {
+        let mut twist = Twist::zeros();
+        for coordinate in robot.platform.freedom().coordinates() {
+            let k = coordinate.index();
+            let sd = if k < 3 {
+                home.position_sd_m
+            } else {
+                home.orientation_sd_rad
+            };
+            twist[k] = normal(rng, sd);
+        }
+        let pose = home.pose().perturbed(&twist);
+        home.position_m = pose.position.into();
+        home.orientation_wxyz = pose.orientation_wxyz();
+    }
+    truth
+}
+
+type Visits = (Vec<Pose>, Vec<Pose>, Grid);
+
+/// Home first, then poses that the cables can hold; commanded poses differ from the true ones by
+/// about as much as the drawing is wrong.
+fn visit_poses(
+    robot: &Robot,
+    truth: &Robot,
+    options: &SimulationOptions,
+    rng: &mut ChaCha8Rng,
+) -> Result<Visits, SimulationError> {
+    let workspace = options.workspace.unwrap_or_else(|| Workspace::of(robot));
+    let range = options.tension.unwrap_or_else(|| TensionRange::of(robot));
+    let infeasible = |place| SimulationError::Infeasible {
+        lower_n: range.lower_n,
+        upper_n: range.upper_n,
+        place,
+    };
+    let mut poses = Vec::new();
+    let mut commanded = Vec::new();
+    let mut tensions = Grid::new(robot.cable_count());
+    if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
+        let pose = home.pose();
+        inverse_kinematics(truth, &pose)?;
+        tensions.push_row(&hold(truth, &pose, &range)?.ok_or_else(|| infeasible("the home pose"))?);
+        poses.push(pose);
+        commanded.push(nominal.pose());
+    }
+    let first = poses.len();
+    for _ in 0..TRIES_PER_POSE * options.poses {
+        if poses.len() == first + options.poses {
+            break;
+        }
+        let target = workspace.draw(robot, rng);
+        let pose = misplaced(robot, &target, rng);
+        if inverse_kinematics(truth, &pose).is_err() {
+            continue;
+        }
+        if let Some(held) = hold(truth, &pose, &range)? {
+            tensions.push_row(&held);
+            poses.push(pose);
+            commanded.push(target);
+        }
+    }
+    if poses.len() < first + options.poses {
+        return Err(infeasible("enough poses of its workspace"));
+    }
+    Ok((poses, commanded, tensions))
+}
+
+/// Tensions that hold the platform; zero where tension is not modelled.
+fn hold(
+    truth: &Robot,
+    pose: &Pose,
+    range: &TensionRange,
+) -> Result<Option<Vec<f64>>, KinematicsError> {
+    if truth.platform.mass_kg.is_none() || !truth.has_force_sensors() {
+        return Ok(Some(vec![0.0; truth.cable_count()]));
+    }
+    range.tensions(truth, pose)
+}
+
+fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
+    let sds = robot
+        .cables
+        .iter()
+        .filter_map(|c| c.pulley.entry_point_sd_m);
+    let sd = sds.flat_map(|sd| sd.each()).fold(0.0, f64::max);
+    let arms = robot
+        .cables
+        .iter()
+        .map(|c| nalgebra::Vector3::from(c.platform_anchor_m).norm());
+    let arm = arms.fold(1e-9, f64::max);
+    let mut twist = Twist::zeros();
+    for coordinate in robot.platform.freedom().coordinates() {
+        let k = coordinate.index();
+        let size = if k < 3 { sd } else { (sd / arm).min(0.02) };
+        twist[k] = normal(rng, size);
+    }
+    target.perturbed(&twist)
+}
+
+/// Rows with everything known but the readings.
+fn blank(robot: &Robot, poses: &[Pose], commanded: &[Pose], tensions: &Grid) -> Measurements {
+    let rows = poses.len();
+    let cables = robot.cable_count();
+    let first = i64::from(robot.home.is_none());
+    let zeros = || {
+        let mut grid = Grid::new(cables);
+        (0..rows).for_each(|_| grid.push_row(&vec![0.0; cables]));
+        grid
+    };
+    let when = |present: bool| if present { zeros() } else { Grid::default() };
+    let time_s: Vec<f64> = (0..rows).map(|k| SECONDS_PER_POSE * k as f64).collect();
+    let swivels = robot
+        .cables
+        .iter()
+        .all(|c| c.pulley.swivel_sd_rad.is_some() && c.pulley.swivel_zero.is_some());
+    Measurements {
+        labels: (first..).take(rows).collect(),
+        temperature_c: time_s
+            .iter()
+            .map(|t| 20.0 + 2.0 * (t / 3600.0).sin())
+            .collect(),
+        time_s,
+        commanded: commanded.iter().copied().map(Some).collect(),
+        revolutions: when(robot.home.is_some()),
+        length_m: when(robot.home.is_none()),
+        force_n: nominal_forces(robot, tensions),
+        laser_m: robot.laser.map_or_else(Vec::new, |_| vec![0.0; rows]),
+        swivel_rad: when(swivels),
+        inclination_rad: robot
+            .inclinometer
+            .map_or_else(Vec::new, |_| vec![[0.0; 3]; rows]),
+        tracked_position_m: robot.tracker.map_or_else(Vec::new, |_| {
+            poses.iter().map(|p| p.position.into()).collect()
+        }),
+        tracked_orientation_wxyz: match robot.tracker.and_then(|t| t.orientation_sd_rad) {
+            Some(_) => poses.iter().map(Pose::orientation_wxyz).collect(),
+            None => Vec::new(),
+        },
+        truth: Truth {
+            poses: poses.to_vec(),
+            tension_n: tensions.clone(),
+        },
+        ..Measurements::default()
+    }
+}
+
+/// Raw readings at the true tensions by the nominal sensors.
+fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
+    let mut forces = Grid::default();
+    if robot.has_force_sensors() && robot.platform.mass_kg.is_some() {
+        forces = tensions.clone();
+        for row in 0..tensions.rows() {
+            for (index, cable) in robot.cables.iter().enumerate() {
+                let tension = tensions.get(row, index);
+                let reading = cable
+                    .force_sensor
+                    .map_or(f64::NAN, |s| s.reading_n(tension));
+                forces.set(row, index, reading);
+            }
+        }
+    }
+    forces
+}
+
+/// Finds the readings that the true model predicts exactly.
+fn invert(exact: &mut Dataset, poses: &[Pose], tensions: &Grid) -> Result<(), SimulationError> {
+    let rows: Vec<usize> = (0..poses.len()).collect();
+    for _ in 0..INVERSION_STEPS {
+        let residuals = {
+            let problem = Problem::new(exact)?.with_method(Method::Simple);
+            residuals_at(&problem, &Globals::nominal(&problem), &rows, poses)
+        };
+        let home = exact.robot.home.and(exact.measurements.home_row());
+        for (row, residual) in residuals.iter().enumerate() {
+            correct(exact, row, residual, tensions.row(row), Some(row) == home);
+        }
+    }
+    Ok(())
+}
+
+fn correct(
+    exact: &mut Dataset,
+    row: usize,
+    residual: &crate::estimation::RowResidual,
+    tensions: &[f64],
+    is_home: bool,
+) {
+    let data = &mut exact.measurements;
+    for (index, cable) in exact.robot.cables.iter().enumerate() {
+        let add = |grid: &mut Grid, step: f64| grid.set(row, index, grid.get(row, index) + step);
+        if !data.revolutions.is_empty() && !is_home {
+            let step = residual.length_m[index] / cable.winch.cable_per_revolution_m();
+            add(&mut data.revolutions, step);
+        }
+        if !data.length_m.is_empty() {
+            add(&mut data.length_m, residual.length_m[index]);
+        }
+        if let (Some(sensor), false) = (cable.force_sensor, data.force_n.is_empty()) {
+            let step = sensor.tension_gain * (tensions[index] - residual.tension_n[index]);
+            add(&mut data.force_n, step);
+        }
+        if !data.swivel_rad.is_empty() {
+            add(&mut data.swivel_rad, residual.swivel_rad[index]);
+        }
+    }
+    if let Some(laser) = data.laser_m.get_mut(row) {
+        *laser += residual.laser_m;
+    }
+    if let Some(angles) = data.inclination_rad.get_mut(row) {
+        for k in 0..3 {
+            angles[k] += residual.inclination_rad[k];
+        }
+    }
+}
+
+fn add_noise(robot: &Robot, data: &mut Measurements, rng: &mut ChaCha8Rng) {
+    let home = robot.home.and(data.home_row());
+    for row in 0..data.len() {
+        for (index, cable) in robot.cables.iter().enumerate() {
+            let mut add = |grid: &mut Grid, sd: f64| {
+                if !grid.is_empty() {
+                    grid.set(row, index, grid.get(row, index) + normal(rng, sd));
+                }
+            };
+            let sd = cable.winch.length_sd_m;
+            if Some(row) != home {
+                add(
+                    &mut data.revolutions,
+                    sd / cable.winch.cable_per_revolution_m(),
+                );
+            }
+            add(&mut data.length_m, sd);
+            if let Some(sensor) = cable.force_sensor {
+                add(
+                    &mut data.force_n,
+                    sensor.tension_gain.abs() * sensor.tension_sd_n,
+                );
+            }
+            add(
+                &mut data.swivel_rad,
+                cable.pulley.swivel_sd_rad.unwrap_or(0.0),
+            );
+        }
+        if let (Some(laser), Some(reading)) = (&robot.laser, data.laser_m.get_mut(row)) {
+            *reading += normal(rng, laser.sd_m);
+        }
+        if let (Some(sensor), Some(angles)) =
+            (&robot.inclinometer, data.inclination_rad.get_mut(row))
+        {
+            for angle in angles {
+                *angle += normal(rng, sensor.sd_rad);
+            }
+        }
+        add_tracker_noise(robot, data, row, rng);
+    }
+}
+
+fn add_tracker_noise(robot: &Robot, data: &mut Measurements, row: usize, rng: &mut ChaCha8Rng) {
+    let Some(tracker) = &robot.tracker else {
+        return;
+    };
+    if let Some(position) = data.tracked_position_m.get_mut(row) {
+        for (value, sd) in position.iter_mut().zip(tracker.position_sd_m.each()) {
+            *value += normal(rng, sd);
+        }
+    }
+    if let (Some(sd), Some(q)) = (
+        tracker.orientation_sd_rad,
+        data.tracked_orientation_wxyz.get_mut(row),
+    ) {
+        let twist = Twist::new(
+            0.0,
+            0.0,
+            0.0,
+            normal(rng, sd),
+            normal(rng, sd),
+            normal(rng, sd),
+        );
+        *q = Pose::from_parts([0.0; 3], *q)
+            .perturbed(&twist)
+            .orientation_wxyz();
+    }
+}

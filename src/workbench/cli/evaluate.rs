@@ -1,0 +1,71 @@
+//! `tautline evaluate`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tautline_core::estimation::{Analysis, Geometry, Poses, Problem, deficiencies};
+use tautline_core::measurement::Dataset;
+use tautline_session::{read_dataset, read_robot};
+
+use super::BadInput;
+use super::fitted::{Fitted, print_report};
+use super::identify::solve_repeatedly;
+use super::output::{is_readable, write_json};
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Dataset folder
+    #[arg(value_name = "DATASET")]
+    dataset: PathBuf,
+    /// Model file or robot.json whose geometry and effects are held
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Hold the poses, too, at the external instrument's positions
+    #[arg(long)]
+    poses_held: bool,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let folder = read_dataset(&arguments.dataset)?;
+    let model = read_robot(&arguments.model)?;
+    for notice in folder.notices.iter().chain(&model.notices) {
+        eprintln!("{notice}");
+    }
+    let cables = folder.dataset.robot.cable_count();
+    if model.value.cable_count() != cables {
+        return Err(BadInput::new(format!(
+            "{}: found {} cables, expected the {cables} of the dataset",
+            arguments.model.display(),
+            model.value.cable_count()
+        )));
+    }
+    let dataset = Dataset {
+        robot: model.value,
+        measurements: folder.dataset.measurements,
+    };
+    let mut problem = Problem::new(&dataset).map_err(BadInput::new)?;
+    problem.geometry = Geometry::Held;
+    if arguments.poses_held {
+        problem.poses = Poses::HeldAtTracker;
+    }
+    let (solution, seconds) = solve_repeatedly(&problem, 1)?;
+    let analysis = Analysis::new(&problem, &solution);
+    let fitted = Fitted {
+        problem: &problem,
+        solution: &solution,
+        analysis: &analysis,
+        open: deficiencies(&problem, &solution),
+        seconds,
+    };
+    let identification = fitted.identification();
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&identification))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        print_report(&fitted, &identification);
+    }
+    Ok(())
+}

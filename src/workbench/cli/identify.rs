@@ -1,0 +1,131 @@
+//! `tautline identify`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Result;
+use tautline_core::effect::EffectRequest;
+use tautline_core::estimation::{
+    Analysis, Control, Loss, Method, Options, Problem, Solution, deficiencies, solve,
+};
+use tautline_core::measurement::Dataset;
+use tautline_session::{read_dataset, write_robot};
+
+use super::BadInput;
+pub use super::fitted::Identification;
+use super::fitted::{self, Fitted};
+use super::output::{is_readable, write_json};
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Dataset folder
+    #[arg(value_name = "DATASET")]
+    dataset: PathBuf,
+    /// joint: tensions as unknowns, static equilibrium holds; simple: tensions as exact; published: Jin
+    /// et al. 2018
+    #[arg(long, value_enum, default_value_t = MethodName::Joint)]
+    method: MethodName,
+    /// Effects to estimate: ID[:CABLE],...
+    #[arg(long, value_name = "ID[:CABLE],..", value_delimiter = ',')]
+    effects: Vec<String>,
+    /// Huber's loss beyond this many standard deviations
+    #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
+    robust: Option<f64>,
+    /// Solve N times and report the least time
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub repeat: usize,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the identified robot
+    #[arg(long, value_name = "FILE")]
+    model_out: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MethodName {
+    Joint,
+    Simple,
+    Published,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let folder = read_dataset(&arguments.dataset)?;
+    for notice in &folder.notices {
+        eprintln!("{notice}");
+    }
+    if arguments.method == MethodName::Published {
+        return super::published::run(arguments, &folder.dataset);
+    }
+    let problem = problem_of(arguments, &folder.dataset)?;
+    let (solution, seconds) = solve_repeatedly(&problem, arguments.repeat)?;
+    let analysis = Analysis::new(&problem, &solution);
+    let fitted = Fitted {
+        problem: &problem,
+        solution: &solution,
+        analysis: &analysis,
+        open: deficiencies(&problem, &solution),
+        seconds,
+    };
+    deliver(arguments, &fitted, &fitted.identification())
+}
+
+/// Writes and prints what was asked for.
+pub fn deliver(
+    arguments: &Arguments,
+    fitted: &Fitted<'_>,
+    identification: &Identification,
+) -> Result<()> {
+    if let Some(path) = &arguments.model_out {
+        write_robot(path, &fitted.model())?;
+    }
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(identification))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        fitted::print_report(fitted, identification);
+    }
+    Ok(())
+}
+
+fn problem_of<'a>(arguments: &Arguments, dataset: &'a Dataset) -> Result<Problem<'a>> {
+    let method = match arguments.method {
+        MethodName::Simple => Method::Simple,
+        MethodName::Joint | MethodName::Published => Method::Joint,
+    };
+    let mut problem = Problem::new(dataset)
+        .map_err(BadInput::new)?
+        .with_method(method);
+    let requests: Vec<_> = arguments
+        .effects
+        .iter()
+        .map(|e| EffectRequest::parse(e))
+        .collect();
+    problem
+        .free(&requests)
+        .map_err(|error| BadInput::new(format!("--effects: {error}")))?;
+    if let Some(limit) = arguments.robust {
+        if !(limit.is_finite() && limit > 0.0) {
+            return Err(BadInput::new(format!(
+                "--robust: found {limit}, expected a positive number"
+            )));
+        }
+        problem.loss = Loss::Huber(limit);
+    }
+    Ok(problem)
+}
+
+/// Solves `repeat` times; the least time of a solve, set-up included.
+pub fn solve_repeatedly(problem: &Problem<'_>, repeat: usize) -> Result<(Solution, f64)> {
+    let mut best: Option<(Solution, f64)> = None;
+    for _ in 0..repeat.max(1) {
+        let start = Instant::now();
+        let solution = solve(problem, &Options::default(), &mut |_| Control::Continue)
+            .map_err(BadInput::new)?;
+        let seconds = start.elapsed().as_secs_f64();
+        if best.as_ref().is_none_or(|(_, least)| seconds < *least) {
+            best = Some((solution, seconds));
+        }
+    }
+    best.ok_or_else(|| anyhow::anyhow!("nothing was solved"))
+}

@@ -1,0 +1,77 @@
+//! Headless commands: arguments, exit codes, output.
+
+mod accuracy;
+mod evaluate;
+mod fitted;
+mod identify;
+mod output;
+mod precalibrate;
+mod published;
+mod schemas;
+mod simulate;
+mod table;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use tautline_session::ReadError;
+
+/// Calibrate cable-driven parallel robots.
+#[derive(Debug, Parser)]
+#[command(name = "tautline", version, about, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a dataset of a virtual robot
+    Simulate(simulate::Arguments),
+    /// Find the pulleys from a dataset
+    Identify(identify::Arguments),
+    /// Fit poses only, with the geometry and effects of a model held
+    Evaluate(evaluate::Arguments),
+    /// Accuracy figures of ISO 9283 from a check.csv
+    Accuracy(accuracy::Arguments),
+    /// Fit winches, force sensors, home platform and cable elongation of a dataset
+    Precalibrate(precalibrate::Arguments),
+    /// Write the JSON Schemas of the file formats
+    Schemas {
+        /// Folder to write to
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+}
+
+/// Input that the user has to correct; ends the program with exit code 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct BadInput(String);
+
+impl BadInput {
+    fn new(message: impl std::fmt::Display) -> anyhow::Error {
+        Self(message.to_string()).into()
+    }
+}
+
+/// Runs the command line.
+pub fn run() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
+        Command::Evaluate(arguments) => evaluate::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
+        Command::Precalibrate(arguments) => precalibrate::run(&arguments),
+        Command::Schemas { out } => schemas::run(&out),
+    };
+    let Err(error) = result else {
+        return ExitCode::SUCCESS;
+    };
+    let bad_input = error.is::<ReadError>() || error.is::<BadInput>();
+    let message = format!("{error:#}");
+    eprintln!("{}", message.replace('\n', " "));
+    ExitCode::from(if bad_input { 2 } else { 1 })
+}

@@ -1,0 +1,20 @@
+//! `tautline schemas`.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use super::identify::Identification;
+use super::output::write_json;
+
+pub fn run(out: &Path) -> Result<()> {
+    std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
+    let mut schemas = tautline_session::schemas();
+    schemas.push(tautline_session::document_schema::<Identification>());
+    for schema in schemas {
+        let path = out.join(&schema.file_name);
+        write_json(&path, &schema.schema)?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}
