@@ -293,7 +293,7 @@ fn directions_and_materials() -> Vec<BadInput> {
                 r#"{"degree": 2, "length_center_m": 1, "length_scale_m": 1, "tension_center_n": 1,
                 "tension_scale_n": 1, "coefficients": [1, 2, 3, 4, 5], "residual_sd_m": 0}"#,
             ),
-            &["elongation_surface/coefficients: found 5 values, expected 6"],
+            &["elongation_surface: degree 2 has 6 coefficients, 5 are given"],
         ),
         case(
             "surface of degree 9",
@@ -302,7 +302,7 @@ fn directions_and_materials() -> Vec<BadInput> {
                 r#"{"degree": 9, "length_center_m": 1, "length_scale_m": 1, "tension_center_n": 1,
                 "tension_scale_n": 1, "coefficients": [], "residual_sd_m": 0}"#,
             ),
-            &["elongation_surface/degree: found 9"],
+            &["elongation_surface: the degree is 9"],
         ),
     ]
 }
@@ -344,12 +344,17 @@ fn layout() -> Vec<BadInput> {
         case(
             "anchor inside a pulley",
             Set("/cables/1/platform_anchor_m", "[0.52, -0.378, 0.445]"),
-            &["/cables/1/platform_anchor_m: found the platform anchor inside the pulley"],
+            &[
+                "/cables/1/platform_anchor_m: found that the platform anchor of cable-2 is inside its pulley",
+            ],
         ),
         case(
             "anchor on the swivel axis",
             Set("/cables/1/platform_anchor_m", "[0.5, -0.378, 0.05]"),
-            &["/cables/1/platform_anchor_m", "on the pulley's swivel axis"],
+            &[
+                "/cables/1/platform_anchor_m",
+                "on the swivel axis of its pulley",
+            ],
         ),
     ]
 }
