@@ -5,8 +5,10 @@ use super::{BadInput, case};
 
 pub(super) fn cases() -> Vec<BadInput> {
     let mut cases = files_and_syntax();
+    cases.extend(versions());
     cases.extend(types());
     cases.extend(values());
+    cases.extend(directions_and_materials());
     cases.extend(layout());
     cases.extend(home_platform_and_effects());
     cases
@@ -79,6 +81,11 @@ fn files_and_syntax() -> Vec<BadInput> {
             RobotText(|_| "[".repeat(100_000)),
             &["robot.json, line 1", "recursion limit"],
         ),
+    ]
+}
+
+fn versions() -> Vec<BadInput> {
+    vec![
         case(
             "wrong format",
             Set("/format", "\"tautline-session\""),
@@ -217,6 +224,11 @@ fn values() -> Vec<BadInput> {
             Set("/cables/0/winch/drum_diameter_m", "40"),
             &["/cables/0/winch/drum_diameter_m", "millimetres"],
         ),
+    ]
+}
+
+fn directions_and_materials() -> Vec<BadInput> {
+    vec![
         case(
             "non-unit axis",
             Set("/cables/2/pulley/swivel_axis", "[0, 0, -1.1]"),
@@ -281,7 +293,7 @@ fn values() -> Vec<BadInput> {
                 r#"{"degree": 2, "length_center_m": 1, "length_scale_m": 1, "tension_center_n": 1,
                 "tension_scale_n": 1, "coefficients": [1, 2, 3, 4, 5], "residual_sd_m": 0}"#,
             ),
-            &["elongation_surface/coefficients: found 5 values, expected 6"],
+            &["elongation_surface: degree 2 has 6 coefficients, 5 are given"],
         ),
         case(
             "surface of degree 9",
@@ -290,7 +302,7 @@ fn values() -> Vec<BadInput> {
                 r#"{"degree": 9, "length_center_m": 1, "length_scale_m": 1, "tension_center_n": 1,
                 "tension_scale_n": 1, "coefficients": [], "residual_sd_m": 0}"#,
             ),
-            &["elongation_surface/degree: found 9"],
+            &["elongation_surface: the degree is 9"],
         ),
     ]
 }
@@ -332,12 +344,17 @@ fn layout() -> Vec<BadInput> {
         case(
             "anchor inside a pulley",
             Set("/cables/1/platform_anchor_m", "[0.52, -0.378, 0.445]"),
-            &["/cables/1/platform_anchor_m: found the platform anchor inside the pulley"],
+            &[
+                "/cables/1/platform_anchor_m: found that the platform anchor of cable-2 is inside its pulley",
+            ],
         ),
         case(
             "anchor on the swivel axis",
             Set("/cables/1/platform_anchor_m", "[0.5, -0.378, 0.05]"),
-            &["/cables/1/platform_anchor_m", "on the pulley's swivel axis"],
+            &[
+                "/cables/1/platform_anchor_m",
+                "on the swivel axis of its pulley",
+            ],
         ),
     ]
 }
