@@ -281,7 +281,7 @@ fn values() -> Vec<BadInput> {
                 r#"{"degree": 2, "length_center_m": 1, "length_scale_m": 1, "tension_center_n": 1,
                 "tension_scale_n": 1, "coefficients": [1, 2, 3, 4, 5], "residual_sd_m": 0}"#,
             ),
-            &["elongation_surface/coefficients: found 5 values, expected 6"],
+            &["elongation_surface: degree 2 has 6 coefficients, 5 are given"],
         ),
         case(
             "surface of degree 9",
@@ -290,7 +290,7 @@ fn values() -> Vec<BadInput> {
                 r#"{"degree": 9, "length_center_m": 1, "length_scale_m": 1, "tension_center_n": 1,
                 "tension_scale_n": 1, "coefficients": [], "residual_sd_m": 0}"#,
             ),
-            &["elongation_surface/degree: found 9"],
+            &["elongation_surface: the degree is 9"],
         ),
     ]
 }

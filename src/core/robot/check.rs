@@ -199,8 +199,9 @@ fn check_cable(object: &Object, cable: &Cable) -> Checked {
         material.positive("axial_stiffness_n", stiffness_n)?;
     }
     material.not_negative("weight_n_per_m", cable.cable.weight_n_per_m)?;
-    if let Some(surface) = &cable.cable.elongation_surface {
-        check_surface(&material.child("elongation_surface"), surface)?;
+    let surface = cable.cable.elongation_surface.as_ref();
+    if let Some(message) = surface.and_then(ElongationSurface::check) {
+        return material.fail("elongation_surface", message);
     }
     if let Some(sensor) = &cable.force_sensor {
         let object = object.child("force_sensor");
@@ -227,27 +228,6 @@ fn check_pulley(object: &Object, cable: &Cable) -> Checked {
     }
     object.not_negative("radius_m", pulley.radius_m)?;
     object.below("radius_m", pulley.radius_m, 5.0)
-}
-
-fn check_surface(object: &Object, surface: &ElongationSurface) -> Checked {
-    let degree = surface.degree;
-    if !(1..=5).contains(&degree) {
-        return object.fail("degree", format!("found {degree}, expected 1 to 5"));
-    }
-    let (found, expected) = (surface.coefficients.len(), (degree + 1) * (degree + 2) / 2);
-    if found != expected {
-        let message = format!("found {found} values, expected {expected} for degree {degree}");
-        return object.fail("coefficients", message);
-    }
-    let coefficients = object.child("coefficients");
-    for (k, value) in surface.coefficients.iter().enumerate() {
-        coefficients.finite(k, *value)?;
-    }
-    object.finite("length_center_m", surface.length_center_m)?;
-    object.positive("length_scale_m", surface.length_scale_m)?;
-    object.finite("tension_center_n", surface.tension_center_n)?;
-    object.positive("tension_scale_n", surface.tension_scale_n)?;
-    object.not_negative("residual_sd_m", surface.residual_sd_m)
 }
 
 fn check_home_platform(object: &Object, platform: &HomePlatform) -> Checked {
