@@ -47,13 +47,8 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
     };
     let measurements = files.require(POSES, read_poses)?;
     let phases = PhaseData {
-        winch: files.find(WINCH, phases::read_winch)?,
-        force: files.find(FORCE, phases::read_force)?,
-        home: files.find(HOME, |reader, file, _| phases::read_home(reader, file))?,
-        elongation: files.find(ELONGATION, |reader, file, _| {
-            phases::read_elongation(reader, file)
-        })?,
         check: files.find(CHECK, |reader, file, _| phases::read_check(reader, file))?,
+        ..files.phases_1_and_2()?
     };
     let notices = files.notices;
     Ok(DatasetFolder {
@@ -62,6 +57,27 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
             measurements,
         },
         phases,
+        notices,
+    })
+}
+
+/// Reads the robot and the tables of phases 1 and 2 of a dataset folder, which come before any pose
+/// is measured: `poses.csv` and `check.csv` need not be there and are not read.
+///
+/// # Errors
+/// The first file that is missing or wrong, with the place in it.
+pub fn read_calibration_tables(folder: &Path) -> Result<Loaded<(Robot, PhaseData)>, ReadError> {
+    require_folder(folder)?;
+    let robot = read_robot(&folder.join(ROBOT))?;
+    let mut files = Files {
+        folder,
+        robot: &robot.value,
+        notices: robot.notices,
+    };
+    let phases = files.phases_1_and_2()?;
+    let notices = files.notices;
+    Ok(Loaded {
+        value: (robot.value, phases),
         notices,
     })
 }
@@ -101,6 +117,18 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
+    fn phases_1_and_2(&mut self) -> Result<PhaseData, ReadError> {
+        Ok(PhaseData {
+            winch: self.find(WINCH, phases::read_winch)?,
+            force: self.find(FORCE, phases::read_force)?,
+            home: self.find(HOME, |reader, file, _| phases::read_home(reader, file))?,
+            elongation: self.find(ELONGATION, |reader, file, _| {
+                phases::read_elongation(reader, file)
+            })?,
+            check: Vec::new(),
+        })
+    }
+
     fn require<T>(
         &mut self,
         name: &str,

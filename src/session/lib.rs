@@ -15,7 +15,9 @@ mod session;
 mod table;
 
 pub use atomic::write_text;
-pub use dataset::{DatasetFolder, read_check_file, read_dataset, write_dataset};
+pub use dataset::{
+    DatasetFolder, read_calibration_tables, read_check_file, read_dataset, write_dataset,
+};
 pub use error::{Loaded, Place, ReadError, WriteError};
 pub use json::{
     Document, Migration, Schema, document, document_schema, parse_document, read_document,

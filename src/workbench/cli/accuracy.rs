@@ -1,8 +1,20 @@
 //! `tautline accuracy`.
 
+mod document;
+mod group;
+mod report;
+
 use std::path::PathBuf;
 
 use anyhow::Result;
+use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
+use tautline_session::{CheckKind, read_check_file};
+
+use super::BadInput;
+use super::output::{is_readable, write_json};
+pub use document::Accuracy;
+use document::{Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
+use group::{Group, Point, group, word};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -15,6 +27,92 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let _ = (&arguments.check, &arguments.json);
+    let rows = read_check_file(&arguments.check)?;
+    let file = arguments.check.display();
+    let at_file = |error: String| BadInput::new(format!("{file}: {error}"));
+    let groups = group(&rows.value).map_err(at_file)?;
+    let accuracy = accuracy(&groups).map_err(at_file)?;
+    for notice in &rows.notices {
+        eprintln!("{notice}");
+    }
+    for group in groups.iter().filter(|g| is_partly_oriented(g)) {
+        let kind = word(group.kind);
+        eprintln!(
+            "{file}: {kind} \"{}\" has rows without orientation, so no orientation figures",
+            group.name
+        );
+    }
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&accuracy))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        report::print(&accuracy);
+    }
     Ok(())
+}
+
+/// Whether some but not all rows have an orientation.
+fn is_partly_oriented(group: &Group) -> bool {
+    let some = group.points.iter().any(|p| p.some_oriented);
+    some && !group.points.iter().all(|p| p.oriented)
+}
+
+fn accuracy(groups: &[Group]) -> Result<Accuracy, String> {
+    let of_kind = |kind: CheckKind| groups.iter().filter(move |g| g.kind == kind);
+    let poses: Vec<&Group> = of_kind(CheckKind::Pose).collect();
+    Ok(Accuracy {
+        poses: match poses.is_empty() {
+            true => None,
+            false => Some(poses_accuracy(&poses)?),
+        },
+        paths: of_kind(CheckKind::Path)
+            .map(|path| path_of(path).map_err(|e| format!("path \"{}\": {e}", path.name)))
+            .collect::<Result<_, _>>()?,
+    })
+}
+
+fn poses_accuracy(groups: &[&Group]) -> Result<PoseAccuracy, String> {
+    let points: Vec<&Point> = groups.iter().map(|group| &group.points[0]).collect();
+    let targets: Vec<Target> = points.iter().map(|point| point.target.clone()).collect();
+    let summary = pose_accuracy(&targets).map_err(|error| error.to_string())?;
+    let oriented = points.iter().all(|point| point.oriented);
+    let figures = groups.iter().zip(&points).zip(&summary.targets);
+    Ok(PoseAccuracy {
+        largest_accuracy_m: summary.largest_accuracy_m,
+        mean_accuracy_m: summary.mean_accuracy_m,
+        largest_repeatability_m: summary.largest_repeatability_m.unwrap_or(f64::NAN),
+        mean_repeatability_m: summary.mean_repeatability_m.unwrap_or(f64::NAN),
+        largest_angle_accuracy_rad: oriented.then_some(summary.largest_angle_accuracy_rad),
+        largest_angle_repeatability_rad: summary
+            .largest_angle_repeatability_rad
+            .filter(|_| oriented),
+        targets: figures
+            .map(|((group, point), figures)| TargetAccuracy {
+                target: group.name.clone(),
+                cycles: figures.cycles,
+                figures: Figures::new(point.commanded_m(), figures, point.oriented),
+            })
+            .collect(),
+    })
+}
+
+fn path_of(group: &Group) -> Result<PathAccuracy, String> {
+    let targets: Vec<Target> = group.points.iter().map(|p| p.target.clone()).collect();
+    let path = path_accuracy(&targets).map_err(|error| error.to_string())?;
+    let oriented = group.points.iter().all(|point| point.oriented);
+    let figures = group.points.iter().zip(&path.points);
+    Ok(PathAccuracy {
+        target: group.name.clone(),
+        cycles: path.cycles,
+        accuracy_m: path.accuracy_m,
+        repeatability_m: path.repeatability_m.unwrap_or(f64::NAN),
+        angle_accuracy_rad: oriented.then_some(path.angle_accuracy_rad),
+        angle_repeatability_rad: path.angle_repeatability_rad.filter(|_| oriented),
+        points: figures
+            .map(|(point, figures)| PointAccuracy {
+                sample: point.sample,
+                figures: Figures::new(point.commanded_m(), figures, point.oriented),
+            })
+            .collect(),
+    })
 }

@@ -1,0 +1,106 @@
+//! Readable form of the accuracy figures: millimetres and degrees.
+
+use super::document::{Accuracy, Figures, PathAccuracy, PoseAccuracy};
+use crate::cli::table;
+
+/// Cycles that ISO 9283:1998 asks for, of a pose and of a path.
+const STANDARD_CYCLES: [usize; 2] = [30, 10];
+
+/// Prints everything.
+pub fn print(accuracy: &Accuracy) {
+    if let Some(poses) = &accuracy.poses {
+        print_poses(poses);
+    }
+    if !accuracy.paths.is_empty() {
+        print_paths(&accuracy.paths);
+    }
+    if accuracy
+        .poses
+        .iter()
+        .flat_map(|p| &p.targets)
+        .any(|t| t.figures.angle_accuracy_rad.is_some())
+        || accuracy
+            .paths
+            .iter()
+            .any(|p| p.angle_accuracy_rad.is_some())
+    {
+        println!("angles about the base axes: accuracy ±repeatability");
+    }
+    let poses = accuracy.poses.iter().flat_map(|p| &p.targets);
+    let few_poses = poses.filter(|t| t.cycles < STANDARD_CYCLES[0]).count();
+    let few_paths = accuracy.paths.iter();
+    let few_paths = few_paths.filter(|p| p.cycles < STANDARD_CYCLES[1]).count();
+    for (count, kind, cycles) in [
+        (few_poses, "poses", STANDARD_CYCLES[0]),
+        (few_paths, "paths", STANDARD_CYCLES[1]),
+    ] {
+        if count > 0 {
+            println!("{count} {kind} with fewer than the {cycles} cycles of ISO 9283");
+        }
+    }
+}
+
+fn print_poses(poses: &PoseAccuracy) {
+    let mut rows = table::numbers(&[
+        "Pose", "cycles", "AP mm", "RP mm", "dx mm", "dy mm", "dz mm", "rx °", "ry °", "rz °",
+    ]);
+    for target in &poses.targets {
+        let Figures {
+            deviation_m,
+            accuracy_m,
+            repeatability_m,
+            angle_accuracy_rad,
+            angle_repeatability_rad,
+            ..
+        } = &target.figures;
+        let mut cells = vec![target.target.clone(), target.cycles.to_string()];
+        cells.extend([accuracy_m, repeatability_m].map(|v| table::mm(*v, 3)));
+        cells.extend(deviation_m.map(|v| table::mm(v, 3)));
+        cells.extend(angles(*angle_accuracy_rad, *angle_repeatability_rad));
+        table::push(&mut rows, &cells);
+    }
+    println!("{rows}");
+    println!(
+        "pose accuracy AP: largest {} mm, mean {} mm",
+        table::mm(poses.largest_accuracy_m, 3),
+        table::mm(poses.mean_accuracy_m, 3)
+    );
+    println!(
+        "pose repeatability RP: largest {} mm, mean {} mm",
+        table::mm(poses.largest_repeatability_m, 3),
+        table::mm(poses.mean_repeatability_m, 3)
+    );
+}
+
+fn print_paths(paths: &[PathAccuracy]) {
+    let mut rows = table::numbers(&[
+        "Path", "cycles", "points", "AT mm", "RT mm", "rx °", "ry °", "rz °",
+    ]);
+    for path in paths {
+        let mut cells = vec![
+            path.target.clone(),
+            path.cycles.to_string(),
+            path.points.len().to_string(),
+            table::mm(path.accuracy_m, 3),
+            table::mm(path.repeatability_m, 3),
+        ];
+        cells.extend(angles(
+            path.angle_accuracy_rad,
+            path.angle_repeatability_rad,
+        ));
+        table::push(&mut rows, &cells);
+    }
+    println!("{rows}");
+}
+
+/// Accuracy and repeatability about each axis in degrees, or a dash.
+fn angles(accuracy: Option<[f64; 3]>, repeatability: Option<[f64; 3]>) -> [String; 3] {
+    std::array::from_fn(|k| match (accuracy, repeatability) {
+        (Some(accuracy), Some(repeatability)) => format!(
+            "{:.3} ±{:.3}",
+            accuracy[k].to_degrees(),
+            repeatability[k].to_degrees()
+        ),
+        _ => "-".to_owned(),
+    })
+}
