@@ -2,4 +2,5 @@
 
 pub mod bad_input_cases;
 pub mod nist;
+pub mod table1;
 pub mod truth;

@@ -2,7 +2,7 @@
 //! docs/VALIDATION.md.
 
 use anyhow::{Result, bail};
-use tautline_validation::truth;
+use tautline_validation::{table1, truth};
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -15,6 +15,7 @@ fn main() -> Result<()> {
                 .collect();
             println!("{}", truth::markdown(&rows?));
         }
+        Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
         _ => bail!("what to validate: truth"),
     }
     Ok(())
