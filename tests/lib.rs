@@ -2,3 +2,4 @@
 
 pub mod bad_input_cases;
 pub mod nist;
+pub mod truth;

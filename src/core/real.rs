@@ -325,7 +325,11 @@ pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
 /// Sum of squares.
 #[inline(always)]
 pub fn square_norm<T: Real, const N: usize>(a: [T; N]) -> T {
-    a[1..].iter().fold(a[0] * a[0], |sum, v| v.mul_add(*v, sum))
+    let mut sum = a[0] * a[0];
+    for k in 1..N {
+        sum = a[k].mul_add(a[k], sum);
+    }
+    sum
 }
 
 /// Vector product.
@@ -338,10 +342,43 @@ pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     ]
 }
 
+// Closures over lanes are compiled for the baseline processor, not for the instruction set chosen at
+// run time; hot code has loops where `map` and `fold` would read better.
+
 /// `scale * a`.
 #[inline(always)]
-pub fn scaled<T: Real>(a: [T; 3], scale: T) -> [T; 3] {
-    [a[0] * scale, a[1] * scale, a[2] * scale]
+pub fn scaled<T: Real, const N: usize>(mut a: [T; N], scale: T) -> [T; N] {
+    for v in &mut a {
+        *v = *v * scale;
+    }
+    a
+}
+
+/// `-a`.
+#[inline(always)]
+pub fn negated<T: Real, const N: usize>(mut a: [T; N]) -> [T; N] {
+    for v in &mut a {
+        *v = -*v;
+    }
+    a
+}
+
+/// Constants of the same kind as `like`.
+#[inline(always)]
+pub fn constants<T: Real, const N: usize>(like: T, values: [f64; N]) -> [T; N] {
+    let mut result = [like; N];
+    for k in 0..N {
+        result[k] = like.lift(values[k]);
+    }
+    result
+}
+
+/// Unit vector along an axis.
+#[inline(always)]
+pub fn unit_vector<T: Real>(like: T, axis: usize) -> [T; 3] {
+    let mut result = [like.lift(0.0); 3];
+    result[axis] = like.lift(1.0);
+    result
 }
 
 /// `a * factor + b`.

@@ -210,3 +210,6 @@ fn write_some<T>(
     }
     write_atomically(&folder.join(name), |out| write(out, rows))
 }
+
+#[cfg(test)]
+mod tests;

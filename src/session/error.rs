@@ -11,7 +11,7 @@ use tautline_core::robot::FieldError;
 /// Displays as one sentence on one line:
 /// `poses.csv, line 12, column "rev_3": found "abc", expected a number`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}{place}: {message}", OneLine(.file))]
+#[error("{}{place}: {}", OneLine(.file), OneLine(&shortened(.message, MESSAGE)))]
 pub struct ReadError {
     /// The file as the operator named it.
     pub file: String,
@@ -112,6 +112,8 @@ impl WriteError {
 
 /// Longest piece of a file that a message repeats (characters).
 const QUOTED: usize = 40;
+/// Longest message (characters); only a text from the file can make it longer.
+const MESSAGE: usize = 500;
 /// Longest JSON pointer that a message repeats (characters).
 const POINTER: usize = 200;
 

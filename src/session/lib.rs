@@ -1,7 +1,7 @@
 //! Files of Tautline: dataset folders, session files, model files.
 //!
 //! Every reader takes bytes from anyone and returns a value that makes sense or a [`ReadError`]
-//! of one sentence; none panics and none needs memory beyond a few times the size of its input.
+//! of one sentence; none panics and none needs memory beyond a fixed multiple of the size of its input.
 //! Every writer replaces its file completely or not at all.
 
 mod atomic;

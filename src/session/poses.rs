@@ -27,32 +27,20 @@ pub fn read_poses(
     robot: &Robot,
 ) -> Result<Loaded<Measurements>, ReadError> {
     let mut table = Table::open(reader, file)?;
-    let label_column = table.require(LABEL)?;
-    let mut columns = Columns::default();
-    let mut notices = Vec::new();
-    // For every column of numbers or text its index in the file.
-    let (mut number_cells, mut text_cells) = (Vec::new(), Vec::new());
-    for (cell, name) in table.names().iter().enumerate() {
-        if let Some(column) = Column::parse(name) {
-            number_cells.push(cell);
-            columns.numbers.push((column, Vec::new()));
-        } else if cell != label_column {
-            text_cells.push(cell);
-            columns.other.push((name.clone(), Vec::new()));
-            notices.push(table.unknown_column(name, "kept"));
-        }
-    }
-    columns
-        .check_header(robot)
-        .map_err(|fault| table.header_error(&fault.column, fault.message))?;
+    let (places, mut columns) = read_header(&table, robot)?;
+    let mut notices: Vec<String> = columns
+        .other
+        .iter()
+        .map(|(name, _)| table.unknown_column(name, "kept"))
+        .collect();
     let mut lines = Vec::new();
     while let Some(row) = table.next_row()? {
         lines.push(row.line());
-        columns.labels.push(row.integer(label_column)?);
-        for (cell, (_, values)) in number_cells.iter().zip(&mut columns.numbers) {
+        columns.labels.push(row.integer(places.label)?);
+        for (cell, (_, values)) in places.numbers.iter().zip(&mut columns.numbers) {
             values.push(row.number(*cell)?);
         }
-        for (cell, (_, texts)) in text_cells.iter().zip(&mut columns.other) {
+        for (cell, (_, texts)) in places.other.iter().zip(&mut columns.other) {
             texts.push(row.text(*cell).to_string());
         }
     }
@@ -63,11 +51,49 @@ pub fn read_poses(
             Ok(measurements)
         })
         .map_err(|fault| place_fault(fault, file, &lines))?;
-    notices.extend(unexplained(&measurements, robot).map(|text| format!("{file}: {text}")));
+    let unexplained = unexplained(&measurements, robot);
+    notices.extend(
+        unexplained
+            .into_iter()
+            .map(|text| format!("{file}: {text}")),
+    );
     Ok(Loaded {
         value: measurements,
         notices,
     })
+}
+
+/// Index in the file of the labels and of every column of numbers and of text.
+struct Places {
+    label: usize,
+    numbers: Vec<usize>,
+    other: Vec<usize>,
+}
+
+/// Finds the columns, still without rows.
+fn read_header<R: BufRead>(
+    table: &Table<R>,
+    robot: &Robot,
+) -> Result<(Places, Columns), ReadError> {
+    let mut columns = Columns::default();
+    let mut places = Places {
+        label: table.require(LABEL)?,
+        numbers: Vec::new(),
+        other: Vec::new(),
+    };
+    for (cell, name) in table.names().iter().enumerate() {
+        if let Some(column) = Column::parse(name) {
+            places.numbers.push(cell);
+            columns.numbers.push((column, Vec::new()));
+        } else if cell != places.label {
+            places.other.push(cell);
+            columns.other.push((name.clone(), Vec::new()));
+        }
+    }
+    columns
+        .check_header(robot)
+        .map_err(|fault| table.header_error(&fault.column, fault.message))?;
+    Ok((places, columns))
 }
 
 /// Name of the column with the labels.

@@ -267,7 +267,7 @@ fn rows() -> Vec<BadInput> {
             PosesText(|text| text.replacen("1,0.05,0,-0.07", "1,-0.42,-0.333,0.4", 1)),
             &[
                 "poses.csv, line 4, column \"x_m\"",
-                "inside the pulley of \"cable-1\"",
+                "anchor of cable-1 is inside its pulley",
             ],
         ),
     ]

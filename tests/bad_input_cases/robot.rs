@@ -5,8 +5,10 @@ use super::{BadInput, case};
 
 pub(super) fn cases() -> Vec<BadInput> {
     let mut cases = files_and_syntax();
+    cases.extend(versions());
     cases.extend(types());
     cases.extend(values());
+    cases.extend(directions_and_materials());
     cases.extend(layout());
     cases.extend(home_platform_and_effects());
     cases
@@ -79,6 +81,11 @@ fn files_and_syntax() -> Vec<BadInput> {
             RobotText(|_| "[".repeat(100_000)),
             &["robot.json, line 1", "recursion limit"],
         ),
+    ]
+}
+
+fn versions() -> Vec<BadInput> {
+    vec![
         case(
             "wrong format",
             Set("/format", "\"tautline-session\""),
@@ -217,6 +224,11 @@ fn values() -> Vec<BadInput> {
             Set("/cables/0/winch/drum_diameter_m", "40"),
             &["/cables/0/winch/drum_diameter_m", "millimetres"],
         ),
+    ]
+}
+
+fn directions_and_materials() -> Vec<BadInput> {
+    vec![
         case(
             "non-unit axis",
             Set("/cables/2/pulley/swivel_axis", "[0, 0, -1.1]"),
@@ -332,12 +344,17 @@ fn layout() -> Vec<BadInput> {
         case(
             "anchor inside a pulley",
             Set("/cables/1/platform_anchor_m", "[0.52, -0.378, 0.445]"),
-            &["/cables/1/platform_anchor_m: found the platform anchor inside the pulley"],
+            &[
+                "/cables/1/platform_anchor_m: found that the platform anchor of cable-2 is inside its pulley",
+            ],
         ),
         case(
             "anchor on the swivel axis",
             Set("/cables/1/platform_anchor_m", "[0.5, -0.378, 0.05]"),
-            &["/cables/1/platform_anchor_m", "on the pulley's swivel axis"],
+            &[
+                "/cables/1/platform_anchor_m",
+                "on the swivel axis of its pulley",
+            ],
         ),
     ]
 }

@@ -9,7 +9,7 @@
 
 use super::ElongationSurface;
 use crate::kinematics::{CablePath, PathChange};
-use crate::real::{Real, add_scaled, dot, scaled};
+use crate::real::{Real, add_scaled, constants, dot, scaled};
 
 /// What a cable is made of and how it is loaded, at one pose.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +58,7 @@ impl<T: Real> CableLaw<'_, T> {
     pub fn unstrained(&self, path: &CablePath<T>) -> Unstrained<T> {
         let zero = self.run.lift(0.0);
         let one = self.run.lift(1.0);
-        let down = self.down.map(|v| zero.lift(v));
+        let down = constants(zero, self.down);
         let span = self.run + path.length;
         let (elongation, by_span, by_load, stretch) = match self.surface {
             Some(surface) => {

@@ -201,6 +201,14 @@ fn check_path(cable: &Cable, path: &CablePath<f64>) -> Result<(), KinematicsErro
     Ok(())
 }
 
+/// Checks that `cable` has a path when the platform is at `pose`.
+///
+/// # Errors
+/// Why it has none.
+pub fn check_path_at(cable: &Cable, pose: &Pose) -> Result<(), KinematicsError> {
+    LocatedCable::new(cable, pose).map(|_| ())
+}
+
 /// Every cable of `robot` at `pose`, in the robot's order.
 ///
 /// # Errors

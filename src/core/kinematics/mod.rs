@@ -12,7 +12,8 @@ pub use bank::MAX_CABLES;
 pub(crate) use bank::{CableBank, Placement};
 pub use forward::{ForwardKinematics, ForwardSolution};
 pub use inverse::{
-    CableState, KinematicsError, LengthGradient, inverse_kinematics, length_gradients,
+    CableState, KinematicsError, LengthGradient, check_path_at, inverse_kinematics,
+    length_gradients,
 };
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
 pub use statics::{

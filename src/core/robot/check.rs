@@ -9,11 +9,8 @@ mod layout;
 use super::{Cable, Home, HomePlatform, Laser, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
 use crate::effect::EffectSetting;
+use crate::kinematics::MAX_CABLES;
 use field::Object;
-pub use layout::ReachFault;
-
-/// Number of cables a robot can have at most.
-pub const MAX_CABLES: usize = 64;
 
 /// What is wrong with one field of a robot description.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

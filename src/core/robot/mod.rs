@@ -4,7 +4,7 @@ mod check;
 mod description;
 pub mod presets;
 
-pub use check::{FieldError, MAX_CABLES, ReachFault};
+pub use check::FieldError;
 pub use description::{
     Cable, CableMaterial, DistanceCurve, ForceSensor, FrameTransform, Home, HomePlatform,
     HomeSensor, Inclinometer, Laser, PerAxis, Plane, Platform, Pulley, Robot, TargetPlane, Tracker,

@@ -84,12 +84,9 @@ fn message(error: &str, found: Option<&Value>) -> String {
     if let Some(key) = error.strip_prefix("missing field ") {
         return format!("has no key {}, expected one", key.replace('`', "\""));
     }
-    if let Some(rest) = error.strip_prefix("unknown variant ") {
-        return format!("found {}", rest.replace('`', "\""));
-    }
     let found = found.map_or_else(|| "nothing".into(), kind);
-    match error.split_once("expected ").map(|(_, expected)| expected) {
-        Some(expected) => format!("found {found}, expected {}", plain(expected)),
+    match error.rsplit_once("expected ") {
+        Some((_, expected)) => format!("found {found}, expected {}", plain(expected)),
         None => format!("found {found}: {error}"),
     }
 }

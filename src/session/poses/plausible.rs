@@ -172,52 +172,49 @@ fn check_deviations(deviations: &[[f64; 3]]) -> Result<(), Fault> {
 }
 
 /// Readings that no instrument of the robot explains, and a home row that is not at zero.
-pub(crate) fn unexplained(m: &Measurements, robot: &Robot) -> impl Iterator<Item = String> {
+pub(crate) fn unexplained(m: &Measurements, robot: &Robot) -> Vec<String> {
     let every = |has: fn(&Cable) -> bool| robot.cables.iter().all(has);
     let swivels = |c: &Cable| c.pulley.swivel_zero.is_some() && c.pulley.swivel_sd_rad.is_some();
     let tracked = !m.tracked_position_m.is_empty() || !m.tracked_orientation_wxyz.is_empty();
-    let unused =
-        |what: &str, missing: &str| format!("{what} are not used, the robot has no {missing}");
-    let mut notices = Vec::new();
-    let mut note = |present: bool, explained: bool, what: &str, missing: &str| {
-        if present && !explained {
-            notices.push(unused(what, missing));
-        }
-    };
-    let has_laser = robot.laser.is_some();
-    note(!m.laser_m.is_empty(), has_laser, "laser readings", "laser");
-    let has_inclinometer = robot.inclinometer.is_some();
-    let inclined = !m.inclination_rad.is_empty();
-    note(
-        inclined,
-        has_inclinometer,
-        "roll, pitch and yaw",
-        "inclinometer",
-    );
-    note(
-        tracked,
-        robot.tracker.is_some(),
-        "measured poses",
-        "tracker",
-    );
-    let every_force = every(|c| c.force_sensor.is_some());
-    let forces = !m.force_n.is_empty();
-    note(
-        forces,
-        every_force,
-        "some force readings",
-        "force_sensor on some cable",
-    );
-    let swivel = !m.swivel_rad.is_empty();
-    let explained = every(swivels);
-    note(
-        swivel,
-        explained,
-        "some swivel angles",
-        "swivel_zero or swivel_sd_rad on some pulley",
-    );
-    notices.extend(home_not_zero(m, robot));
-    notices.into_iter()
+    // What was measured, whether the robot explains it, what it is, what the robot lacks.
+    let readings = [
+        (
+            !m.laser_m.is_empty(),
+            robot.laser.is_some(),
+            "laser readings",
+            "laser",
+        ),
+        (
+            !m.inclination_rad.is_empty(),
+            robot.inclinometer.is_some(),
+            "roll, pitch and yaw",
+            "inclinometer",
+        ),
+        (
+            tracked,
+            robot.tracker.is_some(),
+            "measured poses",
+            "tracker",
+        ),
+        (
+            !m.force_n.is_empty(),
+            every(|c| c.force_sensor.is_some()),
+            "some force readings",
+            "force_sensor on some cable",
+        ),
+        (
+            !m.swivel_rad.is_empty(),
+            every(swivels),
+            "some swivel angles",
+            "swivel_zero or swivel_sd_rad on some pulley",
+        ),
+    ];
+    readings
+        .into_iter()
+        .filter(|(measured, explained, ..)| *measured && !explained)
+        .map(|(_, _, what, lacks)| format!("{what} are not used, the robot has no {lacks}"))
+        .chain(home_not_zero(m, robot))
+        .collect()
 }
 
 fn home_not_zero(m: &Measurements, robot: &Robot) -> Option<String> {

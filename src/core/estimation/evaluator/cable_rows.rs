@@ -13,7 +13,7 @@ use super::layout::Layout;
 use crate::cable::{CableLaw, ElongationSurface, Unstrained};
 use crate::effect::CablePort;
 use crate::kinematics::{CablePath, PathChange, PulleyGeometry};
-use crate::real::{Real, add_scaled, cross, difference, dot, scaled};
+use crate::real::{Real, add_scaled, cross, difference, dot, scaled, unit_vector};
 
 /// What does not change from pose to pose, per cable.
 #[derive(Debug, Clone)]
@@ -177,7 +177,7 @@ impl<T: Real> CableState<T> {
         let zero = self.tension.lift(0.0);
         let (reading, present) = inputs.swivel.present();
         let p = &inputs.ports;
-        let origin = constants.swivel_zero.map(|v| zero.lift(v));
+        let origin = crate::real::constants(zero, constants.swivel_zero);
         let axis = [p[9], p[10], p[11]];
         let angle = dot(cross(axis, origin), self.path.facing).atan2(dot(origin, self.path.facing));
         let off = angle + p[15] - reading;
@@ -199,9 +199,6 @@ impl<T: Real> CableState<T> {
     #[inline(always)]
     fn change_by_port(&self, port: CablePort, pose: &Attitude<T>) -> PortChange<T> {
         let zero = self.tension.lift(0.0);
-        let unit = |axis: usize| -> [T; 3] {
-            std::array::from_fn(|k| zero.lift(if k == axis { 1.0 } else { 0.0 }))
-        };
         let length_only = |length| PortChange {
             length,
             wrench: [zero; 6],
@@ -222,18 +219,18 @@ impl<T: Real> CableState<T> {
             },
             CablePort::Radius => self.by_path(&self.path.change_by_radius(self.radius), [zero; 3]),
             CablePort::EntryShift(axis) => {
-                let step = scaled(unit(axis), zero.lift(-1.0));
+                let step = scaled(unit_vector(zero, axis), zero.lift(-1.0));
                 self.by_path(&self.path.change_by_anchor(self.radius, step), step)
             }
             CablePort::Axis(axis) => {
                 let z = cross(self.path.facing, self.path.lateral);
-                let rotation = cross(z, unit(axis));
+                let rotation = cross(z, unit_vector(zero, axis));
                 let offset = difference(self.anchor, self.entry);
                 let change = self.path.change_by_axis(self.radius, offset, rotation);
                 self.by_path(&change, cross(offset, rotation))
             }
             CablePort::Anchor(axis) => {
-                let step = pose.rotate(unit(axis));
+                let step = pose.rotate(unit_vector(zero, axis));
                 let path = self.path.change_by_anchor(self.radius, step);
                 let mut change = self.by_path(&path, step);
                 let torque = scaled(cross(step, self.path.toward_exit), self.tension);
@@ -317,7 +314,7 @@ impl<T: Real> CableState<T> {
         let columns = &mut equations.balance_by_column[first..first + 4];
         let mut moved = [[zero; 6]; 3];
         for axis in 0..3 {
-            let unit = std::array::from_fn(|k| zero.lift(if k == axis { 1.0 } else { 0.0 }));
+            let unit = unit_vector(zero, axis);
             let turned = scaled(self.path.turn(unit), self.tension);
             let change = wrench(self.lever, turned);
             let back = -(regression * self.gradient[axis]);
@@ -327,7 +324,7 @@ impl<T: Real> CableState<T> {
                 balance.by_pose[axis][k] = balance.by_pose[axis][k] + moved[axis][k];
             }
         }
-        columns[3] = a.map(|v| v * regression);
+        columns[3] = scaled(*a, regression);
         self.add_rotation(&moved, balance);
     }
 

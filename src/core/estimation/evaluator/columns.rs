@@ -44,6 +44,26 @@ impl<T: Packet> ColumnStore<T> {
         }
     }
 
+    /// The packets of several columns.
+    #[inline(always)]
+    pub fn load_all<const N: usize>(&self, columns: &[Column; N], batch: usize) -> [T; N] {
+        let mut values = [T::splat(self.token, 0.0); N];
+        for k in 0..N {
+            values[k] = self.load(columns[k], batch);
+        }
+        values
+    }
+
+    /// The packets of the first three of some columns.
+    #[inline(always)]
+    pub fn load_three(&self, columns: &[Column], batch: usize) -> [T; 3] {
+        [
+            self.load(columns[0], batch),
+            self.load(columns[1], batch),
+            self.load(columns[2], batch),
+        ]
+    }
+
     /// The packet of a batch.
     #[inline(always)]
     pub fn load(&self, column: Column, batch: usize) -> T {

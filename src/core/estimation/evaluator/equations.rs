@@ -1,7 +1,7 @@
 //! The whitened equations of one packet of poses, with their derivatives.
 
 use super::layout::{CABLE_COLUMNS, Layout};
-use crate::real::{Real, cross, scaled};
+use crate::real::{Real, cross, dot, scaled, square_norm};
 
 /// Rows of one packet of poses; sparse where the equations are.
 #[derive(Debug, Clone)]
@@ -82,13 +82,13 @@ impl<T: Real> Equations<T> {
             let weight = (k / size.max(k)).sqrt();
             loss = loss + (size - k).select_positive(k * (size + size - k), r * r);
             self.residual[row] = r * weight;
-            self.by_pose[row] = self.by_pose[row].map(|v| v * weight);
+            self.by_pose[row] = scaled(self.by_pose[row], weight);
             if row < layout.cables {
-                self.length_by_cable[row] = self.length_by_cable[row].map(|v| v * weight);
+                self.length_by_cable[row] = scaled(self.length_by_cable[row], weight);
             }
             if let Some(cable) = layout.swivel.and_then(|first| row.checked_sub(first)) {
                 if cable < layout.cables {
-                    self.swivel_by_cable[cable] = self.swivel_by_cable[cable].map(|v| v * weight);
+                    self.swivel_by_cable[cable] = scaled(self.swivel_by_cable[cable], weight);
                 }
             }
             if layout.laser == Some(row) {
@@ -119,7 +119,10 @@ impl<T: Real> Equations<T> {
         }
         for (cable, (length_variance, tension_variance)) in spreads.iter().enumerate() {
             let a = &self.structure[cable];
-            let balance = (0..6).fold(zero, |sum, k| a[k].mul_add(lambda[k], sum));
+            let mut balance = zero;
+            for k in 0..6 {
+                balance = a[k].mul_add(lambda[k], balance);
+            }
             let c = self.length_by_tension[cable];
             let spread = zero.lift(*tension_variance);
             let variance = (c * c).mul_add(spread, zero.lift(*length_variance));
@@ -132,8 +135,11 @@ impl<T: Real> Equations<T> {
     /// Sum of squares of all rows.
     #[inline(always)]
     pub fn square_sum(&self) -> T {
-        let zero = self.laser_by_plane.lift(0.0);
-        self.residual.iter().fold(zero, |sum, r| r.mul_add(*r, sum))
+        let mut sum = self.laser_by_plane.lift(0.0);
+        for r in &self.residual {
+            sum = r.mul_add(*r, sum);
+        }
+        sum
     }
 }
 
@@ -181,7 +187,8 @@ impl<T: Real> Attitude<T> {
     /// Rotates a vector from the platform to the base frame.
     #[inline(always)]
     pub fn rotate(&self, v: [T; 3]) -> [T; 3] {
-        self.rotation.map(|row| crate::real::dot(row, v))
+        let [x, y, z] = self.rotation;
+        [dot(x, v), dot(y, v), dot(z, v)]
     }
 
     /// The attitude after a small motion. The rotation is `1 + phi/2` as a quaternion, normalised:
@@ -194,18 +201,17 @@ impl<T: Real> Attitude<T> {
         let q = [x, y, z];
         let c = cross(v, q);
         let turned = [
-            w - crate::real::dot(v, q),
+            w - dot(v, q),
             v[0].mul_add(w, q[0]) + c[0],
             v[1].mul_add(w, q[1]) + c[1],
             v[2].mul_add(w, q[2]) + c[2],
         ];
-        let square = turned.iter().fold(half.lift(0.0), |s, t| t.mul_add(*t, s));
-        let inverse = half.lift(1.0) / square.sqrt();
+        let inverse = half.lift(1.0) / square_norm(turned).sqrt();
         let position = [
             self.position[0] + step[0],
             self.position[1] + step[1],
             self.position[2] + step[2],
         ];
-        Self::new(position, turned.map(|t| t * inverse))
+        Self::new(position, scaled(turned, inverse))
     }
 }

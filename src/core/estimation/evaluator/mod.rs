@@ -20,7 +20,7 @@ pub(super) use normal::{Elimination, Sums};
 use super::problem::{Globals, Poses, Problem};
 use crate::effect::PlatformPort;
 use crate::geometry::Pose;
-use crate::real::{Kernel, Packet};
+use crate::real::{Kernel, Packet, constants, scaled, unit_vector};
 
 /// Scalars per pose that the back-substitution needs, besides `Y`.
 const FACTOR_AND_RESIDUAL: usize = 27;
@@ -240,16 +240,10 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
         let size = per_pose * T::LANES;
         let slot = &mut self.eliminated[batch * size..(batch + 1) * size];
-        let numbers = self
-            .elimination
-            .factor
-            .iter()
-            .chain(&self.elimination.residual);
-        for (k, value) in numbers
-            .chain(self.elimination.columns.iter().flatten())
-            .enumerate()
-        {
-            value.store(slot, k);
+        store_all(&self.elimination.factor, slot, 0);
+        store_all(&self.elimination.residual, slot, 21);
+        for (column, values) in self.elimination.columns.iter().enumerate() {
+            store_all(values, slot, FACTOR_AND_RESIDUAL + 6 * column);
         }
     }
 
@@ -258,14 +252,14 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
         let size = per_pose * T::LANES;
         let slot = &self.eliminated[batch * size..(batch + 1) * size];
-        let load = |k: usize| T::load(self.token, slot, k);
-        let factor = std::array::from_fn(load);
-        let residual = std::array::from_fn(|k| load(21 + k));
-        let mut moved = [T::splat(self.token, 0.0); 6];
+        let zero = T::splat(self.token, 0.0);
+        let factor = load_all(self.token, slot, 0, zero);
+        let residual = load_all(self.token, slot, 21, zero);
+        let mut moved = [zero; 6];
         for (column, delta) in step.iter().enumerate() {
             let delta = T::splat(self.token, *delta);
             for k in 0..6 {
-                let y = load(FACTOR_AND_RESIDUAL + 6 * column + k);
+                let y = T::load(self.token, slot, FACTOR_AND_RESIDUAL + 6 * column + k);
                 moved[k] = y.mul_add(delta, moved[k]);
             }
         }
@@ -275,19 +269,22 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     /// The attitude of a packet.
     #[inline(always)]
     pub fn attitude(&self, batch: usize) -> Attitude<T> {
-        let load = |k: usize| T::load(self.token, &self.attitudes, batch * ATTITUDE + k);
+        let zero = T::splat(self.token, 0.0);
+        let first = batch * ATTITUDE;
         Attitude::new(
-            std::array::from_fn(load),
-            std::array::from_fn(|k| load(3 + k)),
+            load_all(self.token, &self.attitudes, first, zero),
+            load_all(self.token, &self.attitudes, first + 3, zero),
         )
     }
 
     #[inline(always)]
     fn store_attitude(&mut self, batch: usize, attitude: &Attitude<T>) {
-        let numbers = attitude.position.iter().chain(&attitude.quaternion);
-        for (k, value) in numbers.enumerate() {
-            value.store(&mut self.attitudes, batch * ATTITUDE + k);
-        }
+        store_all(&attitude.position, &mut self.attitudes, batch * ATTITUDE);
+        store_all(
+            &attitude.quaternion,
+            &mut self.attitudes,
+            batch * ATTITUDE + 3,
+        );
     }
 
     /// The present poses, in the order of the rows.
@@ -372,10 +369,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: self.home_length[cable],
-            ports: std::array::from_fn(|k| self.ports.store.load(columns[k], batch)),
-            swivel: swivel.map_or(T::splat(self.token, f64::NAN), |c| {
-                self.readings.load(*c, batch)
-            }),
+            ports: self.ports.store.load_all(columns, batch),
+            swivel: match swivel {
+                Some(column) => self.readings.load(*column, batch),
+                None => T::splat(self.token, f64::NAN),
+            },
         };
         let constants = &self.constants[cable];
         let state = CableState::new(constants, &inputs, pose, self.down);
@@ -419,12 +417,12 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 }
                 balance.covariance[diagonal] = zero.lift(1.0);
                 balance.residual[k] = zero;
-                balance
-                    .by_pose
-                    .iter_mut()
-                    .for_each(|column| column[k] = zero);
-                let columns = &mut self.equations.balance_by_column;
-                columns.iter_mut().for_each(|column| column[k] = zero);
+                for column in &mut balance.by_pose {
+                    column[k] = zero;
+                }
+                for column in &mut self.equations.balance_by_column {
+                    column[k] = zero;
+                }
             } else {
                 let variance = zero.lift(self.wrench_variance[k]);
                 balance.covariance[diagonal] = balance.covariance[diagonal] + variance;
@@ -433,17 +431,19 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         normal::factorise(&mut balance.covariance, 0.0);
         self.equations.balance_factor = balance.covariance;
         let factor = &balance.covariance;
-        let whiten = |column: &mut [T; 6]| {
-            normal::forward_substitute(factor, column);
-            *column = column.map(|v| v * balance.present);
-        };
-        whiten(&mut balance.residual);
-        balance.by_pose.iter_mut().for_each(whiten);
-        self.equations.balance_by_column.iter_mut().for_each(whiten);
+        whiten(&mut balance.residual, factor, balance.present);
+        for column in &mut balance.by_pose {
+            whiten(column, factor, balance.present);
+        }
+        for column in &mut self.equations.balance_by_column {
+            whiten(column, factor, balance.present);
+        }
         for k in 0..6 {
             let row = first + k;
             self.equations.residual[row] = balance.residual[k];
-            self.equations.by_pose[row] = std::array::from_fn(|q| balance.by_pose[q][k]);
+            for q in 0..6 {
+                self.equations.by_pose[row][q] = balance.by_pose[q][k];
+            }
             let counted = balance.present * zero.lift(self.balanced[k]);
             self.equations.present[row] = counted;
         }
@@ -451,11 +451,10 @@ impl<'a, T: Packet> Evaluator<'a, T> {
 
     #[inline(always)]
     fn add_gravity(&mut self, batch: usize, pose: &Attitude<T>, balance: &mut Balance<T>) {
-        let port = |k: usize| self.ports.store.load(self.ports.platform[k], batch);
-        let per_kilogram = self.gravity.map(|g| T::splat(self.token, g));
-        let mass = port(0);
-        let weight = per_kilogram.map(|g| g * mass);
-        let lever = pose.rotate([port(1), port(2), port(3)]);
+        let [mass, x, y, z, ..] = self.ports.store.load_all(&self.ports.platform, batch);
+        let per_kilogram = constants(mass, self.gravity);
+        let weight = scaled(per_kilogram, mass);
+        let lever = pose.rotate([x, y, z]);
         let torque = crate::real::cross(lever, weight);
         for k in 0..3 {
             balance.residual[k] = balance.residual[k] + weight[k];
@@ -466,12 +465,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             let slope = self.ports.store.load(link.slope, batch);
             let (force, lever) = match link.port {
                 PlatformPort::Mass => (per_kilogram, lever),
-                PlatformPort::CenterOfMass(axis) => {
-                    let zero = T::splat(self.token, 0.0);
-                    let unit =
-                        std::array::from_fn(|k| zero.lift(if k == axis { 1.0 } else { 0.0 }));
-                    (weight, pose.rotate(unit))
-                }
+                PlatformPort::CenterOfMass(axis) => (weight, pose.rotate(unit_vector(mass, axis))),
                 _ => continue,
             };
             let column = self.layout.effect_column() + link.parameter;
@@ -488,52 +482,48 @@ impl<'a, T: Packet> Evaluator<'a, T> {
 
     #[inline(always)]
     fn evaluate_platform(&mut self, batch: usize, pose: &Attitude<T>) {
-        let splat = |v: f64| T::splat(self.token, v);
-        let read = |column: &Column| self.readings.load(*column, batch);
         let robot = &self.problem.dataset.robot;
-        let ports = || -> [T; PlatformPort::COUNT] {
-            std::array::from_fn(|k| self.ports.store.load(self.ports.platform[k], batch))
-        };
-        let links: Vec<_> = self
-            .ports
-            .platform_links
-            .iter()
-            .map(|link| {
-                (
-                    link.port,
-                    link.parameter,
-                    self.ports.store.load(link.slope, batch),
-                )
-            })
-            .collect();
+        let zero = T::splat(self.token, 0.0);
+        let ports: [T; PlatformPort::COUNT] =
+            self.ports.store.load_all(&self.ports.platform, batch);
+        let mut links = Vec::with_capacity(self.ports.platform_links.len());
+        for link in &self.ports.platform_links {
+            let slope = self.ports.store.load(link.slope, batch);
+            links.push((link.port, link.parameter, slope));
+        }
         if let (Some(row), Some(laser)) = (self.layout.laser, &robot.laser) {
             let inputs = LaserInputs {
-                reading: read(&self.platform.laser),
-                origin: laser.origin_m.map(splat),
+                reading: self.readings.load(self.platform.laser, batch),
+                origin: constants(zero, laser.origin_m),
                 offset: self.plane_offset,
-                inverse_sd: splat(laser.sd_m.recip()),
-                ports: ports(),
+                inverse_sd: zero.lift(laser.sd_m.recip()),
+                ports,
             };
             inputs.row(row, &links, &self.layout, pose, &mut self.equations);
         }
         if let Some(first) = self.layout.tracker_position {
-            let reading = std::array::from_fn(|k| read(&self.platform.tracker_position[k]));
-            let weight = std::array::from_fn(|k| read(&self.platform.tracker_inverse_sd[k]));
+            let position = &self.platform.tracker_position;
+            let reading = self.readings.load_three(position, batch);
+            let weight = self
+                .readings
+                .load_three(&self.platform.tracker_inverse_sd, batch);
             platform_rows::tracker_position_rows(first, reading, weight, pose, &mut self.equations);
         }
         let tracker_sd = robot.tracker.and_then(|t| t.orientation_sd_rad);
         if let (Some(first), Some(sd)) = (self.layout.tracker_orientation, tracker_sd) {
-            let reading = std::array::from_fn(|k| read(&self.platform.tracker_orientation[k]));
-            let weight = splat(sd.recip());
+            let columns = &self.platform.tracker_orientation;
+            let [x, y, z] = self.readings.load_three(&columns[1..], batch);
+            let reading = [self.readings.load(columns[0], batch), x, y, z];
+            let weight = zero.lift(sd.recip());
             let equations = &mut self.equations;
             platform_rows::tracker_orientation_rows(first, reading, weight, pose, equations);
         }
         if let (Some(first), Some(sensor)) = (self.layout.inclination, robot.inclinometer) {
-            let reading = std::array::from_fn(|k| read(&self.platform.inclination[k]));
+            let reading = self.readings.load_three(&self.platform.inclination, batch);
             platform_rows::inclination_rows(
                 first,
-                (reading, splat(sensor.sd_rad.recip())),
-                &ports(),
+                (reading, zero.lift(sensor.sd_rad.recip())),
+                &ports,
                 &links,
                 &self.layout,
                 pose,
@@ -541,6 +531,33 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             );
         }
     }
+}
+
+#[inline(always)]
+fn load_all<T: Packet, const N: usize>(
+    token: T::Token,
+    slice: &[f64],
+    first: usize,
+    zero: T,
+) -> [T; N] {
+    let mut values = [zero; N];
+    for (k, value) in values.iter_mut().enumerate() {
+        *value = T::load(token, slice, first + k);
+    }
+    values
+}
+
+#[inline(always)]
+fn store_all<T: Packet>(values: &[T], slice: &mut [f64], first: usize) {
+    for (k, value) in values.iter().enumerate() {
+        value.store(slice, first + k);
+    }
+}
+
+#[inline(always)]
+fn whiten<T: Packet>(column: &mut [T; 6], factor: &[T; 21], present: T) {
+    normal::forward_substitute(factor, column);
+    *column = scaled(*column, present);
 }
 
 /// One pass over all packets.

@@ -6,7 +6,7 @@
 
 use super::equations::Equations;
 use super::layout::{CABLE_COLUMNS, Layout};
-use crate::real::Packet;
+use crate::real::{Packet, negated, scaled, square_norm};
 
 /// Elimination of one packet of poses.
 #[derive(Clone)]
@@ -79,7 +79,7 @@ impl<T: Packet> Elimination<T> {
             let columns = &mut self.columns[first..first + CABLE_COLUMNS];
             let j = &equations.by_pose[cable];
             for (column, g) in columns.iter_mut().zip(g) {
-                *column = j.map(|j| j * *g);
+                *column = scaled(*j, *g);
             }
         }
         if let Some(first_row) = layout.swivel {
@@ -93,7 +93,7 @@ impl<T: Packet> Elimination<T> {
         }
         let plane = layout.plane_column();
         self.columns[plane] = match layout.laser {
-            Some(row) => equations.by_pose[row].map(|j| j * equations.laser_by_plane),
+            Some(row) => scaled(equations.by_pose[row], equations.laser_by_plane),
             None => [zero; 6],
         };
         for column in &mut self.columns[layout.effect_column()..] {
@@ -136,48 +136,47 @@ impl<T: Packet> Elimination<T> {
         y: [T; 6],
     ) -> Vec<T> {
         let zero = y[0].lift(0.0);
-        let mut gradient: Vec<T> = self
-            .columns
-            .iter()
-            .map(|column| (0..6).fold(zero, |sum, k| sum - column[k] * y[k]))
-            .collect();
-        let mut add = |first: usize, g: &[T]| {
-            for (entry, g) in gradient[first..].iter_mut().zip(g) {
-                *entry = *entry + *g;
+        let mut gradient = vec![zero; layout.columns];
+        for (entry, column) in gradient.iter_mut().zip(&self.columns) {
+            for k in 0..6 {
+                *entry = *entry - column[k] * y[k];
             }
-        };
+        }
         if let Some(k) = layout
             .equilibrium
             .and_then(|first| row.checked_sub(first))
             .filter(|k| *k < 6)
         {
             for (column, g) in equations.balance_by_column.iter().enumerate() {
-                add(column, &[g[k]]);
+                gradient[column] = gradient[column] + g[k];
             }
             return gradient;
         }
         if row < layout.cables {
-            add(layout.cable_column(row), &equations.length_by_cable[row]);
+            let g = &equations.length_by_cable[row];
+            add_to(&mut gradient[layout.cable_column(row)..], g);
         }
         let swivel = layout.swivel.and_then(|first| row.checked_sub(first));
         if let Some(cable) = swivel.filter(|cable| *cable < layout.cables) {
-            add(
-                layout.cable_column(cable),
-                &equations.swivel_by_cable[cable],
-            );
+            let g = &equations.swivel_by_cable[cable];
+            add_to(&mut gradient[layout.cable_column(cable)..], g);
         }
         if layout.laser == Some(row) {
-            add(layout.plane_column(), &[equations.laser_by_plane]);
+            let plane = layout.plane_column();
+            gradient[plane] = gradient[plane] + equations.laser_by_plane;
         }
         let effects = &equations.by_effect[row * layout.effects..(row + 1) * layout.effects];
-        add(layout.effect_column(), effects);
+        add_to(&mut gradient[layout.effect_column()..], effects);
         gradient
     }
 
     /// `dx` from `Y dg` of the poses.
     #[inline(always)]
     pub fn pose_step(factor: &[T; 21], residual: [T; 6], moved: [T; 6]) -> [T; 6] {
-        let mut x: [T; 6] = std::array::from_fn(|k| -(residual[k] + moved[k]));
+        let mut x = residual;
+        for k in 0..6 {
+            x[k] = -(residual[k] + moved[k]);
+        }
         for k in (0..6).rev() {
             for q in k + 1..6 {
                 x[k] = x[k] - factor[q * (q + 1) / 2 + k] * x[q];
@@ -185,6 +184,13 @@ impl<T: Packet> Elimination<T> {
             x[k] = x[k] * factor[k * (k + 1) / 2 + k];
         }
         x
+    }
+}
+
+#[inline(always)]
+fn add_to<T: Packet>(sum: &mut [T], terms: &[T]) {
+    for (entry, term) in sum.iter_mut().zip(terms) {
+        *entry = *entry + *term;
     }
 }
 
@@ -259,22 +265,26 @@ impl<T: Packet> Sums<T> {
     #[inline(always)]
     pub fn add(&mut self, equations: &Equations<T>, elimination: &Elimination<T>, layout: &Layout) {
         let y = &elimination.residual;
-        let square = y.iter().fold(y[0].lift(0.0), |sum, v| v.mul_add(*v, sum));
-        self.decrease += square.sum();
+        self.decrease += square_norm(*y).sum();
         let zero = y[0].lift(0.0);
         let one = y[0].lift(1.0);
-        let readings = equations.present.iter().fold(zero, |sum, p| sum + *p);
+        let mut readings = zero;
+        for present in &equations.present {
+            readings = readings + *present;
+        }
         self.readings += readings.sum();
-        let determined = (0..6).fold(zero, |sum, k| {
-            sum + elimination.factor[k * (k + 1) / 2 + k].select_positive(one, zero)
-        });
+        let mut determined = zero;
+        for k in 0..6 {
+            let inverse = elimination.factor[k * (k + 1) / 2 + k];
+            determined = determined + inverse.select_positive(one, zero);
+        }
         self.coordinates += determined.sum();
         match layout.equilibrium {
             None => self.add_columns(elimination, y, None),
             Some(first) => {
                 let balance = &equations.balance_by_column;
-                let residual = &equations.residual[first..first + 6];
-                let residual = std::array::from_fn(|k| residual[k]);
+                let mut residual = *y;
+                residual.copy_from_slice(&equations.residual[first..first + 6]);
                 self.add_columns(elimination, y, Some((balance, &residual)));
             }
         }
@@ -291,12 +301,15 @@ impl<T: Packet> Sums<T> {
     ) {
         let mut at = 0;
         for (i, column) in elimination.columns.iter().enumerate() {
-            let minus = column.map(|v| -v);
+            let minus = negated(*column);
             let mut gradient = T::load(self.token, &self.gradient, i);
             for k in 0..6 {
                 gradient = minus[k].mul_add(y[k], gradient);
             }
-            let dense = balance.map(|(columns, residual)| (&columns[..=i], columns[i], residual));
+            let dense = match balance {
+                Some((columns, residual)) => Some((&columns[..=i], columns[i], residual)),
+                None => None,
+            };
             if let Some((_, g, residual)) = dense {
                 for k in 0..6 {
                     gradient = g[k].mul_add(residual[k], gradient);

@@ -3,7 +3,7 @@
 use super::equations::{Attitude, Equations};
 use super::layout::Layout;
 use crate::effect::PlatformPort;
-use crate::real::{Real, add_scaled, cross, dot, scaled};
+use crate::real::{Real, add_scaled, cross, dot, scaled, unit_vector};
 
 /// Laser reading of a packet of poses: distance `(h - n.o) / (n.q)` from the origin
 /// `o = r + R o_L` along `q = R q_L` to the plane `n.x = h` (Jin et al. 2018, equation 8).
@@ -46,13 +46,12 @@ impl<T: Real> LaserInputs<T> {
         equations.laser_by_plane = slope;
         equations.present[row] = present;
         for (port, parameter, by_parameter) in links {
-            let unit = |k: usize| -> [T; 3] {
-                std::array::from_fn(|q| gain.lift(if q == k { 1.0 } else { 0.0 }))
-            };
             let change = match port {
                 PlatformPort::LaserGain => distance * weight,
                 PlatformPort::LaserBias => weight,
-                PlatformPort::LaserDirection(k) => dot(pose.rotate(unit(*k)), g) * distance,
+                PlatformPort::LaserDirection(k) => {
+                    dot(pose.rotate(unit_vector(gain, *k)), g) * distance
+                }
                 PlatformPort::TargetNormal(k) => {
                     let at = add_scaled(origin, distance, direction);
                     -(at[*k] * slope)
@@ -96,7 +95,11 @@ pub(super) fn tracker_orientation_rows<T: Real>(
     equations: &mut Equations<T>,
 ) {
     let (w0, present) = reading[0].present();
-    let v0 = [1, 2, 3].map(|k| reading[k].present().0);
+    let v0 = [
+        reading[1].present().0,
+        reading[2].present().0,
+        reading[3].present().0,
+    ];
     let zero = w0.lift(0.0);
     let two = w0.lift(2.0);
     let [w, x, y, z] = pose.quaternion;
@@ -105,9 +108,12 @@ pub(super) fn tracker_orientation_rows<T: Real>(
     let scalar = w.mul_add(w0, dot(v, v0));
     let c = cross(v0, v);
     let sign = scalar.select_positive(zero.lift(1.0), zero.lift(-1.0));
-    let vector: [T; 3] = std::array::from_fn(|k| (v[k] * w0 - v0[k] * w + c[k]) * sign);
+    let mut vector = c;
+    for k in 0..3 {
+        vector[k] = (v[k] * w0 - v0[k] * w + c[k]) * sign;
+    }
     let weight = inverse_sd * present;
-    let (scalar, half) = (scalar * sign * weight, vector.map(|e| e * weight));
+    let (scalar, half) = (scalar * sign * weight, scaled(vector, weight));
     // d(2 vec) = w phi + phi x vec.
     let by_rotation = [
         [scalar, half[2], -half[1]],
@@ -159,7 +165,7 @@ pub(super) fn inclination_rows<T: Real>(
         let off = angles[k] + ports[12 + k] - value;
         let off = (off - half).select_positive(off - turn, off);
         let off = (-off - half).select_positive(off + turn, off);
-        let [x, y, z] = gradients[k].map(|g| g * weight);
+        let [x, y, z] = scaled(gradients[k], weight);
         equations.residual[row] = off * weight;
         equations.by_pose[row] = [zero, zero, zero, x, y, z];
         equations.present[row] = present;

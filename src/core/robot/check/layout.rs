@@ -1,8 +1,9 @@
 //! Checks of pulleys and anchors together, and the size of the frame they span.
 
-use super::super::{Cable, Pulley, Robot};
+use super::super::{Cable, Robot};
 use super::{Checked, FieldError};
 use crate::geometry::{Pose, Vec3};
+use crate::kinematics::check_path_at;
 
 /// No cable robot's frame is larger; one that seems to be is given in millimetres.
 const LARGEST_FRAME_M: f64 = 500.0;
@@ -11,42 +12,6 @@ const LARGEST_FRAME_M: f64 = 500.0;
 const SAME_PLACE_SHARE: f64 = 0.02;
 /// ... but on large frames pairs of pulleys do sit a few decimetres from each other on one post.
 const SAME_PLACE_AT_MOST_M: f64 = 0.1;
-/// Nearer to the swivel axis than this the direction of the pulley is not determined.
-const ON_AXIS_M: f64 = 1e-9;
-
-/// Why a pulley cannot lead its cable to a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum ReachFault {
-    /// The point is nearer to the pulley's centre than its radius.
-    #[error("inside the pulley")]
-    InsidePulley,
-    /// The point is on the swivel axis, so the pulley's direction is not determined.
-    #[error("on the pulley's swivel axis")]
-    OnSwivelAxis,
-    /// The point is at the eyelet.
-    #[error("at the eyelet")]
-    AtEyelet,
-}
-
-impl Pulley {
-    /// Why the cable cannot reach a point (base frame, m), if it cannot.
-    #[must_use]
-    pub fn reach_fault(&self, point: &Vec3) -> Option<ReachFault> {
-        let d = point - Vec3::from(self.entry_point_m);
-        if self.radius_m == 0.0 {
-            return (d.norm() <= ON_AXIS_M).then_some(ReachFault::AtEyelet);
-        }
-        let axis = Vec3::from(self.swivel_axis);
-        let along = d.dot(&axis);
-        let across = (d - axis * along).norm();
-        if across <= ON_AXIS_M {
-            return Some(ReachFault::OnSwivelAxis);
-        }
-        let to_centre = (across - self.radius_m).hypot(along);
-        (to_centre <= self.radius_m).then_some(ReachFault::InsidePulley)
-    }
-}
-
 impl Robot {
     /// Size of the frame (m): the largest distance between two pulleys, or with one cable from
     /// the pulley to the home position. `None` if neither is known.
@@ -146,12 +111,8 @@ impl Robot {
     /// The first cable whose anchor is where no cable can lead.
     pub fn check_reach(&self, pose: &Pose) -> Result<(), FieldError> {
         for (i, cable) in self.cables.iter().enumerate() {
-            let anchor = pose.transform(&cable.platform_anchor_m.into());
-            if let Some(fault) = cable.pulley.reach_fault(&anchor) {
-                let message = format!(
-                    "found the platform anchor {fault} of {:?}, expected it clear of the pulley",
-                    cable.name
-                );
+            if let Err(error) = check_path_at(cable, pose) {
+                let message = format!("found that {error}, expected it clear of the pulley");
                 return fail(format!("/cables/{i}/platform_anchor_m"), message);
             }
         }

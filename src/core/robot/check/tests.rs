@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::{Coordinate, Vec3};
+use crate::geometry::{Coordinate, Pose};
 use crate::robot::{CableMaterial, Pulley, Winch};
 
 fn robot() -> Robot {
@@ -77,21 +77,22 @@ fn only_side_by_side_cables_may_have_close_pulleys() {
 }
 
 #[test]
-fn reach_faults_are_told_apart() {
-    let pulley = robot().cables[0].pulley;
-    let at = |x: f64, z: f64| pulley.reach_fault(&Vec3::new(-2.0 + x, -1.5, 2.0 - z));
-    assert_eq!(at(0.05, 0.01), Some(ReachFault::InsidePulley));
-    assert_eq!(at(0.0, 0.5), Some(ReachFault::OnSwivelAxis));
-    assert_eq!(at(0.11, 0.0), None);
-    let eyelet = Pulley {
-        radius_m: 0.0,
-        ..pulley
+fn cables_that_cannot_reach_are_told_apart() {
+    let reach = |x: f64, z: f64| {
+        let pose = Pose::from_parts([-2.0 + x, -1.5, 2.0 - z], [1.0, 0.0, 0.0, 0.0]);
+        robot().check_reach(&pose).map_err(|error| error.message)
     };
-    assert_eq!(
-        eyelet.reach_fault(&eyelet.entry_point_m.into()),
-        Some(ReachFault::AtEyelet)
+    assert!(
+        reach(0.05, 0.01)
+            .expect_err("inside")
+            .contains("inside its pulley")
     );
-    assert_eq!(eyelet.reach_fault(&Vec3::new(-2.0, -1.5, 1.0)), None);
+    assert!(
+        reach(0.0, 0.5)
+            .expect_err("on the axis")
+            .contains("on the swivel axis")
+    );
+    assert_eq!(reach(0.11, 0.0), Ok(()));
 }
 
 #[test]
