@@ -21,6 +21,11 @@ fn identify(dataset: &str, more: &[&str]) -> Answer {
     tautline(&arguments).succeeded()
 }
 
+fn evaluate(dataset: &str, model: &str) -> Value {
+    let arguments = ["evaluate", dataset, "--model", model, "--json", "-"];
+    tautline(&arguments).succeeded().json()
+}
+
 /// Root mean square distance of entry points from the true ones (m).
 fn error_m(points: &Value, truth: &Value) -> f64 {
     let cables = truth["cables"].as_array().expect("cables");
@@ -61,9 +66,10 @@ fn simulated_entry_points_are_found_and_hold_in_evaluation() {
     assert!(found < 0.5 * drawing, "{found} m, drawing {drawing} m");
 
     assert_valid(&folder.json("model.json"));
-    let evaluation = tautline(&["evaluate", &dataset, "--model", &model, "--json", "-"]);
-    let evaluation = evaluation.succeeded().json();
+    let evaluation = evaluate(&dataset, &model);
     assert_valid(&evaluation);
+    assert!(number(&evaluation, "/p_value") > 1e-3);
+    assert!(number(&evaluation, "/chi2") < number(&result, "/chi2") + 1.0);
     assert_eq!(evaluation["entry_points_m"], result["entry_points_m"]);
     assert_eq!(evaluation["entry_points_sd_m"][0][0], 0.0);
     assert_eq!(evaluation["poses"].as_array().expect("poses").len(), 26);
@@ -126,12 +132,10 @@ fn a_hidden_effect_is_found_when_freed() {
         .expect("an object")
         .remove("effects");
     let without = folder.write("without.json", &without.to_string());
-    let chi2 = |model: &str| {
-        let evaluation = tautline(&["evaluate", &dataset, "--model", model, "--json", "-"]);
-        number(&evaluation.succeeded().json(), "/chi2")
-    };
-    let (with, without) = (chi2(&model), chi2(&without));
-    assert!(with + 50.0 < without, "{with} with, {without} without");
+    let p_value = |model: &str| number(&evaluate(&dataset, model), "/p_value");
+    assert!(p_value(&model) > 1e-4);
+    assert!(p_value(&folder.join("data/truth.json")) > 1e-4);
+    assert!(p_value(&without) < 1e-4);
 }
 
 #[test]
