@@ -48,14 +48,17 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The parameters of a problem; those with a prior standard deviation of 0 are not among them.
 pub(super) fn parameters_of(problem: &Problem<'_>) -> Vec<Parameter> {
-    if problem.geometry == Geometry::Held {
-        return Vec::new();
-    }
     let mut parameters = Vec::new();
-    push_entry_points(problem, &mut parameters);
-    push_plane(problem, &mut parameters);
-    push_home(problem, &mut parameters);
-    push_effects(problem, &mut parameters);
+    if problem.geometry == Geometry::Estimated {
+        push_entry_points(problem, &mut parameters);
+        push_plane(problem, &mut parameters);
+        push_home(problem, &mut parameters);
+    }
+    // The noise of these data, whatever the geometry: the home row enters every row of a cable.
+    push_home_tensions(problem, &mut parameters);
+    if problem.geometry == Geometry::Estimated {
+        push_effects(problem, &mut parameters);
+    }
     parameters.retain(|parameter| parameter.prior_sd != Some(0.0));
     parameters
 }
@@ -111,6 +114,13 @@ fn push_home(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
                 home.orientation_sd_rad
             }),
         });
+    }
+}
+
+fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    let robot = &problem.dataset.robot;
+    if robot.home.is_none() || problem.dataset.measurements.revolutions.is_empty() {
+        return;
     }
     let has_home_force = problem.home_row().is_some_and(|row| {
         problem
