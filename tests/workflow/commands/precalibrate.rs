@@ -261,6 +261,10 @@ fn what_cannot_be_fitted_is_named() {
         answer.refused(&[&file]);
         answer.refused(&parts);
     }
+}
+
+#[test]
+fn home_readings_need_a_home_platform() {
     let folder = dataset();
     std::fs::copy(folder.join("made/robot.json"), folder.join("robot.json")).expect("copied");
     let answer = tautline(&["precalibrate", path(&folder)]);
