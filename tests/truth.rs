@@ -51,7 +51,9 @@ pub fn preset_options(preset: &Preset, poses: usize, seed: u64) -> SimulationOpt
 /// If the dataset cannot be used.
 pub fn solve_joint(dataset: &Dataset) -> Result<Solution> {
     let problem = Problem::new(dataset)?;
-    Ok(solve(&problem, &Options::default(), &mut |_| Control::Continue)?)
+    Ok(solve(&problem, &Options::default(), &mut |_| {
+        Control::Continue
+    })?)
 }
 
 /// Runs the study for one preset.
@@ -118,8 +120,12 @@ impl Tally {
             let undetermined = || anyhow!("{} is not determined", parameter.name);
             let truth = run.truth.cables[cable].pulley.entry_point_m[axis];
             let error = solution.globals.entry_points[cable][axis] - truth;
-            let sd = solution.standard_deviation(index).ok_or_else(undetermined)?;
-            let bound = at_truth.standard_deviation(index).ok_or_else(undetermined)?;
+            let sd = solution
+                .standard_deviation(index)
+                .ok_or_else(undetermined)?;
+            let bound = at_truth
+                .standard_deviation(index)
+                .ok_or_else(undetermined)?;
             self.coordinates += 1.0;
             self.standardised += (error / sd).powi(2);
             self.covered += f64::from(u8::from((error / sd).abs() < 1.959_964));
