@@ -372,7 +372,9 @@ impl<T: Packet> AnalysePoses<'_, '_, T> {
                 });
             }
             let latent = self.collector.problem.has_latent_tension();
-            for (cable, errors) in tension.iter().enumerate().filter(|_| latent) {
+            let forces = &self.collector.problem.dataset.measurements.force_n;
+            let read = |cable: usize| latent && !forces.get(*row, cable).is_nan();
+            for (cable, errors) in tension.iter().enumerate().filter(|(k, _)| read(*k)) {
                 self.collector
                     .tension_errors_n
                     .push((*row, cable, errors[lane]));

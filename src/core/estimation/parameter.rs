@@ -48,14 +48,17 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The parameters of a problem; those with a prior standard deviation of 0 are not among them.
 pub(super) fn parameters_of(problem: &Problem<'_>) -> Vec<Parameter> {
-    if problem.geometry == Geometry::Held {
-        return Vec::new();
-    }
     let mut parameters = Vec::new();
-    push_entry_points(problem, &mut parameters);
-    push_plane(problem, &mut parameters);
-    push_home(problem, &mut parameters);
-    push_effects(problem, &mut parameters);
+    if problem.geometry == Geometry::Held {
+        // Noise of readings at home is no property of the geometry.
+        push_home_tensions(problem, &mut parameters);
+    } else {
+        push_entry_points(problem, &mut parameters);
+        push_plane(problem, &mut parameters);
+        push_home(problem, &mut parameters);
+        push_home_tensions(problem, &mut parameters);
+        push_effects(problem, &mut parameters);
+    }
     parameters.retain(|parameter| parameter.prior_sd != Some(0.0));
     parameters
 }
@@ -112,6 +115,9 @@ fn push_home(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
             }),
         });
     }
+}
+
+fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     let has_home_force = problem.home_row().is_some_and(|row| {
         problem
             .dataset
@@ -124,7 +130,7 @@ fn push_home(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     if !(problem.has_latent_tension() && has_home_force) {
         return;
     }
-    for (cable, description) in robot.cables.iter().enumerate() {
+    for (cable, description) in problem.dataset.robot.cables.iter().enumerate() {
         if let Some(sensor) = description.force_sensor {
             parameters.push(Parameter {
                 id: ParameterId::HomeTension { cable },

@@ -99,10 +99,14 @@ impl<T: Real> CableState<T> {
         let anchor = add_scaled(lever, one, pose.position);
         let path = pulley.path_to(anchor);
         let (tension, has_tension) = p[1].present();
+        // Any positive tension does where none was read: the row has no weight. At no tension at all
+        // sag has no bound, and its formula no value.
+        let load = has_tension.select_positive(tension, one);
+        let slack = zero.lift(1e-12) - load * load;
+        let load = slack.select_positive(zero.lift(1e-6), load);
         let law = CableLaw {
             run: zero.lift(constants.run),
-            // Any positive tension does where none was read: the row has no weight.
-            tension: has_tension.select_positive(tension, one),
+            tension: load,
             compliance: p[3],
             strain: p[2],
             weight: constants.sags.then_some(p[4]),
@@ -130,6 +134,12 @@ impl<T: Real> CableState<T> {
             weight: precision.sqrt() * has_tension,
             structure: wrench(lever, path.toward_exit),
         }
+    }
+
+    /// Geometric length from entry point to anchor (m).
+    #[inline(always)]
+    pub fn path_length(&self) -> T {
+        self.path.length
     }
 
     /// `dL0/dT` (m/N).

@@ -7,6 +7,7 @@ mod inputs;
 mod layout;
 mod normal;
 mod platform_rows;
+mod span;
 
 use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
 use columns::{Column, ColumnStore};
@@ -677,7 +678,19 @@ fn pack_platform<T: Packet>(
         0
     };
     let swivel = (0..swivels)
-        .map(|cable| store.varying(rows.iter().map(|row| data.swivel_rad.get(*row, cable)), nan))
+        .map(|cable| {
+            // Without direction of zero or standard deviation the reading cannot be used.
+            let pulley = &problem.dataset.robot.cables[cable].pulley;
+            let usable = pulley.swivel_zero.is_some() && pulley.swivel_sd_rad.is_some();
+            let at = |row: &usize| {
+                if usable {
+                    data.swivel_rad.get(*row, cable)
+                } else {
+                    nan
+                }
+            };
+            store.varying(rows.iter().map(at), nan)
+        })
         .collect();
     PlatformInputs {
         laser: store.varying(rows.iter().map(|row| data.laser_at(*row)), nan),
