@@ -300,7 +300,8 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
         let mut fitted = vec![zero; layout.rows];
         let mut tension = vec![zero; layout.cables];
         for batch in 0..self.evaluator.batches() {
-            let latent = self.evaluator.tension_spreads();
+            // Twice: the first time finds the tensions at which the second linearises.
+            self.evaluator.equations_at(batch);
             let equations = self.evaluator.equations_at(batch);
             elimination.eliminate(equations, &layout, 0.0);
             for row in 0..layout.rows {
@@ -311,7 +312,9 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
                     fitted[row] = fitted[row] + quadratic_form(covariance, &gradient);
                 }
             }
-            equations.tension_errors(&layout, &latent, &mut tension);
+            for cable in 0..layout.cables {
+                tension[cable] = self.evaluator.tension_error(batch, cable);
+            }
             self.collect(batch, &layout, &fitted, &tension);
         }
     }

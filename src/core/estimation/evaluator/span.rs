@@ -13,6 +13,7 @@ impl Evaluator<'_, f64> {
             home_length: 0.0,
             ports: self.ports.store.load_all(&self.ports.cables[cable], 0),
             swivel: f64::NAN,
+            tension_error: 0.0,
         };
         let constants = &self.constants[cable];
         let surface = constants.surface.as_ref()?;

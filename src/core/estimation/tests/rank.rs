@@ -4,6 +4,7 @@ use super::*;
 use crate::effect::{
     BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope,
 };
+use crate::geometry::Coordinate;
 use crate::robot::{PerAxis, Robot};
 
 fn sentences(dataset: &Dataset, method: Method) -> Vec<String> {
@@ -33,8 +34,13 @@ fn free_entry_points(robot: &mut Robot) {
 }
 
 /// MINI with absolute lengths and nothing known of its pulleys.
-fn floating() -> Dataset {
+fn floating(radius_m: f64) -> Dataset {
     let mut run = run_of("mini", 25, 31);
+    for robot in [&mut run.dataset.robot, &mut run.truth] {
+        for cable in &mut robot.cables {
+            cable.pulley.radius_m = radius_m;
+        }
+    }
     super::start::absolute(&mut run.dataset, &run.truth);
     free_entry_points(&mut run.dataset.robot);
     run.dataset
@@ -42,25 +48,25 @@ fn floating() -> Dataset {
 
 #[test]
 fn without_any_datum_all_motions_are_open() {
-    let mut dataset = floating();
-    dataset.robot.laser = None;
-    let found = sentences(&dataset, Method::Simple);
-    assert_eq!(found.len(), 6, "{found:?}");
-    for axis in ["x", "y", "z"] {
-        assert!(
-            mentions(&found, &format!("a shift along {axis}")),
-            "{found:?}"
-        );
-        assert!(
-            mentions(&found, &format!("a rotation about {axis}")),
-            "{found:?}"
-        );
+    // Pulleys swivel about given axes, which fixes rotations across them; eyelets have none.
+    for (radius_m, count) in [(0.018, 4), (0.0, 6)] {
+        let mut dataset = floating(radius_m);
+        dataset.robot.laser = None;
+        let found = sentences(&dataset, Method::Simple);
+        assert_eq!(found.len(), count, "{found:?}");
+        for axis in ["x", "y", "z"] {
+            let shift = format!("a shift along {axis}");
+            assert!(mentions(&found, &shift), "{found:?}");
+            let turn = format!("a rotation about {axis}");
+            let expected = radius_m == 0.0 || axis == "z";
+            assert_eq!(mentions(&found, &turn), expected, "{found:?}");
+        }
     }
 }
 
 #[test]
 fn a_laser_on_a_known_plane_leaves_shifts_and_a_rotation() {
-    let mut dataset = floating();
+    let mut dataset = floating(0.018);
     let laser = dataset.robot.laser.as_mut().unwrap();
     laser.target_plane.offset_sd_m = Some(0.0);
     for method in [Method::Simple, Method::Joint] {
@@ -74,7 +80,7 @@ fn a_laser_on_a_known_plane_leaves_shifts_and_a_rotation() {
 
 #[test]
 fn gravity_leaves_a_rotation_about_the_vertical() {
-    let mut dataset = floating();
+    let mut dataset = floating(0.018);
     dataset.robot.laser = None;
     let found = sentences(&dataset, Method::Joint);
     assert_eq!(found.len(), 4, "{found:?}");
@@ -84,7 +90,7 @@ fn gravity_leaves_a_rotation_about_the_vertical() {
 
 #[test]
 fn one_pulley_as_datum_leaves_the_rotation_about_it_mixed_or_named() {
-    let mut dataset = floating();
+    let mut dataset = floating(0.018);
     let laser = dataset.robot.laser.as_mut().unwrap();
     laser.target_plane.offset_sd_m = Some(0.0);
     // The first pulley is given: now only the rotation about the vertical through it is open.
@@ -95,7 +101,7 @@ fn one_pulley_as_datum_leaves_the_rotation_about_it_mixed_or_named() {
 
 #[test]
 fn a_datum_by_zero_standard_deviations_determines_everything() {
-    let mut dataset = floating();
+    let mut dataset = floating(0.018);
     // 3-2-1: six coordinates of three pulleys.
     let datum = [
         (0, [0.0, 0.0, 0.0]),
@@ -171,9 +177,7 @@ fn a_common_scale_is_named() {
     // A point mass on eyelets: nothing but the pulleys has a length of its own.
     let mut run = run_of("mini", 25, 33);
     let dataset = &mut run.dataset;
-    let free = |c: crate::geometry::Coordinate| c;
-    use crate::geometry::Coordinate::{X, Y, Z};
-    dataset.robot.platform.free = [X, Y, Z].map(free).to_vec();
+    dataset.robot.platform.free = vec![Coordinate::X, Coordinate::Y, Coordinate::Z];
     dataset.robot.laser = None;
     for cable in &mut dataset.robot.cables {
         cable.platform_anchor_m = [0.0; 3];

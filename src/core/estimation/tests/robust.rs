@@ -54,7 +54,6 @@ fn a_gross_error_is_the_worst_suspect() {
                 };
                 let worst = suspects.first().expect("there is one");
                 assert_eq!((worst.row, worst.kind), (row, kind), "{name} {method:?}");
-                assert!(solution.p_value().unwrap() < 1e-6);
             }
         }
     }
@@ -72,7 +71,7 @@ fn huber_loss_keeps_entry_points_closer() {
                     let mut problem = Problem::new(&run.dataset).unwrap().with_method(method);
                     problem.loss = loss;
                     let solution = solved(&problem);
-                    assert!(solution.converged());
+                    assert!(solution.converged(), "{:?}", solution.termination);
                     difference_in_sd(&reference, &solution)
                 };
                 let (square, huber) = (moved(Loss::Square), moved(Loss::Huber(1.5)));
