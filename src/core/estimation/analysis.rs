@@ -300,7 +300,8 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
         let mut fitted = vec![zero; layout.rows];
         let mut tension = vec![zero; layout.cables];
         for batch in 0..self.evaluator.batches() {
-            let latent = self.evaluator.tension_spreads();
+            // Twice: the first time finds the tensions at which the second linearises.
+            self.evaluator.equations_at(batch);
             let equations = self.evaluator.equations_at(batch);
             elimination.eliminate(equations, &layout, 0.0);
             for row in 0..layout.rows {
@@ -311,7 +312,9 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
                     fitted[row] = fitted[row] + quadratic_form(covariance, &gradient);
                 }
             }
-            equations.tension_errors(&layout, &latent, &mut tension);
+            for cable in 0..layout.cables {
+                tension[cable] = self.evaluator.tension_error(batch, cable);
+            }
             self.collect(batch, &layout, &fitted, &tension);
         }
     }
@@ -372,7 +375,9 @@ impl<T: Packet> AnalysePoses<'_, '_, T> {
                 });
             }
             let latent = self.collector.problem.has_latent_tension();
-            for (cable, errors) in tension.iter().enumerate().filter(|_| latent) {
+            let forces = &self.collector.problem.dataset.measurements.force_n;
+            let read = |cable: usize| latent && !forces.get(*row, cable).is_nan();
+            for (cable, errors) in tension.iter().enumerate().filter(|(k, _)| read(*k)) {
                 self.collector
                     .tension_errors_n
                     .push((*row, cable, errors[lane]));

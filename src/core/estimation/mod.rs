@@ -12,6 +12,7 @@ mod residuals;
 mod solution;
 mod solver;
 mod start;
+mod surface;
 mod system;
 
 pub use analysis::{Analysis, Reading, ReadingKind};
@@ -20,7 +21,7 @@ pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};
 pub use rank::{Deficiency, deficiencies};
 pub use residuals::{RowResidual, residuals_at};
-pub use solution::Solution;
+pub use solution::{OutsideSurface, Solution};
 pub use solver::solve;
 
 use crate::effect::EffectError;

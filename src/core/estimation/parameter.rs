@@ -134,7 +134,7 @@ fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     if !(problem.has_latent_tension() && has_home_force) {
         return;
     }
-    for (cable, description) in robot.cables.iter().enumerate() {
+    for (cable, description) in problem.dataset.robot.cables.iter().enumerate() {
         if let Some(sensor) = description.force_sensor {
             parameters.push(Parameter {
                 id: ParameterId::HomeTension { cable },

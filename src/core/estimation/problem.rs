@@ -39,6 +39,7 @@ pub enum Poses {
     /// Every pose is estimated.
     Estimated,
     /// Poses are held at the external instrument's positions; rows without one are left out.
+    /// Orientations are the instrument's, or the commanded ones where it measured none.
     HeldAtTracker,
 }
 
@@ -138,10 +139,14 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Row of the home pose, if the robot has one.
+    /// Row of the home pose from which revolutions count; absolute lengths count from no pose, their
+    /// row 0 is one like the others.
     #[must_use]
     pub fn home_row(&self) -> Option<usize> {
         self.dataset.robot.home?;
+        if self.dataset.measurements.revolutions.is_empty() {
+            return None;
+        }
         self.dataset.measurements.home_row()
     }
 }

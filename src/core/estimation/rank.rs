@@ -44,16 +44,23 @@ pub fn deficiencies(problem: &Problem<'_>, solution: &Solution) -> Vec<Deficienc
             ),
         });
     }
-    let mut open = open_directions(&solution.information, &scale);
+    if scale.iter().any(|s| !s.is_finite()) {
+        return found;
+    }
+    let all = open_directions(&solution.information, &scale);
+    // What no motion has explained yet.
+    let mut open = all.clone();
     for (name, motion) in motions(problem, solution) {
         let scaled = motion.component_mul(&scale);
+        let size = scaled.norm_squared();
+        let outside = size - all.tr_mul(&scaled).norm_squared();
         let inside = open.tr_mul(&scaled);
-        let outside = scaled.norm_squared() - inside.norm_squared();
-        if scaled.norm() > 0.0 && outside < OUTSIDE * scaled.norm_squared() {
+        let is_new = inside.norm_squared() > OUTSIDE * size;
+        if size > 0.0 && outside < OUTSIDE * size && is_new {
             found.push(Deficiency {
                 sentence: format!("the data do not fix {name}: give one coordinate"),
             });
-            open = without(&open, &(inside / scaled.norm()));
+            open = without(&open, &inside);
         }
     }
     for column in open.column_iter() {

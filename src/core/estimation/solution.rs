@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use super::options::Termination;
 use super::parameter::Parameter;
 use super::problem::Globals;
+use crate::cable::OutsideMeasuredRange;
 use crate::geometry::Pose;
 
 /// Result of an estimation. Non-convergence is a field, not an error.
@@ -30,6 +31,20 @@ pub struct Solution {
     pub degrees_of_freedom: f64,
     /// Number of pose coordinates that the readings leave open.
     pub undetermined_coordinates: usize,
+    /// Cables at poses where their measured elongation had to be extrapolated: the solution does
+    /// not hold if there are any.
+    pub outside_surface: Vec<OutsideSurface>,
+}
+
+/// A cable outside the range in which its elongation was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutsideSurface {
+    /// Row of the measurements.
+    pub row: usize,
+    /// Index of the cable.
+    pub cable: usize,
+    /// What is outside.
+    pub range: OutsideMeasuredRange,
 }
 
 impl Solution {

@@ -13,6 +13,7 @@ use super::parameter::Parameter;
 use super::problem::{Globals, Loss, Method, Problem};
 use super::solution::Solution;
 use super::start::start_poses;
+use super::surface::outside_surface;
 use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
 
@@ -79,7 +80,7 @@ impl WithSimd for Dispatch<'_, '_> {
 }
 
 /// Everything that an iteration changes.
-struct Descent<'a, T: Packet> {
+pub(super) struct Descent<'a, T: Packet> {
     problem: &'a Problem<'a>,
     parameters: Vec<Parameter>,
     map: ColumnMap,
@@ -92,7 +93,7 @@ struct Descent<'a, T: Packet> {
 }
 
 impl<'a, T: Packet> Descent<'a, T> {
-    fn new(token: T::Token, problem: &'a Problem<'a>) -> Self {
+    pub(super) fn new(token: T::Token, problem: &'a Problem<'a>) -> Self {
         let globals = Globals::nominal(problem);
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
@@ -144,7 +145,7 @@ impl<'a, T: Packet> Descent<'a, T> {
         System::build(&self.poses.sums, &self.map, &self.home, &self.priors)
     }
 
-    fn run(
+    pub(super) fn run(
         mut self,
         options: &Options,
         observer: &mut dyn FnMut(&Progress) -> Control,
@@ -157,15 +158,20 @@ impl<'a, T: Packet> Descent<'a, T> {
         };
         let mut damping = 0.0;
         let mut iterations = 0;
+        // Whether the last step from the present state was rejected.
+        let mut rejected = false;
         self.poses.assemble(None, self.huber, damping);
         let termination = loop {
+            let loss = self.loss();
+            if !loss.is_finite() || damping > MOST_DAMPING {
+                break Termination::Stalled;
+            }
             let system = self.system();
             let Some((step, promised)) = system.step(damping) else {
                 damping = raised(damping);
                 self.poses.assemble(None, self.huber, damping);
                 continue;
             };
-            let loss = self.loss();
             let promised = promised + self.poses.sums.decrease;
             let progress = Progress {
                 iteration: iterations,
@@ -174,7 +180,16 @@ impl<'a, T: Packet> Descent<'a, T> {
                 damping,
             };
             if promised <= options.tolerance * loss + 1e-15 {
-                break Termination::Converged;
+                // Strong damping makes every promise small: that alone is no convergence.
+                if damping <= FIRST_DAMPING {
+                    break Termination::Converged;
+                }
+                if rejected {
+                    break Termination::Stalled;
+                }
+                damping = lowered(damping);
+                self.poses.assemble(None, self.huber, damping);
+                continue;
             }
             if iterations == options.max_iterations {
                 break Termination::IterationLimit;
@@ -192,6 +207,7 @@ impl<'a, T: Packet> Descent<'a, T> {
             if self.loss() <= loss * (1.0 + slack) {
                 damping = next;
                 iterations += 1;
+                rejected = false;
                 continue;
             }
             (self.globals, self.home, self.priors) = before;
@@ -199,10 +215,8 @@ impl<'a, T: Packet> Descent<'a, T> {
             self.poses
                 .set_globals(&self.globals, Some(&self.home.lengths));
             damping = raised(damping);
+            rejected = true;
             self.poses.assemble(None, self.huber, damping);
-            if damping > MOST_DAMPING {
-                break Termination::Stalled;
-            }
         };
         self.finish(iterations, termination, damping)
     }
@@ -231,8 +245,10 @@ impl<'a, T: Packet> Descent<'a, T> {
             .as_ref()
             .map(|e| (e.rows()[0], self.globals.home));
         let fitted = rows.into_iter().zip(self.poses.poses());
+        let poses: Vec<_> = home.into_iter().chain(fitted).collect();
         Solution {
-            poses: home.into_iter().chain(fitted).collect(),
+            outside_surface: outside_surface(self.problem, &self.globals, &poses),
+            poses,
             covariance: covariance(&system),
             information: system.information,
             parameters: self.parameters,

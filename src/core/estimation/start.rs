@@ -2,20 +2,132 @@
 
 use super::problem::{Globals, Poses, Problem};
 use crate::geometry::Pose;
+use crate::kinematics::{ForwardKinematics, inverse_kinematics};
+use crate::measurement::Measurements;
+use crate::robot::{Cable, Robot};
 
-/// Start pose of every row: the commanded one, else the external instrument's, else home.
+/// Root mean square length residual that a start pose may have, relative to the size of the frame:
+/// well above the errors of drawings, and of the order at which wrong local minima begin.
+const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
+
+/// Start pose of every row: the commanded one, else the external instrument's, else by forward
+/// kinematics from the nominal geometry, else home.
 pub(super) fn start_poses(problem: &Problem<'_>, globals: &Globals, rows: &[usize]) -> Vec<Pose> {
     let data = &problem.dataset.measurements;
-    let start = |row: &usize| {
+    let mut search = None;
+    let mut start = |row: &usize| {
+        let commanded = data.commanded.get(*row).copied().flatten();
+        let turned = commanded.map_or(globals.home.orientation, |pose| pose.orientation);
         let tracked = data.tracked_position_at(*row).map(|position| Pose {
             position,
-            orientation: globals.home.orientation,
+            orientation: tracked_orientation(data, *row).unwrap_or(turned),
         });
         if problem.poses == Poses::HeldAtTracker {
             return tracked.unwrap_or(globals.home);
         }
-        let commanded = data.commanded.get(*row).copied().flatten();
-        commanded.or(tracked).unwrap_or(globals.home)
+        commanded.or(tracked).unwrap_or_else(|| {
+            let search = search.get_or_insert_with(|| Search::new(problem, globals));
+            search
+                .as_ref()
+                .map_or(globals.home, |s| s.pose(problem, *row))
+        })
     };
-    rows.iter().map(start).collect()
+    rows.iter().map(&mut start).collect()
+}
+
+fn tracked_orientation(data: &Measurements, row: usize) -> Option<nalgebra::UnitQuaternion<f64>> {
+    let q = *data.tracked_orientation_wxyz.get(row)?;
+    q.iter()
+        .all(|v| v.is_finite())
+        .then(|| Pose::from_parts([0.0; 3], q).orientation)
+}
+
+/// Forward kinematics from the readings of a row; effects and sag are left out of account.
+struct Search<'a> {
+    robot: &'a Robot,
+    forward: ForwardKinematics,
+    start: Pose,
+    /// Geometric lengths at the start pose (m).
+    lengths_m: Vec<f64>,
+    /// Unstrained lengths at home, the run included (m); for absolute lengths the runs.
+    from_m: Vec<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn new(problem: &Problem<'a>, globals: &Globals) -> Option<Self> {
+        let robot = &problem.dataset.robot;
+        let forward = ForwardKinematics::new(robot).ok()?;
+        let start = match robot.home {
+            Some(_) => globals.home,
+            None => *forward.centre(),
+        };
+        let states = inverse_kinematics(robot, &start).ok()?;
+        let lengths_m: Vec<f64> = states.iter().map(|state| state.length_m).collect();
+        let from = |(index, cable): (usize, &Cable)| {
+            let run = cable.winch.length_to_pulley_m;
+            match problem.home_row() {
+                Some(home) => (run + lengths_m[index]) / stretch(problem, home, index),
+                None => run,
+            }
+        };
+        Some(Self {
+            from_m: robot.cables.iter().enumerate().map(from).collect(),
+            forward: forward.with_residual_limit(RELATIVE_RESIDUAL_LIMIT * frame_size(robot)),
+            robot,
+            start,
+            lengths_m,
+        })
+    }
+
+    fn pose(&self, problem: &Problem<'_>, row: usize) -> Pose {
+        let data = &problem.dataset.measurements;
+        let length = |(index, cable): (usize, &Cable)| {
+            let paid = if data.revolutions.is_empty() {
+                data.length_m.get(row, index)
+            } else {
+                cable.winch.cable_per_revolution_m() * data.revolutions.get(row, index)
+            };
+            let unstrained = self.from_m[index] + paid;
+            unstrained * stretch(problem, row, index) - cable.winch.length_to_pulley_m
+        };
+        let lengths: Vec<f64> = self.robot.cables.iter().enumerate().map(length).collect();
+        let found = self.forward.solve(&lengths, &self.start);
+        if found.converged || found.residual_rms_m < self.residual_at_start(&lengths) {
+            found.pose
+        } else {
+            self.start
+        }
+    }
+
+    fn residual_at_start(&self, lengths: &[f64]) -> f64 {
+        let off = self.lengths_m.iter().zip(lengths).map(|(a, b)| a - b);
+        let known: Vec<f64> = off.filter(|d| !d.is_nan()).collect();
+        let sum: f64 = known.iter().map(|d| d * d).sum();
+        (sum / known.len().max(1) as f64).sqrt()
+    }
+}
+
+/// `1 + T/EA` as the sensor tells; 1 without sensor or reading.
+fn stretch(problem: &Problem<'_>, row: usize, index: usize) -> f64 {
+    let cable = &problem.dataset.robot.cables[index];
+    let reading = problem.dataset.measurements.force_n.get(row, index);
+    let strain = match (cable.force_sensor, cable.cable.axial_stiffness_n) {
+        (Some(sensor), Some(stiffness)) if !reading.is_nan() => {
+            sensor.tension_n(reading) / stiffness
+        }
+        _ => 0.0,
+    };
+    1.0 + strain
+}
+
+/// Diagonal of the box around the entry points (m).
+fn frame_size(robot: &Robot) -> f64 {
+    let extent = |axis: usize| {
+        let points = robot.cables.iter().map(|c| c.pulley.entry_point_m[axis]);
+        let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+            (low.min(p), high.max(p))
+        });
+        high - low
+    };
+    extent(0).hypot(extent(1)).hypot(extent(2))
 }

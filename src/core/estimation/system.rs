@@ -215,7 +215,13 @@ impl System {
     pub fn step(&self, damping: f64) -> Option<(DVector<f64>, f64)> {
         let mut damped = self.information.clone();
         for k in 0..damped.nrows() {
-            damped[(k, k)] *= 1.0 + damping;
+            // A parameter on which nothing depends stays where it is.
+            let diagonal = damped[(k, k)];
+            damped[(k, k)] = if diagonal == 0.0 {
+                1.0
+            } else {
+                diagonal * (1.0 + damping)
+            };
         }
         let factor = damped.cholesky()?;
         let scale = self.information.diagonal();

@@ -127,5 +127,24 @@ pub fn solve_repeatedly(problem: &Problem<'_>, repeat: usize) -> Result<(Solutio
             best = Some((solution, seconds));
         }
     }
-    best.ok_or_else(|| anyhow::anyhow!("nothing was solved"))
+    let (solution, seconds) = best.ok_or_else(|| anyhow::anyhow!("nothing was solved"))?;
+    refuse_extrapolation(problem, &solution)?;
+    Ok((solution, seconds))
+}
+
+/// A measured elongation is never extrapolated.
+fn refuse_extrapolation(problem: &Problem<'_>, solution: &Solution) -> Result<()> {
+    let Some(first) = solution.outside_surface.first() else {
+        return Ok(());
+    };
+    let label = problem.dataset.measurements.labels[first.row];
+    let cable = &problem.dataset.robot.cables[first.cable].name;
+    let more = match solution.outside_surface.len() - 1 {
+        0 => String::new(),
+        count => format!(" (and {count} more)"),
+    };
+    Err(BadInput::new(format!(
+        "pose {label}, {cable}: {} of its elongation surface{more}",
+        first.range
+    )))
 }

@@ -5,7 +5,9 @@
 //! length row by `c = dL0/dT` and the equilibrium by the structure matrix `A`. Eliminating
 //! it, the length rows have the variance `D = sd_l^2 + c^2 sd_T^2`, and given them the equilibrium
 //! `A^T T + w` has the residual `z - A^T K e_l`, `K = c sd_T^2 / D`, of covariance
-//! `E = sum_i (sd_T sd_l)^2 / D A_i A_i^T + S_w`. Its Cholesky factor whitens it.
+//! `E = sum_i (sd_T sd_l)^2 / D A_i A_i^T + S_w`. Its Cholesky factor whitens it. `A` is differentiated at
+//! the estimated tensions, not at the readings: only so is the gradient that of the problem with
+//! the tensions as unknowns, and motions that nothing fixes stay open.
 
 use super::equations::{Attitude, Equations};
 use super::inputs::CableLink;
@@ -34,6 +36,8 @@ pub(super) struct CableInputs<T> {
     pub home_length: T,
     pub ports: [T; CablePort::COUNT],
     pub swivel: T,
+    /// Estimated error of the tension reading (N), as of the last evaluation.
+    pub tension_error: T,
 }
 
 /// Geometry and weights of one cable, kept for the equilibrium rows.
@@ -43,6 +47,9 @@ pub(super) struct CableState<T> {
     unstrained: Unstrained<T>,
     radius: T,
     tension: T,
+    /// Tension at which the equilibrium is linearised: the best estimate, without which the minimum of the
+    /// true problem would be missed by a term of second order in the noise.
+    expected: T,
     /// Lever arm `R b`, base frame (m).
     lever: [T; 3],
     anchor: [T; 3],
@@ -99,10 +106,14 @@ impl<T: Real> CableState<T> {
         let anchor = add_scaled(lever, one, pose.position);
         let path = pulley.path_to(anchor);
         let (tension, has_tension) = p[1].present();
+        // Any positive tension does where none was read: the row has no weight. At no tension at all
+        // sag has no bound, and its formula no value.
+        let load = has_tension.select_positive(tension, one);
+        let slack = zero.lift(1e-12) - load * load;
+        let load = slack.select_positive(zero.lift(1e-6), load);
         let law = CableLaw {
             run: zero.lift(constants.run),
-            // Any positive tension does where none was read: the row has no weight.
-            tension: has_tension.select_positive(tension, one),
+            tension: load,
             compliance: p[3],
             strain: p[2],
             weight: constants.sags.then_some(p[4]),
@@ -120,6 +131,7 @@ impl<T: Real> CableState<T> {
             unstrained,
             radius: pulley.radius,
             tension,
+            expected: tension - inputs.tension_error,
             lever,
             anchor,
             entry,
@@ -130,6 +142,12 @@ impl<T: Real> CableState<T> {
             weight: precision.sqrt() * has_tension,
             structure: wrench(lever, path.toward_exit),
         }
+    }
+
+    /// Geometric length from entry point to anchor (m).
+    #[inline(always)]
+    pub fn path_length(&self) -> T {
+        self.path.length
     }
 
     /// `dL0/dT` (m/N).
@@ -197,7 +215,12 @@ impl<T: Real> CableState<T> {
 
     /// Change of this cable's predictions per unit of a port.
     #[inline(always)]
-    fn change_by_port(&self, port: CablePort, pose: &Attitude<T>) -> PortChange<T> {
+    fn change_by_port(
+        &self,
+        port: CablePort,
+        swivel_zero: [f64; 3],
+        pose: &Attitude<T>,
+    ) -> PortChange<T> {
         let zero = self.tension.lift(0.0);
         let length_only = |length| PortChange {
             length,
@@ -226,14 +249,20 @@ impl<T: Real> CableState<T> {
                 let z = cross(self.path.facing, self.path.lateral);
                 let rotation = cross(z, unit_vector(zero, axis));
                 let offset = difference(self.anchor, self.entry);
-                let change = self.path.change_by_axis(self.radius, offset, rotation);
-                self.by_path(&change, cross(offset, rotation))
+                let path = self.path.change_by_axis(self.radius, offset, rotation);
+                let mut change = self.by_path(&path, cross(offset, rotation));
+                // The direction of zero is seen along the axis: where it is not across it, it turns.
+                let origin = crate::real::constants(zero, swivel_zero);
+                let across = cross(z, origin);
+                let square = dot(across, across).max(zero.lift(1e-30));
+                change.swivel = change.swivel + dot(z, origin) * across[axis] / square;
+                change
             }
             CablePort::Anchor(axis) => {
                 let step = pose.rotate(unit_vector(zero, axis));
                 let path = self.path.change_by_anchor(self.radius, step);
                 let mut change = self.by_path(&path, step);
-                let torque = scaled(cross(step, self.path.toward_exit), self.tension);
+                let torque = scaled(cross(step, self.path.toward_exit), self.expected);
                 for k in 0..3 {
                     change.wrench[3 + k] = change.wrench[3 + k] + torque[k];
                 }
@@ -245,7 +274,7 @@ impl<T: Real> CableState<T> {
     /// Change by a change of the path; `step` is how the anchor moves as the pulley sees it.
     #[inline(always)]
     fn by_path(&self, change: &PathChange<T>, step: [T; 3]) -> PortChange<T> {
-        let force = scaled(change.toward_exit, self.tension);
+        let force = scaled(change.toward_exit, self.expected);
         PortChange {
             length: self.unstrained.change(change),
             wrench: wrench(self.lever, force),
@@ -263,7 +292,7 @@ impl<T: Real> CableState<T> {
         pose: &Attitude<T>,
         equations: &mut Equations<T>,
     ) {
-        let change = self.change_by_port(link.port, pose);
+        let change = self.change_by_port(link.port, constants.swivel_zero, pose);
         let present = equations.present[index];
         let length = change.length * slope * present;
         let entry = &mut equations.effects_of(layout, index)[link.parameter];
@@ -315,7 +344,7 @@ impl<T: Real> CableState<T> {
         let mut moved = [[zero; 6]; 3];
         for axis in 0..3 {
             let unit = unit_vector(zero, axis);
-            let turned = scaled(self.path.turn(unit), self.tension);
+            let turned = scaled(self.path.turn(unit), self.expected);
             let change = wrench(self.lever, turned);
             let back = -(regression * self.gradient[axis]);
             for k in 0..6 {
@@ -342,7 +371,7 @@ impl<T: Real> CableState<T> {
         }
         add_lever_rotation(
             self.lever,
-            scaled(self.path.toward_exit, self.tension),
+            scaled(self.path.toward_exit, self.expected),
             balance,
         );
     }

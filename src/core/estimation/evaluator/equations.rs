@@ -101,13 +101,10 @@ impl<T: Real> Equations<T> {
         loss
     }
 
-    /// Estimated errors of the tension readings (N):
-    /// `sd_T^2 (c lambda_l + A lambda_q)` with `lambda = covariance^-1 residual` of the length and
-    /// equilibrium rows. `spreads` are variances of length and tension per cable.
+    /// `lambda_q = E^-1 residual` of the equilibrium rows, with their covariance `E`.
     #[inline(always)]
-    pub fn tension_errors(&self, layout: &Layout, spreads: &[(f64, f64)], errors: &mut [T]) {
-        let zero = self.laser_by_plane.lift(0.0);
-        let mut lambda = [zero; 6];
+    pub fn balance_multipliers(&self, layout: &Layout) -> [T; 6] {
+        let mut lambda = [self.laser_by_plane.lift(0.0); 6];
         if let Some(first) = layout.equilibrium {
             for k in (0..6).rev() {
                 let mut sum = self.residual[first + k];
@@ -117,19 +114,27 @@ impl<T: Real> Equations<T> {
                 lambda[k] = sum * self.balance_factor[k * (k + 1) / 2 + k];
             }
         }
-        for (cable, (length_variance, tension_variance)) in spreads.iter().enumerate() {
-            let a = &self.structure[cable];
-            let mut balance = zero;
-            for k in 0..6 {
-                balance = a[k].mul_add(lambda[k], balance);
-            }
-            let c = self.length_by_tension[cable];
-            let spread = zero.lift(*tension_variance);
-            let variance = (c * c).mul_add(spread, zero.lift(*length_variance));
-            let residual = self.residual[cable] * variance.sqrt();
-            let length = (residual - spread * c * balance) / variance * self.present[cable];
-            errors[cable] = spread * c.mul_add(length, balance);
+        lambda
+    }
+
+    /// Estimated error of a tension reading (N): `sd_T^2 (c lambda_l + A lambda_q)` with
+    /// `lambda = covariance^-1 residual` of the length and equilibrium rows. `spread` are the
+    /// variances of length and tension.
+    #[inline(always)]
+    pub fn tension_error(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
+        let zero = self.laser_by_plane.lift(0.0);
+        let a = &self.structure[cable];
+        let mut balance = zero;
+        for k in 0..6 {
+            balance = a[k].mul_add(lambda[k], balance);
         }
+        let c = self.length_by_tension[cable];
+        let tension = zero.lift(spread.1);
+        // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
+        let weight = -self.length_by_cable[cable][3];
+        let regression = c * tension * weight * weight;
+        let length = self.residual[cable] * weight - regression * balance;
+        tension * c.mul_add(length, balance)
     }
 
     /// Sum of squares of all rows.

@@ -206,13 +206,14 @@ fn pack_cable<T: Packet>(
         .collect();
     let scalars_at = |row: usize, values: &[Vec<Dual>]| {
         let (mut ports, at) = nominal_cable_ports(cable, data, (row, index), selection.is_home);
-        // The error of the tension reading at home is a parameter of its own.
-        if selection.is_home {
-            ports.tension += Dual::constant(globals.home_tension_error_n[index]);
-        }
         for k in &concerned {
             let effect = globals.effects[*k].effect;
             effect.change_cable(&values[*k], &at, &mut ports);
+        }
+        // The error of the tension at home is a parameter of its own; like the errors at the other
+        // poses it concerns the tension that the effects have made of the reading.
+        if selection.is_home {
+            ports.tension += Dual::constant(globals.home_tension_error_n[index]);
         }
         ports.scalars()
     };

@@ -7,6 +7,7 @@ mod inputs;
 mod layout;
 mod normal;
 mod platform_rows;
+mod span;
 
 use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
 use columns::{Column, ColumnStore};
@@ -45,6 +46,8 @@ pub(super) struct Evaluator<'a, T: Packet> {
     problem: &'a Problem<'a>,
     rows: Vec<usize>,
     is_home: bool,
+    /// Whether tensions have errors of their own.
+    is_latent: bool,
     pub layout: Layout,
     ports: PortInputs<T>,
     readings: ColumnStore<T>,
@@ -67,6 +70,10 @@ pub(super) struct Evaluator<'a, T: Packet> {
     previous: Vec<f64>,
     /// Factor, residual and `Y` of every packet, for the back-substitution.
     eliminated: Vec<f64>,
+    /// Variances of length (m^2) and tension (N^2) of each cable.
+    spreads: Vec<(f64, f64)>,
+    /// Estimated errors of the tension readings (N), packet by packet, cable by cable.
+    tension_errors: Vec<f64>,
     equations: Equations<T>,
     elimination: Elimination<T>,
     pub sums: Sums<T>,
@@ -121,8 +128,13 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 if k < 3 { sd.force_n } else { sd.torque_nm }.powi(2)
             })
         });
+        let constants = constants_of(problem, is_home);
+        let square = |c: &CableConstants| (c.length_sd.powi(2), c.tension_sd.powi(2));
+        let packets = rows.len().div_ceil(T::LANES);
         let mut evaluator = Self {
-            constants: constants_of(problem, is_home),
+            spreads: constants.iter().map(square).collect(),
+            tension_errors: vec![0.0; packets * robot.cable_count() * T::LANES],
+            constants,
             entry: Vec::new(),
             home_length: vec![zero; robot.cable_count()],
             plane_offset: zero,
@@ -142,6 +154,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             problem,
             rows,
             is_home,
+            is_latent: problem.has_latent_tension() && !is_home,
             layout,
             ports,
             readings,
@@ -307,10 +320,22 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.attitudes = pack_attitudes::<T>(std::slice::from_ref(pose));
     }
 
-    /// Variances of length (m^2) and tension (N^2) per cable.
-    pub fn tension_spreads(&self) -> Vec<(f64, f64)> {
-        let square = |c: &CableConstants| (c.length_sd.powi(2), c.tension_sd.powi(2));
-        self.constants.iter().map(square).collect()
+    /// Estimated error of a cable's tension reading (N), by the last evaluation of the packet.
+    #[inline(always)]
+    pub fn tension_error(&self, batch: usize, cable: usize) -> T {
+        let at = batch * self.layout.cables + cable;
+        T::load(self.token, &self.tension_errors, at)
+    }
+
+    /// Takes over the estimated errors of the tension readings from the present equations.
+    #[inline(always)]
+    fn update_tension_errors(&mut self, batch: usize) {
+        let first = batch * self.layout.cables;
+        let lambda = self.equations.balance_multipliers(&self.layout);
+        for (cable, spread) in self.spreads.iter().enumerate() {
+            let error = self.equations.tension_error(cable, *spread, &lambda);
+            error.store(&mut self.tension_errors, first + cable);
+        }
     }
 
     /// The equations that were evaluated last.
@@ -346,6 +371,9 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         if let Some(first) = self.layout.equilibrium {
             self.finish_balance(batch, first, pose, &mut balance);
         }
+        if self.is_latent {
+            self.update_tension_errors(batch);
+        }
         self.evaluate_platform(batch, pose);
         for k in 0..6 {
             if self.free[k] == 0.0 {
@@ -374,6 +402,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 Some(column) => self.readings.load(*column, batch),
                 None => T::splat(self.token, f64::NAN),
             },
+            tension_error: self.tension_error(batch, cable),
         };
         let constants = &self.constants[cable];
         let state = CableState::new(constants, &inputs, pose, self.down);
@@ -386,7 +415,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             state.add_balance(cable, residual, &self.layout, balance, &mut self.equations);
             balance.present = balance.present * inputs.ports[1].present().1;
         }
-        if self.detailed {
+        if self.detailed || self.is_latent {
             self.equations.length_by_tension[cable] = state.length_by_tension();
             self.equations.structure[cable] = state.structure();
         }
@@ -677,7 +706,19 @@ fn pack_platform<T: Packet>(
         0
     };
     let swivel = (0..swivels)
-        .map(|cable| store.varying(rows.iter().map(|row| data.swivel_rad.get(*row, cable)), nan))
+        .map(|cable| {
+            // Without direction of zero or standard deviation the reading cannot be used.
+            let pulley = &problem.dataset.robot.cables[cable].pulley;
+            let usable = pulley.swivel_zero.is_some() && pulley.swivel_sd_rad.is_some();
+            let at = |row: &usize| {
+                if usable {
+                    data.swivel_rad.get(*row, cable)
+                } else {
+                    nan
+                }
+            };
+            store.varying(rows.iter().map(at), nan)
+        })
         .collect();
     PlatformInputs {
         laser: store.varying(rows.iter().map(|row| data.laser_at(*row)), nan),

@@ -1,0 +1,23 @@
+//! Where cables lie on their measured elongation.
+
+use super::Evaluator;
+use super::cable_rows::{CableInputs, CableState};
+use crate::cable::ElongationSurface;
+
+impl Evaluator<'_, f64> {
+    /// The surface of a cable and its length from drum to anchor (m) at the first packed pose.
+    pub fn span_on_surface(&self, cable: usize) -> Option<(&ElongationSurface, f64)> {
+        let attitude = self.attitude(0);
+        let inputs = CableInputs {
+            entry: self.entry[cable],
+            home_length: 0.0,
+            ports: self.ports.store.load_all(&self.ports.cables[cable], 0),
+            swivel: f64::NAN,
+            tension_error: 0.0,
+        };
+        let constants = &self.constants[cable];
+        let surface = constants.surface.as_ref()?;
+        let state = CableState::new(constants, &inputs, &attitude, self.down);
+        Some((surface, constants.run + state.path_length()))
+    }
+}

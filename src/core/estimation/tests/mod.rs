@@ -1,0 +1,70 @@
+//! Tests of the estimator as a whole. Seeds are fixed; statistical tests state how improbable
+//! their failure would be for a correct program.
+
+mod derivatives;
+mod evaluation;
+mod missing;
+mod plain;
+mod ports;
+mod rank;
+mod reference;
+mod robust;
+mod start;
+mod statistics;
+mod surface;
+
+use super::*;
+use crate::measurement::Dataset;
+use crate::robot::presets;
+use crate::simulation::{Simulated, SimulationOptions, simulate};
+
+fn quiet(_: &Progress) -> Control {
+    Control::Continue
+}
+
+/// A simulated run of a preset.
+fn run_of(name: &str, poses: usize, seed: u64) -> Simulated {
+    run_with(name, poses, seed, |_| {})
+}
+
+/// A simulated run of a preset with changed options.
+fn run_with(
+    name: &str,
+    poses: usize,
+    seed: u64,
+    change: impl Fn(&mut SimulationOptions),
+) -> Simulated {
+    let preset = presets::find(name).unwrap();
+    let mut options = SimulationOptions {
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(poses, seed)
+    };
+    change(&mut options);
+    simulate(&preset.robot, &options).unwrap()
+}
+
+fn solved(problem: &Problem<'_>) -> Solution {
+    solve(problem, &Options::default(), &mut quiet).unwrap()
+}
+
+/// Converged solution of a dataset.
+fn identified(dataset: &Dataset, method: Method) -> Solution {
+    let problem = Problem::new(dataset).unwrap().with_method(method);
+    let solution = solved(&problem);
+    assert!(solution.converged(), "{:?}", solution.termination);
+    solution
+}
+
+/// Largest difference of entry points, in standard deviations of the first solution.
+fn difference_in_sd(first: &Solution, second: &Solution) -> f64 {
+    let mut worst = 0.0_f64;
+    for (k, parameter) in first.parameters.iter().enumerate() {
+        if let ParameterId::EntryPoint { cable, axis } = parameter.id {
+            let moved =
+                first.globals.entry_points[cable][axis] - second.globals.entry_points[cable][axis];
+            worst = worst.max(moved.abs() / first.standard_deviation(k).unwrap());
+        }
+    }
+    worst
+}

@@ -1,0 +1,99 @@
+//! The estimator against the plain solution of the same problem.
+
+use super::plain::{Found, Plain};
+use super::*;
+use crate::estimation::solver::Descent;
+
+fn cases() -> Vec<Simulated> {
+    vec![
+        run_of("mini", 8, 1),
+        run_of("mini", 6, 2),
+        run_of("planar", 7, 3),
+    ]
+}
+
+/// Indices of the free entry point coordinates among the parameters.
+fn entry_points(solution: &Solution) -> Vec<(usize, usize, usize)> {
+    let parameters = solution.parameters.iter().enumerate();
+    parameters
+        .filter_map(|(k, p)| match p.id {
+            ParameterId::EntryPoint { cable, axis } => Some((k, cable, axis)),
+            _ => None,
+        })
+        .collect()
+}
+
+/// Largest differences of entry points in standard deviations, and of covariances in products of
+/// standard deviations.
+fn differences(solution: &Solution, plain: &Found) -> (f64, f64) {
+    let covariance = solution.covariance.as_ref().unwrap();
+    let indices = entry_points(solution);
+    let (mut points, mut covariances) = (0.0_f64, 0.0_f64);
+    for (i, (k, cable, axis)) in indices.iter().enumerate() {
+        let sd = plain.covariance[(i, i)].sqrt();
+        let off = solution.globals.entry_points[*cable][*axis] - plain.state.entry[*cable][*axis];
+        points = points.max(off.abs() / sd);
+        for (j, (q, ..)) in indices.iter().enumerate() {
+            let other = plain.covariance[(j, j)].sqrt();
+            let off = covariance[(*k, *q)] - plain.covariance[(i, j)];
+            covariances = covariances.max(off.abs() / (sd * other));
+        }
+    }
+    (points, covariances)
+}
+
+#[test]
+fn simple_method_finds_the_minimum_of_problem_r1() {
+    for run in cases() {
+        let plain = Plain::new(&run.dataset, false).solve();
+        let solution = identified(&run.dataset, Method::Simple);
+        let off = (solution.chi2 - plain.chi2).abs() / plain.chi2;
+        assert!(off < 1e-9, "{} {} {off:e}", solution.chi2, plain.chi2);
+        let (points, covariances) = differences(&solution, &plain);
+        // Both stop where a step promises 1e-11 of the sum of squares, about 1e-9 here: 3e-5
+        // standard deviations. The numerical Jacobian is exact to 1e-8.
+        assert!(
+            points < 1e-4 && covariances < 1e-5,
+            "{points:e} {covariances:e}"
+        );
+    }
+}
+
+#[test]
+fn joint_method_finds_the_minimum_of_problem_r2() {
+    for run in cases() {
+        let plain = Plain::new(&run.dataset, true).solve();
+        let solution = identified(&run.dataset, Method::Joint);
+        let (points, covariances) = differences(&solution, &plain);
+        println!(
+            "{} points {points:e} covariances {covariances:e} chi2 {} {}",
+            run.dataset.robot.name, solution.chi2, plain.chi2
+        );
+        // Tensions are eliminated at their readings: of second order in their noise, which shows.
+        assert!(points < 0.02, "{points}");
+        assert!(covariances < 0.01, "{covariances}");
+        assert!((solution.chi2 - plain.chi2).abs() < 0.1);
+    }
+}
+
+#[test]
+fn all_instruction_sets_find_the_same() {
+    for name in ["mini", "suspended", "planar"] {
+        // Not a multiple of any number of lanes.
+        let run = run_of(name, 13, 4);
+        for method in [Method::Joint, Method::Simple] {
+            let problem = Problem::new(&run.dataset).unwrap().with_method(method);
+            let lanes = solved(&problem);
+            let scalar = Descent::<f64>::new((), &problem).run(&Options::default(), &mut quiet);
+            assert_eq!(lanes.iterations, scalar.iterations);
+            assert_eq!(lanes.degrees_of_freedom, scalar.degrees_of_freedom);
+            // The same arithmetic but for the order of sums and fused operations.
+            assert!(
+                difference_in_sd(&lanes, &scalar) < 1e-7,
+                "{name} {method:?}: {:e}",
+                difference_in_sd(&lanes, &scalar)
+            );
+            assert!((lanes.chi2 - scalar.chi2).abs() < 1e-9 * scalar.chi2);
+        }
+    }
+}
