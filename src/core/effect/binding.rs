@@ -1,6 +1,7 @@
 //! Effects attached to the cables of a robot.
 
-use super::{Effect, EffectSetting, Scope, find};
+use super::{Effect, EffectParameter, EffectSetting, Scope, find};
+use crate::measurement::Measurements;
 use crate::robot::Robot;
 
 /// Why an effect cannot be attached.
@@ -30,58 +31,155 @@ pub enum EffectError {
     /// The effect concerns the whole robot.
     #[error("effect \"{0}\" concerns the whole robot and takes no cable")]
     NoTarget(String),
+    /// The effect concerns two cables.
+    #[error("effect \"{0}\" concerns two different cables: name both")]
+    NeedsPair(String),
+    /// A parameter that cannot be estimated has no value.
+    #[error(
+        "effect \"{effect}\" needs a number for \"{parameter}\", which cannot be estimated: give {parameter}=NUMBER"
+    )]
+    MissingParameter {
+        /// Effect concerned.
+        effect: String,
+        /// The parameter.
+        parameter: &'static str,
+    },
+    /// A parameter has no finite value.
+    #[error("effect \"{effect}\": expected a number for \"{parameter}\"")]
+    NotANumber {
+        /// Effect concerned.
+        effect: String,
+        /// The parameter.
+        parameter: String,
+    },
+    /// The effect has no parameter that readings could determine.
+    #[error("effect \"{0}\" has nothing to estimate: it can only be hidden in simulated data")]
+    NothingToEstimate(String),
+    /// There is no such pose.
+    #[error("effect \"{effect}\": there is no pose labelled {pose}")]
+    NoSuchPose {
+        /// Effect concerned.
+        effect: String,
+        /// Label that was looked for.
+        pose: String,
+    },
 }
 
-/// An effect that is to be estimated: `ID` or `ID:CABLE`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// An effect that is to be estimated: `ID[:CABLE][:NAME=NUMBER,...]`.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct EffectRequest {
     /// Identifier in the catalogue.
     pub effect: String,
     /// Cable, or all that the effect's scope says.
     pub cable: Option<String>,
+    /// Values of the parameters that cannot be estimated, and start values of others; NaN for what was
+    /// no number.
+    pub values: Vec<(String, f64)>,
 }
 
 impl EffectRequest {
-    /// Reads `ID` or `ID:CABLE`.
+    /// Reads `ID[:CABLE][:NAME=NUMBER,...]`; `:` may stand for `,` as well.
     #[must_use]
     pub fn parse(text: &str) -> Self {
-        match text.split_once(':') {
-            Some((effect, cable)) => Self {
-                effect: effect.to_owned(),
-                cable: Some(cable.to_owned()),
-            },
-            None => Self {
-                effect: text.to_owned(),
-                cable: None,
-            },
+        let mut parts = text.split(':');
+        let mut request = Self {
+            effect: parts.next().unwrap_or_default().to_owned(),
+            ..Self::default()
+        };
+        for part in parts {
+            if !part.contains('=') {
+                request.cable = Some(part.to_owned());
+                continue;
+            }
+            for pair in part.split(',') {
+                let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
+                let value = value.trim().parse().unwrap_or(f64::NAN);
+                request.values.push((name.trim().to_owned(), value));
+            }
         }
+        request
     }
 
-    /// Attaches the effect to `robot`, its parameters at no effect: one instance per cable where the
-    /// effect is per cable and no cable is given.
+    /// Attaches the effect to `robot`, its parameters at the values given or at their start values: one instance per
+    /// cable where the effect is per cable and no cable is given.
     ///
     /// # Errors
-    /// If effect or cable are unknown, or the effect takes no cable.
+    /// If effect, cable or parameter are unknown, the effect takes no cable, has nothing to estimate, or
+    /// a parameter that cannot be estimated has no value.
     pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>, EffectError> {
         let effect =
             find(&self.effect).ok_or_else(|| EffectError::UnknownEffect(self.effect.clone()))?;
+        if !effect.is_estimable() {
+            return Err(EffectError::NothingToEstimate(self.effect.clone()));
+        }
         let all: Vec<usize> = (0..robot.cable_count()).collect();
-        let neutral = |cables: Vec<usize>, targeted: bool| BoundEffect {
+        let given = self.values.iter().map(|(name, value)| (name, *value));
+        let values = values_of(effect, given, |p| p.start)?;
+        let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
             effect,
             cables,
             targeted,
-            values: vec![0.0; effect.parameters().len()],
+            values: values.clone(),
         };
         match (&self.cable, effect.scope()) {
             (Some(_), Scope::Robot) => Err(EffectError::NoTarget(self.effect.clone())),
+            (_, Scope::Pair) => Err(EffectError::NeedsPair(self.effect.clone())),
             (Some(name), _) => {
                 let cable = cable_called(robot, &self.effect, name)?;
-                Ok(vec![neutral(vec![cable], true)])
+                Ok(vec![bound(vec![cable], true)])
             }
-            (None, Scope::Cable) => Ok(all.iter().map(|i| neutral(vec![*i], true)).collect()),
-            (None, _) => Ok(vec![neutral(all, false)]),
+            (None, Scope::Cable) => Ok(all.iter().map(|i| bound(vec![*i], true)).collect()),
+            (None, _) => Ok(vec![bound(all, false)]),
         }
     }
+}
+
+/// The values of an effect's parameters: those given, else the default.
+fn values_of<'n>(
+    effect: &'static dyn Effect,
+    given: impl Iterator<Item = (&'n String, f64)>,
+    default: impl Fn(&EffectParameter) -> f64,
+) -> Result<Vec<f64>, EffectError> {
+    let parameters = effect.parameters();
+    let mut values: Vec<Option<f64>> = vec![None; parameters.len()];
+    for (name, value) in given {
+        let index = parameters.iter().position(|p| p.name == name);
+        let index = index.ok_or_else(|| unknown_parameter(effect, name))?;
+        if !value.is_finite() {
+            return Err(EffectError::NotANumber {
+                effect: effect.id().to_owned(),
+                parameter: name.clone(),
+            });
+        }
+        values[index] = Some(value);
+    }
+    let value = |(value, parameter): (Option<f64>, &EffectParameter)| match value {
+        Some(value) => Ok(value),
+        None if parameter.discrete => Err(EffectError::MissingParameter {
+            effect: effect.id().to_owned(),
+            parameter: parameter.name,
+        }),
+        None => Ok(default(parameter)),
+    };
+    values.into_iter().zip(parameters).map(value).collect()
+}
+
+fn unknown_parameter(effect: &dyn Effect, name: &str) -> EffectError {
+    let names: Vec<_> = effect.parameters().iter().map(|p| p.name).collect();
+    EffectError::UnknownParameter {
+        effect: effect.id().to_owned(),
+        parameter: name.to_owned(),
+        expected: if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        },
+    }
+}
+
+/// Row of the pose with this label.
+pub(super) fn row_of(data: &Measurements, label: f64) -> Option<usize> {
+    data.labels.iter().position(|l| *l as f64 == label)
 }
 
 /// A cable by its name, or by its number from 1.
@@ -125,29 +223,24 @@ impl BoundEffect {
         if effect.scope() == Scope::Robot && !setting.targets.is_empty() {
             return Err(EffectError::NoTarget(setting.effect.clone()));
         }
-        let mut values = vec![0.0; effect.parameters().len()];
-        for (name, value) in &setting.parameters {
-            let index = effect.parameters().iter().position(|p| p.name == name);
-            let index = index.ok_or_else(|| EffectError::UnknownParameter {
-                effect: setting.effect.clone(),
-                parameter: name.clone(),
-                expected: effect
-                    .parameters()
-                    .iter()
-                    .map(|p| p.name)
-                    .collect::<Vec<_>>()
-                    .join(", "),
-            })?;
-            values[index] = *value;
-        }
+        let given = setting
+            .parameters
+            .iter()
+            .map(|(name, value)| (name, *value));
+        let values = values_of(effect, given, |p| p.neutral)?;
         let named: Result<Vec<usize>, _> = setting
             .targets
             .iter()
             .map(|name| cable_called(robot, &setting.effect, name))
             .collect();
+        let named = named?;
+        let is_pair = matches!(*named, [one, other] if one != other);
+        if effect.scope() == Scope::Pair && !is_pair {
+            return Err(EffectError::NeedsPair(setting.effect.clone()));
+        }
         let targeted = !setting.targets.is_empty();
         let cables = if targeted {
-            named?
+            named
         } else {
             (0..robot.cable_count()).collect()
         };
@@ -157,6 +250,24 @@ impl BoundEffect {
             targeted,
             values,
         })
+    }
+
+    /// Changes simulated readings after they were predicted.
+    ///
+    /// # Errors
+    /// If it names a pose that is not there.
+    pub fn corrupt(&self, robot: &Robot, data: &mut Measurements) -> Result<(), EffectError> {
+        for (parameter, value) in self.effect.parameters().iter().zip(&self.values) {
+            if parameter.name == "pose" && row_of(data, *value).is_none() {
+                return Err(EffectError::NoSuchPose {
+                    effect: self.effect.id().to_owned(),
+                    pose: value.to_string(),
+                });
+            }
+        }
+        let effect = self.effect;
+        effect.corrupt(&self.values, &self.cables, robot, data);
+        Ok(())
     }
 
     /// The form in which model files carry it.

@@ -17,12 +17,7 @@ impl Effect for CableStiffness {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "change",
-            unit: "1",
-            prior_sd: 0.5,
-            typical: [0.1, 0.5],
-        }]
+        const { &[EffectParameter::new("change", "1", 0.5, [0.1, 0.5])] }
     }
     fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
         ports.compliance *= (parameters[0] + 1.0).recip();

@@ -1,12 +1,39 @@
 //! The list of effects that models, simulations and commands know.
 
 use super::Effect;
+use super::cable_creep::CableCreep;
+use super::cable_sag::CableSag;
+use super::cable_slip::CableSlip;
+use super::cable_stiffening::CableStiffening;
 use super::cable_stiffness::CableStiffness;
+use super::cable_swap::CableSwap;
+use super::cable_thermal::CableThermal;
 use super::drum_eccentricity::DrumEccentricity;
 use super::drum_growth::DrumGrowth;
+use super::encoder_drift::EncoderDrift;
+use super::encoder_outlier::EncoderOutlier;
+use super::force_bias::ForceBias;
+use super::force_gain::ForceGain;
+use super::frame_compliance::FrameCompliance;
+use super::frame_shift::FrameShift;
+use super::frame_thermal::FrameThermal;
+use super::heading_offset::HeadingOffset;
+use super::inclinometer_tilt::InclinometerTilt;
+use super::laser_beam_tilt::LaserBeamTilt;
 use super::laser_bias::LaserBias;
+use super::laser_cyclic::LaserCyclic;
+use super::laser_drift::LaserDrift;
+use super::laser_outliers::LaserOutliers;
 use super::laser_scale::LaserScale;
+use super::payload_com::PayloadCom;
+use super::payload_mass::PayloadMass;
+use super::platform_anchor::PlatformAnchor;
+use super::pulley_axis_tilt::PulleyAxisTilt;
+use super::pulley_friction::PulleyFriction;
 use super::pulley_radius::PulleyRadius;
+use super::swivel_offset::SwivelOffset;
+use super::target_tilt::TargetTilt;
+use super::winch_backlash::WinchBacklash;
 use super::winch_offset::WinchOffset;
 use super::winch_scale::WinchScale;
 use super::winch_scale_common::WinchScaleCommon;
@@ -18,10 +45,37 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &WinchOffset,
     &DrumEccentricity,
     &DrumGrowth,
+    &WinchBacklash,
+    &EncoderDrift,
+    &CableSlip,
     &CableStiffness,
+    &CableStiffening,
+    &CableCreep,
+    &CableThermal,
+    &CableSag,
+    &CableSwap,
     &PulleyRadius,
+    &PulleyAxisTilt,
+    &PulleyFriction,
+    &PlatformAnchor,
+    &PayloadMass,
+    &PayloadCom,
+    &FrameCompliance,
+    &FrameThermal,
+    &FrameShift,
     &LaserScale,
     &LaserBias,
+    &LaserBeamTilt,
+    &TargetTilt,
+    &LaserDrift,
+    &LaserCyclic,
+    &LaserOutliers,
+    &EncoderOutlier,
+    &ForceGain,
+    &ForceBias,
+    &SwivelOffset,
+    &HeadingOffset,
+    &InclinometerTilt,
 ];
 
 /// The effect with this identifier.

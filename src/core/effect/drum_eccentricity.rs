@@ -18,20 +18,17 @@ impl Effect for DrumEccentricity {
         Scope::Cable
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[
-            EffectParameter {
-                name: "amplitude",
-                unit: "m",
-                prior_sd: 0.001,
-                typical: [0.0001, 0.001],
-            },
-            EffectParameter {
-                name: "phase",
-                unit: "rad",
-                prior_sd: 3.0,
-                typical: [-std::f64::consts::PI, std::f64::consts::PI],
-            },
-        ]
+        const {
+            &[
+                EffectParameter::new("amplitude", "m", 0.001, [0.0001, 0.001]),
+                EffectParameter::new(
+                    "phase",
+                    "rad",
+                    3.0,
+                    [-std::f64::consts::PI, std::f64::consts::PI],
+                ),
+            ]
+        }
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         let [amplitude, phase] = [parameters[0], parameters[1]];

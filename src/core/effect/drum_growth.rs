@@ -1,7 +1,7 @@
 //! Layers build up on the drum: `paid = k rev (1 + growth rev)` with revolutions of the motor. Typical
 //! 0.01 to 1 % per revolution.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -18,12 +18,17 @@ impl Effect for DrumGrowth {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "growth",
-            unit: "1/rev",
-            prior_sd: 0.005,
-            typical: [0.00005, 0.01],
-        }]
+        const {
+            &[EffectParameter::new(
+                "growth",
+                "1/rev",
+                0.005,
+                [0.00005, 0.01],
+            )]
+        }
+    }
+    fn stage(&self) -> Stage {
+        Stage::Ratio
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid *= parameters[0] * at.revolutions + 1.0;

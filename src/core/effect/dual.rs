@@ -37,6 +37,30 @@ impl Dual {
         self.chain(self.value.sin(), self.value.cos())
     }
 
+    /// Cosine.
+    #[must_use]
+    pub fn cos(self) -> Self {
+        self.chain(self.value.cos(), -self.value.sin())
+    }
+
+    /// Square root.
+    #[must_use]
+    pub fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, 0.5 / root)
+    }
+
+    /// Angle of the point `(x, self)`.
+    #[must_use]
+    pub fn atan2(self, x: Self) -> Self {
+        let square = self.value.mul_add(self.value, x.value * x.value);
+        let slope = (self.slope * x.value - self.value * x.slope) / square;
+        Self {
+            value: self.value.atan2(x.value),
+            slope,
+        }
+    }
+
     /// Exponential.
     #[must_use]
     pub fn exp(self) -> Self {
@@ -119,7 +143,7 @@ mod tests {
     fn slopes_match_finite_differences() {
         let function = |x: Dual| {
             let y = (x * 3.0).sin() + (x * x).exp() * 0.5 - x.recip();
-            y * x + 2.0
+            y * x + (x * x + 1.0).sqrt().atan2(x.cos()) + 2.0
         };
         let (x, h) = (0.7, 1e-6);
         let at = |x: f64| function(Dual::constant(x)).value;

@@ -1,7 +1,7 @@
 //! A constant added to every laser reading. Typical 0.5 to 5 mm; not separable from the offset of the
 //! target plane.
 
-use super::{Dual, Effect, EffectParameter, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -18,14 +18,14 @@ impl Effect for LaserBias {
         Scope::Robot
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "bias",
-            unit: "m",
-            prior_sd: 0.005,
-            typical: [0.0005, 0.005],
-        }]
+        const { &[EffectParameter::new("bias", "m", 0.005, [0.0005, 0.005])] }
     }
-    fn change_platform(&self, parameters: &[Dual], ports: &mut PlatformPorts) {
+    fn change_platform(
+        &self,
+        parameters: &[Dual],
+        _at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
+    ) {
         ports.laser_bias += parameters[0];
     }
 }

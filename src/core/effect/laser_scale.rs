@@ -1,6 +1,6 @@
 //! Laser reading times `1 + scale`. Typical 0.05 to 1 %.
 
-use super::{Dual, Effect, EffectParameter, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -17,14 +17,14 @@ impl Effect for LaserScale {
         Scope::Robot
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "scale",
-            unit: "1",
-            prior_sd: 0.01,
-            typical: [0.0005, 0.01],
-        }]
+        const { &[EffectParameter::new("scale", "1", 0.01, [0.0005, 0.01])] }
     }
-    fn change_platform(&self, parameters: &[Dual], ports: &mut PlatformPorts) {
+    fn change_platform(
+        &self,
+        parameters: &[Dual],
+        _at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
+    ) {
         ports.laser_gain *= parameters[0] + 1.0;
     }
 }

@@ -5,25 +5,59 @@
 //! in simulated data and adds it to a model.
 
 mod binding;
+mod cable_creep;
+mod cable_sag;
+mod cable_slip;
+mod cable_stiffening;
 mod cable_stiffness;
+mod cable_swap;
+mod cable_thermal;
 mod catalogue;
+mod circumstances;
+mod direction;
 mod drum_eccentricity;
 mod drum_growth;
 mod dual;
+mod encoder_drift;
+mod encoder_outlier;
+mod force_bias;
+mod force_gain;
+mod frame_compliance;
+mod frame_shift;
+mod frame_thermal;
+mod heading_offset;
+mod inclinometer_tilt;
+mod laser_beam_tilt;
 mod laser_bias;
+mod laser_cyclic;
+mod laser_drift;
+mod laser_outliers;
 mod laser_scale;
+mod payload_com;
+mod payload_mass;
+mod platform_anchor;
 mod ports;
+mod pulley_axis_tilt;
+mod pulley_friction;
 mod pulley_radius;
 mod setting;
+mod swivel_offset;
+mod target_tilt;
+mod winch_backlash;
 mod winch_offset;
 mod winch_scale;
 mod winch_scale_common;
 
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
+pub use circumstances::{CableCircumstances, PlatformCircumstances};
+pub(crate) use circumstances::{Circumstances, sign};
 pub use dual::Dual;
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
+
+use crate::measurement::Measurements;
+use crate::robot::Robot;
 
 /// What an effect can be attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,8 +66,21 @@ pub enum Scope {
     Cable,
     /// One cable, or all cables with common parameters; without a target all.
     CableOrAll,
+    /// Two cables, which must both be named.
+    Pair,
     /// All cables, the platform, the frame or an instrument together; takes no target.
     Robot,
+}
+
+/// When an effect acts where several do: earlier stages first, whatever the order in a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// On the raw reading.
+    Sensor,
+    /// As a factor.
+    Ratio,
+    /// As a term, or on what no other effect touches.
+    Addition,
 }
 
 /// One parameter of an effect.
@@ -43,21 +90,62 @@ pub struct EffectParameter {
     pub name: &'static str,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
-    /// Standard deviation of the prior, which is centred at no effect.
+    /// Standard deviation of the prior, which is centred at `neutral`.
     pub prior_sd: f64,
     /// Typical size in the field, smallest and largest.
     pub typical: [f64; 2],
+    /// Value without effect, or any where another parameter decides whether there is one.
+    pub neutral: f64,
+    /// Value from which it is estimated: not neutral where nothing would depend on it there.
+    pub start: f64,
+    /// Whether it must be given and is never estimated, as the label of a pose.
+    pub discrete: bool,
 }
 
-/// Circumstances of one cable at one pose.
-#[derive(Debug, Clone, Copy)]
-pub struct CableCircumstances {
-    /// Whether this is the home pose, at which the encoders were zeroed.
-    pub is_home: bool,
-    /// Motor revolutions since home; 0 where lengths are read directly.
-    pub revolutions: f64,
-    /// Drum revolutions per motor revolution.
-    pub drum_per_motor: f64,
+impl EffectParameter {
+    /// A parameter that can be estimated, 0 without effect.
+    #[must_use]
+    pub const fn new(
+        name: &'static str,
+        unit: &'static str,
+        prior_sd: f64,
+        typical: [f64; 2],
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            prior_sd,
+            typical,
+            neutral: 0.0,
+            start: 0.0,
+            discrete: false,
+        }
+    }
+
+    /// A parameter that must be given and keeps its value.
+    #[must_use]
+    pub const fn given(name: &'static str, unit: &'static str, typical: [f64; 2]) -> Self {
+        Self {
+            discrete: true,
+            ..Self::new(name, unit, 1.0, typical)
+        }
+    }
+
+    /// The same with another neutral value, which is the start value too.
+    #[must_use]
+    pub const fn around(self, neutral: f64) -> Self {
+        Self {
+            neutral,
+            start: neutral,
+            ..self
+        }
+    }
+
+    /// The same with another start value.
+    #[must_use]
+    pub const fn starting_at(self, start: f64) -> Self {
+        Self { start, ..self }
+    }
 }
 
 /// A physical effect of the catalogue.
@@ -70,6 +158,14 @@ pub trait Effect: Sync {
     fn scope(&self) -> Scope;
     /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
     fn parameters(&self) -> &'static [EffectParameter];
+    /// When it acts.
+    fn stage(&self) -> Stage {
+        Stage::Addition
+    }
+    /// Whether sag must be modelled even if the description says that cables weigh nothing.
+    fn needs_sag(&self) -> bool {
+        false
+    }
     /// Changes the ports of a cable it is attached to.
     fn change_cable(
         &self,
@@ -78,6 +174,38 @@ pub trait Effect: Sync {
         _ports: &mut CablePorts,
     ) {
     }
-    /// Changes the ports of the platform.
-    fn change_platform(&self, _parameters: &[Dual], _ports: &mut PlatformPorts) {}
+    /// Changes the ports of the platform; called for effects of scope [`Scope::Robot`] only.
+    fn change_platform(
+        &self,
+        _parameters: &[Dual],
+        _at: &PlatformCircumstances,
+        _ports: &mut PlatformPorts,
+    ) {
+    }
+    /// Changes simulated readings after they were predicted, as wrong readings do.
+    fn corrupt(
+        &self,
+        _parameters: &[f64],
+        _cables: &[usize],
+        _robot: &Robot,
+        _data: &mut Measurements,
+    ) {
+    }
 }
+
+impl dyn Effect {
+    /// Whether it has a parameter that can be estimated.
+    #[must_use]
+    pub fn is_estimable(&self) -> bool {
+        self.parameters().iter().any(|p| !p.discrete)
+    }
+
+    /// Neutral values of its parameters.
+    #[must_use]
+    pub fn neutral_values(&self) -> Vec<f64> {
+        self.parameters().iter().map(|p| p.neutral).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

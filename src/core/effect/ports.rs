@@ -5,6 +5,7 @@
 //! the ports are written once.
 
 use super::Dual;
+use crate::robot::{Cable, Robot};
 
 /// What the prediction of one cable's readings depends on, at one pose.
 #[derive(Debug, Clone, Copy)]
@@ -143,7 +144,29 @@ impl PlatformPort {
     ];
 }
 
+fn constants(values: [f64; 3]) -> [Dual; 3] {
+    values.map(Dual::constant)
+}
+
 impl CablePorts {
+    /// The ports of a cable before any effect, for the cable paid out (m) and the tension (N) that its
+    /// readings tell.
+    #[must_use]
+    pub fn nominal(cable: &Cable, paid: f64, tension: f64) -> Self {
+        Self {
+            paid: Dual::constant(paid),
+            tension: Dual::constant(tension),
+            strain: Dual::constant(0.0),
+            compliance: Dual::constant(cable.cable.axial_stiffness_n.map_or(0.0, f64::recip)),
+            weight: Dual::constant(cable.cable.weight_n_per_m),
+            radius: Dual::constant(cable.pulley.radius_m),
+            entry_shift: constants([0.0; 3]),
+            axis: constants(cable.pulley.swivel_axis),
+            anchor: constants(cable.platform_anchor_m),
+            swivel_offset: Dual::constant(0.0),
+        }
+    }
+
     /// The scalars in the order of [`CablePort::ALL`].
     #[must_use]
     pub fn scalars(&self) -> [Dual; CablePort::COUNT] {
@@ -170,6 +193,21 @@ impl CablePorts {
 }
 
 impl PlatformPorts {
+    /// The ports of the platform before any effect.
+    #[must_use]
+    pub fn nominal(robot: &Robot) -> Self {
+        let laser = robot.laser;
+        Self {
+            mass: Dual::constant(robot.platform.mass_kg.unwrap_or(0.0)),
+            center_of_mass: constants(robot.platform.center_of_mass_m),
+            laser_gain: Dual::constant(1.0),
+            laser_bias: Dual::constant(0.0),
+            laser_direction: constants(laser.map_or([0.0, 0.0, -1.0], |l| l.direction)),
+            target_normal: constants(laser.map_or([0.0, 0.0, 1.0], |l| l.target_plane.normal)),
+            inclination_offset: constants([0.0; 3]),
+        }
+    }
+
     /// The scalars in the order of [`PlatformPort::ALL`].
     #[must_use]
     pub fn scalars(&self) -> [Dual; PlatformPort::COUNT] {

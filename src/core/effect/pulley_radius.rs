@@ -17,12 +17,7 @@ impl Effect for PulleyRadius {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "change",
-            unit: "1",
-            prior_sd: 0.3,
-            typical: [0.05, 0.5],
-        }]
+        const { &[EffectParameter::new("change", "1", 0.3, [0.05, 0.5])] }
     }
     fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
         ports.radius *= parameters[0] + 1.0;

@@ -18,12 +18,7 @@ impl Effect for WinchOffset {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "offset",
-            unit: "m",
-            prior_sd: 0.1,
-            typical: [0.0005, 0.15],
-        }]
+        const { &[EffectParameter::new("offset", "m", 0.1, [0.0005, 0.15])] }
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         if !at.is_home {

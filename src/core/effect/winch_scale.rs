@@ -1,7 +1,7 @@
 //! Drum of another effective diameter: cable per revolution times `1 + scale`; for absolute lengths
 //! the length times `1 + scale`. Typical 0.1 to 3 % (winch ratio errors of cable robots).
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -18,12 +18,10 @@ impl Effect for WinchScale {
         Scope::Cable
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "scale",
-            unit: "1",
-            prior_sd: 0.03,
-            typical: [0.001, 0.03],
-        }]
+        const { &[EffectParameter::new("scale", "1", 0.03, [0.001, 0.03])] }
+    }
+    fn stage(&self) -> Stage {
+        Stage::Ratio
     }
     fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid *= parameters[0] + 1.0;

@@ -1,7 +1,7 @@
 //! All drums of another effective diameter by the same ratio, as by a wrong cable diameter: cable per
 //! revolution times `1 + scale`. Typical 0.1 to 1 %.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -18,12 +18,10 @@ impl Effect for WinchScaleCommon {
         Scope::Robot
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "scale",
-            unit: "1",
-            prior_sd: 0.01,
-            typical: [0.001, 0.01],
-        }]
+        const { &[EffectParameter::new("scale", "1", 0.01, [0.001, 0.01])] }
+    }
+    fn stage(&self) -> Stage {
+        Stage::Ratio
     }
     fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid *= parameters[0] + 1.0;

@@ -20,6 +20,7 @@ pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};
 pub use rank::{Deficiency, deficiencies};
+pub(crate) use residuals::residuals_under;
 pub use residuals::{RowResidual, residuals_at};
 pub use solution::{OutsideSurface, Solution};
 pub use solver::solve;

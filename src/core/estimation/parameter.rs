@@ -158,7 +158,12 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
                 id: ParameterId::Effect { effect, parameter },
                 name: format!("{} {}{on}", bound.effect.id(), description.name),
                 unit: description.unit,
-                prior_sd: Some(description.prior_sd),
+                // What is given and not estimated counts as known exactly.
+                prior_sd: Some(if description.discrete {
+                    0.0
+                } else {
+                    description.prior_sd
+                }),
             });
         }
     }
@@ -197,7 +202,8 @@ impl Globals {
             ParameterId::HomeTension { cable } => self.home_tension_error_n[cable],
             // A free effect starts where the request puts it; its prior is centred at no effect.
             ParameterId::Effect { effect, parameter } => {
-                self.effects[held + effect].values[parameter]
+                let bound = &self.effects[held + effect];
+                bound.values[parameter] - bound.effect.parameters()[parameter].neutral
             }
         };
         parameters.iter().map(deviation).collect()

@@ -1,10 +1,12 @@
 //! Residuals in physical units at given poses: the prediction that simulation inverts and that reports
 //! show.
 
+use std::sync::Arc;
+
 use super::evaluator::Evaluator;
 use super::home::HomeRow;
 use super::problem::{Globals, Problem};
-use crate::effect::CablePort;
+use crate::effect::{CablePort, Circumstances};
 use crate::geometry::Pose;
 
 /// Prediction minus reading at one row of the measurements; NaN where nothing was read.
@@ -30,14 +32,30 @@ pub fn residuals_at(
     rows: &[usize],
     poses: &[Pose],
 ) -> Vec<RowResidual> {
+    residuals_under(None, problem, globals, (rows, poses))
+}
+
+/// The same under circumstances of which more is known than the readings tell, as in a simulation.
+pub(crate) fn residuals_under(
+    circumstances: Option<Arc<Circumstances>>,
+    problem: &Problem<'_>,
+    globals: &Globals,
+    (rows, poses): (&[usize], &[Pose]),
+) -> Vec<RowResidual> {
     let home = match problem.home_row() {
-        Some(row) if !problem.dataset.measurements.revolutions.is_empty() => {
+        Some(row) => {
             let mut evaluator = Evaluator::<f64>::home((), problem, globals, row);
+            if let Some(known) = &circumstances {
+                evaluator.set_circumstances(Arc::clone(known));
+            }
             HomeRow::evaluate(&mut evaluator, problem, globals, &[], None)
         }
-        _ => HomeRow::absolute(problem),
+        None => HomeRow::absolute(problem),
     };
     let mut evaluator = Evaluator::<f64>::new((), problem, globals, rows.to_vec(), poses);
+    if let Some(known) = circumstances {
+        evaluator.set_circumstances(known);
+    }
     evaluator.set_globals(globals, Some(&home.lengths));
     (0..rows.len())
         .map(|index| row_residual(&mut evaluator, problem, index))

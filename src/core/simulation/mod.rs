@@ -1,5 +1,6 @@
 //! Virtual robots that produce measurements, from the same prediction that the estimator uses.
 
+mod loaded;
 mod virtual_robot;
 mod workspace;
 

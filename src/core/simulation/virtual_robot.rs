@@ -4,9 +4,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
+use super::loaded::{Schedule, loaded_robot};
 use super::workspace::{TensionRange, Workspace};
-use crate::effect::EffectSetting;
-use crate::estimation::{EstimationError, Globals, Method, Problem, residuals_at};
+use crate::effect::{BoundEffect, Circumstances, EffectError, EffectSetting, sign};
+use crate::estimation::{EstimationError, Globals, Method, Problem, residuals_under};
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::{KinematicsError, inverse_kinematics};
 use crate::measurement::{Dataset, Grid, Measurements, Truth};
@@ -88,12 +89,15 @@ pub enum SimulationError {
     },
 }
 
-/// Pauses between poses (s).
-const SECONDS_PER_POSE: f64 = 30.0;
 /// Poses that are tried for each that is wanted.
 const TRIES_PER_POSE: usize = 200;
-/// Newton steps that invert the models of winch and force sensor.
-const INVERSION_STEPS: usize = 12;
+/// Least and most steps that invert the models of winch, force sensor and laser.
+const INVERSION_STEPS: [usize; 2] = [12, 300];
+/// Readings that change by less than this (m, N, rad) are final.
+const SETTLED_READING: f64 = 1e-13;
+/// Most steps for tensions and a geometry that depends on them, and the change that ends them (N).
+const LOAD_STEPS: usize = 30;
+const SETTLED_N: f64 = 1e-11;
 
 /// Simulates a calibration run.
 ///
@@ -102,7 +106,8 @@ const INVERSION_STEPS: usize = 12;
 pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let truth = true_robot(robot, options, &mut rng);
-    let (poses, commanded, tensions) = visit_poses(robot, &truth, options, &mut rng)?;
+    let effects = bind(&truth)?;
+    let (poses, commanded, tensions) = visit_poses(robot, (&truth, &effects), options, &mut rng)?;
     let mut measurements = blank(robot, &poses, &commanded, &tensions);
     let mut exact = Dataset {
         robot: truth.clone(),
@@ -112,6 +117,10 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
     if options.noise {
         add_noise(robot, &mut exact.measurements, &mut rng);
     }
+    for effect in &effects {
+        let corrupted = effect.corrupt(robot, &mut exact.measurements);
+        corrupted.map_err(EstimationError::Effect)?;
+    }
     Ok(Simulated {
         dataset: Dataset {
             robot: robot.clone(),
@@ -119,6 +128,14 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
         },
         truth,
     })
+}
+
+fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
+    let settings = truth.effects.iter();
+    let bound: Result<Vec<_>, EffectError> = settings
+        .map(|setting| BoundEffect::from_setting(setting, truth))
+        .collect();
+    Ok(bound.map_err(EstimationError::Effect)?)
 }
 
 fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
@@ -175,7 +192,7 @@ type Visits = (Vec<Pose>, Vec<Pose>, Grid);
 /// about as much as the drawing is wrong.
 fn visit_poses(
     robot: &Robot,
-    truth: &Robot,
+    (truth, effects): (&Robot, &[BoundEffect]),
     options: &SimulationOptions,
     rng: &mut ChaCha8Rng,
 ) -> Result<Visits, SimulationError> {
@@ -189,10 +206,11 @@ fn visit_poses(
     let mut poses = Vec::new();
     let mut commanded = Vec::new();
     let mut tensions = Grid::new(robot.cable_count());
+    let hold = |poses: &[Pose], pose: &Pose| hold(truth, effects, (poses, pose), &range);
     if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
         let pose = home.pose();
         inverse_kinematics(truth, &pose)?;
-        tensions.push_row(&hold(truth, &pose, &range)?.ok_or_else(|| infeasible("the home pose"))?);
+        tensions.push_row(&hold(&poses, &pose)?.ok_or_else(|| infeasible("the home pose"))?);
         poses.push(pose);
         commanded.push(nominal.pose());
     }
@@ -206,7 +224,7 @@ fn visit_poses(
         if inverse_kinematics(truth, &pose).is_err() {
             continue;
         }
-        if let Some(held) = hold(truth, &pose, &range)? {
+        if let Some(held) = hold(&poses, &pose)? {
             tensions.push_row(&held);
             poses.push(pose);
             commanded.push(target);
@@ -218,16 +236,38 @@ fn visit_poses(
     Ok((poses, commanded, tensions))
 }
 
-/// Tensions that hold the platform; zero where tension is not modelled.
+/// Tensions that hold the platform at the pose after those already visited, as the effects make it and
+/// its cables; zero where tension is not modelled.
 fn hold(
     truth: &Robot,
-    pose: &Pose,
+    effects: &[BoundEffect],
+    (visited, pose): (&[Pose], &Pose),
     range: &TensionRange,
 ) -> Result<Option<Vec<f64>>, KinematicsError> {
     if truth.platform.mass_kg.is_none() || !truth.has_force_sensors() {
         return Ok(Some(vec![0.0; truth.cable_count()]));
     }
-    range.tensions(truth, pose)
+    let mut tensions = range.tensions(truth, pose)?;
+    if effects.is_empty() {
+        return Ok(tensions);
+    }
+    // A frame that yields makes the geometry depend on the tensions.
+    for _ in 0..LOAD_STEPS {
+        let Some(before) = tensions.take() else {
+            break;
+        };
+        let schedule = Schedule::of(truth, visited.len());
+        let robot = loaded_robot(truth, effects, &schedule, (visited, pose), &before);
+        tensions = range.tensions(&robot, pose)?;
+        let settled = tensions.as_ref().is_some_and(|now| {
+            let steps = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
+            steps.fold(0.0, f64::max) < SETTLED_N
+        });
+        if settled {
+            break;
+        }
+    }
+    Ok(tensions)
 }
 
 fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
@@ -254,25 +294,21 @@ fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
 fn blank(robot: &Robot, poses: &[Pose], commanded: &[Pose], tensions: &Grid) -> Measurements {
     let rows = poses.len();
     let cables = robot.cable_count();
-    let first = i64::from(robot.home.is_none());
+    let schedule = Schedule::of(robot, rows - 1);
     let zeros = || {
         let mut grid = Grid::new(cables);
         (0..rows).for_each(|_| grid.push_row(&vec![0.0; cables]));
         grid
     };
     let when = |present: bool| if present { zeros() } else { Grid::default() };
-    let time_s: Vec<f64> = (0..rows).map(|k| SECONDS_PER_POSE * k as f64).collect();
     let swivels = robot
         .cables
         .iter()
         .all(|c| c.pulley.swivel_sd_rad.is_some() && c.pulley.swivel_zero.is_some());
     Measurements {
-        labels: (first..).take(rows).collect(),
-        temperature_c: time_s
-            .iter()
-            .map(|t| 20.0 + 2.0 * (t / 3600.0).sin())
-            .collect(),
-        time_s,
+        labels: schedule.labels,
+        temperature_c: schedule.temperature_c,
+        time_s: schedule.time_s,
         commanded: commanded.iter().copied().map(Some).collect(),
         revolutions: when(robot.home.is_some()),
         length_m: when(robot.home.is_none()),
@@ -318,52 +354,88 @@ fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
 /// Finds the readings that the true model predicts exactly.
 fn invert(exact: &mut Dataset, poses: &[Pose], tensions: &Grid) -> Result<(), SimulationError> {
     let rows: Vec<usize> = (0..poses.len()).collect();
-    for _ in 0..INVERSION_STEPS {
+    let directions = true_directions(&exact.robot, poses)?;
+    for step in 0..INVERSION_STEPS[1] {
         let residuals = {
             let problem = Problem::new(exact)?.with_method(Method::Simple);
-            residuals_at(&problem, &Globals::nominal(&problem), &rows, poses)
+            let (robot, data) = (&exact.robot, &exact.measurements);
+            let home = problem.home_row();
+            let known = Circumstances::new(robot, data, home, poses, Some(&directions));
+            let globals = Globals::nominal(&problem);
+            residuals_under(Some(known.into()), &problem, &globals, (&rows, poses))
         };
         let home = exact.robot.home.and(exact.measurements.home_row());
+        let mut largest = 0.0_f64;
         for (row, residual) in residuals.iter().enumerate() {
-            correct(exact, row, residual, tensions.row(row), Some(row) == home);
+            let tensions = tensions.row(row);
+            let changes = correct(exact, row, residual, tensions, Some(row) == home);
+            largest = largest.max(changes);
+        }
+        if step + 1 >= INVERSION_STEPS[0] && largest < SETTLED_READING {
+            break;
         }
     }
     Ok(())
 }
 
+/// Direction of travel of every cable to every pose: the sign of the change of its geometric length.
+fn true_directions(robot: &Robot, poses: &[Pose]) -> Result<Grid, SimulationError> {
+    let mut directions = Grid::new(robot.cable_count());
+    let mut before: Option<Vec<f64>> = None;
+    for pose in poses {
+        let states = inverse_kinematics(robot, pose)?;
+        let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();
+        let from = before.as_ref().unwrap_or(&lengths);
+        let signs: Vec<f64> = lengths.iter().zip(from).map(|(l, f)| sign(l - f)).collect();
+        directions.push_row(&signs);
+        before = Some(lengths);
+    }
+    Ok(directions)
+}
+
+/// Corrects the readings of a row and returns the largest change (m, N, rad).
 fn correct(
     exact: &mut Dataset,
     row: usize,
     residual: &crate::estimation::RowResidual,
     tensions: &[f64],
     is_home: bool,
-) {
+) -> f64 {
     let data = &mut exact.measurements;
+    let mut largest = 0.0_f64;
+    let mut changed = |step: f64| largest = largest.max(step.abs());
     for (index, cable) in exact.robot.cables.iter().enumerate() {
         let add = |grid: &mut Grid, step: f64| grid.set(row, index, grid.get(row, index) + step);
         if !data.revolutions.is_empty() && !is_home {
+            changed(residual.length_m[index]);
             let step = residual.length_m[index] / cable.winch.cable_per_revolution_m();
             add(&mut data.revolutions, step);
         }
         if !data.length_m.is_empty() {
+            changed(residual.length_m[index]);
             add(&mut data.length_m, residual.length_m[index]);
         }
         if let (Some(sensor), false) = (cable.force_sensor, data.force_n.is_empty()) {
             let step = sensor.tension_gain * (tensions[index] - residual.tension_n[index]);
+            changed(step * 1e-3);
             add(&mut data.force_n, step);
         }
         if !data.swivel_rad.is_empty() {
+            changed(residual.swivel_rad[index]);
             add(&mut data.swivel_rad, residual.swivel_rad[index]);
         }
     }
     if let Some(laser) = data.laser_m.get_mut(row) {
+        changed(residual.laser_m);
         *laser += residual.laser_m;
     }
     if let Some(angles) = data.inclination_rad.get_mut(row) {
         for k in 0..3 {
+            changed(residual.inclination_rad[k]);
             angles[k] += residual.inclination_rad[k];
         }
     }
+    largest
 }
 
 fn add_noise(robot: &Robot, data: &mut Measurements, rng: &mut ChaCha8Rng) {

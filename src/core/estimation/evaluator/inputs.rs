@@ -1,11 +1,14 @@
 //! Packs what the equations of many poses need.
 
 use super::columns::{Column, ColumnStore};
-use crate::effect::{CableCircumstances, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts};
+use crate::effect::{
+    BoundEffect, CablePort, CablePorts, Circumstances, Dual, PlatformPort, PlatformPorts, Scope,
+};
 use crate::estimation::problem::{Geometry, Globals, Problem};
+use crate::geometry::Pose;
 use crate::measurement::Measurements;
 use crate::real::Packet;
-use crate::robot::{Cable, Robot};
+use crate::robot::Cable;
 
 /// A free parameter acts on a port of a cable with this slope.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +41,30 @@ pub(super) struct PortInputs<T: Packet> {
 pub(super) struct Selection<'a> {
     pub rows: &'a [usize],
     pub is_home: bool,
+    /// What effects may depend on; there if there are effects.
+    pub circumstances: Option<&'a Circumstances>,
+}
+
+/// What effects may depend on, at the commanded poses, else the tracker's, else home; nothing
+/// without effects.
+pub(super) fn circumstances_of(problem: &Problem<'_>) -> Option<Circumstances> {
+    if problem.held_effects.is_empty() && problem.free_effects.is_empty() {
+        return None;
+    }
+    let data = &problem.dataset.measurements;
+    let robot = &problem.dataset.robot;
+    let home = robot.home.map_or_else(Pose::identity, |home| home.pose());
+    let pose = |row: usize| {
+        let commanded = data.commanded.get(row).copied().flatten();
+        let tracked = data.tracked_position_at(row).map(|position| Pose {
+            position,
+            orientation: home.orientation,
+        });
+        commanded.or(tracked).unwrap_or(home)
+    };
+    let poses: Vec<Pose> = (0..data.len()).map(pose).collect();
+    let home = problem.home_row();
+    Some(Circumstances::new(robot, data, home, &poses, None))
 }
 
 /// Cable paid out since home as the reading tells, or the absolute length read (m).
@@ -65,49 +92,10 @@ fn nominal_cable_ports(
     data: &Measurements,
     at: (usize, usize),
     is_home: bool,
-) -> (CablePorts, CableCircumstances) {
-    let (row, index) = at;
-    let revolutions = data.revolutions.get(row, index);
+) -> CablePorts {
     let paid = nominal_paid(cable, data, at, is_home);
     let tension = nominal_tension(cable, data, at);
-    let constant = |values: [f64; 3]| values.map(Dual::constant);
-    let ports = CablePorts {
-        paid: Dual::constant(paid),
-        tension: Dual::constant(tension),
-        strain: Dual::constant(0.0),
-        compliance: Dual::constant(cable.cable.axial_stiffness_n.map_or(0.0, f64::recip)),
-        weight: Dual::constant(cable.cable.weight_n_per_m),
-        radius: Dual::constant(cable.pulley.radius_m),
-        entry_shift: constant([0.0; 3]),
-        axis: constant(cable.pulley.swivel_axis),
-        anchor: constant(cable.platform_anchor_m),
-        swivel_offset: Dual::constant(0.0),
-    };
-    let circumstances = CableCircumstances {
-        is_home,
-        revolutions: if is_home || revolutions.is_nan() {
-            0.0
-        } else {
-            revolutions
-        },
-        drum_per_motor: cable.winch.gear_ratio.recip(),
-    };
-    (ports, circumstances)
-}
-
-/// The ports of the platform before any effect.
-fn nominal_platform_ports(robot: &Robot) -> PlatformPorts {
-    let constant = |values: [f64; 3]| values.map(Dual::constant);
-    let laser = robot.laser;
-    PlatformPorts {
-        mass: Dual::constant(robot.platform.mass_kg.unwrap_or(0.0)),
-        center_of_mass: constant(robot.platform.center_of_mass_m),
-        laser_gain: Dual::constant(1.0),
-        laser_bias: Dual::constant(0.0),
-        laser_direction: constant(laser.map_or([0.0, 0.0, -1.0], |l| l.direction)),
-        target_normal: constant(laser.map_or([0.0, 0.0, 1.0], |l| l.target_plane.normal)),
-        inclination_offset: constant([0.0; 3]),
-    }
+    CablePorts::nominal(cable, paid, tension)
 }
 
 /// Values of all effects, with the `chosen` free parameter as the variable of differentiation.
@@ -148,28 +136,7 @@ impl<T: Packet> PortInputs<T> {
             cables.push(columns);
             cable_links.push(links);
         }
-        let mut platform_links = Vec::new();
-        let nominal = nominal_platform_ports(robot);
-        let evaluate = |chosen| {
-            let mut ports = nominal;
-            for (bound, values) in globals.effects.iter().zip(seeded(problem, globals, chosen)) {
-                bound.effect.change_platform(&values, &mut ports);
-            }
-            ports.scalars()
-        };
-        let platform = evaluate(None).map(|scalar| store.uniform(scalar.value));
-        for parameter in 0..free_parameter_count(problem) {
-            for (scalar, port) in evaluate(Some(parameter)).iter().zip(PlatformPort::ALL) {
-                if scalar.slope != 0.0 {
-                    let slope = store.uniform(scalar.slope);
-                    platform_links.push(PlatformLink {
-                        port,
-                        parameter,
-                        slope,
-                    });
-                }
-            }
-        }
+        let (platform, platform_links) = pack_platform(&mut store, problem, globals, selection);
         Self {
             store,
             cables,
@@ -180,15 +147,75 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-fn free_parameter_count(problem: &Problem<'_>) -> usize {
+/// The effect, by its number in `Globals::effects`, to which each free parameter belongs.
+fn owners(problem: &Problem<'_>) -> Vec<usize> {
     if problem.geometry == Geometry::Held {
-        return 0;
+        return Vec::new();
     }
-    problem
-        .free_effects
-        .iter()
-        .map(|bound| bound.values.len())
-        .sum()
+    let held = problem.held_effects.len();
+    let owned =
+        |(k, bound): (usize, &BoundEffect)| std::iter::repeat_n(held + k, bound.values.len());
+    let free = problem.free_effects.iter().enumerate();
+    free.flat_map(owned).collect()
+}
+
+/// The effects that satisfy a condition, in the order in which they act.
+fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec<usize> {
+    let mut found: Vec<usize> = (0..globals.effects.len())
+        .filter(|k| condition(&globals.effects[*k]))
+        .collect();
+    found.sort_by_key(|k| globals.effects[*k].effect.stage());
+    found
+}
+
+type PlatformScalars = [Dual; PlatformPort::COUNT];
+
+/// Packs the ports of the platform; only what differs from pose to pose takes space per pose.
+fn pack_platform<T: Packet>(
+    store: &mut ColumnStore<T>,
+    problem: &Problem<'_>,
+    globals: &Globals,
+    selection: Selection<'_>,
+) -> ([Column; PlatformPort::COUNT], Vec<PlatformLink>) {
+    let nominal = PlatformPorts::nominal(&problem.dataset.robot);
+    let concerned = concerned(globals, |bound| bound.effect.scope() == Scope::Robot);
+    let mut links = Vec::new();
+    let (false, Some(circumstances)) = (concerned.is_empty(), selection.circumstances) else {
+        let scalars = nominal.scalars();
+        let columns = std::array::from_fn(|port| store.uniform(scalars[port].value));
+        return (columns, links);
+    };
+    let scalars = |chosen: Option<usize>| -> Vec<PlatformScalars> {
+        let values = seeded(problem, globals, chosen);
+        let at = |row: &usize| {
+            let mut ports = nominal;
+            for k in &concerned {
+                let effect = globals.effects[*k].effect;
+                effect.change_platform(&values[*k], circumstances.platform(*row), &mut ports);
+            }
+            ports.scalars()
+        };
+        selection.rows.iter().map(at).collect()
+    };
+    let plain = scalars(None);
+    let columns = std::array::from_fn(|port| pack_scalars(store, &plain, None, |s| s[port].value));
+    for (parameter, owner) in owners(problem).into_iter().enumerate() {
+        if !concerned.contains(&owner) {
+            continue;
+        }
+        let scalars = scalars(Some(parameter));
+        for (position, port) in PlatformPort::ALL.iter().enumerate() {
+            if scalars.iter().any(|s| s[position].slope != 0.0) {
+                let slope = pack_scalars(store, &scalars, Some(0.0), |s| s[position].slope);
+                links.push(PlatformLink {
+                    port: *port,
+                    parameter,
+                    slope,
+                });
+            }
+        }
+    }
+    (columns, links)
 }
 
 /// Packs the ports of one cable; only what differs from pose to pose takes space per pose.
@@ -201,14 +228,15 @@ fn pack_cable<T: Packet>(
 ) -> ([Column; CablePort::COUNT], Vec<CableLink>) {
     let data = &problem.dataset.measurements;
     let cable = &problem.dataset.robot.cables[index];
-    let concerned: Vec<usize> = (0..globals.effects.len())
-        .filter(|k| globals.effects[*k].cables.contains(&index))
-        .collect();
+    let concerned = concerned(globals, |bound| bound.cables.contains(&index));
     let scalars_at = |row: usize, values: &[Vec<Dual>]| {
-        let (mut ports, at) = nominal_cable_ports(cable, data, (row, index), selection.is_home);
-        for k in &concerned {
-            let effect = globals.effects[*k].effect;
-            effect.change_cable(&values[*k], &at, &mut ports);
+        let mut ports = nominal_cable_ports(cable, data, (row, index), selection.is_home);
+        if let Some(circumstances) = selection.circumstances {
+            let at = circumstances.cable(row, index);
+            for k in &concerned {
+                let effect = globals.effects[*k].effect;
+                effect.change_cable(&values[*k], at, &mut ports);
+            }
         }
         // The error of the tension at home is a parameter of its own; like the errors at the other
         // poses it concerns the tension that the effects have made of the reading.
@@ -236,10 +264,10 @@ fn pack_cable<T: Packet>(
         })
     };
     let mut links = Vec::new();
-    if concerned.iter().all(|k| *k < problem.held_effects.len()) {
-        return (columns, links);
-    }
-    for parameter in 0..free_parameter_count(problem) {
+    for (parameter, owner) in owners(problem).into_iter().enumerate() {
+        if !concerned.contains(&owner) {
+            continue;
+        }
         let values = seeded(problem, globals, Some(parameter));
         let scalars: Vec<_> = selection
             .rows
@@ -288,11 +316,11 @@ fn pack_plain<T: Packet>(
     })
 }
 
-fn pack_scalars<T: Packet>(
+fn pack_scalars<T: Packet, const N: usize>(
     store: &mut ColumnStore<T>,
-    scalars: &[[Dual; CablePort::COUNT]],
+    scalars: &[[Dual; N]],
     padding: Option<f64>,
-    pick: impl Fn(&[Dual; CablePort::COUNT]) -> f64,
+    pick: impl Fn(&[Dual; N]) -> f64,
 ) -> Column {
     let (Some(first), Some(last)) = (scalars.first().map(&pick), scalars.last().map(&pick)) else {
         return store.uniform(0.0);

@@ -11,15 +11,17 @@ mod span;
 
 use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
 use columns::{Column, ColumnStore};
-use inputs::{PortInputs, Selection};
+use inputs::{PortInputs, Selection, circumstances_of};
 use platform_rows::LaserInputs;
 
 pub(super) use equations::{Attitude, Equations};
 pub(super) use layout::{Layout, effect_columns};
 pub(super) use normal::{Elimination, Sums};
 
+use std::sync::Arc;
+
 use super::problem::{Globals, Poses, Problem};
-use crate::effect::PlatformPort;
+use crate::effect::{Circumstances, PlatformPort};
 use crate::geometry::Pose;
 use crate::real::{Kernel, Packet, constants, scaled, unit_vector};
 
@@ -46,6 +48,8 @@ pub(super) struct Evaluator<'a, T: Packet> {
     problem: &'a Problem<'a>,
     rows: Vec<usize>,
     is_home: bool,
+    /// What effects may depend on; there if there are effects.
+    circumstances: Option<Arc<Circumstances>>,
     /// Whether tensions have errors of their own.
     is_latent: bool,
     pub layout: Layout,
@@ -109,9 +113,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let layout = Layout::new(problem, effect_columns(problem));
         let mut readings = ColumnStore::new(token);
         let platform = pack_platform(&mut readings, problem, &layout, &rows);
+        let circumstances = circumstances_of(problem).map(Arc::new);
         let selection = Selection {
             rows: &rows,
             is_home,
+            circumstances: circumstances.as_deref(),
         };
         let ports = PortInputs::build(token, problem, globals, selection);
         let gravity = robot.gravity();
@@ -154,6 +160,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             problem,
             rows,
             is_home,
+            circumstances,
             is_latent: problem.has_latent_tension() && !is_home,
             layout,
             ports,
@@ -162,6 +169,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         };
         evaluator.set_globals(globals, None);
         evaluator
+    }
+
+    /// Replaces what effects may depend on; takes effect with the next `set_globals`.
+    pub fn set_circumstances(&mut self, circumstances: Arc<Circumstances>) {
+        self.circumstances = Some(circumstances);
     }
 
     /// Number of packets.
@@ -191,6 +203,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             let selection = Selection {
                 rows: &self.rows,
                 is_home: self.is_home,
+                circumstances: self.circumstances.as_deref(),
             };
             self.ports = PortInputs::build(self.token, self.problem, globals, selection);
         }
@@ -615,7 +628,7 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
 
 fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
     let has_forces = !problem.dataset.measurements.force_n.is_empty();
-    let concerns_weight = |effect: &crate::effect::BoundEffect| effect.effect.id() == "cable_sag";
+    let needs_sag = |bound: &crate::effect::BoundEffect| bound.effect.needs_sag();
     let effects = || problem.held_effects.iter().chain(&problem.free_effects);
     let constants = |cable: &crate::robot::Cable| {
         let measured = has_forces && cable.force_sensor.is_some();
@@ -631,7 +644,7 @@ fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
                 Some(sensor) if latent => sensor.tension_sd_n,
                 _ => 0.0,
             },
-            sags: measured && (cable.cable.weight_n_per_m != 0.0 || effects().any(concerns_weight)),
+            sags: measured && (cable.cable.weight_n_per_m != 0.0 || effects().any(needs_sag)),
             surface: cable.cable.elongation_surface.clone().filter(|_| measured),
             swivel_zero: cable.pulley.swivel_zero.unwrap_or_default(),
             swivel_sd: cable.pulley.swivel_sd_rad.unwrap_or(f64::INFINITY),

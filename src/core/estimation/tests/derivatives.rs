@@ -34,13 +34,18 @@ fn effects(robot: &Robot) -> Vec<BoundEffect> {
         targeted: false,
         values: vec![0.0; 15],
     });
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
+        // The label of a pose is given; it is that of the last one.
+        let discrete = effect.parameters().iter().filter(|p| p.discrete);
         let request = EffectRequest {
             effect: effect.id().to_owned(),
             cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
+            values: discrete.map(|p| (p.name.to_owned(), 2.0)).collect(),
         };
         for mut bound in request.bind(robot).unwrap() {
-            for (value, parameter) in bound.values.iter_mut().zip(effect.parameters()) {
+            let parameters = effect.parameters().iter();
+            let values = bound.values.iter_mut().zip(parameters);
+            for (value, parameter) in values.filter(|(_, p)| !p.discrete) {
                 let [low, high] = parameter.typical;
                 *value = 0.7 * low + 0.3 * high;
             }

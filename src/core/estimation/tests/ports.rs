@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cable::ElongationSurface;
 use crate::effect::{
-    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter, PlatformPorts,
-    Scope,
+    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
+    PlatformCircumstances, PlatformPorts, Scope,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
@@ -16,12 +16,7 @@ use crate::robot::{
     ForceSensor, Home, Inclinometer, Laser, PerAxis, TargetPlane, Tracker, WrenchSd,
 };
 
-const ANY: EffectParameter = EffectParameter {
-    name: "any",
-    unit: "1",
-    prior_sd: 1.0,
-    typical: [0.0, 1.0],
-};
+const ANY: EffectParameter = EffectParameter::new("any", "1", 1.0, [0.0, 1.0]);
 
 /// Moves every port of a cable, each by one parameter of about unit size.
 pub struct EveryCablePort;
@@ -78,7 +73,7 @@ impl Effect for EveryPlatformPort {
     fn parameters(&self) -> &'static [EffectParameter] {
         &[ANY; 15]
     }
-    fn change_platform(&self, p: &[Dual], ports: &mut PlatformPorts) {
+    fn change_platform(&self, p: &[Dual], _: &PlatformCircumstances, ports: &mut PlatformPorts) {
         ports.mass += p[0];
         ports.laser_gain += p[1];
         ports.laser_bias += p[2];
@@ -203,6 +198,8 @@ fn readings(rng: &mut ChaCha8Rng, traits: Traits, poses: &[Pose]) -> Measurement
         length_m,
         force_n,
         swivel_rad,
+        time_s: (0..rows).map(|k| 500.0 * k as f64).collect(),
+        temperature_c: (0..rows).map(|k| 20.0 + 2.0 * k as f64).collect(),
         laser_m: vec![0.4; rows],
         inclination_rad: vec![[0.1, -0.2, 0.3]; rows],
         tracked_position_m: poses.iter().map(|p| turned(p).position.into()).collect(),

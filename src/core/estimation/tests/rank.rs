@@ -158,12 +158,14 @@ impl Effect for UnknownScale {
         Scope::Robot
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        &[EffectParameter {
-            name: "scale",
-            unit: "1",
-            prior_sd: f64::INFINITY,
-            typical: [0.001, 0.01],
-        }]
+        const {
+            &[EffectParameter::new(
+                "scale",
+                "1",
+                f64::INFINITY,
+                [0.001, 0.01],
+            )]
+        }
     }
     fn change_cable(&self, p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid *= p[0] + 1.0;

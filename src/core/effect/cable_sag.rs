@@ -1,0 +1,31 @@
+//! Weight per metre other than stated: `w += weight` (N/m) in the extra length by sag `w^2 h^2 l / (24 T^2)` with
+//! the horizontal span `h`, free length `l` and tension `T`. Parabola, first order; needs force sensors.
+//! An estimate starts at 0.1 N/m: without weight nothing depends on it to first order. Typical 0.01 to
+//! 5 N/m. Source: Irvine, Cable Structures, 1981.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct CableSag;
+
+impl Effect for CableSag {
+    fn id(&self) -> &'static str {
+        "cable_sag"
+    }
+    fn title(&self) -> &'static str {
+        "Cable weight"
+    }
+    fn scope(&self) -> Scope {
+        Scope::CableOrAll
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const { &[EffectParameter::new("weight", "N/m", 1.0, [0.01, 5.0]).starting_at(0.1)] }
+    }
+    fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+        ports.weight += parameters[0];
+    }
+    fn needs_sag(&self) -> bool {
+        true
+    }
+}

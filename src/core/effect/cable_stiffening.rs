@@ -1,0 +1,36 @@
+//! Strain that is not proportional to tension: `strain = T/EA (1 + c (T/Tref - 1))` with the tension `T` (N) and
+//! its mean over the data set `Tref`, both as the sensor of the cable tells.
+//!
+//! Nothing changes without force sensor, without stated stiffness, or where a measured elongation surface
+//! replaces it. Approximation: the correction factor is taken at the reading, not at the estimated
+//! tension. Typical 0.1 to 0.5: fibre ropes stiffen under load (then `c` is negative), first-order term.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct CableStiffening;
+
+impl Effect for CableStiffening {
+    fn id(&self) -> &'static str {
+        "cable_stiffening"
+    }
+    fn title(&self) -> &'static str {
+        "Cable stiffness that depends on tension"
+    }
+    fn scope(&self) -> Scope {
+        Scope::CableOrAll
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const { &[EffectParameter::new("c", "1", 0.5, [0.1, 0.5])] }
+    }
+    fn stage(&self) -> Stage {
+        Stage::Ratio
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        if at.mean_tension_n > 0.0 {
+            let excess = at.tension_n / at.mean_tension_n - 1.0;
+            ports.compliance *= parameters[0] * excess + 1.0;
+        }
+    }
+}

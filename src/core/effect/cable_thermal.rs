@@ -1,0 +1,34 @@
+//! Thermal strain: `strain += alpha dT` with the change of temperature since home `dT` (K). Assumes that all of
+//! the cable has the temperature measured. Typical -1e-5 (aramid, polyethylene: shorter when warm) to 5e-5 per
+//! kelvin; steel 12e-6.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct CableThermal;
+
+impl Effect for CableThermal {
+    fn id(&self) -> &'static str {
+        "cable_thermal"
+    }
+    fn title(&self) -> &'static str {
+        "Thermal expansion of the cables"
+    }
+    fn scope(&self) -> Scope {
+        Scope::CableOrAll
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[EffectParameter::new(
+                "alpha",
+                "1/K",
+                0.00005,
+                [-0.00001, 0.00005],
+            )]
+        }
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        ports.strain += parameters[0] * at.temperature_change_k;
+    }
+}

@@ -1,0 +1,229 @@
+//! Under which circumstances readings were taken: what effects may depend on besides their parameters.
+//!
+//! Everything here follows from the readings and from the nominal geometry at approximate poses. It is
+//! found once per problem and held while parameters and poses are estimated.
+
+use super::PlatformPorts;
+use crate::geometry::Pose;
+use crate::kinematics::PulleyGeometry;
+use crate::measurement::{Grid, Measurements};
+use crate::robot::{Cable, Robot};
+
+/// Circumstances of one cable at one pose.
+#[derive(Debug, Clone, Copy)]
+pub struct CableCircumstances {
+    /// Whether this is the home pose, at which the encoders were zeroed.
+    pub is_home: bool,
+    /// Row in the measurements.
+    pub row: usize,
+    /// Label of the pose.
+    pub label: i64,
+    /// Time since the home row, or the first row where there is none (s); 0 if not measured.
+    pub time_s: f64,
+    /// Change of temperature since the home row, or the first row (K); 0 if not measured.
+    pub temperature_change_k: f64,
+    /// Motor revolutions since home; 0 where lengths are read directly.
+    pub revolutions: f64,
+    /// Drum revolutions per motor revolution.
+    pub drum_per_motor: f64,
+    /// +1 where the cable was paid out since the row before, -1 where it was reeled in, else 0.
+    pub direction: f64,
+    /// Tension as the sensor tells (N); 0 without a sensor or reading.
+    pub tension_n: f64,
+    /// Mean of these tensions over all rows where there is a reading (N).
+    pub mean_tension_n: f64,
+    /// Reading per tension of the force sensor; 0 without one.
+    pub tension_gain: f64,
+    /// Wrap angle on the pulley, nominal geometry at an approximate pose (rad).
+    pub wrap_rad: f64,
+    /// Horizontal part of the unit vector from the pulley to the platform, likewise.
+    pub pull_horizontal: [f64; 3],
+    /// Nominal entry point (m).
+    pub entry_point_m: [f64; 3],
+    /// Nominal swivel axis.
+    pub swivel_axis: [f64; 3],
+}
+
+/// Circumstances of the platform's readings at one pose.
+#[derive(Debug, Clone, Copy)]
+pub struct PlatformCircumstances {
+    /// Whether this is the home pose.
+    pub is_home: bool,
+    /// Row in the measurements.
+    pub row: usize,
+    /// Label of the pose.
+    pub label: i64,
+    /// Time since the home row, or the first row where there is none (s); 0 if not measured.
+    pub time_s: f64,
+    /// Change of temperature since the home row, or the first row (K); 0 if not measured.
+    pub temperature_change_k: f64,
+    /// Laser reading (m); 0 without one.
+    pub laser_m: f64,
+    /// Roll, pitch and yaw as read (rad); 0 where not read.
+    pub inclination_rad: [f64; 3],
+    /// Nominal direction of the laser beam, platform frame; any without a laser.
+    pub laser_direction: [f64; 3],
+    /// Nominal normal of the target plane, base frame; any without a laser.
+    pub target_normal: [f64; 3],
+}
+
+impl CableCircumstances {
+    /// Whether this is the pose with this label or a later one; the home pose is before all others.
+    #[must_use]
+    pub fn is_from(&self, label: f64) -> bool {
+        !self.is_home && self.label as f64 >= label
+    }
+}
+
+/// Circumstances of all rows of a dataset.
+#[derive(Debug, Clone)]
+pub(crate) struct Circumstances {
+    cable_count: usize,
+    cables: Vec<CableCircumstances>,
+    platform: Vec<PlatformCircumstances>,
+}
+
+fn or_zero(value: Option<f64>) -> f64 {
+    value.filter(|v| v.is_finite()).unwrap_or(0.0)
+}
+
+impl Circumstances {
+    /// Circumstances when the platform is at approximate poses, one per row. The directions of travel are
+    /// taken from the readings unless given.
+    pub fn new(
+        robot: &Robot,
+        data: &Measurements,
+        home: Option<usize>,
+        poses: &[Pose],
+        directions: Option<&Grid>,
+    ) -> Self {
+        let since = |column: &[f64], row: usize| {
+            let from = or_zero(column.get(home.unwrap_or(0)).copied());
+            let value = column.get(row).copied().filter(|v| v.is_finite());
+            value.map_or(0.0, |value| value - from)
+        };
+        let nominal = PlatformPorts::nominal(robot);
+        let platform: Vec<_> = (0..data.len())
+            .map(|row| PlatformCircumstances {
+                is_home: home == Some(row),
+                row,
+                label: data.labels[row],
+                time_s: since(&data.time_s, row),
+                temperature_change_k: since(&data.temperature_c, row),
+                laser_m: or_zero(data.laser_m.get(row).copied()),
+                laser_direction: nominal.laser_direction.map(|d| d.value),
+                target_normal: nominal.target_normal.map(|d| d.value),
+                inclination_rad: data
+                    .inclination_rad
+                    .get(row)
+                    .map_or([0.0; 3], |angles| angles.map(|angle| or_zero(Some(angle)))),
+            })
+            .collect();
+        let means: Vec<f64> = (0..robot.cable_count())
+            .map(|index| mean_tension(&robot.cables[index], data, index))
+            .collect();
+        let down = robot.gravity().try_normalize(0.0).unwrap_or_default();
+        let mut cables = Vec::with_capacity(data.len() * robot.cable_count());
+        for at in &platform {
+            for (index, cable) in robot.cables.iter().enumerate() {
+                let row = at.row;
+                let anchor = poses[row].position
+                    + poses[row].orientation * nalgebra::Vector3::from(cable.platform_anchor_m);
+                let path = pulley_of(cable).path_to(anchor.into());
+                let pull = -nalgebra::Vector3::from(path.toward_exit);
+                let direction = directions.map_or_else(
+                    || travel(data, home, (row, index)),
+                    |grid| grid.get(row, index),
+                );
+                cables.push(CableCircumstances {
+                    is_home: at.is_home,
+                    row,
+                    label: at.label,
+                    time_s: at.time_s,
+                    temperature_change_k: at.temperature_change_k,
+                    revolutions: paid_revolutions(data, home, (row, index)),
+                    drum_per_motor: cable.winch.gear_ratio.recip(),
+                    direction,
+                    tension_n: or_zero(tension(cable, data, (row, index))),
+                    mean_tension_n: means[index],
+                    tension_gain: cable.force_sensor.map_or(0.0, |s| s.tension_gain),
+                    wrap_rad: path.wrap,
+                    pull_horizontal: (pull - down * down.dot(&pull)).into(),
+                    entry_point_m: cable.pulley.entry_point_m,
+                    swivel_axis: cable.pulley.swivel_axis,
+                });
+            }
+        }
+        Self {
+            cable_count: robot.cable_count(),
+            cables,
+            platform,
+        }
+    }
+
+    /// Those of a cable at a row.
+    pub fn cable(&self, row: usize, index: usize) -> &CableCircumstances {
+        &self.cables[row * self.cable_count + index]
+    }
+
+    /// Those of the platform at a row.
+    pub fn platform(&self, row: usize) -> &PlatformCircumstances {
+        &self.platform[row]
+    }
+}
+
+fn pulley_of(cable: &Cable) -> PulleyGeometry<f64> {
+    PulleyGeometry {
+        entry: cable.pulley.entry_point_m,
+        axis: cable.pulley.swivel_axis,
+        radius: cable.pulley.radius_m,
+    }
+}
+
+fn tension(cable: &Cable, data: &Measurements, at: (usize, usize)) -> Option<f64> {
+    let sensor = cable.force_sensor?;
+    let tension = sensor.tension_n(data.force_n.get(at.0, at.1));
+    tension.is_finite().then_some(tension)
+}
+
+fn mean_tension(cable: &Cable, data: &Measurements, index: usize) -> f64 {
+    let read: Vec<f64> = (0..data.len())
+        .filter_map(|row| tension(cable, data, (row, index)))
+        .collect();
+    read.iter().sum::<f64>() / read.len().max(1) as f64
+}
+
+fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {
+    if home == Some(at.0) {
+        return 0.0;
+    }
+    or_zero(Some(data.revolutions.get(at.0, at.1)))
+}
+
+/// Sign of the change of a length reading since the row before.
+fn travel(data: &Measurements, home: Option<usize>, (row, index): (usize, usize)) -> f64 {
+    let reading = |row: usize| {
+        if data.revolutions.is_empty() {
+            data.length_m.get(row, index)
+        } else if home == Some(row) {
+            0.0
+        } else {
+            data.revolutions.get(row, index)
+        }
+    };
+    let change = row
+        .checked_sub(1)
+        .map_or(0.0, |before| reading(row) - reading(before));
+    sign(change)
+}
+
+/// +1, -1, or 0 for no change and where it is unknown.
+pub(crate) fn sign(change: f64) -> f64 {
+    if change > 0.0 {
+        1.0
+    } else if change < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}

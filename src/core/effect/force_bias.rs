@@ -1,0 +1,31 @@
+//! A constant in the raw reading of a force sensor: `F = g T + f0 + bias` (N), so `T = T_nominal - bias / g`. Typical
+//! 2 to 50 N.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct ForceBias;
+
+impl Effect for ForceBias {
+    fn id(&self) -> &'static str {
+        "force_bias"
+    }
+    fn title(&self) -> &'static str {
+        "Bias of a force sensor"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Cable
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const { &[EffectParameter::new("bias", "N", 50.0, [2.0, 50.0])] }
+    }
+    fn stage(&self) -> Stage {
+        Stage::Sensor
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        if at.tension_gain != 0.0 {
+            ports.tension += parameters[0] * -at.tension_gain.recip();
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! A frame that yields: every entry point moves by `C f_h` with the compliance `C` (m/N) and the horizontal part
+//! `f_h` of the force of the cable on its pulley, that is tension times the horizontal part of the unit
+//! vector from pulley to platform. Without gravity the whole force counts.
+//!
+//! Approximations: the direction is that of the nominal geometry at the commanded pose (or the tracker's, else the
+//! home pose), the tension is that of the sensor. Pulleys do not couple. Typical 1e-7 to 1e-4 m/N.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct FrameCompliance;
+
+impl Effect for FrameCompliance {
+    fn id(&self) -> &'static str {
+        "frame_compliance"
+    }
+    fn title(&self) -> &'static str {
+        "Compliance of the frame"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[EffectParameter::new(
+                "compliance",
+                "m/N",
+                0.00001,
+                [0.0000001, 0.0001],
+            )]
+        }
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        for k in 0..3 {
+            let force_n = at.tension_n * at.pull_horizontal[k];
+            ports.entry_shift[k] += parameters[0] * force_n;
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! An entry point that jumps, as after a knock: `a += (x, y, z)`, base frame, metres, at the pose labelled `pose`
+//! and at all later labels. Typical 1 to 20 mm.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct FrameShift;
+
+impl Effect for FrameShift {
+    fn id(&self) -> &'static str {
+        "frame_shift"
+    }
+    fn title(&self) -> &'static str {
+        "Shift of a pulley during the measurement"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Cable
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[
+                EffectParameter::new("x", "m", 0.02, [0.001, 0.02]),
+                EffectParameter::new("y", "m", 0.02, [0.001, 0.02]),
+                EffectParameter::new("z", "m", 0.02, [0.001, 0.02]),
+                EffectParameter::given("pose", "1", [1.0, 100.0]),
+            ]
+        }
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        if at.is_from(parameters[3].value) {
+            for k in 0..3 {
+                ports.entry_shift[k] += parameters[k];
+            }
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! A frame that expands: every entry point `a` moves by `alpha dT a` with the change of temperature since home
+//! `dT` (K), about the origin of the base frame. Approximation: `a` is the nominal entry point. Typical 12e-6
+//! (steel) to 24e-6 (aluminium) per kelvin.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct FrameThermal;
+
+impl Effect for FrameThermal {
+    fn id(&self) -> &'static str {
+        "frame_thermal"
+    }
+    fn title(&self) -> &'static str {
+        "Thermal expansion of the frame"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[EffectParameter::new(
+                "alpha",
+                "1/K",
+                0.00002,
+                [0.000012, 0.000024],
+            )]
+        }
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        for k in 0..3 {
+            let shift = at.temperature_change_k * at.entry_point_m[k];
+            ports.entry_shift[k] += parameters[0] * shift;
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! A constant added to the yaw reading (rad), as by a compass that counts from elsewhere. Typical 1 to 180
+//! degrees.
+
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct HeadingOffset;
+
+impl Effect for HeadingOffset {
+    fn id(&self) -> &'static str {
+        "heading_offset"
+    }
+    fn title(&self) -> &'static str {
+        "Heading offset"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const { &[EffectParameter::new("offset", "rad", 3.0, [0.017, 3.14])] }
+    }
+    fn change_platform(
+        &self,
+        parameters: &[Dual],
+        _at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
+    ) {
+        ports.inclination_offset[2] += parameters[0];
+    }
+}

@@ -1,0 +1,53 @@
+//! Inclinometer mounted at a tilt: it reads the angles of `R S` instead of those of the platform's rotation `R`, with
+//! `S = Rx(tilt_1) Ry(tilt_2)`, both in radians. As `R = Rx(roll) Ry(pitch) Rz(yaw)` of the reading times `S^T`, the
+//! tilt is taken out of the reading exactly; what it changed is added to the prediction, so that only
+//! the weights know nothing of it. Where an angle was not read it counts as 0. Typical 0.1 to 3 degrees.
+
+use super::direction::{angles, product, rotation};
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct InclinometerTilt;
+
+impl Effect for InclinometerTilt {
+    fn id(&self) -> &'static str {
+        "inclinometer_tilt"
+    }
+    fn title(&self) -> &'static str {
+        "Tilted inclinometer"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[
+                EffectParameter::new("tilt_1", "rad", 0.05, [0.0017, 0.052]),
+                EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052]),
+            ]
+        }
+    }
+    fn change_platform(
+        &self,
+        parameters: &[Dual],
+        at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
+    ) {
+        let [roll, pitch, yaw] = at.inclination_rad;
+        let read = rotation([roll, pitch, yaw].map(Dual::constant));
+        // S^T = Ry(-tilt_2) Rx(-tilt_1).
+        let none = Dual::constant(0.0);
+        let back = product(
+            &rotation([none, -parameters[1], none]),
+            &rotation([-parameters[0], none, none]),
+        );
+        let platform = product(&read, &back);
+        for (k, angle) in angles(&platform).into_iter().enumerate() {
+            // Angles that differ by a turn are the same.
+            let turns = ((at.inclination_rad[k] - angle.value) / std::f64::consts::TAU).round();
+            let change = -angle + (at.inclination_rad[k] - turns * std::f64::consts::TAU);
+            ports.inclination_offset[k] += change;
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! Centre of mass elsewhere: `c += (x, y, z)`, platform frame, metres. Seen through static equilibrium only; the
+//! component along gravity only where the platform tilts. Typical 5 to 50 mm.
+
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct PayloadCom;
+
+impl Effect for PayloadCom {
+    fn id(&self) -> &'static str {
+        "payload_com"
+    }
+    fn title(&self) -> &'static str {
+        "Centre of mass"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[
+                EffectParameter::new("x", "m", 0.05, [0.005, 0.05]),
+                EffectParameter::new("y", "m", 0.05, [0.005, 0.05]),
+                EffectParameter::new("z", "m", 0.05, [0.005, 0.05]),
+            ]
+        }
+    }
+    fn change_platform(
+        &self,
+        parameters: &[Dual],
+        _at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
+    ) {
+        for k in 0..3 {
+            ports.center_of_mass[k] += parameters[k];
+        }
+    }
+}

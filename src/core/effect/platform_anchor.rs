@@ -1,0 +1,34 @@
+//! Attachment point of a cable elsewhere on the platform: `b += (x, y, z)`, platform frame, metres. Typical 1 to
+//! 10 mm.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct PlatformAnchor;
+
+impl Effect for PlatformAnchor {
+    fn id(&self) -> &'static str {
+        "platform_anchor"
+    }
+    fn title(&self) -> &'static str {
+        "Attachment point on the platform"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Cable
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[
+                EffectParameter::new("x", "m", 0.01, [0.001, 0.01]),
+                EffectParameter::new("y", "m", 0.01, [0.001, 0.01]),
+                EffectParameter::new("z", "m", 0.01, [0.001, 0.01]),
+            ]
+        }
+    }
+    fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+        for k in 0..3 {
+            ports.anchor[k] += parameters[k];
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Friction of cable on pulley, or of the pulley in its bearing: `T_platform = T_sensor exp(mu theta dir)` with the
+//! wrap angle `theta` (rad) and `dir` = +1 where the cable was paid out on the way to the pose, -1 where it
+//! was reeled in, 0 at the first row.
+//!
+//! Approximations: `theta` is that of the nominal geometry at the commanded pose (or the tracker's, else the
+//! home pose); the direction is that of the readings. Typical 0.005 to 0.1; 3 % of the tension for 90
+//! degrees at 0.02. Source: belt friction (Euler, Eytelwein).
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct PulleyFriction;
+
+impl Effect for PulleyFriction {
+    fn id(&self) -> &'static str {
+        "pulley_friction"
+    }
+    fn title(&self) -> &'static str {
+        "Pulley friction"
+    }
+    fn scope(&self) -> Scope {
+        Scope::CableOrAll
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const { &[EffectParameter::new("mu", "1", 0.05, [0.005, 0.1])] }
+    }
+    fn stage(&self) -> Stage {
+        Stage::Ratio
+    }
+    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+        ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
+    }
+}

@@ -1,0 +1,25 @@
+//! A constant added to the reading of a swivel angle (rad): its zero was set off. Typical 0.5 to 5 degrees.
+
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct SwivelOffset;
+
+impl Effect for SwivelOffset {
+    fn id(&self) -> &'static str {
+        "swivel_offset"
+    }
+    fn title(&self) -> &'static str {
+        "Offset of a swivel angle"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Cable
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const { &[EffectParameter::new("offset", "rad", 0.1, [0.0087, 0.087])] }
+    }
+    fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+        ports.swivel_offset += parameters[0];
+    }
+}

@@ -1,0 +1,44 @@
+//! Normal of the reflector plane tilted: turned by `tilt_1`, then by `tilt_2` (rad), about two axes of the base
+//! across the nominal normal, through the origin of the base frame (its distance from the origin stays).
+//! The first is the base axis most nearly across the normal, made exactly so, the second completes the
+//! right-handed triple (normal, first, second). Typical 0.2 to 2 degrees.
+
+use super::direction::tilted;
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+
+/// See the module documentation.
+#[derive(Debug)]
+pub struct TargetTilt;
+
+impl Effect for TargetTilt {
+    fn id(&self) -> &'static str {
+        "target_tilt"
+    }
+    fn title(&self) -> &'static str {
+        "Tilted target plane"
+    }
+    fn scope(&self) -> Scope {
+        Scope::Robot
+    }
+    fn parameters(&self) -> &'static [EffectParameter] {
+        const {
+            &[
+                EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
+                EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
+            ]
+        }
+    }
+    fn change_platform(
+        &self,
+        parameters: &[Dual],
+        at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
+    ) {
+        ports.target_normal = tilted(
+            ports.target_normal,
+            at.target_normal,
+            parameters[0],
+            parameters[1],
+        );
+    }
+}

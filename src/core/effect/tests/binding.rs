@@ -1,0 +1,92 @@
+//! Requests and settings that cannot be attached, and their messages.
+
+use crate::effect::{BoundEffect, EffectRequest, EffectSetting};
+use crate::estimation::Problem;
+use crate::robot::presets;
+use crate::simulation::{SimulationOptions, simulate};
+
+fn refused(request: &str) -> String {
+    let robot = presets::find("mini").unwrap().robot;
+    let error = EffectRequest::parse(request).bind(&robot).unwrap_err();
+    error.to_string()
+}
+
+fn setting(effect: &str, targets: &[&str], parameters: &[(&str, f64)]) -> EffectSetting {
+    EffectSetting {
+        effect: effect.to_owned(),
+        targets: targets.iter().map(|t| (*t).to_owned()).collect(),
+        parameters: parameters
+            .iter()
+            .map(|(k, v)| ((*k).to_owned(), *v))
+            .collect(),
+    }
+}
+
+#[test]
+fn a_missing_pose_is_an_error_in_plain_words() {
+    let expected = "effect \"cable_slip\" needs a number for \"pose\", which cannot be estimated: give pose=NUMBER";
+    assert_eq!(refused("cable_slip:cable-2"), expected);
+    let robot = presets::find("mini").unwrap().robot;
+    let model = setting("cable_slip", &["cable-2"], &[("step", 0.01)]);
+    let error = BoundEffect::from_setting(&model, &robot).unwrap_err();
+    assert_eq!(error.to_string(), expected);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    for (request, part) in [
+        (
+            "cable_slip:cable-2:pose=x",
+            "expected a number for \"pose\"",
+        ),
+        ("cable_slip:cable-9:pose=3", "no cable \"cable-9\""),
+        (
+            "cable_slip:cable-2:where=3",
+            "no parameter \"where\"; it has step, pose",
+        ),
+        ("laser_bias:cable-2", "concerns the whole robot"),
+        ("cable_swap", "nothing to estimate"),
+        ("laser_outliers:pose=3,error=0.01", "nothing to estimate"),
+        ("encoder_outlier:cable-1", "nothing to estimate"),
+    ] {
+        let message = refused(request);
+        assert!(message.contains(part), "{request}: {message}");
+    }
+    let robot = presets::find("mini").unwrap().robot;
+    for targets in [&[][..], &["cable-1"], &["cable-1", "cable-1"]] {
+        let swap = setting("cable_swap", targets, &[]);
+        let error = BoundEffect::from_setting(&swap, &robot).unwrap_err();
+        assert!(error.to_string().contains("two different cables"));
+    }
+}
+
+#[test]
+fn given_parameters_keep_their_value() {
+    let preset = presets::find("mini").unwrap();
+    let run = simulate(&preset.robot, &SimulationOptions::new(3, 1)).unwrap();
+    let mut problem = Problem::new(&run.dataset).unwrap();
+    let request = EffectRequest::parse("cable_slip:cable-2:pose=2,step=0.003");
+    problem.free(&[request]).unwrap();
+    assert_eq!(problem.free_effects[0].values, [0.003, 2.0]);
+    let names: Vec<_> = problem.parameters().into_iter().map(|p| p.name).collect();
+    assert!(names.contains(&"cable_slip step of cable-2".to_owned()));
+    assert!(!names.iter().any(|name| name.contains("pose of")));
+}
+
+#[test]
+fn an_outlier_at_a_pose_that_is_not_there_is_refused() {
+    let preset = presets::find("mini").unwrap();
+    let options = SimulationOptions {
+        effects: vec![setting(
+            "laser_outliers",
+            &[],
+            &[("pose", 9.0), ("error", 0.1)],
+        )],
+        ..SimulationOptions::new(3, 1)
+    };
+    let error = simulate(&preset.robot, &options).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "effect \"laser_outliers\": there is no pose labelled 9"
+    );
+}

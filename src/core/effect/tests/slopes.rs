@@ -1,0 +1,112 @@
+//! The slopes of all ports against central differences.
+
+use crate::effect::{
+    CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, PlatformCircumstances, PlatformPorts,
+};
+use crate::robot::presets;
+
+pub(super) fn at_cable() -> CableCircumstances {
+    CableCircumstances {
+        is_home: false,
+        row: 4,
+        label: 41,
+        time_s: 1200.0,
+        temperature_change_k: 3.0,
+        revolutions: 2.3,
+        drum_per_motor: 0.25,
+        direction: -1.0,
+        tension_n: 120.0,
+        mean_tension_n: 80.0,
+        tension_gain: 2.0,
+        wrap_rad: 1.3,
+        pull_horizontal: [0.6, -0.3, 0.1],
+        entry_point_m: [1.0, -2.0, 3.0],
+        swivel_axis: [0.0, 0.0, -1.0],
+    }
+}
+
+pub(super) fn at_platform() -> PlatformCircumstances {
+    PlatformCircumstances {
+        is_home: false,
+        row: 4,
+        label: 41,
+        time_s: 1200.0,
+        temperature_change_k: 3.0,
+        laser_m: 0.47,
+        inclination_rad: [0.1, -0.2, 2.9],
+        laser_direction: [0.0, 0.0, -1.0],
+        target_normal: [0.0, 0.0, 1.0],
+    }
+}
+
+/// All ports of a cable and of the platform after one effect.
+pub(super) fn ports_after(effect: &dyn Effect, values: &[Dual]) -> (CablePorts, PlatformPorts) {
+    let robot = presets::find("mini").unwrap().robot;
+    let mut cable = CablePorts::nominal(&robot.cables[2], 0.4, 120.0);
+    cable.weight = Dual::constant(0.3);
+    let mut platform = PlatformPorts::nominal(&robot);
+    effect.change_cable(values, &at_cable(), &mut cable);
+    effect.change_platform(values, &at_platform(), &mut platform);
+    (cable, platform)
+}
+
+fn scalars(effect: &dyn Effect, values: &[Dual]) -> Vec<Dual> {
+    let (cable, platform) = ports_after(effect, values);
+    [&cable.scalars()[..], &platform.scalars()[..]].concat()
+}
+
+#[test]
+fn slopes_match_differences() {
+    for effect in CATALOGUE {
+        let parameters = effect.parameters();
+        let values: Vec<f64> = parameters
+            .iter()
+            .map(|p| 0.6 * p.typical[0] + 0.4 * p.typical[1])
+            .collect();
+        for (chosen, parameter) in parameters.iter().enumerate() {
+            let with = |step: f64, variable: bool| -> Vec<Dual> {
+                let dual = |(k, value): (usize, &f64)| match (k == chosen, variable) {
+                    (true, true) => Dual::variable(*value),
+                    (true, false) => Dual::constant(value + step),
+                    _ => Dual::constant(*value),
+                };
+                let values: Vec<Dual> = values.iter().enumerate().map(dual).collect();
+                scalars(*effect, &values)
+            };
+            let step = 1e-5 * parameter.typical[1].abs();
+            let exact = with(0.0, true);
+            for ((slope, plus), minus) in
+                exact.iter().zip(with(step, false)).zip(with(-step, false))
+            {
+                let numeric = (plus.value - minus.value) / (2.0 * step);
+                // Truncation is of order 1e-9 of the slope, rounding 1e-15 of the port over the step.
+                let allowed = 1e-7 * numeric.abs() + 1e-14 * slope.value.abs() / step + 1e-12;
+                let off = (slope.slope - numeric).abs();
+                assert!(off <= allowed, "{} {}: {off}", effect.id(), parameter.name);
+            }
+            let acts = exact.iter().any(|dual| dual.slope != 0.0);
+            assert_eq!(
+                acts,
+                !parameter.discrete,
+                "{} {}",
+                effect.id(),
+                parameter.name
+            );
+        }
+    }
+}
+
+#[test]
+fn neutral_values_change_nothing() {
+    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
+        let neutral: Vec<Dual> = effect
+            .neutral_values()
+            .into_iter()
+            .map(Dual::constant)
+            .collect();
+        let before = scalars(&crate::effect::cable_swap::CableSwap, &[]);
+        for (one, other) in scalars(*effect, &neutral).iter().zip(before) {
+            assert!((one.value - other.value).abs() < 1e-15, "{}", effect.id());
+        }
+    }
+}

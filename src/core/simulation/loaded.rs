@@ -1,0 +1,92 @@
+//! The robot as effects make it at one pose: what holds the platform there.
+
+use crate::effect::{BoundEffect, CablePorts, Circumstances, Dual, PlatformPorts};
+use crate::geometry::Pose;
+use crate::measurement::Measurements;
+use crate::robot::Robot;
+
+/// Pauses between poses (s).
+const SECONDS_PER_POSE: f64 = 30.0;
+
+/// Label, time and temperature of the rows of a simulated run.
+pub(super) struct Schedule {
+    pub labels: Vec<i64>,
+    pub time_s: Vec<f64>,
+    pub temperature_c: Vec<f64>,
+}
+
+impl Schedule {
+    /// Up to and including a row.
+    pub fn of(robot: &Robot, last: usize) -> Self {
+        let first = i64::from(robot.home.is_none());
+        let time_s: Vec<f64> = (0..=last).map(|k| SECONDS_PER_POSE * k as f64).collect();
+        Self {
+            labels: (first..).take(last + 1).collect(),
+            temperature_c: time_s
+                .iter()
+                .map(|t| 20.0 + 2.0 * (t / 3600.0).sin())
+                .collect(),
+            time_s,
+        }
+    }
+}
+
+/// The robot with what effects change of its geometry and weight at the last row of `schedule`, at `pose`
+/// under `tensions` (N). Earlier poses are those visited.
+pub(super) fn loaded_robot(
+    truth: &Robot,
+    effects: &[BoundEffect],
+    schedule: &Schedule,
+    (visited, pose): (&[Pose], &Pose),
+    tensions: &[f64],
+) -> Robot {
+    // The first row tells time and temperature from which all others count.
+    let rows: Vec<usize> = if visited.is_empty() {
+        vec![0]
+    } else {
+        vec![0, visited.len()]
+    };
+    let poses: Vec<Pose> = visited.first().into_iter().chain([pose]).copied().collect();
+    let data = Measurements {
+        labels: rows.iter().map(|row| schedule.labels[*row]).collect(),
+        time_s: rows.iter().map(|row| schedule.time_s[*row]).collect(),
+        temperature_c: rows
+            .iter()
+            .map(|row| schedule.temperature_c[*row])
+            .collect(),
+        ..Measurements::default()
+    };
+    let home = truth.home.map(|_| 0);
+    let circumstances = Circumstances::new(truth, &data, home, &poses, None);
+    let row = rows.len() - 1;
+    let mut robot = truth.clone();
+    let constants = |values: &[f64]| -> Vec<Dual> {
+        values.iter().map(|value| Dual::constant(*value)).collect()
+    };
+    let mut platform = PlatformPorts::nominal(truth);
+    for (index, cable) in robot.cables.iter_mut().enumerate() {
+        let mut at = *circumstances.cable(row, index);
+        at.tension_n = tensions[index];
+        let mut ports = CablePorts::nominal(cable, 0.0, tensions[index]);
+        for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
+            let values = constants(&bound.values);
+            bound.effect.change_cable(&values, &at, &mut ports);
+        }
+        let values = |port: [Dual; 3]| port.map(|dual| dual.value);
+        let shift = values(ports.entry_shift);
+        for k in 0..3 {
+            cable.pulley.entry_point_m[k] += shift[k];
+        }
+        cable.pulley.swivel_axis = values(ports.axis);
+        cable.pulley.radius_m = ports.radius.value;
+        cable.platform_anchor_m = values(ports.anchor);
+    }
+    for bound in effects {
+        let values = constants(&bound.values);
+        let at = circumstances.platform(row);
+        bound.effect.change_platform(&values, at, &mut platform);
+    }
+    robot.platform.mass_kg = truth.platform.mass_kg.map(|_| platform.mass.value);
+    robot.platform.center_of_mass_m = platform.center_of_mass.map(|dual| dual.value);
+    robot
+}
