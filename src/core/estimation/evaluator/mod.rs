@@ -10,7 +10,7 @@ mod platform_rows;
 mod span;
 
 use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
-use columns::{Column, ColumnStore};
+use columns::{Column, ColumnStore, Packed, packed};
 use inputs::{PortInputs, Selection};
 use platform_rows::LaserInputs;
 
@@ -66,14 +66,14 @@ pub(super) struct Evaluator<'a, T: Packet> {
     /// Whether the equations carry what only the home row and reports need.
     pub detailed: bool,
     /// Attitudes, packet by packet; the previous ones are kept for a rejected step.
-    attitudes: Vec<f64>,
-    previous: Vec<f64>,
+    attitudes: Packed,
+    previous: Packed,
     /// Factor, residual and `Y` of every packet, for the back-substitution.
-    eliminated: Vec<f64>,
+    eliminated: Packed,
     /// Variances of length (m^2) and tension (N^2) of each cable.
     spreads: Vec<(f64, f64)>,
     /// Estimated errors of the tension readings (N), packet by packet, cable by cable.
-    tension_errors: Vec<f64>,
+    tension_errors: Packed,
     equations: Equations<T>,
     elimination: Elimination<T>,
     pub sums: Sums<T>,
@@ -133,7 +133,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let packets = rows.len().div_ceil(T::LANES);
         let mut evaluator = Self {
             spreads: constants.iter().map(square).collect(),
-            tension_errors: vec![0.0; packets * robot.cable_count() * T::LANES],
+            tension_errors: packed(packets * robot.cable_count() * T::LANES),
             constants,
             entry: Vec::new(),
             home_length: vec![zero; robot.cable_count()],
@@ -145,8 +145,8 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             balanced,
             detailed: is_home,
             attitudes: pack_attitudes::<T>(start),
-            previous: Vec::new(),
-            eliminated: Vec::new(),
+            previous: packed(0),
+            eliminated: packed(0),
             equations: Equations::new(&layout, zero),
             elimination: Elimination::new(&layout, zero),
             sums: Sums::new(token, &layout),
@@ -214,6 +214,14 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 damping,
             },
         );
+    }
+
+    /// Moves all poses by their part of the common `step` (per column) without evaluating.
+    pub fn move_poses(&mut self, step: &[f64]) {
+        for batch in 0..self.batches() {
+            let attitude = self.attitude(batch).moved(self.pose_step(batch, step));
+            self.store_attitude(batch, &attitude);
+        }
     }
 
     /// Goes back to the poses before the last step.
@@ -641,9 +649,9 @@ fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
 }
 
 /// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.
-fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Vec<f64> {
+fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Packed {
     let count = poses.len().next_multiple_of(T::LANES);
-    let mut packed = vec![0.0; count * ATTITUDE];
+    let mut values = packed(count * ATTITUDE);
     for index in 0..count {
         let Some(pose) = poses.get(index).or(poses.last()) else {
             continue;
@@ -651,10 +659,10 @@ fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Vec<f64> {
         let (batch, lane) = (index / T::LANES, index % T::LANES);
         let numbers = pose.position.iter().copied().chain(pose.orientation_wxyz());
         for (k, value) in numbers.enumerate() {
-            packed[(batch * ATTITUDE + k) * T::LANES + lane] = value;
+            values[(batch * ATTITUDE + k) * T::LANES + lane] = value;
         }
     }
-    packed
+    values
 }
 
 fn pack_platform<T: Packet>(
