@@ -3,6 +3,7 @@
 use super::plain::{Found, Plain};
 use super::*;
 use crate::estimation::solver::Descent;
+use crate::estimation::start::Start;
 
 fn cases() -> Vec<Simulated> {
     vec![
@@ -84,7 +85,8 @@ fn all_instruction_sets_find_the_same() {
         for method in [Method::Joint, Method::Simple] {
             let problem = Problem::new(&run.dataset).unwrap().with_method(method);
             let lanes = solved(&problem);
-            let scalar = Descent::<f64>::new((), &problem).run(&Options::default(), &mut quiet);
+            let scalar = Descent::<f64>::from((), &problem, Start::Given)
+                .run(&Options::default(), &mut quiet);
             assert_eq!(lanes.iterations, scalar.iterations);
             assert_eq!(lanes.degrees_of_freedom, scalar.degrees_of_freedom);
             // The same arithmetic but for the order of sums and fused operations.
