@@ -48,20 +48,10 @@ fn solved(problem: &Problem<'_>) -> Solution {
     solve(problem, &Options::default(), &mut quiet).unwrap()
 }
 
-fn trace(problem: &Problem<'_>, solution: &Solution) {
-    if !solution.converged() {
-        let _ = solve(problem, &Options::default(), &mut |p| {
-            println!("{} {p:?}", problem.dataset.robot.cable_count());
-            Control::Continue
-        });
-    }
-}
-
 /// Converged solution of a dataset.
 fn identified(dataset: &Dataset, method: Method) -> Solution {
     let problem = Problem::new(dataset).unwrap().with_method(method);
     let solution = solved(&problem);
-    trace(&problem, &solution);
     assert!(solution.converged(), "{:?}", solution.termination);
     solution
 }

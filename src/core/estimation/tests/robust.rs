@@ -77,7 +77,6 @@ fn huber_loss_keeps_entry_points_closer() {
                     difference_in_sd(&reference, &solution)
                 };
                 let (square, huber) = (moved(Loss::Square), moved(Loss::Huber(1.5)));
-                println!("{name} {which:?} {method:?}: {square} {huber}");
                 assert!(
                     huber < square,
                     "{name} {which:?} {method:?}: {square} {huber}"
