@@ -1,4 +1,7 @@
 //! Helpers of the cross-crate suites.
 
 pub mod bad_input_cases;
+pub mod hangprinter;
 pub mod nist;
+pub mod table1;
+pub mod truth;

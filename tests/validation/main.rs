@@ -1,4 +1,8 @@
 //! Comparison with independent references.
 
+mod ceres;
+mod hangprinter;
 mod nist;
 mod published;
+mod table1;
+mod truth;

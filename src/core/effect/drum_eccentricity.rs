@@ -29,7 +29,7 @@ impl Effect for DrumEccentricity {
                 name: "phase",
                 unit: "rad",
                 prior_sd: 3.0,
-                typical: [-3.14, 3.14],
+                typical: [-std::f64::consts::PI, std::f64::consts::PI],
             },
         ]
     }

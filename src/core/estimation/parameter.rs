@@ -49,14 +49,14 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// The parameters of a problem; those with a prior standard deviation of 0 are not among them.
 pub(super) fn parameters_of(problem: &Problem<'_>) -> Vec<Parameter> {
     let mut parameters = Vec::new();
-    if problem.geometry == Geometry::Held {
-        // Noise of readings at home is no property of the geometry.
-        push_home_tensions(problem, &mut parameters);
-    } else {
+    if problem.geometry == Geometry::Estimated {
         push_entry_points(problem, &mut parameters);
         push_plane(problem, &mut parameters);
         push_home(problem, &mut parameters);
-        push_home_tensions(problem, &mut parameters);
+    }
+    // The noise of these data, whatever the geometry: the home row enters every row of a cable.
+    push_home_tensions(problem, &mut parameters);
+    if problem.geometry == Geometry::Estimated {
         push_effects(problem, &mut parameters);
     }
     parameters.retain(|parameter| parameter.prior_sd != Some(0.0));
@@ -118,6 +118,10 @@ fn push_home(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
 }
 
 fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    let robot = &problem.dataset.robot;
+    if robot.home.is_none() || problem.dataset.measurements.revolutions.is_empty() {
+        return;
+    }
     let has_home_force = problem.home_row().is_some_and(|row| {
         problem
             .dataset

@@ -29,7 +29,7 @@ pub enum Loss {
 pub enum Geometry {
     /// Entry points, target plane, home pose and free effects.
     Estimated,
-    /// Nothing: only poses are fitted (and the errors of the tension readings at home).
+    /// Nothing: only poses are fitted, and the errors of the tension readings at home.
     Held,
 }
 

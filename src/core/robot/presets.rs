@@ -202,7 +202,7 @@ fn mini() -> Preset {
             cables,
         ),
         measured_entry_points_m: Some(metres(MINI_MEASURED_MM).to_vec()),
-        workspace: around([0.0; 3], [0.156; 3], 0.1),
+        workspace: around([0.0; 3], [0.2; 3], 0.3),
         tension: TensionRange {
             lower_n: 10.0,
             reference_n: 40.0,

@@ -25,7 +25,7 @@ pub struct Arguments {
     /// et al. 2018
     #[arg(long, value_enum, default_value_t = MethodName::Joint)]
     method: MethodName,
-    /// Effects to estimate: ID[:CABLE],...
+    /// Effects to estimate, each on one cable or on all
     #[arg(long, value_name = "ID[:CABLE],..", value_delimiter = ',')]
     effects: Vec<String>,
     /// Huber's loss beyond this many standard deviations

@@ -51,6 +51,10 @@ enum Command {
 struct BadInput(String);
 
 impl BadInput {
+    #[expect(
+        clippy::new_ret_no_self,
+        reason = "commands only return it, as the error of their result"
+    )]
     fn new(message: impl std::fmt::Display) -> anyhow::Error {
         Self(message.to_string()).into()
     }

@@ -7,12 +7,14 @@ use anyhow::{Context, Result};
 use super::accuracy::Accuracy;
 use super::identify::Identification;
 use super::output::write_json;
+use super::precalibrate::Precalibration;
 
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
     let mut schemas = tautline_session::schemas();
     schemas.push(tautline_session::document_schema::<Identification>());
     schemas.push(tautline_session::document_schema::<Accuracy>());
+    schemas.push(tautline_session::document_schema::<Precalibration>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;

@@ -21,8 +21,8 @@ pub struct Arguments {
     /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Hide an effect in the data: ID[:CABLE][:k=v,...]; may be repeated
-    #[arg(long = "effect", value_name = "EFFECT")]
+    /// Hide an effect in the data; may be repeated
+    #[arg(long = "effect", value_name = "ID[:CABLE][:k=v,...]")]
     effects: Vec<String>,
     /// True entry points: measured (of the preset), drawn from the priors, or nominal
     #[arg(long, value_enum)]

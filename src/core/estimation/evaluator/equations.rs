@@ -86,10 +86,10 @@ impl<T: Real> Equations<T> {
             if row < layout.cables {
                 self.length_by_cable[row] = scaled(self.length_by_cable[row], weight);
             }
-            if let Some(cable) = layout.swivel.and_then(|first| row.checked_sub(first)) {
-                if cable < layout.cables {
-                    self.swivel_by_cable[cable] = scaled(self.swivel_by_cable[cable], weight);
-                }
+            if let Some(cable) = layout.swivel.and_then(|first| row.checked_sub(first))
+                && cable < layout.cables
+            {
+                self.swivel_by_cable[cable] = scaled(self.swivel_by_cable[cable], weight);
             }
             if layout.laser == Some(row) {
                 self.laser_by_plane = self.laser_by_plane * weight;

@@ -306,18 +306,14 @@ impl<T: Packet> Sums<T> {
             for k in 0..6 {
                 gradient = minus[k].mul_add(y[k], gradient);
             }
-            let dense = match balance {
-                Some((columns, residual)) => Some((&columns[..=i], columns[i], residual)),
-                None => None,
-            };
-            if let Some((_, g, residual)) = dense {
+            if let Some((columns, residual)) = balance {
                 for k in 0..6 {
-                    gradient = g[k].mul_add(residual[k], gradient);
+                    gradient = columns[i][k].mul_add(residual[k], gradient);
                 }
             }
             gradient.store(&mut self.gradient, i);
             let others = &elimination.columns[..=i];
-            match dense {
+            match balance {
                 None => {
                     for other in others {
                         let mut sum = T::load(self.token, &self.information, at);
@@ -328,7 +324,8 @@ impl<T: Packet> Sums<T> {
                         at += 1;
                     }
                 }
-                Some((columns, g, _)) => {
+                Some((columns, _)) => {
+                    let g = columns[i];
                     for (other, h) in others.iter().zip(columns) {
                         let mut sum = T::load(self.token, &self.information, at);
                         let mut more = minus[0].lift(0.0);

@@ -3,8 +3,8 @@
 use super::document::{Accuracy, Figures, PathAccuracy, PoseAccuracy};
 use crate::cli::table;
 
-/// Cycles that ISO 9283:1998 asks for, of a pose and of a path.
-const STANDARD_CYCLES: [usize; 2] = [30, 10];
+/// Cycles of a pose that ISO 9283:1998 asks for.
+const STANDARD_CYCLES: usize = 30;
 
 /// Prints everything.
 pub fn print(accuracy: &Accuracy) {
@@ -14,29 +14,16 @@ pub fn print(accuracy: &Accuracy) {
     if !accuracy.paths.is_empty() {
         print_paths(&accuracy.paths);
     }
-    if accuracy
-        .poses
-        .iter()
-        .flat_map(|p| &p.targets)
-        .any(|t| t.figures.angle_accuracy_rad.is_some())
-        || accuracy
-            .paths
-            .iter()
-            .any(|p| p.angle_accuracy_rad.is_some())
-    {
+    let poses = || accuracy.poses.iter().flat_map(|p| &p.targets);
+    let angles = poses().map(|t| t.figures.angle_accuracy_rad);
+    let mut angles = angles.chain(accuracy.paths.iter().map(|p| p.angle_accuracy_rad));
+    if angles.any(|angle| angle.is_some()) {
         println!("angles about the base axes: accuracy ±repeatability");
     }
-    let poses = accuracy.poses.iter().flat_map(|p| &p.targets);
-    let few_poses = poses.filter(|t| t.cycles < STANDARD_CYCLES[0]).count();
-    let few_paths = accuracy.paths.iter();
-    let few_paths = few_paths.filter(|p| p.cycles < STANDARD_CYCLES[1]).count();
-    for (count, kind, cycles) in [
-        (few_poses, "poses", STANDARD_CYCLES[0]),
-        (few_paths, "paths", STANDARD_CYCLES[1]),
-    ] {
-        if count > 0 {
-            println!("{count} {kind} with fewer than the {cycles} cycles of ISO 9283");
-        }
+    let few = poses().filter(|t| t.cycles < STANDARD_CYCLES).count();
+    if few > 0 {
+        let ending = if few == 1 { "" } else { "s" };
+        println!("{few} pose{ending} with fewer than the {STANDARD_CYCLES} cycles of ISO 9283");
     }
 }
 

@@ -1,0 +1,72 @@
+//! Validation tables: each on its own, or all of them into docs/VALIDATION.md.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use tautline_validation::{hangprinter, nist, table1, truth};
+
+/// Presets of the truth study.
+const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
+/// Seed of the first data set of the truth study.
+const FIRST_SEED: u64 = 1000;
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let argument = arguments.get(1).map(String::as_str);
+    match arguments.first().map(String::as_str) {
+        Some("truth") => println!("{}", truth_table(argument)?),
+        Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
+        Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
+        Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
+        Some("write") => write(argument)?,
+        _ => bail!(
+            "what to validate: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, write [FOLDER]"
+        ),
+    }
+    Ok(())
+}
+
+fn truth_table(data_sets: Option<&str>) -> Result<String> {
+    let data_sets = data_sets.map_or(Ok(1000), str::parse)?;
+    let rows: Result<Vec<_>> = ROBOTS
+        .iter()
+        .map(|name| truth::study(name, data_sets, FIRST_SEED))
+        .collect();
+    Ok(truth::markdown(&rows?))
+}
+
+fn hangprinter_table(folder: Option<&str>) -> Result<String> {
+    let folder = folder.unwrap_or("../shared/data/hangprinter");
+    Ok(hangprinter::markdown(&hangprinter::study(folder.as_ref())?))
+}
+
+/// Puts every table between its marks in docs/VALIDATION.md. The Hangprinter's stays as it is where
+/// its data are absent.
+fn write(folder: Option<&str>) -> Result<()> {
+    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/VALIDATION.md");
+    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+    replace(&mut text, "nist", &nist::markdown(&nist::table()?))?;
+    replace(&mut text, "truth", &truth_table(None)?)?;
+    replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
+    match hangprinter_table(folder) {
+        Ok(table) => replace(&mut text, "hangprinter", &table)?,
+        Err(error) => eprintln!("the table of the Hangprinter stays as it was: {error:#}"),
+    }
+    tautline_session::write_text(&path, &text)?;
+    Ok(())
+}
+
+fn replace(text: &mut String, name: &str, table: &str) -> Result<()> {
+    let (begin, end) = (
+        format!("<!-- begin {name} -->\n"),
+        format!("<!-- end {name} -->"),
+    );
+    let start = text
+        .find(&begin)
+        .with_context(|| format!("no mark {begin}"))?
+        + begin.len();
+    let stop = text.find(&end).with_context(|| format!("no mark {end}"))?;
+    text.replace_range(start..stop, &format!("\n{}\n\n", table.trim()));
+    Ok(())
+}

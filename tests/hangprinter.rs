@@ -1,0 +1,194 @@
+//! A real machine: Hangprinter 4, four lines, point mass. The data are not part of this repository; the
+//! folder that holds `series1` and `series2` is given.
+
+use std::path::Path;
+
+use anyhow::Result;
+use tautline_core::effect::EffectRequest;
+use tautline_core::estimation::{
+    Analysis, Control, Geometry, Globals, Options, Poses, Problem, ReadingKind, Solution, solve,
+};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+use tautline_session::read_dataset;
+
+/// Folds of the cross-validation.
+const FOLDS: usize = 5;
+
+/// One model on the data.
+#[derive(Debug, Clone)]
+pub struct ModelRow {
+    /// Freed effects.
+    pub effects: &'static [&'static str],
+    /// Chi-square of the whole problem on series 2.
+    pub chi2: f64,
+    /// Degrees of freedom.
+    pub dof: f64,
+    /// Common build-up of line with its standard deviation (1/rev), where freed.
+    pub growth: Option<(f64, f64)>,
+    /// Length residual with poses held at the camera's values (m).
+    pub held_rms_m: f64,
+    /// The same on held-out poses (m).
+    pub held_out_rms_m: f64,
+    /// Chi-square of series 1, poses fitted, model held.
+    pub other_chi2: f64,
+    /// Its degrees of freedom.
+    pub other_dof: f64,
+    /// Length residual of series 1, poses held at the camera's values, model held (m).
+    pub other_rms_m: f64,
+}
+
+/// The models that are compared.
+pub const MODELS: [&[&str]; 3] = [&[], &["winch_scale"], &["winch_scale", "drum_growth"]];
+
+/// Fits all models.
+///
+/// # Errors
+/// If the data are absent or cannot be used.
+pub fn study(folder: &Path) -> Result<Vec<ModelRow>> {
+    let series2 = read_dataset(&folder.join("series2"))?.dataset;
+    let series1 = read_dataset(&folder.join("series1"))?.dataset;
+    MODELS
+        .iter()
+        .map(|effects| row(effects, &series2, &series1))
+        .collect()
+}
+
+fn row(effects: &'static [&'static str], series2: &Dataset, series1: &Dataset) -> Result<ModelRow> {
+    let whole = fit(series2, effects, Poses::Estimated)?;
+    let held = fit(series2, effects, Poses::HeldAtTracker)?;
+    let model = model_of(&series2.robot, &held.globals);
+    let whole_model = model_of(&series2.robot, &whole.globals);
+    let other = with_robot(series1, &whole_model);
+    let mut problem = Problem::new(&other)?;
+    problem.geometry = Geometry::Held;
+    let other_fit = run(&problem)?;
+    let growth = whole
+        .parameters
+        .iter()
+        .position(|p| p.name.starts_with("drum_growth"));
+    let value = |globals: &Globals| globals.effects.last().map_or(f64::NAN, |e| e.values[0]);
+    Ok(ModelRow {
+        effects,
+        chi2: whole.chi2,
+        dof: whole.degrees_of_freedom,
+        growth: growth.map(|k| {
+            (
+                value(&whole.globals),
+                whole.standard_deviation(k).unwrap_or(f64::NAN),
+            )
+        }),
+        held_rms_m: length_rms(&with_robot(series2, &model), None)?,
+        held_out_rms_m: held_out(series2, effects)?,
+        other_chi2: other_fit.chi2,
+        other_dof: other_fit.degrees_of_freedom,
+        other_rms_m: length_rms(&with_robot(series1, &model), None)?,
+    })
+}
+
+fn run(problem: &Problem<'_>) -> Result<Solution> {
+    Ok(solve(problem, &Options::default(), &mut |_| {
+        Control::Continue
+    })?)
+}
+
+fn fit(dataset: &Dataset, effects: &[&str], poses: Poses) -> Result<Solution> {
+    let requests: Vec<_> = effects.iter().map(|e| EffectRequest::parse(e)).collect();
+    let mut problem = Problem::new(dataset)?;
+    problem.poses = poses;
+    problem.free(&requests)?;
+    run(&problem)
+}
+
+/// The robot with the common parameters of a fit.
+fn model_of(robot: &Robot, globals: &Globals) -> Robot {
+    let mut model = robot.clone();
+    for (cable, point) in model.cables.iter_mut().zip(&globals.entry_points) {
+        cable.pulley.entry_point_m = *point;
+    }
+    if let Some(home) = &mut model.home {
+        home.position_m = globals.home.position.into();
+    }
+    model.effects = globals
+        .effects
+        .iter()
+        .map(|bound| bound.setting(robot))
+        .collect();
+    model
+}
+
+fn with_robot(dataset: &Dataset, robot: &Robot) -> Dataset {
+    Dataset {
+        robot: robot.clone(),
+        measurements: dataset.measurements.clone(),
+    }
+}
+
+/// Length residual of a model with poses held at the camera's values (m), of all rows or some.
+fn length_rms(dataset: &Dataset, rows: Option<&[usize]>) -> Result<f64> {
+    let mut problem = Problem::new(dataset)?;
+    problem.geometry = Geometry::Held;
+    problem.poses = Poses::HeldAtTracker;
+    let analysis = Analysis::new(&problem, &run(&problem)?);
+    let squares: Vec<f64> = analysis
+        .readings
+        .iter()
+        .filter(|r| matches!(r.kind, ReadingKind::Length(_)))
+        .filter(|r| rows.is_none_or(|rows| rows.contains(&r.row)))
+        .map(|r| r.residual().powi(2))
+        .collect();
+    Ok((squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+}
+
+/// Cross-validation over poses, poses held at the camera's values (m).
+fn held_out(dataset: &Dataset, effects: &[&str]) -> Result<f64> {
+    let count = dataset.measurements.len();
+    let (mut sum, mut number) = (0.0, 0.0);
+    for fold in 0..FOLDS {
+        let out = |row: &usize| *row > 0 && *row % FOLDS == fold;
+        let kept: Vec<usize> = (0..count).filter(|row| !out(row)).collect();
+        let training = Dataset {
+            robot: dataset.robot.clone(),
+            measurements: dataset.measurements.select(&kept),
+        };
+        let fitted = fit(&training, effects, Poses::HeldAtTracker)?;
+        let rows: Vec<usize> = (0..count)
+            .filter(out)
+            .filter(|row| dataset.measurements.tracked_position_at(*row).is_some())
+            .collect();
+        let model = model_of(&dataset.robot, &fitted.globals);
+        let rms = length_rms(&with_robot(dataset, &model), Some(&rows))?;
+        sum += rms * rms * rows.len() as f64;
+        number += rows.len() as f64;
+    }
+    Ok((sum / number).sqrt())
+}
+
+/// The table as Markdown.
+#[must_use]
+pub fn markdown(rows: &[ModelRow]) -> String {
+    let mut text = String::from(
+        "| freed besides anchors | chi-square | dof | build-up per motor revolution | lengths, poses held, rms mm | 5-fold held out mm | series 1: chi-square | dof | lengths, poses held, rms mm |\n|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for row in rows {
+        let effects = if row.effects.is_empty() {
+            "-".to_owned()
+        } else {
+            row.effects.join(", ")
+        };
+        let growth = row.growth.map_or("-".to_owned(), |(value, sd)| {
+            format!("({:.2} ± {:.2})e-4", value * 1e4, sd * 1e4)
+        });
+        text.push_str(&format!(
+            "| {effects} | {:.1} | {:.0} | {growth} | {:.2} | {:.2} | {:.1} | {:.0} | {:.2} |\n",
+            row.chi2,
+            row.dof,
+            row.held_rms_m * 1e3,
+            row.held_out_rms_m * 1e3,
+            row.other_chi2,
+            row.other_dof,
+            row.other_rms_m * 1e3,
+        ));
+    }
+    text
+}

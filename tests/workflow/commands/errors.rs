@@ -1,0 +1,101 @@
+//! Exit codes and messages.
+
+use tautline_validation::bad_input_cases::{bad_inputs, write_good_dataset};
+
+use super::program::{Folder, tautline};
+
+/// Cases of the table that go through the program, too; all of them go through the reader.
+const REPRESENTATIVE: [&str; 12] = [
+    "no folder",
+    "a file as dataset",
+    "no robot.json",
+    "robot.json a folder",
+    "truncated JSON",
+    "robot.json not UTF-8",
+    "a number out of range",
+    "no poses.csv",
+    "header only",
+    "a cell not UTF-8",
+    "surface of degree 9",
+    "winch: unknown cable",
+];
+
+#[test]
+fn bad_input_ends_with_code_2_and_one_sentence() {
+    let folder = Folder::new();
+    let cases = bad_inputs();
+    for name in REPRESENTATIVE {
+        let case = cases.iter().find(|case| case.name == name);
+        let case = case.unwrap_or_else(|| panic!("no case {name:?}"));
+        let dataset = folder.join(&name.replace([' ', ':'], "-"));
+        case.write(dataset.as_ref()).expect(name);
+        let answer = tautline(&["identify", &dataset]);
+        answer.refused(case.expected);
+        answer.refused(&[&dataset]);
+    }
+}
+
+#[test]
+fn what_does_not_exist_is_named() {
+    let folder = Folder::new();
+    let data = folder.join("data");
+    write_good_dataset(data.as_ref()).expect("written");
+    for (arguments, parts) in [
+        (["identify", &data, "--effects", "winch_scal"], "winch_scal"),
+        (
+            ["identify", &data, "--effects", "winch_scale:cable-9"],
+            "cable-9",
+        ),
+        (["simulate", "--robot", "maxi", "--out=x"], "\"maxi\""),
+        (
+            ["evaluate", &data, "--model", "no-model.json"],
+            "no-model.json: not found",
+        ),
+    ] {
+        tautline(&arguments).refused(&[parts]);
+    }
+    let out = folder.join("out");
+    for (effect, part) in [
+        ("winch_scal:cable-1", "winch_scal"),
+        ("winch_scale:cable-9:scale=0.01", "cable-9"),
+        ("winch_scale:cable-1:scale=x", "scale=x"),
+        ("winch_scale:cable-1:size=1", "size"),
+    ] {
+        let arguments = ["simulate", "--robot", "mini", "--effect", effect];
+        tautline(&[&arguments[..], &["--out", &out]].concat()).refused(&["--effect", part]);
+    }
+    for command in ["identify", "precalibrate"] {
+        let answer = tautline(&[command, &folder.join("nowhere")]);
+        answer.refused(&["nowhere: not found, expected a dataset folder"]);
+    }
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_code_2() {
+    for (arguments, part) in [
+        (vec!["identify", "data", "--method", "guess"], "guess"),
+        (vec!["calibrate"], "calibrate"),
+        (vec!["identify"], "DATASET"),
+    ] {
+        let answer = tautline(&arguments);
+        assert_eq!((answer.code, answer.stdout.as_str()), (Some(2), ""));
+        assert!(answer.stderr.contains(part), "{}", answer.stderr);
+    }
+    let help = tautline(&["--help"]).succeeded();
+    assert!(help.stdout.contains("identify") && help.stderr.is_empty());
+}
+
+#[test]
+fn what_is_not_the_inputs_fault_ends_with_code_1() {
+    let folder = Folder::new();
+    let data = folder.join("data");
+    let arguments = ["simulate", "--robot", "planar", "--poses", "6", "--out"];
+    tautline(&[&arguments[..], &[&data]].concat()).succeeded();
+    let nowhere = folder.join("nowhere/result.json");
+    for option in ["--json", "--model-out"] {
+        let answer = tautline(&["identify", &data, option, &nowhere]);
+        assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+        assert_eq!(answer.stderr.lines().count(), 1, "{}", answer.stderr);
+        assert!(answer.stderr.contains("cannot be written"));
+    }
+}

@@ -1,0 +1,151 @@
+//! simulate, identify, evaluate.
+
+use serde_json::Value;
+use tautline_session::read_robot;
+
+use super::program::{Answer, Folder, assert_number, assert_valid, number, tautline};
+
+fn simulate(folder: &Folder, robot: &str, poses: u32, more: &[&str]) -> String {
+    let dataset = folder.join("data");
+    let poses = poses.to_string();
+    let mut arguments = vec!["simulate", "--robot", robot, "--poses", &poses];
+    arguments.extend(["--seed", "7", "--out", &dataset]);
+    arguments.extend(more);
+    tautline(&arguments).succeeded();
+    dataset
+}
+
+fn identify(dataset: &str, more: &[&str]) -> Answer {
+    let mut arguments = vec!["identify", dataset, "--json", "-"];
+    arguments.extend(more);
+    tautline(&arguments).succeeded()
+}
+
+fn evaluate(dataset: &str, model: &str) -> Value {
+    let arguments = ["evaluate", dataset, "--model", model, "--json", "-"];
+    tautline(&arguments).succeeded().json()
+}
+
+/// Root mean square distance of entry points from the true ones (m).
+fn error_m(points: &Value, truth: &Value) -> f64 {
+    let cables = truth["cables"].as_array().expect("cables");
+    let square = |(k, cable): (usize, &Value)| -> f64 {
+        let axis = |axis: usize| {
+            let found = points[k][axis].as_f64().expect("a number");
+            found - number(cable, &format!("/pulley/entry_point_m/{axis}"))
+        };
+        (0..3).map(|k| axis(k).powi(2)).sum()
+    };
+    let squares: f64 = cables.iter().enumerate().map(square).sum();
+    (squares / cables.len() as f64).sqrt()
+}
+
+fn entry_points(robot: &Value) -> Value {
+    let cables = robot["cables"].as_array().expect("cables").iter();
+    cables
+        .map(|cable| cable["pulley"]["entry_point_m"].clone())
+        .collect()
+}
+
+#[test]
+fn simulated_entry_points_are_found_and_hold_in_evaluation() {
+    let folder = Folder::new();
+    let dataset = simulate(&folder, "mini", 25, &[]);
+    let (json, model) = (folder.join("result.json"), folder.join("model.json"));
+    let answer =
+        tautline(&["identify", &dataset, "--json", &json, "--model-out", &model]).succeeded();
+    assert!(answer.stdout.contains("joint method converged"));
+    assert!(answer.stdout.contains("cable-8"));
+    let result = folder.json("result.json");
+    assert_valid(&result);
+    assert_eq!(result["format"], "tautline-identification");
+    assert!(number(&result, "/p_value") > 1e-3);
+    let truth = folder.json("data/truth.json");
+    let drawing = error_m(&entry_points(&folder.json("data/robot.json")), &truth);
+    let found = error_m(&result["entry_points_m"], &truth);
+    assert!(found < 0.5 * drawing, "{found} m, drawing {drawing} m");
+
+    assert_valid(&folder.json("model.json"));
+    let evaluation = evaluate(&dataset, &model);
+    assert_valid(&evaluation);
+    assert!(number(&evaluation, "/p_value") > 1e-3);
+    assert!(number(&evaluation, "/chi2") < number(&result, "/chi2") + 1.0);
+    assert_eq!(evaluation["entry_points_m"], result["entry_points_m"]);
+    assert_eq!(evaluation["entry_points_sd_m"][0][0], 0.0);
+    assert_eq!(evaluation["poses"].as_array().expect("poses").len(), 26);
+}
+
+#[test]
+fn every_preset_is_identified() {
+    for (preset, cables) in [("mini", 8), ("hall", 8), ("suspended", 8), ("planar", 4)] {
+        let folder = Folder::new();
+        let dataset = simulate(&folder, preset, 15, &[]);
+        let result = identify(&dataset, &[]).json();
+        assert_eq!(result["converged"], true, "{preset}");
+        let points = result["entry_points_m"].as_array().expect("points");
+        assert_eq!(points.len(), cables, "{preset}");
+        assert!(number(&result, "/p_value") > 1e-4, "{preset}");
+        let truth = folder.json("data/truth.json");
+        let drawing = error_m(&entry_points(&folder.json("data/robot.json")), &truth);
+        let found = error_m(&result["entry_points_m"], &truth);
+        assert!(found < drawing, "{preset}: {found} m, drawing {drawing} m");
+    }
+}
+
+#[test]
+fn every_method_is_identified_in_its_name() {
+    let folder = Folder::new();
+    let dataset = simulate(&folder, "mini", 12, &[]);
+    for method in ["joint", "simple", "published"] {
+        let result = identify(&dataset, &["--method", method, "--repeat", "2"]).json();
+        assert_valid(&result);
+        assert_eq!(result["method"], method);
+        assert!(number(&result, "/seconds") > 0.0);
+    }
+}
+
+#[test]
+fn a_hidden_effect_is_found_when_freed() {
+    let folder = Folder::new();
+    let hidden = ["--effect", "winch_scale:cable-3:scale=0.01"];
+    let dataset = simulate(&folder, "mini", 25, &hidden);
+    let blind = identify(&dataset, &[]).json();
+    assert!(number(&blind, "/p_value") < 1e-4, "the base model explains");
+    let model = folder.join("model.json");
+    let freed = ["--effects", "winch_scale:cable-3", "--model-out", &model];
+    let result = identify(&dataset, &freed).json();
+    assert_valid(&result);
+    assert_eq!(result["effects"][0]["effect"], "winch_scale");
+    assert_eq!(result["effects"][0]["targets"][0], "cable-3");
+    let sd = number(&result, "/effects/0/sd");
+    assert!(sd > 0.0 && sd < 0.002, "sd {sd}");
+    assert_number(&result, "/effects/0/value", 0.01, 5.0 * sd);
+    assert!(number(&result, "/p_value") > 1e-4);
+
+    let robot = read_robot(model.as_ref()).expect("a model").value;
+    assert_eq!(robot.effects.len(), 1);
+    let value = number(&result, "/effects/0/value");
+    assert_eq!(robot.effects[0].parameters["scale"], value);
+    let mut without = folder.json("model.json");
+    without
+        .as_object_mut()
+        .expect("an object")
+        .remove("effects");
+    let without = folder.write("without.json", &without.to_string());
+    let p_value = |model: &str| number(&evaluate(&dataset, model), "/p_value");
+    assert!(p_value(&model) > 1e-4);
+    assert!(p_value(&folder.join("data/truth.json")) > 1e-4);
+    assert!(p_value(&without) < 1e-4);
+}
+
+#[test]
+fn the_same_seed_makes_the_same_files() {
+    let (one, two) = (Folder::new(), Folder::new());
+    for folder in [&one, &two] {
+        simulate(folder, "planar", 5, &[]);
+    }
+    for name in ["robot.json", "poses.csv", "truth.json"] {
+        let read = |folder: &Folder| std::fs::read(folder.path().join("data").join(name));
+        assert_eq!(read(&one).expect(name), read(&two).expect(name));
+    }
+}

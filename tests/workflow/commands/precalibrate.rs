@@ -1,0 +1,272 @@
+//! precalibrate: tables made from known values.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+use tautline_session::read_robot;
+
+use super::program::{Folder, assert_number, assert_valid, number, tautline};
+
+/// Cable per revolution and its error pattern: sums to zero and is orthogonal to the revolutions, so that
+/// the fit is exact and the largest residual is its amplitude.
+fn winch_table() -> String {
+    let mut text = "cable,rev,length_m\n".to_owned();
+    for cable in 1..=8 {
+        let amplitude = if cable == 3 { 3e-4 } else { 2e-5 };
+        for (rev, sign) in [(-3.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (3.0, 1.0)] {
+            let length = per_revolution(cable) * rev + 0.5 + amplitude * sign;
+            writeln!(text, "cable-{cable},{rev},{length}").expect("written");
+        }
+    }
+    text
+}
+
+fn per_revolution(cable: usize) -> f64 {
+    0.125 + 1e-4 * cable as f64
+}
+
+/// Gain 2.02 and bias 1.5 N; readings 0.2 N off in the same pattern.
+fn force_table() -> String {
+    let mut text = "cable,reading_n,load_n\n".to_owned();
+    for (load, sign) in [(10.0, 1.0), (30.0, -1.0), (50.0, -1.0), (70.0, 1.0)] {
+        let reading = 2.02 * load + 1.5 + 0.2 * sign;
+        writeln!(text, "1,{reading},{load}").expect("written");
+        writeln!(text, "cable-2,{reading},{load}").expect("written");
+    }
+    text
+}
+
+/// Three sensors look up at the bottom, two and one at the sides; the reference frame lies 0.3 m below
+/// the base frame. The platform stands at (1, 2, 3) mm in the base frame, not turned; in the two
+/// repeats it is 0.1 mm above and below.
+fn home_platform() -> (Value, String) {
+    let sensor = |origin: [f64; 3], direction: [f64; 3], plane: usize| {
+        json!({"origin_m": origin, "direction": direction,
+            "plane": plane, "sd_m": 2e-4})
+    };
+    let (up, along_x, along_y) = ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let platform = json!({
+        "base_from_reference": {"position_m": [0, 0, -0.3], "orientation_wxyz": [1, 0, 0, 0]},
+        "sensors": [
+            sensor([0.05, 0.04, 0.05], up, 0), sensor([-0.05, 0.04, 0.05], up, 0),
+            sensor([0.0, -0.06, 0.05], up, 0), sensor([-0.2, 0.05, 0.3], along_x, 1),
+            sensor([-0.2, -0.05, 0.3], along_x, 1), sensor([0.01, -0.2, 0.3], along_y, 2)],
+        "planes": [
+            {"normal": [0, 0, -1], "offset_m": 0.06}, {"normal": [-1, 0, 0], "offset_m": 0.07},
+            {"normal": [0, -1, 0], "offset_m": 0.08}]});
+    let mut text = "sensor,reading\n".to_owned();
+    for up in [1e-4, -1e-4] {
+        let bottom = 0.003 + 0.3 - 0.06 - 0.05 + up;
+        let sides = [0.001 - 0.07 + 0.2, 0.002 - 0.08 + 0.2];
+        let distances = [bottom, bottom, bottom, sides[0], sides[0], sides[1]];
+        for (k, distance) in distances.iter().enumerate() {
+            writeln!(text, "{},{distance}", k + 1).expect("written");
+        }
+    }
+    (platform, text)
+}
+
+/// `length tension / EA` with EA = 4e4 N, so of degree 2; errors of 5 micrometres without a pattern.
+fn elongation_table() -> String {
+    let mut text = "length_m,tension_n,elongation_m\n".to_owned();
+    let mut state = 1_u32;
+    for step in 0..8 {
+        for tension in (10..=80).step_by(10) {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let error = 1e-5 * (f64::from(state) / f64::from(u32::MAX) - 0.5);
+            let length = 1.0 + 0.25 * f64::from(step);
+            let elongation = length * f64::from(tension) / 4e4 + error;
+            writeln!(text, "{length},{tension},{elongation}").expect("written");
+        }
+    }
+    text
+}
+
+/// A dataset without poses.
+fn dataset() -> Folder {
+    let folder = Folder::new();
+    let arguments = ["simulate", "--robot", "mini", "--poses", "1", "--out"];
+    let made = folder.join("made");
+    tautline(&[&arguments[..], &[&made]].concat()).succeeded();
+    let mut robot = folder.json("made/robot.json");
+    let (platform, readings) = home_platform();
+    robot["home_platform"] = platform;
+    folder.write("robot.json", &robot.to_string());
+    folder.write("winch.csv", &winch_table());
+    folder.write("force.csv", &force_table());
+    folder.write("home.csv", &readings);
+    folder.write("elongation.csv", &elongation_table());
+    folder
+}
+
+fn path(folder: &Folder) -> &str {
+    folder.path().to_str().expect("UTF-8")
+}
+
+#[test]
+fn known_values_are_found() {
+    let folder = dataset();
+    let answer = tautline(&["precalibrate", path(&folder), "--json", "-"]).succeeded();
+    assert_eq!(answer.stderr, "");
+    let result = answer.json();
+    assert_valid(&result);
+    assert_eq!(result["format"], "tautline-precalibration");
+    let close = |pointer: &str, expected: f64| assert_number(&result, pointer, expected, 1e-9);
+    for cable in 1..=8 {
+        let winch = format!("/winches/{}", cable - 1);
+        close(
+            &format!("{winch}/cable_per_revolution_m"),
+            per_revolution(cable),
+        );
+        close(&format!("{winch}/offset_m"), 0.5);
+        let amplitude = if cable == 3 { 3e-4 } else { 2e-5 };
+        close(&format!("{winch}/largest_residual_m"), amplitude);
+        // Sum of squares 4 a^2 with two degrees of freedom; the revolutions' squares add to 20.
+        let sd = amplitude * 2.0_f64.sqrt();
+        close(&format!("{winch}/residual_sd_m"), sd);
+        close(
+            &format!("{winch}/cable_per_revolution_sd_m"),
+            sd / 20.0_f64.sqrt(),
+        );
+        let passed = result["winches"][cable - 1]["passed"].as_bool();
+        assert_eq!(passed, Some(cable != 3));
+    }
+    assert_eq!(result["force_sensors"].as_array().map(Vec::len), Some(2));
+    close("/force_sensors/1/tension_gain", 2.02);
+    close("/force_sensors/1/bias_n", 1.5);
+    close("/force_sensors/1/largest_residual_n", 0.2 / 2.02);
+    for (k, expected) in [0.001, 0.002, 0.003].into_iter().enumerate() {
+        close(&format!("/home/position_m/{k}"), expected);
+    }
+    close("/home/orientation_wxyz/0", 1.0);
+    // Deviations of 0.1 mm up and down.
+    close("/home/position_repeatability_m/2", 2.0_f64.sqrt() * 1e-4);
+    assert_eq!(result["elongation"]["surface"]["degree"], 2);
+    assert!(number(&result, "/elongation/largest_residual_m") < 1.5e-5);
+}
+
+#[test]
+fn the_verdicts_are_in_words() {
+    let folder = dataset();
+    let report = tautline(&["precalibrate", path(&folder)])
+        .succeeded()
+        .stdout;
+    for part in [
+        "7 of 8 winches within 0.1 mm",
+        "2 of 2 force sensors within 1 N",
+        "FAILED",
+        "z mm",
+        "degree 2 (chosen)",
+    ] {
+        assert!(report.contains(part), "{report}");
+    }
+}
+
+#[test]
+fn the_model_holds_the_fitted_values() {
+    let folder = dataset();
+    let model = folder.join("model.json");
+    let answer = tautline(&[
+        "precalibrate",
+        path(&folder),
+        "--model-out",
+        &model,
+        "--json",
+        "-",
+    ]);
+    let result = answer.succeeded().json();
+    assert_valid(&folder.json("model.json"));
+    let before = read_robot(folder.path().join("robot.json").as_ref()).expect("a robot");
+    let after = read_robot(model.as_ref()).expect("a robot").value;
+    for (k, cable) in after.cables.iter().enumerate() {
+        let fitted = number(&result, &format!("/winches/{k}/cable_per_revolution_m"));
+        let told = cable.winch.cable_per_revolution_m();
+        assert!((told - fitted).abs() < 1e-15, "{told} m, not {fitted} m");
+        let nominal = &before.value.cables[k];
+        assert_eq!(cable.winch.drum_pitch_m, nominal.winch.drum_pitch_m);
+        assert_eq!(cable.winch.gear_ratio, nominal.winch.gear_ratio);
+        assert_eq!(cable.pulley, nominal.pulley);
+        let surface = cable.cable.elongation_surface.as_ref().expect("a surface");
+        let told = serde_json::to_value(surface).expect("JSON");
+        assert_eq!(told, result["elongation"]["surface"]);
+    }
+    let gain = |cable: usize| {
+        after.cables[cable]
+            .force_sensor
+            .expect("a sensor")
+            .tension_gain
+    };
+    assert_eq!(gain(1), number(&result, "/force_sensors/1/tension_gain"));
+    assert_eq!(gain(2), 2.0);
+    let home = after.home.expect("a home");
+    assert_eq!(home.position_m[2], number(&result, "/home/position_m/2"));
+    let sds = (0..3).map(|k| number(&result, &format!("/home/position_sd_m/{k}")));
+    assert_eq!(home.position_sd_m, sds.fold(0.0, f64::max));
+}
+
+#[test]
+fn what_was_not_measured_is_not_needed() {
+    let folder = dataset();
+    for name in ["winch.csv", "home.csv", "elongation.csv"] {
+        std::fs::remove_file(folder.path().join(name)).expect("removed");
+    }
+    let answer = tautline(&["precalibrate", path(&folder), "--json", "-"]).succeeded();
+    let result = answer.json();
+    assert_valid(&result);
+    assert_eq!(result["winches"], json!([]));
+    assert!(result["home"].is_null() && result["elongation"].is_null());
+    std::fs::remove_file(folder.path().join("force.csv")).expect("removed");
+    let answer = tautline(&["precalibrate", path(&folder)]);
+    answer.refused(&[path(&folder), "found none of winch.csv, force.csv"]);
+}
+
+#[test]
+fn what_cannot_be_fitted_is_named() {
+    let winch = "cable,rev,length_m\n";
+    for (file, text, parts) in [
+        (
+            "winch.csv",
+            format!("{winch}3,0,0\n3,1,0.1\n"),
+            ["cable-3", "2 pairs are too few"],
+        ),
+        (
+            "winch.csv",
+            format!("{winch}3,1,0\n3,1,0.1\n3,1,0.1\n"),
+            ["cable-3", "same motor revolution"],
+        ),
+        (
+            "winch.csv",
+            format!("{winch}3,0,0\n3,1,-0.1\n3,2,-0.2\n"),
+            ["cable-3", "of cable per revolution"],
+        ),
+        (
+            "force.csv",
+            "cable,reading_n,load_n\n2,1,5\n2,2,5\n2,3,5\n".to_owned(),
+            ["cable-2", "the same load"],
+        ),
+        (
+            "home.csv",
+            "sensor,reading\n1,0.1\n".to_owned(),
+            ["sensor 2", "no reading"],
+        ),
+        (
+            "elongation.csv",
+            "length_m,tension_n,elongation_m\n1,1,0\n".to_owned(),
+            ["degree 1", "too few"],
+        ),
+    ] {
+        let folder = dataset();
+        let file = folder.write(file, &text);
+        let answer = tautline(&["precalibrate", path(&folder), "--json", "-"]);
+        answer.refused(&[&file]);
+        answer.refused(&parts);
+    }
+}
+
+#[test]
+fn home_readings_need_a_home_platform() {
+    let folder = dataset();
+    std::fs::copy(folder.join("made/robot.json"), folder.join("robot.json")).expect("copied");
+    let answer = tautline(&["precalibrate", path(&folder)]);
+    answer.refused(&["home.csv", "robot.json has no home_platform"]);
+}
