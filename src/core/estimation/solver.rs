@@ -10,9 +10,9 @@ use super::evaluator::Evaluator;
 use super::home::HomeRow;
 use super::options::{Control, Options, Progress, Termination};
 use super::parameter::Parameter;
-use super::problem::{Globals, Loss, Method, Problem};
+use super::problem::{Geometry, Globals, Loss, Method, Poses, Problem};
 use super::solution::Solution;
-use super::start::start_poses;
+use super::start::{Start, start_poses};
 use super::surface::outside_surface;
 use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
@@ -75,8 +75,34 @@ struct Dispatch<'p, 'o> {
 impl WithSimd for Dispatch<'_, '_> {
     type Output = Solution;
     fn with_simd<S: Simd>(self, simd: S) -> Solution {
-        Descent::<Lanes<S>>::new(simd, self.problem).run(self.options, self.observer)
+        let problem = self.problem;
+        let from = |start: Start| Descent::<Lanes<S>>::from(simd, problem, start);
+        let first = from(Start::Given).run(self.options, self.observer);
+        if !is_lost(problem, &first) {
+            return first;
+        }
+        // The given poses have led nowhere: try those that the lengths themselves tell.
+        let second = from(Start::Lengths).run(self.options, self.observer);
+        let better = second.chi2 < first.chi2 || first.chi2.is_nan();
+        if better || second.termination == Termination::Cancelled {
+            second
+        } else {
+            first
+        }
     }
+}
+
+/// Chi-square per degree of freedom of a local minimum: no drawing or instrument is wrong by so much.
+const LOST: f64 = 1e3;
+
+/// Whether a solve that started from given poses ended nowhere.
+fn is_lost(problem: &Problem<'_>, solution: &Solution) -> bool {
+    let data = &problem.dataset.measurements;
+    let given = !(data.commanded.is_empty() && data.tracked_position_m.is_empty());
+    let movable = problem.poses == Poses::Estimated && problem.geometry == Geometry::Estimated;
+    let bad = solution.termination == Termination::Stalled
+        || solution.chi2 > LOST * solution.degrees_of_freedom.max(1.0);
+    given && movable && bad && solution.termination != Termination::Cancelled
 }
 
 /// Everything that an iteration changes.
@@ -93,11 +119,11 @@ pub(super) struct Descent<'a, T: Packet> {
 }
 
 impl<'a, T: Packet> Descent<'a, T> {
-    pub(super) fn new(token: T::Token, problem: &'a Problem<'a>) -> Self {
+    pub(super) fn from(token: T::Token, problem: &'a Problem<'a>, start: Start) -> Self {
         let globals = Globals::nominal(problem);
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
-        let start = start_poses(problem, &globals, &rows);
+        let start = start_poses(problem, &globals, &rows, start);
         let poses = Evaluator::<T>::new(token, problem, &globals, rows, &start);
         let counts_from_home = !problem.dataset.measurements.revolutions.is_empty();
         let home_evaluator = problem
@@ -235,8 +261,8 @@ impl<'a, T: Packet> Descent<'a, T> {
         let observations = self.poses.sums.readings + self.home.readings + priors as f64;
         let unknowns = self.poses.sums.coordinates + self.parameters.len() as f64;
         let free = match self.problem.poses {
-            super::Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),
-            super::Poses::HeldAtTracker => 0,
+            Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),
+            Poses::HeldAtTracker => 0,
         };
         let all = free * self.poses.rows().len();
         let rows = self.poses.rows().to_vec();

@@ -10,9 +10,23 @@ use crate::robot::{Cable, Robot};
 /// well above the errors of drawings, and of the order at which wrong local minima begin.
 const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
 
+/// Where poses start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Start {
+    /// Where they were commanded or tracked.
+    Given,
+    /// Where forward kinematics puts them.
+    Lengths,
+}
+
 /// Start pose of every row: the commanded one, else the external instrument's, else by forward
 /// kinematics from the nominal geometry, else home.
-pub(super) fn start_poses(problem: &Problem<'_>, globals: &Globals, rows: &[usize]) -> Vec<Pose> {
+pub(super) fn start_poses(
+    problem: &Problem<'_>,
+    globals: &Globals,
+    rows: &[usize],
+    from: Start,
+) -> Vec<Pose> {
     let data = &problem.dataset.measurements;
     let mut search = None;
     let mut start = |row: &usize| {
@@ -25,7 +39,8 @@ pub(super) fn start_poses(problem: &Problem<'_>, globals: &Globals, rows: &[usiz
         if problem.poses == Poses::HeldAtTracker {
             return tracked.unwrap_or(globals.home);
         }
-        commanded.or(tracked).unwrap_or_else(|| {
+        let given = commanded.or(tracked).filter(|_| from == Start::Given);
+        given.unwrap_or_else(|| {
             let search = search.get_or_insert_with(|| Search::new(problem, globals));
             search
                 .as_ref()

@@ -25,6 +25,8 @@ use crate::real::{Kernel, Packet, constants, scaled, unit_vector};
 
 /// Scalars per pose that the back-substitution needs, besides `Y`.
 const FACTOR_AND_RESIDUAL: usize = 27;
+/// Largest error of a tension reading at which the equilibrium is linearised, in its standard deviations.
+const LARGEST_ERROR: f64 = 5.0;
 /// Scalars of a pose: position and quaternion.
 const ATTITUDE: usize = 7;
 
@@ -402,6 +404,9 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     ) {
         let columns = &self.ports.cables[cable];
         let swivel = self.platform.swivel.get(cable);
+        // Far from the solution the estimates are wild, and the readings are better.
+        let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
+        let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: self.home_length[cable],
@@ -410,7 +415,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 Some(column) => self.readings.load(*column, batch),
                 None => T::splat(self.token, f64::NAN),
             },
-            tension_error: self.tension_error(batch, cable),
+            tension_error,
         };
         let constants = &self.constants[cable];
         let state = CableState::new(constants, &inputs, pose, self.down);
