@@ -220,10 +220,21 @@ impl<'a, T: Packet> Evaluator<'a, T> {
 
     /// Moves all poses by their part of the common `step` (per column) without evaluating.
     pub fn move_poses(&mut self, step: &[f64]) {
-        for batch in 0..self.batches() {
-            let attitude = self.attitude(batch).moved(self.pose_step(batch, step));
-            self.store_attitude(batch, &attitude);
-        }
+        let token = self.token;
+        T::run(
+            token,
+            MovePoses {
+                evaluator: self,
+                step,
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn move_packet(&mut self, batch: usize, step: &[f64]) -> Attitude<T> {
+        let attitude = self.attitude(batch).moved(self.pose_step(batch, step));
+        self.store_attitude(batch, &attitude);
+        attitude
     }
 
     /// Goes back to the poses before the last step.
@@ -616,12 +627,27 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
     fn call(self) {
         let evaluator = self.evaluator;
         for batch in 0..evaluator.batches() {
-            let mut attitude = evaluator.attitude(batch);
-            if let Some(step) = self.step {
-                attitude = attitude.moved(evaluator.pose_step(batch, step));
-                evaluator.store_attitude(batch, &attitude);
-            }
+            let attitude = match self.step {
+                Some(step) => evaluator.move_packet(batch, step),
+                None => evaluator.attitude(batch),
+            };
             evaluator.assemble_batch(batch, &attitude, self.huber, self.damping);
+        }
+    }
+}
+
+/// The last step, which is not evaluated.
+struct MovePoses<'e, 'a, T: Packet> {
+    evaluator: &'e mut Evaluator<'a, T>,
+    step: &'e [f64],
+}
+
+impl<T: Packet> Kernel for MovePoses<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        for batch in 0..self.evaluator.batches() {
+            self.evaluator.move_packet(batch, self.step);
         }
     }
 }
