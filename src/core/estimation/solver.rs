@@ -10,9 +10,9 @@ use super::evaluator::Evaluator;
 use super::home::HomeRow;
 use super::options::{Control, Options, Progress, Termination};
 use super::parameter::Parameter;
-use super::problem::{Geometry, Globals, Loss, Method, Poses, Problem};
+use super::problem::{Globals, Loss, Method, Poses, Problem};
 use super::solution::Solution;
-use super::start::{Start, start_poses};
+use super::start::{Start, is_lost, start_poses};
 use super::surface::outside_surface;
 use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
@@ -90,19 +90,6 @@ impl WithSimd for Dispatch<'_, '_> {
             first
         }
     }
-}
-
-/// Chi-square per degree of freedom of a local minimum: no drawing or instrument is wrong by so much.
-const LOST: f64 = 1e3;
-
-/// Whether a solve that started from given poses ended nowhere.
-fn is_lost(problem: &Problem<'_>, solution: &Solution) -> bool {
-    let data = &problem.dataset.measurements;
-    let given = !(data.commanded.is_empty() && data.tracked_position_m.is_empty());
-    let movable = problem.poses == Poses::Estimated && problem.geometry == Geometry::Estimated;
-    let bad = solution.termination == Termination::Stalled
-        || solution.chi2 > LOST * solution.degrees_of_freedom.max(1.0);
-    given && movable && bad && solution.termination != Termination::Cancelled
 }
 
 /// Everything that an iteration changes.

@@ -1,6 +1,8 @@
 //! Start values of the poses.
 
-use super::problem::{Globals, Poses, Problem};
+use super::options::Termination;
+use super::problem::{Geometry, Globals, Poses, Problem};
+use super::solution::Solution;
 use crate::geometry::Pose;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::measurement::Measurements;
@@ -10,6 +12,9 @@ use crate::robot::{Cable, Robot};
 /// well above the errors of drawings, and of the order at which wrong local minima begin.
 const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
 
+/// Chi-square per degree of freedom of a local minimum: no drawing or instrument is wrong by so much.
+const LOST: f64 = 1e3;
+
 /// Where poses start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Start {
@@ -17,6 +22,16 @@ pub(super) enum Start {
     Given,
     /// Where forward kinematics puts them.
     Lengths,
+}
+
+/// Whether a solve that started from given poses ended nowhere.
+pub(super) fn is_lost(problem: &Problem<'_>, solution: &Solution) -> bool {
+    let data = &problem.dataset.measurements;
+    let given = !(data.commanded.is_empty() && data.tracked_position_m.is_empty());
+    let movable = problem.poses == Poses::Estimated && problem.geometry == Geometry::Estimated;
+    let bad = solution.termination == Termination::Stalled
+        || solution.chi2 > LOST * solution.degrees_of_freedom.max(1.0);
+    given && movable && bad && solution.termination != Termination::Cancelled
 }
 
 /// Start pose of every row: the commanded one, else the external instrument's, else by forward

@@ -5,15 +5,15 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cable::ElongationSurface;
 use crate::effect::{
-    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter, PlatformPorts,
-    Scope,
+    BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
+    EffectRequest, PlatformPorts, Scope,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
 use crate::kinematics::samples::{anywhere, generator};
 use crate::measurement::{Dataset, Grid, Measurements};
 use crate::robot::{
-    ForceSensor, Home, Inclinometer, Laser, PerAxis, TargetPlane, Tracker, WrenchSd,
+    ForceSensor, Home, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker, WrenchSd,
 };
 
 const ANY: EffectParameter = EffectParameter {
@@ -24,7 +24,7 @@ const ANY: EffectParameter = EffectParameter {
 };
 
 /// Moves every port of a cable, each by one parameter of about unit size.
-pub struct EveryCablePort;
+struct EveryCablePort;
 
 impl Effect for EveryCablePort {
     fn id(&self) -> &'static str {
@@ -63,7 +63,7 @@ impl Effect for EveryCablePort {
 }
 
 /// Moves every port of the platform.
-pub struct EveryPlatformPort;
+struct EveryPlatformPort;
 
 impl Effect for EveryPlatformPort {
     fn id(&self) -> &'static str {
@@ -89,6 +89,41 @@ impl Effect for EveryPlatformPort {
             ports.inclination_offset[k] += p[12 + k];
         }
     }
+}
+
+static EVERY_CABLE_PORT: EveryCablePort = EveryCablePort;
+static EVERY_PLATFORM_PORT: EveryPlatformPort = EveryPlatformPort;
+
+/// The port effects on the first and last cable, and the whole catalogue on the first.
+pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
+    let on = |cable: usize| BoundEffect {
+        effect: &EVERY_CABLE_PORT,
+        cables: vec![cable],
+        targeted: true,
+        values: vec![0.0; 16],
+    };
+    let mut effects = vec![on(0)];
+    effects.extend((robot.cable_count() > 1).then(|| on(robot.cable_count() - 1)));
+    effects.push(BoundEffect {
+        effect: &EVERY_PLATFORM_PORT,
+        cables: Vec::new(),
+        targeted: false,
+        values: vec![0.0; 15],
+    });
+    for effect in CATALOGUE {
+        let request = EffectRequest {
+            effect: effect.id().to_owned(),
+            cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
+        };
+        for mut bound in request.bind(robot).unwrap() {
+            for (value, parameter) in bound.values.iter_mut().zip(effect.parameters()) {
+                let [low, high] = parameter.typical;
+                *value = 0.7 * low + 0.3 * high;
+            }
+            effects.push(bound);
+        }
+    }
+    effects
 }
 
 /// What a random robot is like.
