@@ -189,7 +189,12 @@ impl<'a, T: Packet> Descent<'a, T> {
             return None;
         };
         let promised = promised + self.poses.sums.decrease;
-        let enough = options.tolerance * loss + self.negligible();
+        let negligible = match self.problem.method {
+            Method::Joint => options.negligible,
+            Method::Simple => 0.0,
+        };
+        // The smallest term is the rounding of a perfect fit.
+        let enough = options.tolerance * loss + negligible.max(1e-15);
         if promised <= enough {
             // Strong damping makes every promise small: that alone is no convergence.
             if search.damping <= FIRST_DAMPING {
@@ -219,15 +224,6 @@ impl<'a, T: Packet> Descent<'a, T> {
         }
         self.try_step(step.as_slice(), promised, search);
         None
-    }
-
-    /// Loss that nobody would notice: a step that gains it is a thousandth of a standard deviation. With
-    /// exact tensions the minimum is asked for to rounding.
-    fn negligible(&self) -> f64 {
-        match self.problem.method {
-            Method::Joint => 1e-6,
-            Method::Simple => 1e-15,
-        }
     }
 
     /// Linearises anew at the present state with another damping.
@@ -280,7 +276,7 @@ impl<'a, T: Packet> Descent<'a, T> {
         if search.damping != 0.0 {
             self.poses.assemble(None, self.huber, 0.0);
         }
-        let chi2 = self.loss() - search.gained;
+        let chi2 = (self.loss() - search.gained).max(0.0);
         let system = self.system();
         let priors = self
             .parameters
@@ -304,7 +300,7 @@ impl<'a, T: Packet> Descent<'a, T> {
         Solution {
             outside_surface: outside_surface(self.problem, &self.globals, &poses),
             poses,
-            covariance: covariance(&system),
+            covariance: system.covariance(),
             information: system.information,
             parameters: self.parameters,
             globals: self.globals,
@@ -345,15 +341,6 @@ impl Search {
             f64::INFINITY
         }
     }
-}
-
-/// Inverse of the information, or nothing if it is singular but for rounding.
-fn covariance(system: &System) -> Option<nalgebra::DMatrix<f64>> {
-    let factor = system.information.clone().cholesky()?;
-    let diagonal = factor.l_dirty().diagonal();
-    let scale = system.information.diagonal();
-    let regular = diagonal.iter().zip(&scale).all(|(l, d)| l * l > 1e-12 * d);
-    regular.then(|| factor.inverse())
 }
 
 fn raised(damping: f64) -> f64 {
