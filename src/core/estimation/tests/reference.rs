@@ -81,7 +81,7 @@ fn all_instruction_sets_find_the_same() {
         let run = run_of(name, 13, 4);
         for method in [Method::Joint, Method::Simple] {
             let problem = Problem::new(&run.dataset).unwrap().with_method(method);
-            let lanes = solved(&problem);
+            let lanes = solve(&problem, &Options::default(), &mut quiet).unwrap();
             let scalar = Descent::<f64>::from((), &problem, Start::Given)
                 .run(&Options::default(), &mut quiet);
             assert_eq!(lanes.iterations, scalar.iterations);
