@@ -12,7 +12,7 @@ use super::evaluator::{Elimination, Evaluator, Layout};
 use super::home::HomeRow;
 use super::problem::Problem;
 use super::solution::Solution;
-use super::system::{ColumnMap, Priors};
+use super::system::{ColumnMap, Priors, System};
 use crate::geometry::Coordinate;
 use crate::real::{Kernel, Lanes, Packet};
 
@@ -151,14 +151,12 @@ fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solutio
     evaluator.set_globals(globals, Some(&home.lengths));
     evaluator.detailed = true;
     let map = ColumnMap::new(problem, &solution.parameters, &evaluator.layout);
-    let covariance = solution
-        .covariance
-        .as_ref()
-        .map(|c| map.column_covariance(&home, c));
+    let own = covariance_at(&mut evaluator, problem, solution, &map, &home);
+    let covariance = own.as_ref().map(|c| map.column_covariance(&home, c));
     let readings = home_row.map_or_else(Vec::new, |row| {
         let evaluator = home_evaluator.as_mut();
         evaluator.map_or_else(Vec::new, |e| {
-            home_readings(e, problem, solution, &home, row)
+            home_readings(e, problem, own.as_ref(), &home, row)
         })
     });
     let mut collector = Collector {
@@ -178,8 +176,25 @@ fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solutio
     Analysis {
         readings: collector.readings,
         tension_errors_n: collector.tension_errors_n,
-        prior_redundancies: prior_redundancies(problem, solution),
+        prior_redundancies: prior_redundancies(problem, solution, own.as_ref()),
     }
+}
+
+/// Covariance of the parameters with the equations linearised at the solution itself; that of the
+/// solution belongs to the state before the last step.
+fn covariance_at<T: Packet>(
+    evaluator: &mut Evaluator<'_, T>,
+    problem: &Problem<'_>,
+    solution: &Solution,
+    map: &ColumnMap,
+    home: &HomeRow,
+) -> Option<DMatrix<f64>> {
+    solution.covariance.as_ref()?;
+    // Twice: the first pass finds the tensions at which the balance is linearised.
+    evaluator.assemble(None, None, 0.0);
+    evaluator.assemble(None, None, 0.0);
+    let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
+    System::build(&evaluator.sums, map, home, &priors).covariance()
 }
 
 fn kind_of(layout: &Layout, row: usize) -> ReadingKind {
@@ -237,13 +252,13 @@ fn sd_of(problem: &Problem<'_>, kind: ReadingKind, row: usize, length_weight: f6
 fn home_readings(
     evaluator: &mut Evaluator<'_, f64>,
     problem: &Problem<'_>,
-    solution: &Solution,
+    covariance: Option<&DMatrix<f64>>,
     home: &HomeRow,
     row: usize,
 ) -> Vec<Reading> {
     let layout = evaluator.layout.clone();
     let present = evaluator.equations_at(0).present.clone();
-    let n = solution.parameters.len();
+    let n = covariance.map_or(0, DMatrix::nrows);
     let measured = (layout.cables..layout.rows).filter(|r| present[*r] > 0.0);
     measured
         .map(|r| {
@@ -256,13 +271,17 @@ fn home_readings(
                 kind,
                 standardised: home.residuals[index],
                 sd: sd_of(problem, kind, row, 1.0),
-                redundancy: solution.covariance.as_ref().map(|c| 1.0 - fitted(c)),
+                redundancy: covariance.map(|c| 1.0 - fitted(c)),
             }
         })
         .collect()
 }
 
-fn prior_redundancies(problem: &Problem<'_>, solution: &Solution) -> Vec<Option<f64>> {
+fn prior_redundancies(
+    problem: &Problem<'_>,
+    solution: &Solution,
+    covariance: Option<&DMatrix<f64>>,
+) -> Vec<Option<f64>> {
     let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
     let n = solution.parameters.len();
     let mut rows = vec![DVector::zeros(n); n];
@@ -271,7 +290,7 @@ fn prior_redundancies(problem: &Problem<'_>, solution: &Solution) -> Vec<Option<
     }
     let redundancy = |k: usize| {
         solution.parameters[k].prior_sd?;
-        let covariance = solution.covariance.as_ref()?;
+        let covariance = covariance?;
         Some(1.0 - rows[k].dot(&(covariance * &rows[k])))
     };
     (0..n).map(redundancy).collect()

@@ -10,9 +10,9 @@ use super::evaluator::Evaluator;
 use super::home::HomeRow;
 use super::options::{Control, Options, Progress, Termination};
 use super::parameter::Parameter;
-use super::problem::{Globals, Loss, Method, Problem};
+use super::problem::{Globals, Loss, Method, Poses, Problem};
 use super::solution::Solution;
-use super::start::start_poses;
+use super::start::{Start, is_lost, start_poses};
 use super::surface::outside_surface;
 use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
@@ -75,7 +75,20 @@ struct Dispatch<'p, 'o> {
 impl WithSimd for Dispatch<'_, '_> {
     type Output = Solution;
     fn with_simd<S: Simd>(self, simd: S) -> Solution {
-        Descent::<Lanes<S>>::new(simd, self.problem).run(self.options, self.observer)
+        let problem = self.problem;
+        let from = |start: Start| Descent::<Lanes<S>>::from(simd, problem, start);
+        let first = from(Start::Given).run(self.options, self.observer);
+        if !is_lost(problem, &first) {
+            return first;
+        }
+        // The given poses have led nowhere: try those that the lengths themselves tell.
+        let second = from(Start::Lengths).run(self.options, self.observer);
+        let better = second.chi2 < first.chi2 || first.chi2.is_nan();
+        if better || second.termination == Termination::Cancelled {
+            second
+        } else {
+            first
+        }
     }
 }
 
@@ -93,11 +106,11 @@ pub(super) struct Descent<'a, T: Packet> {
 }
 
 impl<'a, T: Packet> Descent<'a, T> {
-    pub(super) fn new(token: T::Token, problem: &'a Problem<'a>) -> Self {
+    pub(super) fn from(token: T::Token, problem: &'a Problem<'a>, start: Start) -> Self {
         let globals = Globals::nominal(problem);
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
-        let start = start_poses(problem, &globals, &rows);
+        let start = start_poses(problem, &globals, &rows, start);
         let poses = Evaluator::<T>::new(token, problem, &globals, rows, &start);
         let counts_from_home = !problem.dataset.measurements.revolutions.is_empty();
         let home_evaluator = problem
@@ -150,82 +163,120 @@ impl<'a, T: Packet> Descent<'a, T> {
         options: &Options,
         observer: &mut dyn FnMut(&Progress) -> Control,
     ) -> Solution {
+        let mut search = Search::default();
+        self.poses.assemble(None, self.huber, search.damping);
+        let termination = loop {
+            if let Some(end) = self.iterate(&mut search, options, observer) {
+                break end;
+            }
+        };
+        self.finish(&search, termination)
+    }
+
+    /// One attempt at a step; the reason to end, if there is one.
+    fn iterate(
+        &mut self,
+        search: &mut Search,
+        options: &Options,
+        observer: &mut dyn FnMut(&Progress) -> Control,
+    ) -> Option<Termination> {
+        let loss = self.loss();
+        if !loss.is_finite() || search.damping > MOST_DAMPING {
+            return Some(Termination::Stalled);
+        }
+        let Some((step, promised)) = self.system().step(search.damping) else {
+            self.damp(search, raised(search.damping));
+            return None;
+        };
+        let promised = promised + self.poses.sums.decrease;
+        let negligible = match self.problem.method {
+            Method::Joint => options.negligible,
+            Method::Simple => 0.0,
+        };
+        // The smallest term is the rounding of a perfect fit.
+        let enough = options.tolerance * loss + negligible.max(1e-15);
+        if promised <= enough {
+            // Strong damping makes every promise small: that alone is no convergence.
+            if search.damping <= FIRST_DAMPING {
+                return Some(Termination::Converged);
+            }
+            if search.rejected {
+                return Some(Termination::Stalled);
+            }
+            self.damp(search, lowered(search.damping));
+            return None;
+        }
+        if search.left_after(promised) <= enough {
+            self.take_last_step(step.as_slice(), promised, search);
+            return Some(Termination::Converged);
+        }
+        if search.iterations == options.max_iterations {
+            return Some(Termination::IterationLimit);
+        }
+        let progress = Progress {
+            iteration: search.iterations,
+            loss,
+            promised_decrease: promised,
+            damping: search.damping,
+        };
+        if observer(&progress) == Control::Cancel {
+            return Some(Termination::Cancelled);
+        }
+        self.try_step(step.as_slice(), promised, search);
+        None
+    }
+
+    /// Linearises anew at the present state with another damping.
+    fn damp(&mut self, search: &mut Search, damping: f64) {
+        search.damping = damping;
+        search.promised_before = None;
+        self.poses.assemble(None, self.huber, damping);
+    }
+
+    /// Takes a step if it lowers the loss, else goes back and damps.
+    fn try_step(&mut self, step: &[f64], promised: f64, search: &mut Search) {
         // The weights of latent tensions follow the linearisation, so the loss need not fall
         // strictly from step to step close to the solution.
         let slack = match self.problem.method {
             Method::Joint => 1e-2,
             Method::Simple => 0.0,
         };
-        let mut damping = 0.0;
-        let mut iterations = 0;
-        // Whether the last step from the present state was rejected.
-        let mut rejected = false;
-        self.poses.assemble(None, self.huber, damping);
-        let termination = loop {
-            let loss = self.loss();
-            if !loss.is_finite() || damping > MOST_DAMPING {
-                break Termination::Stalled;
-            }
-            let system = self.system();
-            let Some((step, promised)) = system.step(damping) else {
-                damping = raised(damping);
-                self.poses.assemble(None, self.huber, damping);
-                continue;
-            };
-            let promised = promised + self.poses.sums.decrease;
-            let progress = Progress {
-                iteration: iterations,
-                loss,
-                promised_decrease: promised,
-                damping,
-            };
-            if promised <= options.tolerance * loss + 1e-15 {
-                // Strong damping makes every promise small: that alone is no convergence.
-                if damping <= FIRST_DAMPING {
-                    break Termination::Converged;
-                }
-                if rejected {
-                    break Termination::Stalled;
-                }
-                damping = lowered(damping);
-                self.poses.assemble(None, self.huber, damping);
-                continue;
-            }
-            if iterations == options.max_iterations {
-                break Termination::IterationLimit;
-            }
-            if observer(&progress) == Control::Cancel {
-                break Termination::Cancelled;
-            }
-            let before = (self.globals.clone(), self.home.clone(), self.priors.clone());
-            let columns = self.map.column_step(&self.home, step.as_slice());
-            self.globals
-                .step(self.problem, &self.parameters, step.as_slice());
-            self.evaluate_home();
-            let next = lowered(damping);
-            self.poses.assemble(Some(&columns), self.huber, next);
-            if self.loss() <= loss * (1.0 + slack) {
-                damping = next;
-                iterations += 1;
-                rejected = false;
-                continue;
-            }
-            (self.globals, self.home, self.priors) = before;
-            self.poses.undo_step();
-            self.poses
-                .set_globals(&self.globals, Some(&self.home.lengths));
-            damping = raised(damping);
-            rejected = true;
-            self.poses.assemble(None, self.huber, damping);
-        };
-        self.finish(iterations, termination, damping)
+        let loss = self.loss();
+        let before = (self.globals.clone(), self.home.clone(), self.priors.clone());
+        let columns = self.map.column_step(&self.home, step);
+        self.globals.step(self.problem, &self.parameters, step);
+        self.evaluate_home();
+        let next = lowered(search.damping);
+        self.poses.assemble(Some(&columns), self.huber, next);
+        if self.loss() <= loss * (1.0 + slack) {
+            search.promised_before = (search.damping == 0.0).then_some(promised);
+            search.damping = next;
+            search.iterations += 1;
+            search.rejected = false;
+            return;
+        }
+        (self.globals, self.home, self.priors) = before;
+        self.poses.undo_step();
+        self.poses
+            .set_globals(&self.globals, Some(&self.home.lengths));
+        search.rejected = true;
+        self.damp(search, raised(search.damping));
     }
 
-    fn finish(mut self, iterations: usize, termination: Termination, damping: f64) -> Solution {
-        if damping != 0.0 {
+    /// Takes a step whose outcome is known well enough not to be evaluated.
+    fn take_last_step(&mut self, step: &[f64], promised: f64, search: &mut Search) {
+        let columns = self.map.column_step(&self.home, step);
+        self.globals.step(self.problem, &self.parameters, step);
+        self.poses.move_poses(&columns);
+        search.gained = promised;
+        search.iterations += 1;
+    }
+
+    fn finish(mut self, search: &Search, termination: Termination) -> Solution {
+        if search.damping != 0.0 {
             self.poses.assemble(None, self.huber, 0.0);
         }
-        let chi2 = self.loss();
+        let chi2 = (self.loss() - search.gained).max(0.0);
         let system = self.system();
         let priors = self
             .parameters
@@ -235,8 +286,8 @@ impl<'a, T: Packet> Descent<'a, T> {
         let observations = self.poses.sums.readings + self.home.readings + priors as f64;
         let unknowns = self.poses.sums.coordinates + self.parameters.len() as f64;
         let free = match self.problem.poses {
-            super::Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),
-            super::Poses::HeldAtTracker => 0,
+            Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),
+            Poses::HeldAtTracker => 0,
         };
         let all = free * self.poses.rows().len();
         let rows = self.poses.rows().to_vec();
@@ -249,12 +300,12 @@ impl<'a, T: Packet> Descent<'a, T> {
         Solution {
             outside_surface: outside_surface(self.problem, &self.globals, &poses),
             poses,
-            covariance: covariance(&system),
+            covariance: system.covariance(),
             information: system.information,
             parameters: self.parameters,
             globals: self.globals,
             termination,
-            iterations,
+            iterations: search.iterations,
             chi2,
             degrees_of_freedom: observations - unknowns,
             undetermined_coordinates: all - self.poses.sums.coordinates as usize,
@@ -262,13 +313,34 @@ impl<'a, T: Packet> Descent<'a, T> {
     }
 }
 
-/// Inverse of the information, or nothing if it is singular but for rounding.
-fn covariance(system: &System) -> Option<nalgebra::DMatrix<f64>> {
-    let factor = system.information.clone().cholesky()?;
-    let diagonal = factor.l_dirty().diagonal();
-    let scale = system.information.diagonal();
-    let regular = diagonal.iter().zip(&scale).all(|(l, d)| l * l > 1e-12 * d);
-    regular.then(|| factor.inverse())
+/// How far a search has come.
+#[derive(Debug, Default)]
+struct Search {
+    damping: f64,
+    iterations: usize,
+    /// Whether the last step from the present state was rejected.
+    rejected: bool,
+    /// What the step before promised, if it was undamped and taken.
+    promised_before: Option<f64>,
+    /// What the last step gained that was taken without evaluation.
+    gained: f64,
+}
+
+impl Search {
+    /// What the steps after one that promises `promised` would still gain, going by how fast promises
+    /// shrink; nothing is known after a damped step.
+    fn left_after(&self, promised: f64) -> f64 {
+        let before = match self.promised_before {
+            Some(before) if self.damping == 0.0 => before,
+            _ => return f64::INFINITY,
+        };
+        let rate = promised / before;
+        if rate < 0.5 {
+            promised * rate / (1.0 - rate)
+        } else {
+            f64::INFINITY
+        }
+    }
 }
 
 fn raised(damping: f64) -> f64 {

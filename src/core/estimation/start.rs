@@ -1,6 +1,8 @@
 //! Start values of the poses.
 
-use super::problem::{Globals, Poses, Problem};
+use super::options::Termination;
+use super::problem::{Geometry, Globals, Poses, Problem};
+use super::solution::Solution;
 use crate::geometry::Pose;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::measurement::Measurements;
@@ -10,9 +12,36 @@ use crate::robot::{Cable, Robot};
 /// well above the errors of drawings, and of the order at which wrong local minima begin.
 const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
 
+/// Chi-square per degree of freedom of a local minimum: no drawing or instrument is wrong by so much.
+const LOST: f64 = 1e3;
+
+/// Where poses start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Start {
+    /// Where they were commanded or tracked.
+    Given,
+    /// Where forward kinematics puts them.
+    Lengths,
+}
+
+/// Whether a solve that started from given poses ended nowhere.
+pub(super) fn is_lost(problem: &Problem<'_>, solution: &Solution) -> bool {
+    let data = &problem.dataset.measurements;
+    let given = !(data.commanded.is_empty() && data.tracked_position_m.is_empty());
+    let movable = problem.poses == Poses::Estimated && problem.geometry == Geometry::Estimated;
+    let bad = solution.termination == Termination::Stalled
+        || solution.chi2 > LOST * solution.degrees_of_freedom.max(1.0);
+    given && movable && bad && solution.termination != Termination::Cancelled
+}
+
 /// Start pose of every row: the commanded one, else the external instrument's, else by forward
 /// kinematics from the nominal geometry, else home.
-pub(super) fn start_poses(problem: &Problem<'_>, globals: &Globals, rows: &[usize]) -> Vec<Pose> {
+pub(super) fn start_poses(
+    problem: &Problem<'_>,
+    globals: &Globals,
+    rows: &[usize],
+    from: Start,
+) -> Vec<Pose> {
     let data = &problem.dataset.measurements;
     let mut search = None;
     let mut start = |row: &usize| {
@@ -25,7 +54,8 @@ pub(super) fn start_poses(problem: &Problem<'_>, globals: &Globals, rows: &[usiz
         if problem.poses == Poses::HeldAtTracker {
             return tracked.unwrap_or(globals.home);
         }
-        commanded.or(tracked).unwrap_or_else(|| {
+        let given = commanded.or(tracked).filter(|_| from == Start::Given);
+        given.unwrap_or_else(|| {
             let search = search.get_or_insert_with(|| Search::new(problem, globals));
             search
                 .as_ref()

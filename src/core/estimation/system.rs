@@ -210,6 +210,15 @@ impl System {
         }
     }
 
+    /// Inverse of the information, or nothing if it is singular but for rounding.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        let factor = self.information.clone().cholesky()?;
+        let diagonal = factor.l_dirty().diagonal();
+        let scale = self.information.diagonal();
+        let regular = diagonal.iter().zip(&scale).all(|(l, d)| l * l > 1e-12 * d);
+        regular.then(|| factor.inverse())
+    }
+
     /// Damped step, and the decrease of the loss that it promises at the undamped system; `None`
     /// if the damped system is singular.
     pub fn step(&self, damping: f64) -> Option<(DVector<f64>, f64)> {

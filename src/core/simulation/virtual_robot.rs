@@ -221,7 +221,9 @@ fn visit_poses(
         }
         let target = workspace.draw(robot, rng);
         let pose = misplaced(robot, &target, rng);
-        if inverse_kinematics(truth, &pose).is_err() {
+        // A pose that nobody could command is no pose of a plan.
+        if inverse_kinematics(truth, &pose).is_err() || inverse_kinematics(robot, &target).is_err()
+        {
             continue;
         }
         if let Some(held) = hold(&poses, &pose)? {

@@ -9,6 +9,7 @@ use tautline_core::robot::{FieldError, PerAxis, Robot};
 use tautline_session::Document;
 
 use super::table;
+use crate::cli::output::say;
 
 /// Machine form of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -254,8 +255,8 @@ impl Fitted<'_> {
 /// The readable report.
 pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
     let solution = fitted.solution;
-    println!("{}", headline(fitted, identification));
-    println!("{}", adequacy(identification));
+    say!("{}", headline(fitted, identification));
+    say!("{}", adequacy(identification));
     let mut points = table::numbers(&[
         "Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm",
     ]);
@@ -273,7 +274,7 @@ pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
         cells.push(table::mm(moved, 2));
         table::push(&mut points, &cells);
     }
-    println!("{points}");
+    say!("{points}");
     if !identification.effects.is_empty() {
         let mut effects = table::numbers(&["Effect", "value", "sd", "unit"]);
         for effect in &identification.effects {
@@ -290,26 +291,26 @@ pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
             ];
             table::push(&mut effects, &cells);
         }
-        println!("{effects}");
+        say!("{effects}");
     }
     let rms = &identification.rms;
     let show = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
         if let Some(value) = value {
-            println!("rms residual {name}: {:.3} {unit}", value * scale);
+            say!("rms residual {name}: {:.3} {unit}", value * scale);
         }
     };
     show("of lengths", rms.length_m, 1e3, "mm");
     show("of the laser", rms.laser_m, 1e3, "mm");
     show("of tensions", rms.tension_n, 1.0, "N");
     for sentence in &identification.undetermined {
-        println!("open: {sentence}");
+        say!("open: {sentence}");
     }
     let suspects = &identification.suspect_readings;
     for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
-        println!("suspect: {suspect}");
+        say!("suspect: {suspect}");
     }
     if suspects.len() > SUSPECTS_SHOWN {
-        println!(
+        say!(
             "... and {} more suspect readings",
             suspects.len() - SUSPECTS_SHOWN
         );

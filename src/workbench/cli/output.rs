@@ -6,12 +6,26 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 
+/// A line on standard output. Whoever reads it may stop reading (`tautline ... | head`): that is no
+/// failure of ours.
+pub fn line(text: &str) {
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+/// `println!` by way of [`line`].
+macro_rules! say {
+    ($($text:tt)*) => {
+        $crate::cli::output::line(&format!($($text)*))
+    };
+}
+pub(crate) use say;
+
 /// Writes `value` as JSON to `target`; `-` is standard output.
 pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
     let mut text = serde_json::to_string_pretty(value)?;
     text.push('\n');
     if target == Path::new("-") {
-        std::io::stdout().write_all(text.as_bytes())?;
+        line(text.trim_end());
         return Ok(());
     }
     tautline_session::write_text(target, &text)

@@ -8,6 +8,7 @@ use super::accuracy::Accuracy;
 use super::identify::Identification;
 use super::output::write_json;
 use super::precalibrate::Precalibration;
+use crate::cli::output::say;
 
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
@@ -18,7 +19,7 @@ pub fn run(out: &Path) -> Result<()> {
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;
-        println!("{}", path.display());
+        say!("{}", path.display());
     }
     Ok(())
 }

@@ -9,6 +9,7 @@ use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{PhaseData, read_robot, write_dataset, write_robot};
 
 use super::BadInput;
+use crate::cli::output::say;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -76,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let run = simulate(&robot, &options)?;
     write_dataset(&arguments.out, &run.dataset, &PhaseData::default())?;
     write_robot(&arguments.out.join("truth.json"), &run.truth)?;
-    println!(
+    say!(
         "{}: {} poses of {} with {} cables, seed {}; the true robot is in truth.json",
         arguments.out.display(),
         run.dataset.measurements.len(),
@@ -85,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.seed
     );
     if let Some(preset) = preset {
-        println!("assumed, not published: {}", preset.assumed);
+        say!("assumed, not published: {}", preset.assumed);
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use comfy_table::{Cell, CellAlignment, Table, presets};
 /// A table with a header; the first column is text, the others are numbers.
 pub fn numbers(header: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::NOTHING);
     table.set_header(header.iter().enumerate().map(|(k, text)| aligned(k, text)));
     table
 }

@@ -71,6 +71,30 @@ fn what_does_not_exist_is_named() {
 }
 
 #[test]
+fn a_measured_elongation_is_not_extrapolated() {
+    let folder = Folder::new();
+    let data = folder.join("data");
+    let arguments = ["simulate", "--robot", "mini", "--poses", "12", "--out"];
+    tautline(&[&arguments[..], &[&data]].concat()).succeeded();
+    // Measured up to 1 N: below all tensions.
+    let mut robot = folder.json("data/robot.json");
+    robot["cables"][1]["cable"]["elongation_surface"] = serde_json::json!({
+        "degree": 1, "length_center_m": 1.4, "length_scale_m": 1.2,
+        "tension_center_n": 0.5, "tension_scale_n": 0.5,
+        "coefficients": [0.0, 0.0, 1e-5], "residual_sd_m": 1e-6
+    });
+    let model = folder.write("model.json", &robot.to_string());
+    let parts = [
+        "pose 0, cable-2: the tension",
+        "outside the measured range",
+        "and 12 more",
+    ];
+    tautline(&["evaluate", &data, "--model", &model]).refused(&parts);
+    folder.write("data/robot.json", &robot.to_string());
+    tautline(&["identify", &data]).refused(&parts);
+}
+
+#[test]
 fn a_wrong_command_line_ends_with_code_2() {
     for (arguments, part) in [
         (vec!["identify", "data", "--method", "guess"], "guess"),

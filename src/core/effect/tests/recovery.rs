@@ -97,7 +97,7 @@ fn typical(id: &str) -> EffectSetting {
     let effect = crate::effect::find(id).unwrap();
     let parameters = effect.parameters().iter().enumerate().map(|(k, p)| {
         let [low, high] = p.typical;
-        let share = 0.3 + 0.1 * k as f64;
+        let share = 0.32 + 0.1 * k as f64;
         let value = match p.name {
             "pose" => 17.0,
             "period" => 0.1,

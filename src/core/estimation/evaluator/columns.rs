@@ -1,5 +1,7 @@
 //! Numbers of many poses, laid out so that a packet of poses loads at once.
 
+use aligned_vec::{AVec, ConstAlign};
+
 use crate::real::Packet;
 
 /// Where a quantity lies: one packet for all poses, or one per batch of poses.
@@ -9,35 +11,52 @@ pub(super) struct Column {
     stride: usize,
 }
 
+/// Numbers in whole packets, on cache lines.
+pub(super) type Packed = AVec<f64, ConstAlign<64>>;
+
+/// Zeros in whole packets.
+pub(super) fn packed(count: usize) -> Packed {
+    let mut values = AVec::with_capacity(64, count);
+    values.resize(count, 0.0);
+    values
+}
+
+fn extend(packed: &mut Packed, values: impl Iterator<Item = f64>) {
+    packed.reserve(values.size_hint().0);
+    for value in values {
+        packed.push(value);
+    }
+}
+
 /// A store of columns, each a sequence of packets.
 #[derive(Clone)]
 pub(super) struct ColumnStore<T: Packet> {
     token: T::Token,
-    values: Vec<f64>,
+    values: Packed,
 }
 
 impl<T: Packet> ColumnStore<T> {
     pub fn new(token: T::Token) -> Self {
         Self {
             token,
-            values: Vec::new(),
+            values: packed(0),
         }
     }
 
     /// Adds a quantity that is the same at all poses.
     pub fn uniform(&mut self, value: f64) -> Column {
         let offset = self.values.len() / T::LANES;
-        self.values.extend(std::iter::repeat_n(value, T::LANES));
+        extend(&mut self.values, std::iter::repeat_n(value, T::LANES));
         Column { offset, stride: 0 }
     }
 
     /// Adds a quantity with one value per pose; the last packet is filled up with `padding`.
     pub fn varying(&mut self, values: impl Iterator<Item = f64>, padding: f64) -> Column {
         let start = self.values.len();
-        self.values.extend(values);
+        extend(&mut self.values, values);
         let count = self.values.len() - start;
         let missing = count.next_multiple_of(T::LANES) - count;
-        self.values.extend(std::iter::repeat_n(padding, missing));
+        extend(&mut self.values, std::iter::repeat_n(padding, missing));
         Column {
             offset: start / T::LANES,
             stride: 1,

@@ -10,7 +10,7 @@ mod platform_rows;
 mod span;
 
 use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
-use columns::{Column, ColumnStore};
+use columns::{Column, ColumnStore, Packed, packed};
 use inputs::{PortInputs, Selection, circumstances_of};
 use platform_rows::LaserInputs;
 
@@ -27,6 +27,8 @@ use crate::real::{Kernel, Packet, constants, scaled, unit_vector};
 
 /// Scalars per pose that the back-substitution needs, besides `Y`.
 const FACTOR_AND_RESIDUAL: usize = 27;
+/// Largest error of a tension reading at which the equilibrium is linearised, in its standard deviations.
+const LARGEST_ERROR: f64 = 5.0;
 /// Scalars of a pose: position and quaternion.
 const ATTITUDE: usize = 7;
 
@@ -70,14 +72,14 @@ pub(super) struct Evaluator<'a, T: Packet> {
     /// Whether the equations carry what only the home row and reports need.
     pub detailed: bool,
     /// Attitudes, packet by packet; the previous ones are kept for a rejected step.
-    attitudes: Vec<f64>,
-    previous: Vec<f64>,
+    attitudes: Packed,
+    previous: Packed,
     /// Factor, residual and `Y` of every packet, for the back-substitution.
-    eliminated: Vec<f64>,
+    eliminated: Packed,
     /// Variances of length (m^2) and tension (N^2) of each cable.
     spreads: Vec<(f64, f64)>,
     /// Estimated errors of the tension readings (N), packet by packet, cable by cable.
-    tension_errors: Vec<f64>,
+    tension_errors: Packed,
     equations: Equations<T>,
     elimination: Elimination<T>,
     pub sums: Sums<T>,
@@ -139,7 +141,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let packets = rows.len().div_ceil(T::LANES);
         let mut evaluator = Self {
             spreads: constants.iter().map(square).collect(),
-            tension_errors: vec![0.0; packets * robot.cable_count() * T::LANES],
+            tension_errors: packed(packets * robot.cable_count() * T::LANES),
             constants,
             entry: Vec::new(),
             home_length: vec![zero; robot.cable_count()],
@@ -151,8 +153,8 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             balanced,
             detailed: is_home,
             attitudes: pack_attitudes::<T>(start),
-            previous: Vec::new(),
-            eliminated: Vec::new(),
+            previous: packed(0),
+            eliminated: packed(0),
             equations: Equations::new(&layout, zero),
             elimination: Elimination::new(&layout, zero),
             sums: Sums::new(token, &layout),
@@ -227,6 +229,25 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 damping,
             },
         );
+    }
+
+    /// Moves all poses by their part of the common `step` (per column) without evaluating.
+    pub fn move_poses(&mut self, step: &[f64]) {
+        let token = self.token;
+        T::run(
+            token,
+            MovePoses {
+                evaluator: self,
+                step,
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn move_packet(&mut self, batch: usize, step: &[f64]) -> Attitude<T> {
+        let attitude = self.attitude(batch).moved(self.pose_step(batch, step));
+        self.store_attitude(batch, &attitude);
+        attitude
     }
 
     /// Goes back to the poses before the last step.
@@ -407,6 +428,9 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     ) {
         let columns = &self.ports.cables[cable];
         let swivel = self.platform.swivel.get(cable);
+        // Far from the solution the estimates are wild, and the readings are better.
+        let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
+        let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: self.home_length[cable],
@@ -415,7 +439,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 Some(column) => self.readings.load(*column, batch),
                 None => T::splat(self.token, f64::NAN),
             },
-            tension_error: self.tension_error(batch, cable),
+            tension_error,
         };
         let constants = &self.constants[cable];
         let state = CableState::new(constants, &inputs, pose, self.down);
@@ -616,12 +640,27 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
     fn call(self) {
         let evaluator = self.evaluator;
         for batch in 0..evaluator.batches() {
-            let mut attitude = evaluator.attitude(batch);
-            if let Some(step) = self.step {
-                attitude = attitude.moved(evaluator.pose_step(batch, step));
-                evaluator.store_attitude(batch, &attitude);
-            }
+            let attitude = match self.step {
+                Some(step) => evaluator.move_packet(batch, step),
+                None => evaluator.attitude(batch),
+            };
             evaluator.assemble_batch(batch, &attitude, self.huber, self.damping);
+        }
+    }
+}
+
+/// The last step, which is not evaluated.
+struct MovePoses<'e, 'a, T: Packet> {
+    evaluator: &'e mut Evaluator<'a, T>,
+    step: &'e [f64],
+}
+
+impl<T: Packet> Kernel for MovePoses<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        for batch in 0..self.evaluator.batches() {
+            self.evaluator.move_packet(batch, self.step);
         }
     }
 }
@@ -654,9 +693,9 @@ fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
 }
 
 /// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.
-fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Vec<f64> {
+fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Packed {
     let count = poses.len().next_multiple_of(T::LANES);
-    let mut packed = vec![0.0; count * ATTITUDE];
+    let mut values = packed(count * ATTITUDE);
     for index in 0..count {
         let Some(pose) = poses.get(index).or(poses.last()) else {
             continue;
@@ -664,10 +703,10 @@ fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Vec<f64> {
         let (batch, lane) = (index / T::LANES, index % T::LANES);
         let numbers = pose.position.iter().copied().chain(pose.orientation_wxyz());
         for (k, value) in numbers.enumerate() {
-            packed[(batch * ATTITUDE + k) * T::LANES + lane] = value;
+            values[(batch * ATTITUDE + k) * T::LANES + lane] = value;
         }
     }
-    packed
+    values
 }
 
 fn pack_platform<T: Packet>(

@@ -4,6 +4,7 @@
 //! Cholesky factor `L L^T = J^T J`, `y = L^-1 J^T r` and `Y = L^-1 J^T G`, the common step sees
 //! `S = sum (G^T G - Y^T Y)` and `v = sum (G^T r - Y^T y)`, and `dx = -L^-T (y + Y dg)`.
 
+use super::columns::{Packed, packed};
 use super::equations::Equations;
 use super::layout::{CABLE_COLUMNS, Layout};
 use crate::real::{Packet, negated, scaled, square_norm};
@@ -24,9 +25,9 @@ pub(in crate::estimation) struct Elimination<T> {
 pub(in crate::estimation) struct Sums<T: Packet> {
     token: T::Token,
     /// Lower triangle of `S`, row by row, in packets.
-    information: Vec<f64>,
+    information: Packed,
     /// `v`, in packets.
-    gradient: Vec<f64>,
+    gradient: Packed,
     /// Loss of the rows.
     pub loss: f64,
     /// `sum y.y`: decrease of the loss that the poses alone promise.
@@ -243,8 +244,8 @@ impl<T: Packet> Sums<T> {
         let n = layout.columns;
         Self {
             token,
-            information: vec![0.0; n * (n + 1) / 2 * T::LANES],
-            gradient: vec![0.0; n * T::LANES],
+            information: packed(n * (n + 1) / 2 * T::LANES),
+            gradient: packed(n * T::LANES),
             loss: 0.0,
             decrease: 0.0,
             readings: 0.0,

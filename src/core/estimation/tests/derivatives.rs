@@ -2,11 +2,9 @@
 
 use super::super::evaluator::{Equations, Evaluator, Layout};
 use super::super::home::HomeRow;
-use super::ports::{EveryCablePort, EveryPlatformPort, Traits, sample, set_lengths};
+use super::ports::{Traits, every_effect, sample, set_lengths};
 use super::*;
-use crate::effect::{BoundEffect, CATALOGUE, EffectRequest, Scope};
 use crate::geometry::{Coordinate, Pose, Twist};
-use crate::robot::Robot;
 
 /// Step of the differences. All parameters are scaled to be of about unit size, so the truncated term is
 /// of the order 1e-10 of a derivative; rounding is as much.
@@ -14,46 +12,6 @@ const STEP: f64 = 1e-5;
 /// Allowed deviation relative to the largest derivative of the row: a thousand times the error of
 /// the differences, and far below what a wrong term would cause.
 const TOLERANCE: f64 = 1e-7;
-
-static EVERY_CABLE_PORT: EveryCablePort = EveryCablePort;
-static EVERY_PLATFORM_PORT: EveryPlatformPort = EveryPlatformPort;
-
-/// The port effects on the first and last cable, and the whole catalogue on the first.
-fn effects(robot: &Robot) -> Vec<BoundEffect> {
-    let on = |cable: usize| BoundEffect {
-        effect: &EVERY_CABLE_PORT,
-        cables: vec![cable],
-        targeted: true,
-        values: vec![0.0; 16],
-    };
-    let mut effects = vec![on(0)];
-    effects.extend((robot.cable_count() > 1).then(|| on(robot.cable_count() - 1)));
-    effects.push(BoundEffect {
-        effect: &EVERY_PLATFORM_PORT,
-        cables: Vec::new(),
-        targeted: false,
-        values: vec![0.0; 15],
-    });
-    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
-        // The label of a pose is given; it is that of the last one.
-        let discrete = effect.parameters().iter().filter(|p| p.discrete);
-        let request = EffectRequest {
-            effect: effect.id().to_owned(),
-            cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
-            values: discrete.map(|p| (p.name.to_owned(), 2.0)).collect(),
-        };
-        for mut bound in request.bind(robot).unwrap() {
-            let parameters = effect.parameters().iter();
-            let values = bound.values.iter_mut().zip(parameters);
-            for (value, parameter) in values.filter(|(_, p)| !p.discrete) {
-                let [low, high] = parameter.typical;
-                *value = 0.7 * low + 0.3 * high;
-            }
-            effects.push(bound);
-        }
-    }
-    effects
-}
 
 /// Where the equations of one row are evaluated.
 #[derive(Clone)]
@@ -156,7 +114,7 @@ fn check_rows(name: &str, exact: &[f64], plus: &[f64], minus: &[f64], step: f64,
 
 fn check_all(traits: Traits) {
     let (mut dataset, poses) = sample(traits);
-    let effects = effects(&dataset.robot);
+    let effects = every_effect(&dataset.robot);
     set_lengths(&mut dataset, &poses, &effects);
     let mut problem = Problem::new(&dataset).unwrap();
     problem.free_effects = effects;

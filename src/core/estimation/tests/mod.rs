@@ -44,8 +44,13 @@ fn run_with(
     simulate(&preset.robot, &options).unwrap()
 }
 
+/// Solution to rounding: nothing is taken as negligible.
 fn solved(problem: &Problem<'_>) -> Solution {
-    solve(problem, &Options::default(), &mut quiet).unwrap()
+    let options = Options {
+        negligible: 0.0,
+        ..Options::default()
+    };
+    solve(problem, &options, &mut quiet).unwrap()
 }
 
 /// Converged solution of a dataset.

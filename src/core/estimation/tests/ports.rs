@@ -5,21 +5,21 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cable::ElongationSurface;
 use crate::effect::{
-    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
-    PlatformCircumstances, PlatformPorts, Scope,
+    BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
+    EffectRequest, PlatformCircumstances, PlatformPorts, Scope,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
 use crate::kinematics::samples::{anywhere, generator};
 use crate::measurement::{Dataset, Grid, Measurements};
 use crate::robot::{
-    ForceSensor, Home, Inclinometer, Laser, PerAxis, TargetPlane, Tracker, WrenchSd,
+    ForceSensor, Home, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker, WrenchSd,
 };
 
 const ANY: EffectParameter = EffectParameter::new("any", "1", 1.0, [0.0, 1.0]);
 
 /// Moves every port of a cable, each by one parameter of about unit size.
-pub struct EveryCablePort;
+struct EveryCablePort;
 
 impl Effect for EveryCablePort {
     fn id(&self) -> &'static str {
@@ -58,7 +58,7 @@ impl Effect for EveryCablePort {
 }
 
 /// Moves every port of the platform.
-pub struct EveryPlatformPort;
+struct EveryPlatformPort;
 
 impl Effect for EveryPlatformPort {
     fn id(&self) -> &'static str {
@@ -84,6 +84,46 @@ impl Effect for EveryPlatformPort {
             ports.inclination_offset[k] += p[12 + k];
         }
     }
+}
+
+static EVERY_CABLE_PORT: EveryCablePort = EveryCablePort;
+static EVERY_PLATFORM_PORT: EveryPlatformPort = EveryPlatformPort;
+
+/// The port effects on the first and last cable, and the whole catalogue on the first.
+pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
+    let on = |cable: usize| BoundEffect {
+        effect: &EVERY_CABLE_PORT,
+        cables: vec![cable],
+        targeted: true,
+        values: vec![0.0; 16],
+    };
+    let mut effects = vec![on(0)];
+    effects.extend((robot.cable_count() > 1).then(|| on(robot.cable_count() - 1)));
+    effects.push(BoundEffect {
+        effect: &EVERY_PLATFORM_PORT,
+        cables: Vec::new(),
+        targeted: false,
+        values: vec![0.0; 15],
+    });
+    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
+        // The label of a pose is given; only the last one is later.
+        let discrete = effect.parameters().iter().filter(|p| p.discrete);
+        let request = EffectRequest {
+            effect: effect.id().to_owned(),
+            cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
+            values: discrete.map(|p| (p.name.to_owned(), 1.5)).collect(),
+        };
+        for mut bound in request.bind(robot).unwrap() {
+            let parameters = effect.parameters().iter();
+            let values = bound.values.iter_mut().zip(parameters);
+            for (value, parameter) in values.filter(|(_, p)| !p.discrete) {
+                let [low, high] = parameter.typical;
+                *value = 0.7 * low + 0.3 * high;
+            }
+            effects.push(bound);
+        }
+    }
+    effects
 }
 
 /// What a random robot is like.

@@ -41,7 +41,7 @@ fn floating(radius_m: f64) -> Dataset {
             cable.pulley.radius_m = radius_m;
         }
     }
-    super::start::absolute(&mut run.dataset, &run.truth);
+    start::absolute(&mut run.dataset, &run.truth);
     free_entry_points(&mut run.dataset.robot);
     run.dataset
 }

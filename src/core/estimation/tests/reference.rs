@@ -3,6 +3,7 @@
 use super::plain::{Found, Plain};
 use super::*;
 use crate::estimation::solver::Descent;
+use crate::estimation::start::Start;
 
 fn cases() -> Vec<Simulated> {
     vec![
@@ -65,14 +66,11 @@ fn joint_method_finds_the_minimum_of_problem_r2() {
         let plain = Plain::new(&run.dataset, true).solve();
         let solution = identified(&run.dataset, Method::Joint);
         let (points, covariances) = differences(&solution, &plain);
-        println!(
-            "{} points {points:e} covariances {covariances:e} chi2 {} {}",
-            run.dataset.robot.name, solution.chi2, plain.chi2
-        );
-        // Tensions are eliminated at their readings: of second order in their noise, which shows.
-        assert!(points < 0.02, "{points}");
+        // Tensions are eliminated from lengths linearised at the readings: MINI's cables leave
+        // 7e-10 m per square newton, 1.5e-5 standard deviations of a length, the same at all poses.
+        assert!(points < 0.01, "{points}");
         assert!(covariances < 0.01, "{covariances}");
-        assert!((solution.chi2 - plain.chi2).abs() < 0.1);
+        assert!((solution.chi2 - plain.chi2).abs() < 1e-3);
     }
 }
 
@@ -83,16 +81,14 @@ fn all_instruction_sets_find_the_same() {
         let run = run_of(name, 13, 4);
         for method in [Method::Joint, Method::Simple] {
             let problem = Problem::new(&run.dataset).unwrap().with_method(method);
-            let lanes = solved(&problem);
-            let scalar = Descent::<f64>::new((), &problem).run(&Options::default(), &mut quiet);
+            let lanes = solve(&problem, &Options::default(), &mut quiet).unwrap();
+            let scalar = Descent::<f64>::from((), &problem, Start::Given)
+                .run(&Options::default(), &mut quiet);
             assert_eq!(lanes.iterations, scalar.iterations);
             assert_eq!(lanes.degrees_of_freedom, scalar.degrees_of_freedom);
             // The same arithmetic but for the order of sums and fused operations.
-            assert!(
-                difference_in_sd(&lanes, &scalar) < 1e-7,
-                "{name} {method:?}: {:e}",
-                difference_in_sd(&lanes, &scalar)
-            );
+            let off = difference_in_sd(&lanes, &scalar);
+            assert!(off < 1e-9, "{name} {method:?}: {off:e}");
             assert!((lanes.chi2 - scalar.chi2).abs() < 1e-9 * scalar.chi2);
         }
     }

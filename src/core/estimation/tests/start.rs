@@ -129,3 +129,17 @@ fn observers_cancel_and_limits_hold() {
     assert_eq!(limited.iterations, 2);
     assert!(!limited.converged());
 }
+
+#[test]
+fn what_the_joint_method_neglects_is_far_below_a_standard_deviation() {
+    for name in presets::NAMES {
+        for seed in 0..5 {
+            let run = run_of(name, 25, seed);
+            let exact = identified(&run.dataset, Method::Joint);
+            let problem = Problem::new(&run.dataset).unwrap();
+            let usual = solve(&problem, &Options::default(), &mut quiet).unwrap();
+            let off = difference_in_sd(&exact, &usual);
+            assert!(off < 0.01, "{name} {seed}: {off:e}");
+        }
+    }
+}

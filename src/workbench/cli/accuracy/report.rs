@@ -1,6 +1,7 @@
 //! Readable form of the accuracy figures: millimetres and degrees.
 
 use super::document::{Accuracy, Figures, PathAccuracy, PoseAccuracy};
+use crate::cli::output::say;
 use crate::cli::table;
 
 /// Cycles of a pose that ISO 9283:1998 asks for.
@@ -18,12 +19,12 @@ pub fn print(accuracy: &Accuracy) {
     let angles = poses().map(|t| t.figures.angle_accuracy_rad);
     let mut angles = angles.chain(accuracy.paths.iter().map(|p| p.angle_accuracy_rad));
     if angles.any(|angle| angle.is_some()) {
-        println!("angles about the base axes: accuracy ±repeatability");
+        say!("angles about the base axes: accuracy ±repeatability");
     }
     let few = poses().filter(|t| t.cycles < STANDARD_CYCLES).count();
     if few > 0 {
         let ending = if few == 1 { "" } else { "s" };
-        println!("{few} pose{ending} with fewer than the {STANDARD_CYCLES} cycles of ISO 9283");
+        say!("{few} pose{ending} with fewer than the {STANDARD_CYCLES} cycles of ISO 9283");
     }
 }
 
@@ -46,13 +47,13 @@ fn print_poses(poses: &PoseAccuracy) {
         cells.extend(angles(*angle_accuracy_rad, *angle_repeatability_rad));
         table::push(&mut rows, &cells);
     }
-    println!("{rows}");
-    println!(
+    say!("{rows}");
+    say!(
         "pose accuracy AP: largest {} mm, mean {} mm",
         table::mm(poses.largest_accuracy_m, 3),
         table::mm(poses.mean_accuracy_m, 3)
     );
-    println!(
+    say!(
         "pose repeatability RP: largest {} mm, mean {} mm",
         table::mm(poses.largest_repeatability_m, 3),
         table::mm(poses.mean_repeatability_m, 3)
@@ -77,7 +78,7 @@ fn print_paths(paths: &[PathAccuracy]) {
         ));
         table::push(&mut rows, &cells);
     }
-    println!("{rows}");
+    say!("{rows}");
 }
 
 /// Accuracy and repeatability about each axis in degrees, or a dash.

@@ -3,6 +3,7 @@
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
 
 use super::document::{ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult};
+use crate::cli::output::say;
 use crate::cli::table;
 
 /// Prints everything that was fitted.
@@ -49,10 +50,10 @@ fn print_winches(winches: &[WinchResult]) {
             ],
         );
     }
-    println!("{rows}");
+    say!("{rows}");
     let passed = winches.iter().filter(|winch| winch.passed).count();
     let limit = WINCH_RESIDUAL_LIMIT_M * 1e3;
-    println!(
+    say!(
         "{} within {limit} mm",
         share(passed, winches.len(), "winch")
     );
@@ -84,10 +85,10 @@ fn print_force_sensors(sensors: &[ForceResult]) {
             ],
         );
     }
-    println!("{rows}");
+    say!("{rows}");
     let passed = sensors.iter().filter(|sensor| sensor.passed).count();
     let count = share(passed, sensors.len(), "force sensor");
-    println!("{count} within {FORCE_RESIDUAL_LIMIT_N} N");
+    say!("{count} within {FORCE_RESIDUAL_LIMIT_N} N");
 }
 
 fn print_home(home: &HomeResult) {
@@ -115,14 +116,14 @@ fn print_home(home: &HomeResult) {
         ];
         table::push(&mut rows, &cells);
     }
-    println!("{rows}");
-    println!(
+    say!("{rows}");
+    say!(
         "largest residual of the six distances: {:.1e} mm",
         home.largest_residual_m * 1e3
     );
     for sensor in home.sensors.iter().filter(|sensor| !sensor.in_range) {
         let (number, mean) = (sensor.sensor, table::mm(sensor.mean_m, 1));
-        println!("sensor {number}: {mean} mm is outside the range of such sensors");
+        say!("sensor {number}: {mean} mm is outside the range of such sensors");
     }
 }
 
@@ -138,9 +139,9 @@ fn print_elongation(elongation: &ElongationResult) {
         ];
         table::push(&mut rows, &cells);
     }
-    println!("{rows}");
+    say!("{rows}");
     let surface = &elongation.surface;
-    println!(
+    say!(
         "{} measurements, lengths {:.3} to {:.3} m, tensions {:.1} to {:.1} N",
         elongation.points,
         surface.length_center_m - surface.length_scale_m,
@@ -148,7 +149,7 @@ fn print_elongation(elongation: &ElongationResult) {
         surface.tension_center_n - surface.tension_scale_n,
         surface.tension_center_n + surface.tension_scale_n
     );
-    println!(
+    say!(
         "residual sd {} mm, largest residual {} mm",
         table::mm(surface.residual_sd_m, 4),
         table::mm(elongation.largest_residual_m, 4)
