@@ -18,7 +18,14 @@ impl Effect for HeadingOffset {
         Scope::Robot
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("offset", "rad", 3.0, [0.017, 3.14])] }
+        const {
+            &[EffectParameter::new(
+                "offset",
+                "rad",
+                3.0,
+                [0.017, std::f64::consts::PI],
+            )]
+        }
     }
     fn change_platform(
         &self,

@@ -25,8 +25,9 @@ pub struct Arguments {
     /// et al. 2018
     #[arg(long, value_enum, default_value_t = MethodName::Joint)]
     method: MethodName,
-    /// Effects to estimate, each on one cable or on all
-    #[arg(long, value_name = "ID[:CABLE],..", value_delimiter = ',')]
+    /// Effects to estimate, each on one cable or on all; what cannot be estimated is given, as the pose of a
+    /// slip: cable_slip:cable-3:pose=12
+    #[arg(long, value_name = "ID[:CABLE][:K=V],..", value_delimiter = ',')]
     effects: Vec<String>,
     /// Huber's loss beyond this many standard deviations
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
