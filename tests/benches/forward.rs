@@ -11,8 +11,8 @@ use tautline_core::robot::{Robot, presets};
 const POSES: usize = 500;
 const RUNS: usize = 41;
 
-/// MINI with its upper cables crossing the platform, which makes rotation about z well seen.
-fn crossed(mut robot: Robot) -> Robot {
+/// MINI with all anchors on the lines to their pulleys, which leaves rotation about z hardly seen.
+fn in_line(mut robot: Robot) -> Robot {
     for cable in &mut robot.cables[4..] {
         cable.platform_anchor_m[0] = -cable.platform_anchor_m[0];
     }
@@ -113,8 +113,8 @@ fn main() {
         println!("the preset mini is missing");
         return;
     };
-    let crossed = crossed(mini.clone());
-    for (name, robot) in [("mini", &mini), ("mini, crossed", &crossed)] {
+    let in_line = in_line(mini.clone());
+    for (name, robot) in [("mini", &mini), ("mini, anchors in line", &in_line)] {
         let Ok(solver) = ForwardKinematics::new(robot) else {
             println!("{name} has no forward kinematics");
             continue;
