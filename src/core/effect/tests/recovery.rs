@@ -1,6 +1,6 @@
 //! Hidden effects come back: the geometry known, instruments so good that priors do not count.
 
-use crate::effect::{BoundEffect, CATALOGUE, EffectRequest, EffectSetting};
+use crate::effect::{CATALOGUE, EffectRequest, EffectSetting, Scope, find};
 use crate::estimation::{Control, Method, Options, Problem, solve};
 use crate::robot::{Inclinometer, PerAxis, Robot, presets};
 use crate::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
@@ -8,9 +8,9 @@ use crate::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
 /// Instruments are better than those of the preset by this factor.
 const BETTER: f64 = 1e-4;
 
-/// MINI with swivel encoders and an inclinometer, its geometry exactly known.
-fn equipped() -> Robot {
-    let mut robot = presets::find("mini").unwrap().robot;
+/// A preset with swivel encoders and an inclinometer, its geometry exactly known.
+fn equipped(name: &str) -> Robot {
+    let mut robot = presets::find(name).unwrap().robot;
     for cable in &mut robot.cables {
         cable.pulley.entry_point_sd_m = Some(PerAxis::Same(0.0));
         cable.pulley.swivel_zero = Some([1.0, 0.0, 0.0]);
@@ -34,22 +34,22 @@ fn equipped() -> Robot {
     robot
 }
 
-fn hide(robot: &Robot, setting: &EffectSetting, poses: usize, seed: u64) -> Simulated {
-    let preset = presets::find("mini").unwrap();
+fn hide(robot: &Robot, settings: &[EffectSetting], geometry: TrueGeometry) -> Simulated {
+    let preset = presets::find(&robot.name).unwrap();
     let options = SimulationOptions {
-        geometry: TrueGeometry::Nominal,
+        geometry,
         noise: false,
         workspace: Some(preset.workspace),
         tension: Some(preset.tension),
-        effects: vec![setting.clone()],
-        ..SimulationOptions::new(poses, seed)
+        effects: settings.to_vec(),
+        ..SimulationOptions::new(40, 11)
     };
     simulate(robot, &options).unwrap()
 }
 
-/// Frees the effect that was hidden; what is given is given, as is the start of a period.
-fn freed(run: &Simulated, setting: &EffectSetting, method: Method) -> BoundEffect {
-    let effect = crate::effect::find(&setting.effect).unwrap();
+/// A request for the effect that was hidden; what is given is given, as is the start of a period.
+fn request(setting: &EffectSetting) -> EffectRequest {
+    let effect = find(&setting.effect).unwrap();
     let given = effect.parameters().iter().filter_map(|p| {
         let value = setting.parameters[p.name];
         match p.name {
@@ -59,42 +59,47 @@ fn freed(run: &Simulated, setting: &EffectSetting, method: Method) -> BoundEffec
             _ => None,
         }
     });
-    let request = EffectRequest {
+    EffectRequest {
         effect: setting.effect.clone(),
         cable: setting.targets.first().cloned(),
         values: given.collect(),
-    };
-    let mut problem = Problem::new(&run.dataset).unwrap().with_method(method);
-    problem.free(&[request]).unwrap();
-    let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue).unwrap();
-    assert!(
-        solution.converged(),
-        "{}: {:?}, chi2 {:e}",
-        setting.effect,
-        solution.termination,
-        solution.chi2
-    );
-    solution.globals.effects[0].clone()
+    }
 }
 
-fn check(setting: &EffectSetting) {
-    let robot = equipped();
-    let run = hide(&robot, setting, 40, 11);
-    let found = freed(&run, setting, Method::Joint);
-    for (parameter, value) in found.effect.parameters().iter().zip(&found.values) {
-        let truth = setting.parameters[parameter.name];
-        assert!(
-            (value - truth).abs() <= 1e-6 * truth.abs(),
-            "{} {}: {value} instead of {truth}",
-            setting.effect,
-            parameter.name
-        );
+/// Frees what was hidden and compares, with this relative tolerance.
+fn check_run(run: &Simulated, settings: &[EffectSetting], method: Method, tolerance: f64) {
+    let requests: Vec<_> = settings.iter().map(request).collect();
+    let mut problem = Problem::new(&run.dataset).unwrap().with_method(method);
+    problem.free(&requests).unwrap();
+    let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue).unwrap();
+    let ended = solution.termination;
+    assert!(
+        solution.converged(),
+        "{settings:?}: {ended:?}, chi2 {:e}",
+        solution.chi2
+    );
+    for (setting, found) in settings.iter().zip(&solution.globals.effects) {
+        for (parameter, value) in found.effect.parameters().iter().zip(&found.values) {
+            let truth = setting.parameters[parameter.name];
+            assert!(
+                (value - truth).abs() <= tolerance * truth.abs(),
+                "{} {}: {value} instead of {truth}",
+                setting.effect,
+                parameter.name
+            );
+        }
     }
+}
+
+fn check(robot: &Robot, setting: &EffectSetting, method: Method) {
+    let settings = [setting.clone()];
+    let run = hide(robot, &settings, TrueGeometry::Nominal);
+    check_run(&run, &settings, method, 1e-6);
 }
 
 /// A value in the middle of the typical range; for a vector, components that differ.
 fn typical(id: &str) -> EffectSetting {
-    let effect = crate::effect::find(id).unwrap();
+    let effect = find(id).unwrap();
     let parameters = effect.parameters().iter().enumerate().map(|(k, p)| {
         let [low, high] = p.typical;
         let share = 0.32 + 0.1 * k as f64;
@@ -105,7 +110,7 @@ fn typical(id: &str) -> EffectSetting {
         };
         (p.name.to_owned(), value)
     });
-    let targeted = effect.scope() == crate::effect::Scope::Cable;
+    let targeted = effect.scope() == Scope::Cable;
     EffectSetting {
         effect: id.to_owned(),
         targets: targeted.then(|| "cable-3".to_owned()).into_iter().collect(),
@@ -113,15 +118,122 @@ fn typical(id: &str) -> EffectSetting {
     }
 }
 
+/// No exceptions: with all else known even the laser's bias and the target plane can be told apart.
 #[test]
 fn every_effect_comes_back() {
+    let robot = equipped("mini");
     for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
         let mut setting = typical(effect.id());
         if effect.id() == "winch_backlash" {
             // No cable moves by less than the play from one pose to the next of these.
             setting.parameters.insert("play".to_owned(), 2e-4);
         }
-        println!("{setting:?}");
-        check(&setting);
+        check(&robot, &setting, Method::Joint);
+    }
+}
+
+#[test]
+fn effects_that_need_no_equilibrium_come_back_by_the_simple_method() {
+    let robot = equipped("mini");
+    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
+        let id = effect.id();
+        let seen_by_balance = ["payload_mass", "payload_com"].contains(&id);
+        // Of what tensions do to lengths only a part of 1e-3 is seen: it comes back, but less exactly.
+        let weak = [
+            "pulley_friction",
+            "force_gain",
+            "force_bias",
+            "winch_backlash",
+        ]
+        .contains(&id);
+        if !seen_by_balance && !weak {
+            check(&robot, &typical(id), Method::Simple);
+        }
+    }
+}
+
+#[test]
+fn effects_come_back_in_other_robots() {
+    for (name, ids) in [
+        (
+            "suspended",
+            &["cable_sag", "payload_mass", "frame_thermal", "force_gain"][..],
+        ),
+        (
+            "planar",
+            &[
+                "payload_mass",
+                "pulley_friction",
+                "encoder_drift",
+                "frame_compliance",
+            ],
+        ),
+        (
+            "hall",
+            &[
+                "cable_stiffening",
+                "force_bias",
+                "laser_beam_tilt",
+                "inclinometer_tilt",
+            ],
+        ),
+    ] {
+        let robot = equipped(name);
+        for id in ids {
+            check(&robot, &typical(id), Method::Joint);
+        }
+    }
+}
+
+#[test]
+fn effects_come_back_from_absolute_lengths() {
+    let mut robot = equipped("mini");
+    robot.home = None;
+    for id in [
+        "winch_scale",
+        "winch_offset",
+        "cable_slip",
+        "cable_thermal",
+        "frame_shift",
+        "laser_drift",
+        "platform_anchor",
+    ] {
+        check(&robot, &typical(id), Method::Joint);
+    }
+}
+
+/// Effects that act on the same quantities, in another order than they were hidden in.
+#[test]
+fn several_effects_at_once_come_back() {
+    let robot = equipped("mini");
+    let hidden: Vec<EffectSetting> = [
+        "winch_offset",
+        "winch_scale_common",
+        "force_bias",
+        "force_gain",
+        "payload_mass",
+        "laser_bias",
+        "laser_scale",
+        "cable_slip",
+    ]
+    .map(typical)
+    .to_vec();
+    let run = hide(&robot, &hidden, TrueGeometry::Nominal);
+    let reversed: Vec<_> = hidden.into_iter().rev().collect();
+    check_run(&run, &reversed, Method::Joint, 1e-6);
+}
+
+/// Wrap angles and directions of force are those of the drawing at the commanded poses. With pulleys some
+/// 8 mm, and poses as much, beside it the approximation costs a few percent of these effects at most.
+#[test]
+fn the_nominal_geometry_is_good_enough_for_friction_and_frame() {
+    let mut robot = equipped("mini");
+    for cable in &mut robot.cables {
+        cable.pulley.entry_point_sd_m = Some(PerAxis::Same(8e-3));
+    }
+    for id in ["pulley_friction", "frame_compliance"] {
+        let settings = [typical(id)];
+        let run = hide(&robot, &settings, TrueGeometry::Drawn);
+        check_run(&run, &settings, Method::Joint, 0.05);
     }
 }
