@@ -28,7 +28,7 @@ fn main() -> Result<()> {
 }
 
 fn truth_table(data_sets: Option<&str>) -> Result<String> {
-    let data_sets = data_sets.map_or(Ok(1000), str::parse)?;
+    let data_sets = data_sets.map_or(Ok(16_000), str::parse)?;
     let rows: Result<Vec<_>> = ROBOTS
         .iter()
         .map(|name| truth::study(name, data_sets, FIRST_SEED))

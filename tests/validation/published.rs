@@ -13,109 +13,29 @@ use anyhow::{Context, Result, ensure};
 use nalgebra::Vector3;
 use serde_json::json;
 use tautline_core::estimation::published::{PublishedOptions, PublishedResult, identify_published};
-use tautline_core::geometry::{Coordinate, Pose, Twist};
+use tautline_core::geometry::{Pose, Twist};
 use tautline_core::kinematics::{
     applied_wrench, distribute_tension, inverse_kinematics, structure_matrix,
 };
 use tautline_core::measurement::{Dataset, Grid, Measurements};
-use tautline_core::robot::{
-    Cable, CableMaterial, ForceSensor, Home, Laser, Platform, Pulley, Robot, TargetPlane, Winch,
-};
-
-/// Table 1, CAD column (mm).
-const DRAWN_MM: [[f64; 3]; 8] = [
-    [500.0, -378.0, -441.5],
-    [-500.0, -378.0, -441.5],
-    [-500.0, 378.0, -441.5],
-    [500.0, 378.0, -441.5],
-    [531.5, -345.0, 441.5],
-    [-531.5, -345.0, 441.5],
-    [-531.5, 345.0, 441.5],
-    [531.5, 345.0, 441.5],
-];
-
-/// Table 1, measured column (mm).
-const MEASURED_MM: [[f64; 3]; 8] = [
-    [506.40, -373.00, -453.20],
-    [-488.87, -374.26, -453.20],
-    [-491.89, 381.46, -453.20],
-    [503.63, 382.76, -453.20],
-    [539.36, -339.62, 430.26],
-    [-520.95, -341.69, 430.64],
-    [-524.15, 347.90, 429.68],
-    [536.57, 348.86, 430.48],
-];
+use tautline_core::robot::{Robot, presets};
 
 const POSES: usize = 25;
 const STEPS_COMPARED: [usize; 4] = [1, 2, 5, 20];
 
-fn mini(entry_points_mm: &[[f64; 3]; 8]) -> Robot {
-    let cables = entry_points_mm.iter().enumerate().map(|(i, entry)| Cable {
-        name: format!("cable-{}", i + 1),
-        pulley: Pulley {
-            entry_point_m: entry.map(|v| v * 1e-3),
-            entry_point_sd_m: None,
-            swivel_axis: [0.0, 0.0, -entry[2].signum()],
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m: 0.018,
-        },
-        platform_anchor_m: [
-            // The upper cables cross the platform: with all of them to the near corners, as nearly
-            // parallel to its edges as Table 1 has them, rotation about z would change no length
-            // and plain Newton would not converge.
-            -0.06 * entry[0].signum() * entry[2].signum(),
-            0.045 * entry[1].signum(),
-            -0.05 * entry[2].signum(),
-        ],
-        winch: Winch {
-            drum_diameter_m: 0.04,
-            drum_pitch_m: 0.002,
-            gear_ratio: 1.0,
-            length_to_pulley_m: 0.6,
-            length_sd_m: 5e-5,
-        },
-        cable: CableMaterial {
-            axial_stiffness_n: Some(4e4),
-            ..CableMaterial::default()
-        },
-        force_sensor: Some(ForceSensor {
-            tension_gain: 2.0,
-            bias_n: 0.0,
-            tension_sd_n: 1.0,
-        }),
-    });
-    Robot {
-        name: "mini".into(),
-        home: Some(Home {
-            position_m: [0.0; 3],
-            orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
-            position_sd_m: 1e-4,
-            orientation_sd_rad: 5e-4,
-        }),
-        gravity_m_s2: [0.0, 0.0, -9.80665],
-        platform: Platform {
-            free: Coordinate::ALL.to_vec(),
-            mass_kg: Some(2.5),
-            center_of_mass_m: [0.0; 3],
-            wrench_sd: None,
-        },
-        laser: Some(Laser {
-            origin_m: [0.0, 0.0, -0.055],
-            direction: [0.0, 0.0, -1.0],
-            sd_m: 3e-4,
-            target_plane: TargetPlane {
-                normal: [0.0, 0.0, 1.0],
-                offset_m: -0.5,
-                offset_sd_m: Some(5e-3),
-            },
-        }),
-        inclinometer: None,
-        tracker: None,
-        cables: cables.collect(),
-        home_platform: None,
-        effects: Vec::new(),
+/// MINI as drawn and as measured. Cables arrive from inside the frame here, so that they wrap little.
+fn mini() -> (Robot, Robot) {
+    let preset = presets::find("mini").expect("the preset of Table 1");
+    let mut drawn = preset.robot;
+    for cable in &mut drawn.cables {
+        cable.pulley.swivel_axis[2] *= -1.0;
     }
+    let mut measured = drawn.clone();
+    let points = preset.measured_entry_points_m.expect("the measured column");
+    for (cable, point) in measured.cables.iter_mut().zip(points) {
+        cable.pulley.entry_point_m = point;
+    }
+    (drawn, measured)
 }
 
 /// Numbers in (-1, 1), the same everywhere (Knuth's multiplicative generator).
@@ -145,7 +65,7 @@ fn at_pose(robot: &Robot, pose: &Pose) -> Result<(Vec<f64>, Vec<f64>)> {
 
 /// Readings of the measured MINI at home and 25 poses, with the noise that the description states.
 fn dataset() -> Result<Dataset> {
-    let (drawn, truth) = (mini(&DRAWN_MM), mini(&MEASURED_MM));
+    let (drawn, truth) = mini();
     let laser = truth.laser.context("MINI has a laser")?;
     let mut numbers = Numbers(5);
     let mut measured = Measurements {

@@ -65,4 +65,16 @@ impl Solution {
     pub fn standard_deviation(&self, index: usize) -> Option<f64> {
         self.covariance.as_ref().map(|c| c[(index, index)].sqrt())
     }
+
+    /// Correlations of the parameters, in the order of the covariance; `None` where the data do not
+    /// determine them.
+    #[must_use]
+    pub fn correlations(&self) -> Option<DMatrix<f64>> {
+        let covariance = self.covariance.as_ref()?;
+        let sd = covariance.diagonal().map(f64::sqrt);
+        let n = sd.len();
+        Some(DMatrix::from_fn(n, n, |i, k| {
+            covariance[(i, k)] / (sd[i] * sd[k])
+        }))
+    }
 }

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_core::estimation::{Analysis, Geometry, Poses, Problem, deficiencies};
+use tautline_core::estimation::{Geometry, Poses, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_session::{read_dataset, read_robot};
 
 use super::BadInput;
 use super::fitted::{Fitted, print_report};
-use super::identify::solve_repeatedly;
 use super::output::{is_readable, write_json};
 
 #[derive(Debug, clap::Args)]
@@ -51,15 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.poses_held {
         problem.poses = Poses::HeldAtTracker;
     }
-    let (solution, seconds) = solve_repeatedly(&problem, 1)?;
-    let analysis = Analysis::new(&problem, &solution);
-    let fitted = Fitted {
-        problem: &problem,
-        solution: &solution,
-        analysis: &analysis,
-        open: deficiencies(&problem, &solution),
-        seconds,
-    };
+    let fitted = Fitted::solve(&problem, 1)?;
     let identification = fitted.identification();
     if let Some(path) = &arguments.json {
         write_json(path, &tautline_session::document(&identification))?;

@@ -1,13 +1,10 @@
 //! `tautline identify`.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use anyhow::Result;
 use tautline_core::effect::EffectRequest;
-use tautline_core::estimation::{
-    Analysis, Control, Loss, Method, Options, Problem, Solution, deficiencies, solve,
-};
+use tautline_core::estimation::{Loss, Method, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_session::{read_dataset, write_robot};
 
@@ -59,15 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return super::published::run(arguments, &folder.dataset);
     }
     let problem = problem_of(arguments, &folder.dataset)?;
-    let (solution, seconds) = solve_repeatedly(&problem, arguments.repeat)?;
-    let analysis = Analysis::new(&problem, &solution);
-    let fitted = Fitted {
-        problem: &problem,
-        solution: &solution,
-        analysis: &analysis,
-        open: deficiencies(&problem, &solution),
-        seconds,
-    };
+    let fitted = Fitted::solve(&problem, arguments.repeat)?;
     deliver(arguments, &fitted, &fitted.identification())
 }
 
@@ -114,38 +103,4 @@ fn problem_of<'a>(arguments: &Arguments, dataset: &'a Dataset) -> Result<Problem
         problem.loss = Loss::Huber(limit);
     }
     Ok(problem)
-}
-
-/// Solves `repeat` times; the least time of a solve, set-up included.
-pub fn solve_repeatedly(problem: &Problem<'_>, repeat: usize) -> Result<(Solution, f64)> {
-    let mut best: Option<(Solution, f64)> = None;
-    for _ in 0..repeat.max(1) {
-        let start = Instant::now();
-        let solution = solve(problem, &Options::default(), &mut |_| Control::Continue)
-            .map_err(BadInput::new)?;
-        let seconds = start.elapsed().as_secs_f64();
-        if best.as_ref().is_none_or(|(_, least)| seconds < *least) {
-            best = Some((solution, seconds));
-        }
-    }
-    let (solution, seconds) = best.ok_or_else(|| anyhow::anyhow!("nothing was solved"))?;
-    refuse_extrapolation(problem, &solution)?;
-    Ok((solution, seconds))
-}
-
-/// A measured elongation is never extrapolated.
-fn refuse_extrapolation(problem: &Problem<'_>, solution: &Solution) -> Result<()> {
-    let Some(first) = solution.outside_surface.first() else {
-        return Ok(());
-    };
-    let label = problem.dataset.measurements.labels[first.row];
-    let cable = &problem.dataset.robot.cables[first.cable].name;
-    let more = match solution.outside_surface.len() - 1 {
-        0 => String::new(),
-        count => format!(" (and {count} more)"),
-    };
-    Err(BadInput::new(format!(
-        "pose {label}, {cable}: {} of its elongation surface{more}",
-        first.range
-    )))
 }

@@ -1,17 +1,15 @@
 //! `tautline identify --method published`.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use tautline_core::estimation::published::{
     PublishedOptions, PublishedResult, PublishedStop, identify_published,
 };
-use tautline_core::estimation::{Analysis, Geometry, Method, Problem};
+use tautline_core::estimation::{Geometry, Method, Problem};
 use tautline_core::measurement::Dataset;
 
 use super::BadInput;
-use super::fitted::Fitted;
-use super::identify::{Arguments, deliver, solve_repeatedly};
+use super::fitted::{Fitted, timed};
+use super::identify::{Arguments, deliver};
 
 /// Identifies by the published method, then fits the poses to its entry points by least squares, so
 /// that residuals and chi-square compare with the other methods.
@@ -30,17 +28,10 @@ pub fn run(arguments: &Arguments, dataset: &Dataset) -> Result<()> {
         .map_err(BadInput::new)?
         .with_method(Method::Simple);
     problem.geometry = Geometry::Held;
-    let (solution, _) = solve_repeatedly(&problem, 1)?;
-    let analysis = Analysis::new(&problem, &solution);
-    let fitted = Fitted {
-        problem: &problem,
-        solution: &solution,
-        analysis: &analysis,
-        open: Vec::new(),
-        seconds,
-    };
+    let fitted = Fitted::solve(&problem, 1)?;
     let mut identification = fitted.identification();
     "published".clone_into(&mut identification.method);
+    identification.seconds = seconds;
     identification.iterations = result.iterations;
     identification.converged = matches!(
         result.stop,
@@ -53,14 +44,7 @@ pub fn run(arguments: &Arguments, dataset: &Dataset) -> Result<()> {
 
 fn identify(arguments: &Arguments, dataset: &Dataset) -> Result<(PublishedResult, f64)> {
     let options = PublishedOptions::for_robot(&dataset.robot);
-    let mut best: Option<(PublishedResult, f64)> = None;
-    for _ in 0..arguments.repeat.max(1) {
-        let start = Instant::now();
-        let result = identify_published(dataset, &options).map_err(BadInput::new)?;
-        let seconds = start.elapsed().as_secs_f64();
-        if best.as_ref().is_none_or(|(_, least)| seconds < *least) {
-            best = Some((result, seconds));
-        }
-    }
-    best.ok_or_else(|| anyhow::anyhow!("nothing was solved"))
+    timed(arguments.repeat, || {
+        identify_published(dataset, &options).map_err(BadInput::new)
+    })
 }

@@ -150,3 +150,19 @@ fn more_poses_make_smaller_standard_deviations() {
     };
     assert!(trace(&many) < trace(&few));
 }
+
+#[test]
+fn correlations_are_those_of_the_covariance() {
+    let solution = identified(&run_of("mini", 25, 8).dataset, Method::Joint);
+    let correlations = solution.correlations().unwrap();
+    let covariance = solution.covariance.as_ref().unwrap();
+    for i in 0..correlations.nrows() {
+        assert!((correlations[(i, i)] - 1.0).abs() < 1e-12);
+        for k in 0..i {
+            let product =
+                solution.standard_deviation(i).unwrap() * solution.standard_deviation(k).unwrap();
+            assert!((correlations[(i, k)] * product - covariance[(i, k)]).abs() < 1e-12 * product);
+            assert!(correlations[(i, k)].abs() < 1.0);
+        }
+    }
+}

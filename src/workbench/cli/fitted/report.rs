@@ -1,0 +1,106 @@
+//! The readable report of an identification.
+
+use super::{Fitted, Identification};
+use crate::cli::output::say;
+use crate::cli::table;
+
+/// Most suspect readings that a report lists.
+const SUSPECTS_SHOWN: usize = 10;
+
+/// The readable report.
+pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
+    let solution = &fitted.solution;
+    say!("{}", headline(fitted, identification));
+    say!("{}", adequacy(identification));
+    let mut points = table::numbers(&[
+        "Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm",
+    ]);
+    for (index, cable) in fitted.robot().cables.iter().enumerate() {
+        let point = solution.globals.entry_points[index];
+        let nominal = cable.pulley.entry_point_m;
+        let sds = identification.entry_points_sd_m[index];
+        let moved = (0..3)
+            .map(|k| (point[k] - nominal[k]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        let mut cells = vec![cable.name.clone()];
+        cells.extend(point.map(|v| table::mm(v, 2)));
+        cells.extend(sds.map(|sd| sd.map_or("open".to_owned(), |sd| table::mm(sd, 2))));
+        cells.push(table::mm(moved, 2));
+        table::push(&mut points, &cells);
+    }
+    say!("{points}");
+    if !identification.effects.is_empty() {
+        let mut effects = table::numbers(&["Effect", "value", "sd", "unit"]);
+        for effect in &identification.effects {
+            let on = effect.targets.join(", ");
+            let name = format!("{} {} {on}", effect.effect, effect.parameter);
+            let sd = effect
+                .sd
+                .map_or("open".to_owned(), |sd| format!("{sd:.3e}"));
+            let cells = [
+                name,
+                format!("{:.5e}", effect.value),
+                sd,
+                effect.unit.clone(),
+            ];
+            table::push(&mut effects, &cells);
+        }
+        say!("{effects}");
+    }
+    let rms = &identification.rms;
+    let show = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
+        if let Some(value) = value {
+            say!("rms residual {name}: {:.3} {unit}", value * scale);
+        }
+    };
+    show("of lengths", rms.length_m, 1e3, "mm");
+    show("of the laser", rms.laser_m, 1e3, "mm");
+    show("of tensions", rms.tension_n, 1.0, "N");
+    for sentence in &identification.undetermined {
+        say!("open: {sentence}");
+    }
+    let suspects = &identification.suspect_readings;
+    for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
+        say!("suspect: {suspect}");
+    }
+    if suspects.len() > SUSPECTS_SHOWN {
+        say!(
+            "... and {} more suspect readings",
+            suspects.len() - SUSPECTS_SHOWN
+        );
+    }
+}
+
+fn headline(fitted: &Fitted<'_>, identification: &Identification) -> String {
+    let end = if identification.converged {
+        "converged"
+    } else {
+        "did NOT converge"
+    };
+    format!(
+        "{}: {} poses, {} method {end} after {} iterations in {:.3} ms",
+        fitted.robot().name,
+        identification.poses.len(),
+        identification.method,
+        identification.iterations,
+        identification.seconds * 1e3
+    )
+}
+
+/// Whether the model explains the data, in words.
+fn adequacy(identification: &Identification) -> String {
+    let (chi2, dof) = (identification.chi2, identification.dof);
+    let figures = format!("chi-square {chi2:.1} for {dof:.0} degrees of freedom");
+    match identification.p_value {
+        None => format!("{figures}: the data cannot be checked, nothing is redundant"),
+        Some(p) if p < 1e-4 => format!("{figures}: the model does NOT explain the data"),
+        Some(p) if p < 0.01 => {
+            format!("{figures} (p = {p:.4}): the model hardly explains the data")
+        }
+        Some(p) if p > 0.9999 => {
+            format!("{figures}: the data scatter less than the stated noise")
+        }
+        Some(p) => format!("{figures} (p = {p:.3}): the model explains the data"),
+    }
+}

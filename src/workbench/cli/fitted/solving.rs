@@ -1,0 +1,66 @@
+//! Solving, with the clock running.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use tautline_core::estimation::{
+    Analysis, Control, Options, Problem, Solution, deficiencies, solve,
+};
+
+use super::Fitted;
+use crate::cli::BadInput;
+
+impl<'a> Fitted<'a> {
+    /// Solves `problem` `repeat` times, keeps the least time, and analyses the residuals.
+    pub fn solve(problem: &'a Problem<'a>, repeat: usize) -> Result<Self> {
+        let (solution, seconds) = solve_repeatedly(problem, repeat)?;
+        Ok(Self {
+            analysis: Analysis::new(problem, &solution),
+            open: deficiencies(problem, &solution),
+            problem,
+            solution,
+            seconds,
+        })
+    }
+}
+
+/// Runs `work` `repeat` times, at least once; the last result and the least time (s).
+pub fn timed<T>(repeat: usize, mut work: impl FnMut() -> Result<T>) -> Result<(T, f64)> {
+    let mut once = || {
+        let start = Instant::now();
+        work().map(|result| (result, start.elapsed().as_secs_f64()))
+    };
+    let (mut result, mut least) = once()?;
+    for _ in 1..repeat {
+        let (again, seconds) = once()?;
+        result = again;
+        least = least.min(seconds);
+    }
+    Ok((result, least))
+}
+
+/// Solves `repeat` times; the least time of a solve, set-up included.
+fn solve_repeatedly(problem: &Problem<'_>, repeat: usize) -> Result<(Solution, f64)> {
+    let (solution, seconds) = timed(repeat, || {
+        solve(problem, &Options::default(), &mut |_| Control::Continue).map_err(BadInput::new)
+    })?;
+    refuse_extrapolation(problem, &solution)?;
+    Ok((solution, seconds))
+}
+
+/// A measured elongation is never extrapolated.
+fn refuse_extrapolation(problem: &Problem<'_>, solution: &Solution) -> Result<()> {
+    let Some(first) = solution.outside_surface.first() else {
+        return Ok(());
+    };
+    let label = problem.dataset.measurements.labels[first.row];
+    let cable = &problem.dataset.robot.cables[first.cable].name;
+    let more = match solution.outside_surface.len() - 1 {
+        0 => String::new(),
+        count => format!(" (and {count} more)"),
+    };
+    Err(BadInput::new(format!(
+        "pose {label}, {cable}: {} of its elongation surface{more}",
+        first.range
+    )))
+}
