@@ -6,13 +6,15 @@ mod equations;
 mod inputs;
 mod layout;
 mod normal;
+mod packing;
 mod platform_rows;
+mod rows;
 mod span;
 
-use cable_rows::{Balance, CableConstants, CableInputs, CableState, add_lever_rotation};
-use columns::{Column, ColumnStore, Packed, packed};
+use cable_rows::CableConstants;
+use columns::{ColumnStore, Packed, packed};
 use inputs::{PortInputs, Selection, circumstances_of};
-use platform_rows::LaserInputs;
+use packing::{InstrumentInputs, constants_of, pack_attitudes, pack_instruments};
 
 pub(super) use equations::{Attitude, Equations};
 pub(super) use layout::{Layout, effect_columns};
@@ -21,9 +23,9 @@ pub(super) use normal::{Elimination, Sums};
 use std::sync::Arc;
 
 use super::problem::{Globals, Poses, Problem};
-use crate::effect::{Circumstances, PlatformPort};
+use crate::effect::Circumstances;
 use crate::geometry::Pose;
-use crate::real::{Kernel, Packet, constants, scaled, unit_vector};
+use crate::real::{Kernel, Packet};
 
 /// Scalars per pose that the back-substitution needs, besides `Y`.
 const FACTOR_AND_RESIDUAL: usize = 27;
@@ -31,17 +33,6 @@ const FACTOR_AND_RESIDUAL: usize = 27;
 const LARGEST_ERROR: f64 = 5.0;
 /// Scalars of a pose: position and quaternion.
 const ATTITUDE: usize = 7;
-
-/// Readings of the platform's instruments.
-#[derive(Clone)]
-struct PlatformInputs {
-    laser: Column,
-    swivel: Vec<Column>,
-    tracker_position: Vec<Column>,
-    tracker_inverse_sd: Vec<Column>,
-    tracker_orientation: Vec<Column>,
-    inclination: Vec<Column>,
-}
 
 /// The equations of a set of poses, packed for evaluation.
 #[derive(Clone)]
@@ -57,7 +48,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     pub layout: Layout,
     ports: PortInputs<T>,
     readings: ColumnStore<T>,
-    platform: PlatformInputs,
+    platform: InstrumentInputs,
     constants: Vec<CableConstants>,
     entry: Vec<[T; 3]>,
     home_length: Vec<T>,
@@ -114,7 +105,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let zero = T::splat(token, 0.0);
         let layout = Layout::new(problem, effect_columns(problem));
         let mut readings = ColumnStore::new(token);
-        let platform = pack_platform(&mut readings, problem, &layout, &rows);
+        let platform = pack_instruments(&mut readings, problem, &layout, &rows);
         let circumstances = circumstances_of(problem).map(Arc::new);
         let selection = Selection {
             rows: &rows,
@@ -389,214 +380,6 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.evaluate(batch, &attitude);
         &mut self.equations
     }
-
-    #[inline(always)]
-    fn evaluate(&mut self, batch: usize, pose: &Attitude<T>) {
-        let zero = T::splat(self.token, 0.0);
-        self.equations.by_effect.fill(zero);
-        let mut balance = Balance::new(zero);
-        if self.layout.equilibrium.is_some() {
-            let first = self.layout.plane_column();
-            self.equations.balance_by_column[first..].fill([zero; 6]);
-        }
-        for cable in 0..self.layout.cables {
-            self.evaluate_cable(batch, cable, pose, &mut balance);
-        }
-        if let Some(first) = self.layout.equilibrium {
-            self.finish_balance(batch, first, pose, &mut balance);
-        }
-        if self.is_latent {
-            self.update_tension_errors(batch);
-        }
-        self.evaluate_platform(batch, pose);
-        for k in 0..6 {
-            if self.free[k] == 0.0 {
-                for j in &mut self.equations.by_pose {
-                    j[k] = zero;
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn evaluate_cable(
-        &mut self,
-        batch: usize,
-        cable: usize,
-        pose: &Attitude<T>,
-        balance: &mut Balance<T>,
-    ) {
-        let columns = &self.ports.cables[cable];
-        let swivel = self.platform.swivel.get(cable);
-        // Far from the solution the estimates are wild, and the readings are better.
-        let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
-        let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
-        let inputs = CableInputs {
-            entry: self.entry[cable],
-            home_length: self.home_length[cable],
-            ports: self.ports.store.load_all(columns, batch),
-            swivel: match swivel {
-                Some(column) => self.readings.load(*column, batch),
-                None => T::splat(self.token, f64::NAN),
-            },
-            tension_error,
-        };
-        let constants = &self.constants[cable];
-        let state = CableState::new(constants, &inputs, pose, self.down);
-        let residual = state.length_row(cable, &inputs, &mut self.equations);
-        if let Some(first) = self.layout.swivel {
-            let at = (first + cable, cable);
-            state.swivel_row(at, constants, &inputs, &mut self.equations);
-        }
-        if self.layout.equilibrium.is_some() {
-            state.add_balance(cable, residual, &self.layout, balance, &mut self.equations);
-            balance.present = balance.present * inputs.ports[1].present().1;
-        }
-        if self.detailed || self.is_latent {
-            self.equations.length_by_tension[cable] = state.length_by_tension();
-            self.equations.structure[cable] = state.structure();
-        }
-        for link in &self.ports.cable_links[cable] {
-            let slope = self.ports.store.load(link.slope, batch);
-            let at = (cable, constants);
-            state.link((link, slope), at, &self.layout, pose, &mut self.equations);
-        }
-    }
-
-    /// Adds gravity, whitens, and leaves out coordinates that are not free.
-    #[inline(always)]
-    fn finish_balance(
-        &mut self,
-        batch: usize,
-        first: usize,
-        pose: &Attitude<T>,
-        balance: &mut Balance<T>,
-    ) {
-        let zero = T::splat(self.token, 0.0);
-        self.add_gravity(batch, pose, balance);
-        for k in 0..6 {
-            let diagonal = k * (k + 1) / 2 + k;
-            if self.balanced[k] == 0.0 {
-                for q in 0..6 {
-                    let (row, column) = (k.max(q), k.min(q));
-                    balance.covariance[row * (row + 1) / 2 + column] = zero;
-                }
-                balance.covariance[diagonal] = zero.lift(1.0);
-                balance.residual[k] = zero;
-                for column in &mut balance.by_pose {
-                    column[k] = zero;
-                }
-                for column in &mut self.equations.balance_by_column {
-                    column[k] = zero;
-                }
-            } else {
-                let variance = zero.lift(self.wrench_variance[k]);
-                balance.covariance[diagonal] = balance.covariance[diagonal] + variance;
-            }
-        }
-        normal::factorise(&mut balance.covariance, 0.0);
-        self.equations.balance_factor = balance.covariance;
-        let factor = &balance.covariance;
-        whiten(&mut balance.residual, factor, balance.present);
-        for column in &mut balance.by_pose {
-            whiten(column, factor, balance.present);
-        }
-        for column in &mut self.equations.balance_by_column {
-            whiten(column, factor, balance.present);
-        }
-        for k in 0..6 {
-            let row = first + k;
-            self.equations.residual[row] = balance.residual[k];
-            for q in 0..6 {
-                self.equations.by_pose[row][q] = balance.by_pose[q][k];
-            }
-            let counted = balance.present * zero.lift(self.balanced[k]);
-            self.equations.present[row] = counted;
-        }
-    }
-
-    #[inline(always)]
-    fn add_gravity(&mut self, batch: usize, pose: &Attitude<T>, balance: &mut Balance<T>) {
-        let [mass, x, y, z, ..] = self.ports.store.load_all(&self.ports.platform, batch);
-        let per_kilogram = constants(mass, self.gravity);
-        let weight = scaled(per_kilogram, mass);
-        let lever = pose.rotate([x, y, z]);
-        let torque = crate::real::cross(lever, weight);
-        for k in 0..3 {
-            balance.residual[k] = balance.residual[k] + weight[k];
-            balance.residual[3 + k] = balance.residual[3 + k] + torque[k];
-        }
-        add_lever_rotation(lever, weight, balance);
-        for link in &self.ports.platform_links {
-            let slope = self.ports.store.load(link.slope, batch);
-            let (force, lever) = match link.port {
-                PlatformPort::Mass => (per_kilogram, lever),
-                PlatformPort::CenterOfMass(axis) => (weight, pose.rotate(unit_vector(mass, axis))),
-                _ => continue,
-            };
-            let column = self.layout.effect_column() + link.parameter;
-            let column = &mut self.equations.balance_by_column[column];
-            let torque = crate::real::cross(lever, force);
-            for k in 0..3 {
-                if matches!(link.port, PlatformPort::Mass) {
-                    column[k] = force[k].mul_add(slope, column[k]);
-                }
-                column[3 + k] = torque[k].mul_add(slope, column[3 + k]);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn evaluate_platform(&mut self, batch: usize, pose: &Attitude<T>) {
-        let robot = &self.problem.dataset.robot;
-        let zero = T::splat(self.token, 0.0);
-        let ports: [T; PlatformPort::COUNT] =
-            self.ports.store.load_all(&self.ports.platform, batch);
-        let mut links = Vec::with_capacity(self.ports.platform_links.len());
-        for link in &self.ports.platform_links {
-            let slope = self.ports.store.load(link.slope, batch);
-            links.push((link.port, link.parameter, slope));
-        }
-        if let (Some(row), Some(laser)) = (self.layout.laser, &robot.laser) {
-            let inputs = LaserInputs {
-                reading: self.readings.load(self.platform.laser, batch),
-                origin: constants(zero, laser.origin_m),
-                offset: self.plane_offset,
-                inverse_sd: zero.lift(laser.sd_m.recip()),
-                ports,
-            };
-            inputs.row(row, &links, &self.layout, pose, &mut self.equations);
-        }
-        if let Some(first) = self.layout.tracker_position {
-            let position = &self.platform.tracker_position;
-            let reading = self.readings.load_three(position, batch);
-            let weight = self
-                .readings
-                .load_three(&self.platform.tracker_inverse_sd, batch);
-            platform_rows::tracker_position_rows(first, reading, weight, pose, &mut self.equations);
-        }
-        let tracker_sd = robot.tracker.and_then(|t| t.orientation_sd_rad);
-        if let (Some(first), Some(sd)) = (self.layout.tracker_orientation, tracker_sd) {
-            let columns = &self.platform.tracker_orientation;
-            let [x, y, z] = self.readings.load_three(&columns[1..], batch);
-            let reading = [self.readings.load(columns[0], batch), x, y, z];
-            let weight = zero.lift(sd.recip());
-            let equations = &mut self.equations;
-            platform_rows::tracker_orientation_rows(first, reading, weight, pose, equations);
-        }
-        if let (Some(first), Some(sensor)) = (self.layout.inclination, robot.inclinometer) {
-            let reading = self.readings.load_three(&self.platform.inclination, batch);
-            platform_rows::inclination_rows(
-                first,
-                (reading, zero.lift(sensor.sd_rad.recip())),
-                &ports,
-                &links,
-                &self.layout,
-                pose,
-                &mut self.equations,
-            );
-        }
-    }
 }
 
 #[inline(always)]
@@ -618,12 +401,6 @@ fn store_all<T: Packet>(values: &[T], slice: &mut [f64], first: usize) {
     for (k, value) in values.iter().enumerate() {
         value.store(slice, first + k);
     }
-}
-
-#[inline(always)]
-fn whiten<T: Packet>(column: &mut [T; 6], factor: &[T; 21], present: T) {
-    normal::forward_substitute(factor, column);
-    *column = scaled(*column, present);
 }
 
 /// One pass over all packets.
@@ -662,122 +439,5 @@ impl<T: Packet> Kernel for MovePoses<'_, '_, T> {
         for batch in 0..self.evaluator.batches() {
             self.evaluator.move_packet(batch, self.step);
         }
-    }
-}
-
-fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
-    let has_forces = !problem.dataset.measurements.force_n.is_empty();
-    let needs_sag = |bound: &crate::effect::BoundEffect| bound.effect.needs_sag();
-    let effects = || problem.held_effects.iter().chain(&problem.free_effects);
-    let constants = |cable: &crate::robot::Cable| {
-        let measured = has_forces && cable.force_sensor.is_some();
-        let latent = problem.has_latent_tension() && !is_home;
-        CableConstants {
-            run: cable.winch.length_to_pulley_m,
-            length_sd: if is_home {
-                1.0
-            } else {
-                cable.winch.length_sd_m
-            },
-            tension_sd: match cable.force_sensor {
-                Some(sensor) if latent => sensor.tension_sd_n,
-                _ => 0.0,
-            },
-            sags: measured && (cable.cable.weight_n_per_m != 0.0 || effects().any(needs_sag)),
-            surface: cable.cable.elongation_surface.clone().filter(|_| measured),
-            swivel_zero: cable.pulley.swivel_zero.unwrap_or_default(),
-            swivel_sd: cable.pulley.swivel_sd_rad.unwrap_or(f64::INFINITY),
-        }
-    };
-    problem.dataset.robot.cables.iter().map(constants).collect()
-}
-
-/// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.
-fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Packed {
-    let count = poses.len().next_multiple_of(T::LANES);
-    let mut values = packed(count * ATTITUDE);
-    for index in 0..count {
-        let Some(pose) = poses.get(index).or(poses.last()) else {
-            continue;
-        };
-        let (batch, lane) = (index / T::LANES, index % T::LANES);
-        let numbers = pose.position.iter().copied().chain(pose.orientation_wxyz());
-        for (k, value) in numbers.enumerate() {
-            values[(batch * ATTITUDE + k) * T::LANES + lane] = value;
-        }
-    }
-    values
-}
-
-fn pack_platform<T: Packet>(
-    store: &mut ColumnStore<T>,
-    problem: &Problem<'_>,
-    layout: &Layout,
-    rows: &[usize],
-) -> PlatformInputs {
-    let data = &problem.dataset.measurements;
-    let nan = f64::NAN;
-    let mut triple = |present: bool, column: &[[f64; 3]]| -> Vec<Column> {
-        let count = if present { 3 } else { 0 };
-        let pack = |k: usize| store.varying(rows.iter().map(|row| column[*row][k]), nan);
-        (0..count).map(pack).collect()
-    };
-    let tracker_position = triple(layout.tracker_position.is_some(), &data.tracked_position_m);
-    let inclination = triple(layout.inclination.is_some(), &data.inclination_rad);
-    let tracker_sd = problem
-        .dataset
-        .robot
-        .tracker
-        .map_or([nan; 3], |t| t.position_sd_m.each());
-    let inverse_sd = |row: usize, k: usize| {
-        let own = data.tracked_position_sd_m.get(row).map_or(nan, |sd| sd[k]);
-        (if own.is_nan() { tracker_sd[k] } else { own }).recip()
-    };
-    let tracker_inverse_sd = tracker_position
-        .iter()
-        .enumerate()
-        .map(|(k, _)| store.varying(rows.iter().map(|row| inverse_sd(*row, k)), 0.0))
-        .collect();
-    let quaternion = if layout.tracker_orientation.is_some() {
-        4
-    } else {
-        0
-    };
-    let tracker_orientation = (0..quaternion)
-        .map(|k| {
-            store.varying(
-                rows.iter()
-                    .map(|row| data.tracked_orientation_wxyz[*row][k]),
-                nan,
-            )
-        })
-        .collect();
-    let swivels = if layout.swivel.is_some() {
-        layout.cables
-    } else {
-        0
-    };
-    let swivel = (0..swivels)
-        .map(|cable| {
-            // Without direction of zero or standard deviation the reading cannot be used.
-            let pulley = &problem.dataset.robot.cables[cable].pulley;
-            let usable = pulley.swivel_zero.is_some() && pulley.swivel_sd_rad.is_some();
-            let at = |row: &usize| {
-                if usable {
-                    data.swivel_rad.get(*row, cable)
-                } else {
-                    nan
-                }
-            };
-            store.varying(rows.iter().map(at), nan)
-        })
-        .collect();
-    PlatformInputs {
-        laser: store.varying(rows.iter().map(|row| data.laser_at(*row)), nan),
-        swivel,
-        tracker_position,
-        tracker_inverse_sd,
-        tracker_orientation,
-        inclination,
     }
 }

@@ -1,0 +1,225 @@
+//! Evaluates all rows of one packet of poses.
+
+use super::cable_rows::{Balance, CableInputs, CableState, add_lever_rotation};
+use super::equations::Attitude;
+use super::normal;
+use super::platform_rows::{self, LaserInputs};
+use super::{Evaluator, LARGEST_ERROR};
+use crate::effect::PlatformPort;
+use crate::real::{Packet, constants, scaled, unit_vector};
+
+impl<T: Packet> Evaluator<'_, T> {
+    #[inline(always)]
+    pub(super) fn evaluate(&mut self, batch: usize, pose: &Attitude<T>) {
+        let zero = T::splat(self.token, 0.0);
+        self.equations.by_effect.fill(zero);
+        let mut balance = Balance::new(zero);
+        if self.layout.equilibrium.is_some() {
+            let first = self.layout.plane_column();
+            self.equations.balance_by_column[first..].fill([zero; 6]);
+        }
+        for cable in 0..self.layout.cables {
+            self.evaluate_cable(batch, cable, pose, &mut balance);
+        }
+        if let Some(first) = self.layout.equilibrium {
+            self.finish_balance(batch, first, pose, &mut balance);
+        }
+        if self.is_latent {
+            self.update_tension_errors(batch);
+        }
+        self.evaluate_platform(batch, pose);
+        for k in 0..6 {
+            if self.free[k] == 0.0 {
+                for j in &mut self.equations.by_pose {
+                    j[k] = zero;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_cable(
+        &mut self,
+        batch: usize,
+        cable: usize,
+        pose: &Attitude<T>,
+        balance: &mut Balance<T>,
+    ) {
+        let columns = &self.ports.cables[cable];
+        let swivel = self.platform.swivel.get(cable);
+        // Far from the solution the estimates are wild, and the readings are better.
+        let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
+        let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
+        let inputs = CableInputs {
+            entry: self.entry[cable],
+            home_length: self.home_length[cable],
+            ports: self.ports.store.load_all(columns, batch),
+            swivel: match swivel {
+                Some(column) => self.readings.load(*column, batch),
+                None => T::splat(self.token, f64::NAN),
+            },
+            tension_error,
+        };
+        let constants = &self.constants[cable];
+        let state = CableState::new(constants, &inputs, pose, self.down);
+        let residual = state.length_row(cable, &inputs, &mut self.equations);
+        if let Some(first) = self.layout.swivel {
+            let at = (first + cable, cable);
+            state.swivel_row(at, constants, &inputs, &mut self.equations);
+        }
+        if self.layout.equilibrium.is_some() {
+            state.add_balance(cable, residual, &self.layout, balance, &mut self.equations);
+            balance.present = balance.present * inputs.ports[1].present().1;
+        }
+        if self.detailed || self.is_latent {
+            self.equations.length_by_tension[cable] = state.length_by_tension();
+            self.equations.structure[cable] = state.structure();
+        }
+        for link in &self.ports.cable_links[cable] {
+            let slope = self.ports.store.load(link.slope, batch);
+            let at = (cable, constants);
+            state.link((link, slope), at, &self.layout, pose, &mut self.equations);
+        }
+    }
+
+    /// Adds gravity, whitens, and leaves out coordinates that are not free.
+    #[inline(always)]
+    fn finish_balance(
+        &mut self,
+        batch: usize,
+        first: usize,
+        pose: &Attitude<T>,
+        balance: &mut Balance<T>,
+    ) {
+        let zero = T::splat(self.token, 0.0);
+        self.add_gravity(batch, pose, balance);
+        for k in 0..6 {
+            let diagonal = k * (k + 1) / 2 + k;
+            if self.balanced[k] == 0.0 {
+                for q in 0..6 {
+                    let (row, column) = (k.max(q), k.min(q));
+                    balance.covariance[row * (row + 1) / 2 + column] = zero;
+                }
+                balance.covariance[diagonal] = zero.lift(1.0);
+                balance.residual[k] = zero;
+                for column in &mut balance.by_pose {
+                    column[k] = zero;
+                }
+                for column in &mut self.equations.balance_by_column {
+                    column[k] = zero;
+                }
+            } else {
+                let variance = zero.lift(self.wrench_variance[k]);
+                balance.covariance[diagonal] = balance.covariance[diagonal] + variance;
+            }
+        }
+        normal::factorise(&mut balance.covariance, 0.0);
+        self.equations.balance_factor = balance.covariance;
+        let factor = &balance.covariance;
+        whiten(&mut balance.residual, factor, balance.present);
+        for column in &mut balance.by_pose {
+            whiten(column, factor, balance.present);
+        }
+        for column in &mut self.equations.balance_by_column {
+            whiten(column, factor, balance.present);
+        }
+        for k in 0..6 {
+            let row = first + k;
+            self.equations.residual[row] = balance.residual[k];
+            for q in 0..6 {
+                self.equations.by_pose[row][q] = balance.by_pose[q][k];
+            }
+            let counted = balance.present * zero.lift(self.balanced[k]);
+            self.equations.present[row] = counted;
+        }
+    }
+
+    #[inline(always)]
+    fn add_gravity(&mut self, batch: usize, pose: &Attitude<T>, balance: &mut Balance<T>) {
+        let [mass, x, y, z, ..] = self.ports.store.load_all(&self.ports.platform, batch);
+        let per_kilogram = constants(mass, self.gravity);
+        let weight = scaled(per_kilogram, mass);
+        let lever = pose.rotate([x, y, z]);
+        let torque = crate::real::cross(lever, weight);
+        for k in 0..3 {
+            balance.residual[k] = balance.residual[k] + weight[k];
+            balance.residual[3 + k] = balance.residual[3 + k] + torque[k];
+        }
+        add_lever_rotation(lever, weight, balance);
+        for link in &self.ports.platform_links {
+            let slope = self.ports.store.load(link.slope, batch);
+            let (force, lever) = match link.port {
+                PlatformPort::Mass => (per_kilogram, lever),
+                PlatformPort::CenterOfMass(axis) => (weight, pose.rotate(unit_vector(mass, axis))),
+                _ => continue,
+            };
+            let column = self.layout.effect_column() + link.parameter;
+            let column = &mut self.equations.balance_by_column[column];
+            let torque = crate::real::cross(lever, force);
+            for k in 0..3 {
+                if matches!(link.port, PlatformPort::Mass) {
+                    column[k] = force[k].mul_add(slope, column[k]);
+                }
+                column[3 + k] = torque[k].mul_add(slope, column[3 + k]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn evaluate_platform(&mut self, batch: usize, pose: &Attitude<T>) {
+        let robot = &self.problem.dataset.robot;
+        let zero = T::splat(self.token, 0.0);
+        let ports: [T; PlatformPort::COUNT] =
+            self.ports.store.load_all(&self.ports.platform, batch);
+        let mut links = Vec::with_capacity(self.ports.platform_links.len());
+        for link in &self.ports.platform_links {
+            let slope = self.ports.store.load(link.slope, batch);
+            links.push((link.port, link.parameter, slope));
+        }
+        if let (Some(row), Some(laser)) = (self.layout.laser, &robot.laser) {
+            let inputs = LaserInputs {
+                reading: self.readings.load(self.platform.laser, batch),
+                origin: constants(zero, laser.origin_m),
+                offset: self.plane_offset,
+                inverse_sd: zero.lift(laser.sd_m.recip()),
+                ports,
+            };
+            inputs.row(row, &links, &self.layout, pose, &mut self.equations);
+        }
+        if let Some(first) = self.layout.tracker_position {
+            let position = &self.platform.tracker_position;
+            let reading = self.readings.load_three(position, batch);
+            let weight = self
+                .readings
+                .load_three(&self.platform.tracker_inverse_sd, batch);
+            platform_rows::tracker_position_rows(first, reading, weight, pose, &mut self.equations);
+        }
+        let tracker_sd = robot.tracker.and_then(|t| t.orientation_sd_rad);
+        if let (Some(first), Some(sd)) = (self.layout.tracker_orientation, tracker_sd) {
+            let columns = &self.platform.tracker_orientation;
+            let [x, y, z] = self.readings.load_three(&columns[1..], batch);
+            let reading = [self.readings.load(columns[0], batch), x, y, z];
+            let weight = zero.lift(sd.recip());
+            let equations = &mut self.equations;
+            platform_rows::tracker_orientation_rows(first, reading, weight, pose, equations);
+        }
+        if let (Some(first), Some(sensor)) = (self.layout.inclination, robot.inclinometer) {
+            let reading = self.readings.load_three(&self.platform.inclination, batch);
+            platform_rows::inclination_rows(
+                first,
+                (reading, zero.lift(sensor.sd_rad.recip())),
+                &ports,
+                &links,
+                &self.layout,
+                pose,
+                &mut self.equations,
+            );
+        }
+    }
+}
+
+#[inline(always)]
+fn whiten<T: Packet>(column: &mut [T; 6], factor: &[T; 21], present: T) {
+    normal::forward_substitute(factor, column);
+    *column = scaled(*column, present);
+}
