@@ -4,6 +4,7 @@ use super::plain::{Found, Plain};
 use super::*;
 use crate::estimation::solver::Descent;
 use crate::estimation::start::Start;
+use crate::real::{Lanes, Packet};
 
 fn cases() -> Vec<Simulated> {
     vec![
@@ -74,6 +75,22 @@ fn joint_method_finds_the_minimum_of_problem_r2() {
     }
 }
 
+/// The solution with one instruction set after the other, as far as this processor has them.
+fn by_instruction_set(problem: &Problem<'_>) -> Vec<Solution> {
+    fn with<T: Packet>(token: T::Token, problem: &Problem<'_>) -> Solution {
+        Descent::<T>::from(token, problem, Start::Given).run(&Options::default(), &mut quiet)
+    }
+    let mut solutions = vec![
+        with::<f64>((), problem),
+        with::<Lanes<pulp::Scalar>>(pulp::Scalar, problem),
+    ];
+    #[cfg(target_arch = "x86_64")]
+    if let Some(v3) = pulp::x86::V3::try_new() {
+        solutions.push(with::<Lanes<pulp::x86::V3>>(v3, problem));
+    }
+    solutions
+}
+
 #[test]
 fn all_instruction_sets_find_the_same() {
     for name in ["mini", "suspended", "planar"] {
@@ -81,15 +98,15 @@ fn all_instruction_sets_find_the_same() {
         let run = run_of(name, 13, 4);
         for method in [Method::Joint, Method::Simple] {
             let problem = Problem::new(&run.dataset).unwrap().with_method(method);
-            let lanes = solve(&problem, &Options::default(), &mut quiet).unwrap();
-            let scalar = Descent::<f64>::from((), &problem, Start::Given)
-                .run(&Options::default(), &mut quiet);
-            assert_eq!(lanes.iterations, scalar.iterations);
-            assert_eq!(lanes.degrees_of_freedom, scalar.degrees_of_freedom);
-            // The same arithmetic but for the order of sums and fused operations.
-            let off = difference_in_sd(&lanes, &scalar);
-            assert!(off < 1e-9, "{name} {method:?}: {off:e}");
-            assert!((lanes.chi2 - scalar.chi2).abs() < 1e-9 * scalar.chi2);
+            let chosen = solve(&problem, &Options::default(), &mut quiet).unwrap();
+            for other in by_instruction_set(&problem) {
+                assert_eq!(chosen.iterations, other.iterations);
+                assert_eq!(chosen.degrees_of_freedom, other.degrees_of_freedom);
+                // The same arithmetic but for the order of sums and fused operations.
+                let off = difference_in_sd(&chosen, &other);
+                assert!(off < 1e-9, "{name} {method:?}: {off:e}");
+                assert!((chosen.chi2 - other.chi2).abs() < 1e-9 * other.chi2);
+            }
         }
     }
 }
