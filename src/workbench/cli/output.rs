@@ -12,7 +12,7 @@ pub fn line(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
-/// `println!` by way of [`line`].
+/// `println!` by way of [`line()`].
 macro_rules! say {
     ($($text:tt)*) => {
         $crate::cli::output::line(&format!($($text)*))
