@@ -1,6 +1,7 @@
 //! Headless commands: arguments, exit codes, output.
 
 mod accuracy;
+mod effects;
 mod evaluate;
 mod fitted;
 mod identify;
@@ -37,6 +38,8 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// Fit winches, force sensors, home platform and cable elongation of a dataset
     Precalibrate(precalibrate::Arguments),
+    /// List the physical effects that simulate can hide and identify can free
+    Effects,
     /// Write the JSON Schemas of the file formats
     Schemas {
         /// Folder to write to
@@ -69,6 +72,10 @@ pub fn run() -> ExitCode {
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),
+        Command::Effects => {
+            effects::run();
+            Ok(())
+        }
         Command::Schemas { out } => schemas::run(&out),
     };
     let Err(error) = result else {

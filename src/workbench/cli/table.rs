@@ -2,6 +2,14 @@
 
 use comfy_table::{Cell, CellAlignment, Table, presets};
 
+/// A table with a header whose columns are all text.
+pub fn texts(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(header);
+    table
+}
+
 /// A table with a header; the first column is text, the others are numbers.
 pub fn numbers(header: &[&str]) -> Table {
     let mut table = Table::new();

@@ -149,3 +149,14 @@ fn the_same_seed_makes_the_same_files() {
         assert_eq!(read(&one).expect(name), read(&two).expect(name));
     }
 }
+
+#[test]
+fn every_effect_of_the_catalogue_is_listed() {
+    let list = tautline(&["effects"]).succeeded().stdout;
+    for effect in tautline_core::effect::CATALOGUE {
+        let listed = list
+            .lines()
+            .any(|line| line.split_whitespace().next() == Some(effect.id()));
+        assert!(listed, "{}", effect.id());
+    }
+}
