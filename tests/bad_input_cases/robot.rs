@@ -387,6 +387,19 @@ fn home_platform_and_effects() -> Vec<BadInput> {
             &["/effects/0/targets/1", "again"],
         ),
         case(
+            "unknown effect",
+            Set("/effects", r#"[{"effect": "winch_scales"}]"#),
+            &["robot.json, /effects/0: unknown effect \"winch_scales\""],
+        ),
+        case(
+            "unknown effect parameter",
+            Set(
+                "/effects",
+                r#"[{"effect": "winch_scale", "parameters": {"factor": 0.01}}]"#,
+            ),
+            &["/effects/0: effect \"winch_scale\" has no parameter \"factor\"; it has scale"],
+        ),
+        case(
             "effect parameter a text",
             Set(
                 "/effects",

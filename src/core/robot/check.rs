@@ -8,7 +8,7 @@ mod layout;
 
 use super::{Cable, Home, HomePlatform, Laser, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
-use crate::effect::EffectSetting;
+use crate::effect::{BoundEffect, EffectSetting};
 use crate::kinematics::MAX_CABLES;
 use field::Object;
 
@@ -101,6 +101,9 @@ impl Robot {
         let list = root.child("effects");
         for (index, effect) in self.effects.iter().enumerate() {
             self.check_effect(&list.child(index), effect)?;
+            if let Err(error) = BoundEffect::from_setting(effect, self) {
+                return list.fail(index, error.to_string());
+            }
         }
         Ok(())
     }
