@@ -9,45 +9,58 @@ const SUSPECTS_SHOWN: usize = 10;
 
 /// The readable report.
 pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
-    let solution = &fitted.solution;
     say!("{}", headline(fitted, identification));
     say!("{}", adequacy(identification));
+    print_entry_points(fitted, identification);
+    if !identification.effects.is_empty() {
+        print_effects(identification);
+    }
+    print_residuals(identification);
+    for sentence in &identification.undetermined {
+        say!("open: {sentence}");
+    }
+    print_suspects(&identification.suspect_readings);
+}
+
+/// What stands in the place of a standard deviation that there is none of.
+fn no_sd() -> String {
+    "-".to_owned()
+}
+
+fn print_entry_points(fitted: &Fitted<'_>, identification: &Identification) {
     let mut points = table::numbers(&[
         "Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm",
     ]);
     for (index, cable) in fitted.robot().cables.iter().enumerate() {
-        let point = solution.globals.entry_points[index];
+        let point = fitted.solution.globals.entry_points[index];
         let nominal = cable.pulley.entry_point_m;
         let sds = identification.entry_points_sd_m[index];
-        let moved = (0..3)
-            .map(|k| (point[k] - nominal[k]).powi(2))
-            .sum::<f64>()
-            .sqrt();
+        let square: f64 = (0..3).map(|k| (point[k] - nominal[k]).powi(2)).sum();
         let mut cells = vec![cable.name.clone()];
         cells.extend(point.map(|v| table::mm(v, 2)));
-        cells.extend(sds.map(|sd| sd.map_or("open".to_owned(), |sd| table::mm(sd, 2))));
-        cells.push(table::mm(moved, 2));
+        cells.extend(sds.map(|sd| sd.map_or_else(no_sd, |sd| table::mm(sd, 2))));
+        cells.push(table::mm(square.sqrt(), 2));
         table::push(&mut points, &cells);
     }
     say!("{points}");
-    if !identification.effects.is_empty() {
-        let mut effects = table::numbers(&["Effect", "value", "sd", "unit"]);
-        for effect in &identification.effects {
-            let on = effect.targets.join(", ");
-            let name = format!("{} {} {on}", effect.effect, effect.parameter);
-            let sd = effect
-                .sd
-                .map_or("open".to_owned(), |sd| format!("{sd:.3e}"));
-            let cells = [
-                name,
-                format!("{:.5e}", effect.value),
-                sd,
-                effect.unit.clone(),
-            ];
-            table::push(&mut effects, &cells);
-        }
-        say!("{effects}");
+}
+
+fn print_effects(identification: &Identification) {
+    let mut effects = table::numbers(&["Effect", "value", "sd", "unit"]);
+    for effect in &identification.effects {
+        let on = effect.targets.join(", ");
+        let cells = [
+            format!("{} {} {on}", effect.effect, effect.parameter),
+            format!("{:.5e}", effect.value),
+            effect.sd.map_or_else(no_sd, |sd| format!("{sd:.3e}")),
+            effect.unit.clone(),
+        ];
+        table::push(&mut effects, &cells);
     }
+    say!("{effects}");
+}
+
+fn print_residuals(identification: &Identification) {
     let rms = &identification.rms;
     let show = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
         if let Some(value) = value {
@@ -57,18 +70,14 @@ pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
     show("of lengths", rms.length_m, 1e3, "mm");
     show("of the laser", rms.laser_m, 1e3, "mm");
     show("of tensions", rms.tension_n, 1.0, "N");
-    for sentence in &identification.undetermined {
-        say!("open: {sentence}");
-    }
-    let suspects = &identification.suspect_readings;
+}
+
+fn print_suspects(suspects: &[String]) {
     for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
         say!("suspect: {suspect}");
     }
-    if suspects.len() > SUSPECTS_SHOWN {
-        say!(
-            "... and {} more suspect readings",
-            suspects.len() - SUSPECTS_SHOWN
-        );
+    if let Some(more @ 1..) = suspects.len().checked_sub(SUSPECTS_SHOWN) {
+        say!("... and {more} more suspect readings");
     }
 }
 
@@ -94,7 +103,9 @@ fn adequacy(identification: &Identification) -> String {
     let figures = format!("chi-square {chi2:.1} for {dof:.0} degrees of freedom");
     match identification.p_value {
         None => format!("{figures}: the data cannot be checked, nothing is redundant"),
-        Some(p) if p < 1e-4 => format!("{figures}: the model does NOT explain the data"),
+        Some(p) if p < 1e-4 => format!(
+            "{figures}: the model does NOT explain the data; the standard deviations hold only if it did"
+        ),
         Some(p) if p < 0.01 => {
             format!("{figures} (p = {p:.4}): the model hardly explains the data")
         }
