@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.poses_held {
         problem.poses = Poses::HeldAtTracker;
     }
-    let fitted = Fitted::solve(&problem, 1)?;
+    let fitted = Fitted::solve(&problem, 1)?.compared_with(&folder.dataset.robot);
     let identification = fitted.identification();
     if let Some(path) = &arguments.json {
         write_json(path, &tautline_session::document(&identification))?;

@@ -28,7 +28,7 @@ pub fn run(arguments: &Arguments, dataset: &Dataset) -> Result<()> {
         .map_err(BadInput::new)?
         .with_method(Method::Simple);
     problem.geometry = Geometry::Held;
-    let fitted = Fitted::solve(&problem, 1)?;
+    let fitted = Fitted::solve(&problem, 1)?.compared_with(&dataset.robot);
     let mut identification = fitted.identification();
     "published".clone_into(&mut identification.method);
     identification.seconds = seconds;

@@ -20,6 +20,8 @@ pub struct Fitted<'a> {
     analysis: Analysis,
     open: Vec<Deficiency>,
     seconds: f64,
+    /// Where the drawing has the entry points (m).
+    drawn_m: Vec<[f64; 3]>,
 }
 
 /// Level for all readings together at which single readings are called suspect.

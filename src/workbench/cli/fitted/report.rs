@@ -33,9 +33,9 @@ fn print_entry_points(fitted: &Fitted<'_>, identification: &Identification) {
     ]);
     for (index, cable) in fitted.robot().cables.iter().enumerate() {
         let point = fitted.solution.globals.entry_points[index];
-        let nominal = cable.pulley.entry_point_m;
+        let drawn = fitted.drawn_m[index];
         let sds = identification.entry_points_sd_m[index];
-        let square: f64 = (0..3).map(|k| (point[k] - nominal[k]).powi(2)).sum();
+        let square: f64 = (0..3).map(|k| (point[k] - drawn[k]).powi(2)).sum();
         let mut cells = vec![cable.name.clone()];
         cells.extend(point.map(|v| table::mm(v, 2)));
         cells.extend(sds.map(|sd| sd.map_or_else(no_sd, |sd| table::mm(sd, 2))));

@@ -6,6 +6,7 @@ use anyhow::Result;
 use tautline_core::estimation::{
     Analysis, Control, Options, Problem, Solution, deficiencies, solve,
 };
+use tautline_core::robot::Robot;
 
 use super::Fitted;
 use crate::cli::BadInput;
@@ -17,11 +18,23 @@ impl<'a> Fitted<'a> {
         Ok(Self {
             analysis: Analysis::new(problem, &solution),
             open: deficiencies(problem, &solution),
+            drawn_m: entry_points(&problem.dataset.robot),
             problem,
             solution,
             seconds,
         })
     }
+
+    /// The same, compared with the drawing of another robot.
+    pub fn compared_with(mut self, drawing: &Robot) -> Self {
+        self.drawn_m = entry_points(drawing);
+        self
+    }
+}
+
+fn entry_points(robot: &Robot) -> Vec<[f64; 3]> {
+    let cables = robot.cables.iter();
+    cables.map(|cable| cable.pulley.entry_point_m).collect()
 }
 
 /// Runs `work` `repeat` times, at least once; the last result and the least time (s).
