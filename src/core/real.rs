@@ -25,6 +25,9 @@ pub trait Real:
     /// `self * factor + term`, rounded once where the processor can.
     #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// `self - a * b`, rounded once where the processor can.
+    #[must_use]
+    fn minus_product(self, a: Self, b: Self) -> Self;
     /// The larger of two values.
     #[must_use]
     fn max(self, other: Self) -> Self;
@@ -55,6 +58,10 @@ impl Real for f64 {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // A fused operation without hardware support is a slow library call.
         self * factor + term
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
@@ -232,6 +239,15 @@ impl<S: Simd> Real for Lanes<S> {
             value: self
                 .simd
                 .mul_add_e_f64s(self.value, factor.value, term.value),
+        }
+    }
+    #[inline(always)]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        Self {
+            simd: self.simd,
+            value: self
+                .simd
+                .negate_mul_add_e_f64s(a.value, b.value, self.value),
         }
     }
     #[inline(always)]

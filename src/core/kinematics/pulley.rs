@@ -134,6 +134,15 @@ impl<T: Real> CablePath<T> {
         add_scaled(scaled(self.normal, -in_plane), -sideways, self.lateral)
     }
 
+    /// `scale du/dB` along one axis.
+    #[inline(always)]
+    #[must_use]
+    pub fn turn_along(&self, axis: usize, scale: T) -> [T; 3] {
+        let in_plane = self.normal[axis] * self.inverse_free_length * scale;
+        let sideways = self.lateral[axis] * self.sin_wrap * self.inverse_axis_distance * scale;
+        add_scaled(scaled(self.normal, -in_plane), -sideways, self.lateral)
+    }
+
     /// `dl_f/dB = -u - (rp/l_f) n` for a pulley of radius `radius`.
     #[inline(always)]
     #[must_use]

@@ -343,8 +343,7 @@ impl<T: Real> CableState<T> {
         let columns = &mut equations.balance_by_column[first..first + 4];
         let mut moved = [[zero; 6]; 3];
         for axis in 0..3 {
-            let unit = unit_vector(zero, axis);
-            let turned = scaled(self.path.turn(unit), self.expected);
+            let turned = self.path.turn_along(axis, self.expected);
             let change = wrench(self.lever, turned);
             let back = -(regression * self.gradient[axis]);
             for k in 0..6 {

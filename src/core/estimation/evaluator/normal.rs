@@ -180,7 +180,7 @@ impl<T: Packet> Elimination<T> {
         }
         for k in (0..6).rev() {
             for q in k + 1..6 {
-                x[k] = x[k] - factor[q * (q + 1) / 2 + k] * x[q];
+                x[k] = x[k].minus_product(factor[q * (q + 1) / 2 + k], x[q]);
             }
             x[k] = x[k] * factor[k * (k + 1) / 2 + k];
         }
@@ -215,11 +215,11 @@ pub(super) fn factorise<T: Packet>(a: &mut [T; 21], damping: f64) {
         for q in 0..k {
             let mut sum = a[k * (k + 1) / 2 + q];
             for p in 0..q {
-                sum = sum - a[k * (k + 1) / 2 + p] * a[q * (q + 1) / 2 + p];
+                sum = sum.minus_product(a[k * (k + 1) / 2 + p], a[q * (q + 1) / 2 + p]);
             }
             let entry = sum * a[q * (q + 1) / 2 + q];
             a[k * (k + 1) / 2 + q] = entry;
-            pivot = pivot - entry * entry;
+            pivot = pivot.minus_product(entry, entry);
         }
         let sound = pivot - grown * zero.lift(1e-13);
         let inverse = one / sound.select_positive(pivot, one).sqrt();
@@ -233,7 +233,7 @@ pub(super) fn forward_substitute<T: Packet>(factor: &[T; 21], b: &mut [T; 6]) {
     for k in 0..6 {
         let mut sum = b[k];
         for q in 0..k {
-            sum = sum - factor[k * (k + 1) / 2 + q] * b[q];
+            sum = sum.minus_product(factor[k * (k + 1) / 2 + q], b[q]);
         }
         b[k] = sum * factor[k * (k + 1) / 2 + k];
     }

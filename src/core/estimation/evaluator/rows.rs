@@ -115,13 +115,18 @@ impl<T: Packet> Evaluator<'_, T> {
         }
         normal::factorise(&mut balance.covariance, 0.0);
         self.equations.balance_factor = balance.covariance;
-        let factor = &balance.covariance;
-        whiten(&mut balance.residual, factor, balance.present);
+        // A factor whose inverse diagonal is zero whitens to nothing where a tension was not read.
+        let mut factor = balance.covariance;
+        for k in 0..6 {
+            let diagonal = k * (k + 1) / 2 + k;
+            factor[diagonal] = factor[diagonal] * balance.present;
+        }
+        normal::forward_substitute(&factor, &mut balance.residual);
         for column in &mut balance.by_pose {
-            whiten(column, factor, balance.present);
+            normal::forward_substitute(&factor, column);
         }
         for column in &mut self.equations.balance_by_column {
-            whiten(column, factor, balance.present);
+            normal::forward_substitute(&factor, column);
         }
         for k in 0..6 {
             let row = first + k;
@@ -216,10 +221,4 @@ impl<T: Packet> Evaluator<'_, T> {
             );
         }
     }
-}
-
-#[inline(always)]
-fn whiten<T: Packet>(column: &mut [T; 6], factor: &[T; 21], present: T) {
-    normal::forward_substitute(factor, column);
-    *column = scaled(*column, present);
 }
