@@ -7,8 +7,8 @@ pub struct Options {
     pub max_iterations: usize,
     /// Converged when a step promises to lower the loss by less than this part of it.
     pub tolerance: f64,
-    /// Gain of the loss that is not worth another pass of the joint method: 1e-6 is a thousandth of a
-    /// standard deviation. With exact tensions the minimum is asked for to `tolerance` alone.
+    /// Gain of the loss that is not worth another pass of the joint method: 2e-5 is a two-hundredth of
+    /// a standard deviation. With exact tensions the minimum is asked for to `tolerance` alone.
     pub negligible: f64,
 }
 
@@ -17,7 +17,7 @@ impl Default for Options {
         Self {
             max_iterations: 100,
             tolerance: 1e-11,
-            negligible: 1e-6,
+            negligible: 2e-5,
         }
     }
 }
