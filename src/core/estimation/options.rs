@@ -7,7 +7,7 @@ pub struct Options {
     pub max_iterations: usize,
     /// Converged when a step promises to lower the loss by less than this part of it.
     pub tolerance: f64,
-    /// Gain of the loss that is not worth another pass of the joint method: 2e-5 is a two-hundredth of
+    /// Gain of the loss that is not worth another pass of the joint method: 2e-5 is about a two-hundredth of
     /// a standard deviation. With exact tensions the minimum is asked for to `tolerance` alone.
     pub negligible: f64,
 }
