@@ -1,7 +1,7 @@
 //! A step in the cable paid out: `paid += step` at the pose labelled `pose` and at all later labels; metres.
 //! Assumes that the cable slipped once. Typical 1 to 20 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -24,6 +24,9 @@ impl Effect for CableSlip {
                 EffectParameter::given("pose", "1", [1.0, 100.0]),
             ]
         }
+    }
+    fn search(&self) -> Search {
+        Search::FromPose(1)
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         if at.is_from(parameters[1].value) {

@@ -2,7 +2,7 @@
 //! poses. Force and swivel readings are not. Changes simulated readings only; an estimation has nothing to
 //! fit.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{Effect, EffectParameter, Scope, Search};
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
@@ -22,6 +22,9 @@ impl Effect for CableSwap {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[] }
+    }
+    fn search(&self) -> Search {
+        Search::Exchange
     }
     fn corrupt(
         &self,

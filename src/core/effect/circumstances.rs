@@ -73,6 +73,20 @@ impl CableCircumstances {
     pub fn is_from(&self, label: f64) -> bool {
         !self.is_home && self.label as f64 >= label
     }
+
+    /// Whether this is the pose with this label, and not the home pose.
+    #[must_use]
+    pub fn is_at(&self, label: f64) -> bool {
+        !self.is_home && self.label as f64 == label
+    }
+}
+
+impl PlatformCircumstances {
+    /// Whether this is the pose with this label.
+    #[must_use]
+    pub fn is_at(&self, label: f64) -> bool {
+        self.label as f64 == label
+    }
 }
 
 /// Circumstances of all rows of a dataset.

@@ -1,7 +1,7 @@
 //! Drum out of round: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
 //! out. Typical amplitude 0.1 to 1 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -28,6 +28,12 @@ impl Effect for DrumEccentricity {
                     [-std::f64::consts::PI, std::f64::consts::PI],
                 ),
             ]
+        }
+    }
+    fn search(&self) -> Search {
+        Search::Wave {
+            phase: 1,
+            period: None,
         }
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {

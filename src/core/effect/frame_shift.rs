@@ -1,7 +1,7 @@
 //! An entry point that jumps, as after a knock: `a += (x, y, z)`, base frame, metres, at the pose labelled `pose`
 //! and at all later labels. Typical 1 to 20 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -26,6 +26,9 @@ impl Effect for FrameShift {
                 EffectParameter::given("pose", "1", [1.0, 100.0]),
             ]
         }
+    }
+    fn search(&self) -> Search {
+        Search::FromPose(3)
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         if at.is_from(parameters[3].value) {

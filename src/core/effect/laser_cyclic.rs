@@ -5,7 +5,7 @@
 //! stay below 1. A fit finds the period only if it starts within about a tenth of `P^2 / range` of it.
 //! Typical amplitude 0.3 to 3 mm.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope, Search};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -33,6 +33,12 @@ impl Effect for LaserCyclic {
                     [-std::f64::consts::PI, std::f64::consts::PI],
                 ),
             ]
+        }
+    }
+    fn search(&self) -> Search {
+        Search::Wave {
+            phase: 2,
+            period: Some(1),
         }
     }
     fn change_platform(

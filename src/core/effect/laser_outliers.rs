@@ -1,11 +1,7 @@
 //! A laser reading that is wrong: `error` (m) is added at the pose labelled `pose`, as by a reflection elsewhere.
-//! For several poses name the effect several times. Changes simulated readings only; an estimation looks for such
-//! readings, it has nothing to fit.
+//! For several poses name the effect several times.
 
-use super::binding::row_of;
-use super::{Effect, EffectParameter, Scope};
-use crate::measurement::Measurements;
-use crate::robot::Robot;
+use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope, Search};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -25,21 +21,21 @@ impl Effect for LaserOutliers {
         const {
             &[
                 EffectParameter::given("pose", "1", [1.0, 100.0]),
-                EffectParameter::given("error", "m", [0.005, 0.1]),
+                EffectParameter::new("error", "m", 0.1, [0.005, 0.1]),
             ]
         }
     }
-    fn corrupt(
+    fn search(&self) -> Search {
+        Search::AtPose(0)
+    }
+    fn change_platform(
         &self,
-        parameters: &[f64],
-        _cables: &[usize],
-        _robot: &Robot,
-        data: &mut Measurements,
+        parameters: &[Dual],
+        at: &PlatformCircumstances,
+        ports: &mut PlatformPorts,
     ) {
-        if let Some(row) = row_of(data, parameters[0])
-            && let Some(reading) = data.laser_m.get_mut(row)
-        {
-            *reading += parameters[1];
+        if at.is_at(parameters[0].value) {
+            ports.laser_bias += parameters[1];
         }
     }
 }

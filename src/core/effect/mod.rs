@@ -148,6 +148,26 @@ impl EffectParameter {
     }
 }
 
+/// How an effect is looked for in data. Numbers are indices of parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Search {
+    /// By its derivative at the start values.
+    Direct,
+    /// As a wave of any phase, and of many periods where the period is a parameter.
+    Wave {
+        /// The phase.
+        phase: usize,
+        /// The period.
+        period: Option<usize>,
+    },
+    /// From each pose on: the parameter is the label of the first.
+    FromPose(usize),
+    /// At each pose alone: the parameter is its label.
+    AtPose(usize),
+    /// By exchanging the channels of every pair of cables.
+    Exchange,
+}
+
 /// A physical effect of the catalogue.
 pub trait Effect: Sync {
     /// Stable identifier in files and commands.
@@ -161,6 +181,10 @@ pub trait Effect: Sync {
     /// When it acts.
     fn stage(&self) -> Stage {
         Stage::Addition
+    }
+    /// How it is looked for.
+    fn search(&self) -> Search {
+        Search::Direct
     }
     /// Whether sag must be modelled even if the description says that cables weigh nothing.
     fn needs_sag(&self) -> bool {

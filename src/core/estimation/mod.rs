@@ -3,6 +3,7 @@
 mod analysis;
 mod evaluator;
 mod home;
+mod linearisation;
 mod options;
 mod parameter;
 mod problem;
@@ -16,6 +17,7 @@ mod surface;
 mod system;
 
 pub use analysis::{Analysis, Reading, ReadingKind};
+pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
 pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Globals, Loss, Method, Poses, Problem};

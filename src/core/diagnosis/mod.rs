@@ -1,0 +1,81 @@
+//! The model doctor: says whether a model explains the data, names what it gets wrong, extends it, and measures
+//! what that gains.
+//!
+//! Everything rests on one linearisation of all readings at a solution
+//! ([`crate::estimation::Linearisation`]): the score of every effect on every target, the angle between the
+//! signatures of two effects, the search for events over poses, and cross-validation. What is reported is
+//! fitted anew with the whole nonlinear problem.
+
+mod report;
+
+pub use report::{
+    Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
+    GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
+    Variable, Verdict,
+};
+
+use crate::estimation::Control;
+
+/// How to diagnose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiagnosisOptions {
+    /// Probability of any finding in data that the model explains.
+    pub alpha: f64,
+    /// Most findings that are added one after the other.
+    pub most_findings: usize,
+}
+
+impl Default for DiagnosisOptions {
+    fn default() -> Self {
+        Self {
+            alpha: 0.01,
+            most_findings: 12,
+        }
+    }
+}
+
+/// What a running diagnosis is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Fitting the model without further effects.
+    BaseFit,
+    /// Asking on which readings and along which variables it is wrong.
+    Discrepancy,
+    /// Asking every effect on every target.
+    Scores,
+    /// Fitting the best of them completely.
+    Refits,
+    /// Comparing what they predict for poses held out.
+    HeldOut,
+    /// Looking for poses that would separate causes.
+    Separation,
+}
+
+/// State of a running diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DiagnosisProgress {
+    /// What it is about.
+    pub stage: Stage,
+    /// Findings so far.
+    pub findings: usize,
+    /// Parts of the stage done, and all of them.
+    pub done: usize,
+    /// All parts of the stage.
+    pub of: usize,
+}
+
+/// Observer of a running diagnosis.
+pub type Observer<'a> = dyn FnMut(&DiagnosisProgress) -> Control + 'a;
+
+/// Diagnoses a dataset.
+///
+/// # Errors
+/// If the measurements cannot be used with this robot at all.
+pub fn diagnose(
+    dataset: &crate::measurement::Dataset,
+    options: &DiagnosisOptions,
+    observer: &mut Observer<'_>,
+) -> Result<Diagnosis, crate::estimation::EstimationError> {
+    let _ = (dataset, options, observer);
+    unimplemented!()
+}
