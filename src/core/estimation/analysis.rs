@@ -197,7 +197,7 @@ fn covariance_at<T: Packet>(
     System::build(&evaluator.sums, map, home, &priors).covariance()
 }
 
-fn kind_of(layout: &Layout, row: usize) -> ReadingKind {
+pub(super) fn kind_of(layout: &Layout, row: usize) -> ReadingKind {
     let within = |first: Option<usize>, count: usize| {
         first
             .and_then(|first| row.checked_sub(first))
@@ -225,7 +225,12 @@ fn kind_of(layout: &Layout, row: usize) -> ReadingKind {
 }
 
 /// Standard deviation of a reading; `length_weight` is the whitening factor of its length row.
-fn sd_of(problem: &Problem<'_>, kind: ReadingKind, row: usize, length_weight: f64) -> f64 {
+pub(super) fn sd_of(
+    problem: &Problem<'_>,
+    kind: ReadingKind,
+    row: usize,
+    length_weight: f64,
+) -> f64 {
     let robot = &problem.dataset.robot;
     match kind {
         ReadingKind::Length(_) => length_weight.recip(),

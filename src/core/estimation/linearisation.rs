@@ -8,8 +8,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::analysis::ReadingKind;
+use super::analysis::{ReadingKind, kind_of, sd_of};
+use super::evaluator::{Elimination, Equations, Evaluator};
+use super::home::HomeRow;
 use super::parameter::Parameter;
+use super::problem::Problem;
+use super::solution::Solution;
+use super::system::{ColumnMap, Priors};
 
 /// What a row stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,4 +64,238 @@ pub struct Linearisation {
     pub design: DMatrix<f64>,
     /// The poses.
     pub poses: Vec<PoseBlock>,
+}
+
+impl Linearisation {
+    /// Linearises `problem` at `solution`, whose parameters are those of the problem.
+    #[must_use]
+    pub fn new(problem: &Problem<'_>, solution: &Solution) -> Self {
+        Builder::new(problem, solution).build()
+    }
+}
+
+struct Builder<'a> {
+    problem: &'a Problem<'a>,
+    solution: &'a Solution,
+    home_evaluator: Option<(usize, Evaluator<'a, f64>)>,
+    home: HomeRow,
+    evaluator: Evaluator<'a, f64>,
+    map: ColumnMap,
+    rows: Vec<LinearRow>,
+    residual: Vec<f64>,
+    /// Blocks of the design, stacked at the end.
+    blocks: Vec<DMatrix<f64>>,
+    poses: Vec<PoseBlock>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(problem: &'a Problem<'a>, solution: &'a Solution) -> Self {
+        let globals = &solution.globals;
+        let home_row = problem.home_row();
+        let fitted = &solution.poses[usize::from(home_row.is_some())..];
+        let rows: Vec<usize> = fitted.iter().map(|(row, _)| *row).collect();
+        let poses: Vec<_> = fitted.iter().map(|(_, pose)| *pose).collect();
+        let mut home_evaluator =
+            home_row.map(|row| (row, Evaluator::home((), problem, globals, row)));
+        let home = match &mut home_evaluator {
+            Some((_, e)) => HomeRow::evaluate(e, problem, globals, &solution.parameters, None),
+            None => HomeRow::absolute(problem),
+        };
+        let mut evaluator = Evaluator::<f64>::new((), problem, globals, rows, &poses);
+        evaluator.set_globals(globals, Some(&home.lengths));
+        evaluator.detailed = true;
+        Self {
+            problem,
+            solution,
+            map: ColumnMap::new(problem, &solution.parameters, &evaluator.layout),
+            home_evaluator,
+            home,
+            evaluator,
+            rows: Vec::new(),
+            residual: Vec::new(),
+            blocks: Vec::new(),
+            poses: Vec::new(),
+        }
+    }
+
+    fn build(mut self) -> Linearisation {
+        for index in 0..self.evaluator.rows().len() {
+            self.add_pose(index);
+        }
+        self.add_home();
+        self.add_priors();
+        let parameters = self.solution.parameters.clone();
+        let mut design = DMatrix::zeros(self.rows.len(), parameters.len());
+        let mut first = 0;
+        for block in &self.blocks {
+            design.rows_mut(first, block.nrows()).copy_from(block);
+            first += block.nrows();
+        }
+        Linearisation {
+            parameters,
+            rows: self.rows,
+            residual: DVector::from_vec(self.residual),
+            design,
+            poses: self.poses,
+        }
+    }
+
+    fn add_pose(&mut self, index: usize) {
+        // Twice: the first time finds the tensions at which the second linearises.
+        self.evaluator.equations_at(index);
+        self.evaluator.equations_at(index);
+        let row = self.evaluator.rows()[index];
+        let layout = self.evaluator.layout.clone();
+        let mut equations = self.evaluator.equations().clone();
+        let mut elimination = Elimination::new(&layout, 0.0);
+        elimination.eliminate(&equations, &layout, 0.0);
+        let present: Vec<usize> = (0..layout.rows)
+            .filter(|r| equations.present[*r] > 0.0)
+            .collect();
+        let mut basis = DMatrix::zeros(present.len(), 6);
+        let mut design = DMatrix::zeros(present.len(), self.solution.parameters.len());
+        for (k, r) in present.iter().enumerate() {
+            let y = elimination.half_solve(equations.by_pose[*r]);
+            basis.row_mut(k).copy_from_slice(&y);
+            let gradient = elimination.remaining_gradient(&equations, &layout, *r, y);
+            let mapped = self.map.map_row(&self.home, &gradient);
+            design.row_mut(k).copy_from_slice(&mapped);
+        }
+        let whitened = DVector::from_iterator(
+            present.len(),
+            present.iter().map(|r| equations.residual[*r]),
+        );
+        let (kinds, noise) = self.noise_of(row, &mut equations, &present);
+        let remainder = &noise - (&noise * &basis) * basis.transpose();
+        let first = self.rows.len();
+        self.rows.extend(kinds);
+        self.residual.extend((&remainder * whitened).iter());
+        self.blocks.push(&noise * design);
+        self.poses.push(PoseBlock {
+            row,
+            rows: first..self.rows.len(),
+            remainder,
+            pose_by_parameter: self.pose_by_parameter(&elimination),
+        });
+    }
+
+    /// The estimates of the noise of each reading, in its standard deviations, as a linear map of the
+    /// whitened rows: with the covariance `D` of the rows and the derivative `B` of the rows by the noise,
+    /// `B^T D^-1 r`.
+    fn noise_of(
+        &self,
+        row: usize,
+        equations: &mut Equations<f64>,
+        present: &[usize],
+    ) -> (Vec<LinearRow>, DMatrix<f64>) {
+        let layout = &self.evaluator.layout;
+        let latent = self.problem.has_latent_tension();
+        let forces = &self.problem.dataset.measurements.force_n;
+        let spreads = self.evaluator.spreads().to_vec();
+        let weights: Vec<f64> = equations.length_by_cable.iter().map(|g| -g[3]).collect();
+        let mut kinds: Vec<LinearRow> = Vec::new();
+        let of = |kind, sd| LinearRow {
+            row: Some(row),
+            kind,
+            sd,
+        };
+        for r in present {
+            let kind = kind_of(layout, *r);
+            let weight = weights.get(*r).copied().unwrap_or(1.0);
+            let sd = match kind {
+                ReadingKind::Length(cable) => spreads[cable].0.sqrt(),
+                ReadingKind::Equilibrium(k) => self.evaluator.wrench_variance(k.index()).sqrt(),
+                _ => sd_of(self.problem, kind, row, weight),
+            };
+            kinds.push(of(RowKind::Reading(kind), sd));
+        }
+        let read = |cable: &usize| latent && !forces.get(row, *cable).is_nan();
+        let tensions: Vec<usize> = (0..layout.cables)
+            .filter(read)
+            .filter(|cable| spreads[*cable].1 > 0.0)
+            .collect();
+        for cable in &tensions {
+            kinds.push(of(RowKind::Tension(*cable), spreads[*cable].1.sqrt()));
+        }
+        let mut map = DMatrix::zeros(kinds.len(), present.len());
+        for (column, r) in present.iter().enumerate() {
+            equations.residual.fill(0.0);
+            equations.residual[*r] = 1.0;
+            let lambda = equations.balance_multipliers(layout);
+            for (k, r) in present.iter().enumerate() {
+                let sd = kinds[k].sd;
+                map[(k, column)] = match kind_of(layout, *r) {
+                    ReadingKind::Length(c) => {
+                        sd * equations.length_multiplier(c, spreads[c], &lambda)
+                    }
+                    ReadingKind::Equilibrium(k) => sd * lambda[k.index()],
+                    _ => equations.residual[*r],
+                };
+            }
+            for (k, cable) in tensions.iter().enumerate() {
+                let error = equations.tension_error(*cable, spreads[*cable], &lambda);
+                map[(present.len() + k, column)] = error / spreads[*cable].1.sqrt();
+            }
+        }
+        (kinds, map)
+    }
+
+    fn pose_by_parameter(&self, elimination: &Elimination<f64>) -> DMatrix<f64> {
+        let mut by_column = DMatrix::zeros(6, elimination.columns.len());
+        for (k, y) in elimination.columns.iter().enumerate() {
+            let step = Elimination::pose_step(&elimination.factor, [0.0; 6], *y);
+            by_column.column_mut(k).copy_from_slice(&step);
+        }
+        let mut mapped = DMatrix::zeros(6, self.solution.parameters.len());
+        for k in 0..6 {
+            let row: Vec<f64> = by_column.row(k).iter().copied().collect();
+            let row = self.map.map_row(&self.home, &row);
+            mapped.row_mut(k).copy_from_slice(&row);
+        }
+        mapped
+    }
+
+    fn add_home(&mut self) {
+        let Some((row, evaluator)) = &mut self.home_evaluator else {
+            return;
+        };
+        let layout = evaluator.layout.clone();
+        let present = evaluator.equations_at(0).present.clone();
+        let n = self.solution.parameters.len();
+        for r in (layout.cables..layout.rows).filter(|r| present[*r] > 0.0) {
+            let index = r - layout.cables;
+            let kind = kind_of(&layout, r);
+            self.rows.push(LinearRow {
+                row: Some(*row),
+                kind: RowKind::Reading(kind),
+                sd: sd_of(self.problem, kind, *row, 1.0),
+            });
+            self.residual.push(self.home.residuals[index]);
+            let gradient = &self.home.gradients[index * n..(index + 1) * n];
+            self.blocks.push(DMatrix::from_row_slice(1, n, gradient));
+        }
+    }
+
+    fn add_priors(&mut self) {
+        let parameters = &self.solution.parameters;
+        let priors = Priors::evaluate(self.problem, &self.solution.globals, parameters);
+        for (index, parameter) in parameters.iter().enumerate() {
+            let Some(sd) = parameter.prior_sd else {
+                continue;
+            };
+            let mut block = DMatrix::zeros(1, parameters.len());
+            for (row, column, value) in &priors.derivatives {
+                if *row == index {
+                    block[(0, *column)] = *value;
+                }
+            }
+            self.rows.push(LinearRow {
+                row: None,
+                kind: RowKind::Prior(index),
+                sd,
+            });
+            self.residual.push(priors.residuals[index]);
+            self.blocks.push(block);
+        }
+    }
 }

@@ -112,6 +112,18 @@ impl ColumnMap {
 }
 
 impl ColumnMap {
+    /// Derivative by the parameters of what has the derivative `columns` by the columns.
+    pub fn map_row(&self, home: &HomeRow, columns: &[f64]) -> Vec<f64> {
+        let direct = |column: &Option<usize>| column.map_or(0.0, |column| columns[column]);
+        let mut mapped: Vec<f64> = self.direct.iter().map(direct).collect();
+        for (column, gradient) in self.lengths.iter().zip(&home.length_gradients) {
+            for (parameter, slope) in gradient {
+                mapped[*parameter] += slope * columns[*column];
+            }
+        }
+        mapped
+    }
+
     /// Covariance of the columns from that of the parameters.
     pub fn column_covariance(&self, home: &HomeRow, covariance: &DMatrix<f64>) -> DMatrix<f64> {
         let n = covariance.nrows();

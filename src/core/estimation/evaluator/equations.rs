@@ -117,24 +117,34 @@ impl<T: Real> Equations<T> {
         lambda
     }
 
-    /// Estimated error of a tension reading (N): `sd_T^2 (c lambda_l + A lambda_q)` with
-    /// `lambda = covariance^-1 residual` of the length and equilibrium rows. `spread` are the
-    /// variances of length and tension.
+    /// `lambda_l` of a length row: entry of `covariance^-1 residual` of the length and equilibrium rows.
+    /// `spread` are the variances of length and tension.
     #[inline(always)]
-    pub fn tension_error(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
-        let zero = self.laser_by_plane.lift(0.0);
+    pub fn length_multiplier(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
+        let c = self.length_by_tension[cable];
+        // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
+        let weight = -self.length_by_cable[cable][3];
+        let regression = c * c.lift(spread.1) * weight * weight;
+        self.residual[cable] * weight - regression * self.balance_of(cable, lambda)
+    }
+
+    /// `A lambda_q` of a cable.
+    #[inline(always)]
+    fn balance_of(&self, cable: usize, lambda: &[T; 6]) -> T {
         let a = &self.structure[cable];
-        let mut balance = zero;
+        let mut balance = lambda[0].lift(0.0);
         for k in 0..6 {
             balance = a[k].mul_add(lambda[k], balance);
         }
+        balance
+    }
+
+    /// Estimated error of a tension reading (N): `sd_T^2 (c lambda_l + A lambda_q)`.
+    #[inline(always)]
+    pub fn tension_error(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
         let c = self.length_by_tension[cable];
-        let tension = zero.lift(spread.1);
-        // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
-        let weight = -self.length_by_cable[cable][3];
-        let regression = c * tension * weight * weight;
-        let length = self.residual[cable] * weight - regression * balance;
-        tension * c.mul_add(length, balance)
+        let length = self.length_multiplier(cable, spread, lambda);
+        c.lift(spread.1) * c.mul_add(length, self.balance_of(cable, lambda))
     }
 
     /// Sum of squares of all rows.

@@ -363,6 +363,16 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         }
     }
 
+    /// Variances of length (m^2) and tension (N^2) of each cable.
+    pub fn spreads(&self) -> &[(f64, f64)] {
+        &self.spreads
+    }
+
+    /// Variance of a component of the unexplained wrench (N^2, N^2 m^2).
+    pub fn wrench_variance(&self, coordinate: usize) -> f64 {
+        self.wrench_variance[coordinate]
+    }
+
     /// The equations that were evaluated last.
     pub fn equations(&self) -> &Equations<T> {
         &self.equations

@@ -3,6 +3,7 @@
 
 mod derivatives;
 mod evaluation;
+mod linearisation;
 mod missing;
 mod plain;
 mod ports;
