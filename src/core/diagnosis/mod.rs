@@ -6,7 +6,14 @@
 //! signatures of two effects, the search for events over poses, and cross-validation. What is reported is
 //! fitted anew with the whole nonlinear problem.
 
+mod fit;
+mod questions;
 mod report;
+mod scores;
+mod selection;
+#[cfg(test)]
+mod scratch;
+mod space;
 
 pub use report::{
     Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,

@@ -13,7 +13,7 @@ mod span;
 
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
-use inputs::{PortInputs, Selection, circumstances_of};
+use inputs::{PortInputs, Selection, circumstances_of, noise_gains};
 use packing::{InstrumentInputs, constants_of, pack_attitudes, pack_instruments};
 
 pub(super) use equations::{Attitude, Equations};
@@ -199,6 +199,24 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 circumstances: self.circumstances.as_deref(),
             };
             self.ports = PortInputs::build(self.token, self.problem, globals, selection);
+        }
+        if !self.is_home && !globals.effects.is_empty() {
+            self.scale_noise(globals);
+        }
+    }
+
+    fn scale_noise(&mut self, globals: &Globals) {
+        let selection = Selection {
+            rows: &self.rows,
+            is_home: false,
+            circumstances: self.circumstances.as_deref(),
+        };
+        let nominal = constants_of(self.problem, false);
+        for (index, (constants, nominal)) in self.constants.iter_mut().zip(&nominal).enumerate() {
+            let (paid, tension) = noise_gains(self.problem, globals, selection, index);
+            constants.length_sd = nominal.length_sd * paid.abs();
+            constants.tension_sd = nominal.tension_sd * tension.abs();
+            self.spreads[index] = (constants.length_sd.powi(2), constants.tension_sd.powi(2));
         }
     }
 

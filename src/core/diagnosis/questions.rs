@@ -1,0 +1,159 @@
+//! The questions: which effect on which target could explain the data.
+
+use super::report::Cause;
+use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search};
+use crate::robot::Robot;
+
+/// One effect with its target, not yet with values.
+#[derive(Debug, Clone)]
+pub(super) struct Question {
+    /// Effect and target at the start values; the pose of an event is NaN, which stands for all.
+    pub cause: Cause,
+    /// Period of a wave, if it is searched.
+    pub period: Option<f64>,
+}
+
+impl Question {
+    pub fn search(&self) -> Search {
+        self.cause.effect().search()
+    }
+
+    /// The probes whose derivatives are the question's columns: bound effects, and which of their
+    /// parameters.
+    pub fn probes(&self) -> Vec<(BoundEffect, usize)> {
+        let mut probes = Vec::new();
+        for bound in &self.cause.instances {
+            let mut at = bound.clone();
+            match self.search() {
+                Search::Wave { phase, period } => {
+                    let amplitude = amplitude_of(phase, period);
+                    for angle in [0.0, std::f64::consts::FRAC_PI_2] {
+                        at.values[phase] = angle;
+                        if let (Some(index), Some(value)) = (period, self.period) {
+                            at.values[index] = value;
+                        }
+                        probes.push((at.clone(), amplitude));
+                    }
+                }
+                Search::FromPose(pose) | Search::AtPose(pose) => {
+                    at.values[pose] = f64::NAN;
+                    probes.extend(estimable(at.effect).map(|k| (at.clone(), k)));
+                }
+                Search::Direct | Search::Exchange => {
+                    probes.extend(estimable(at.effect).map(|k| (at.clone(), k)));
+                }
+            }
+        }
+        probes
+    }
+
+    /// The cause with a linear estimate, one number per probe; events at the pose labelled `label`.
+    pub fn estimated(&self, estimate: &[f64], label: Option<i64>) -> Cause {
+        let mut cause = self.cause.clone();
+        let mut numbers = estimate.iter();
+        for bound in &mut cause.instances {
+            match bound.effect.search() {
+                Search::Wave { phase, period } => {
+                    let (a, b) = (numbers.next(), numbers.next());
+                    let (a, b) = (a.copied().unwrap_or(0.0), b.copied().unwrap_or(0.0));
+                    bound.values[amplitude_of(phase, period)] = a.hypot(b);
+                    bound.values[phase] = b.atan2(a);
+                    if let (Some(index), Some(value)) = (period, self.period) {
+                        bound.values[index] = value;
+                    }
+                }
+                Search::FromPose(pose) | Search::AtPose(pose) => {
+                    for k in estimable(bound.effect) {
+                        bound.values[k] = numbers.next().copied().unwrap_or(0.0);
+                    }
+                    bound.values[pose] = label.map_or(f64::NAN, |label| label as f64);
+                }
+                Search::Direct | Search::Exchange => {
+                    for k in estimable(bound.effect) {
+                        let step = numbers.next().copied().unwrap_or(0.0);
+                        let parameter = &bound.effect.parameters()[k];
+                        // Away from its neutral value the derivative is no measure of the distance.
+                        if parameter.start == parameter.neutral {
+                            bound.values[k] = parameter.neutral + step;
+                        }
+                    }
+                }
+            }
+        }
+        cause
+    }
+}
+
+/// The parameter of a wave that is neither phase nor period.
+fn amplitude_of(phase: usize, period: Option<usize>) -> usize {
+    (0..3)
+        .find(|k| *k != phase && Some(*k) != period)
+        .unwrap_or_default()
+}
+
+fn estimable(effect: &'static dyn Effect) -> impl Iterator<Item = usize> {
+    let parameters = effect.parameters().iter().enumerate();
+    parameters.filter(|(_, p)| !p.discrete).map(|(k, _)| k)
+}
+
+/// All questions of one effect; `periods` are those at which a wave is tried.
+pub(super) fn questions_of(
+    effect: &'static dyn Effect,
+    robot: &Robot,
+    periods: &[f64],
+) -> Vec<Question> {
+    let all: Vec<usize> = (0..robot.cable_count()).collect();
+    let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
+        effect,
+        cables,
+        targeted,
+        values: effect.parameters().iter().map(|p| p.start).collect(),
+    };
+    let mut causes: Vec<Vec<BoundEffect>> = Vec::new();
+    let each = || all.iter().map(|cable| bound(vec![*cable], true));
+    match effect.scope() {
+        Scope::Robot => causes.push(vec![bound(all.clone(), false)]),
+        Scope::Pair => {}
+        Scope::Cable | Scope::CableOrAll => {
+            if effect.scope() == Scope::CableOrAll {
+                causes.push(vec![bound(all.clone(), false)]);
+            }
+            causes.extend(each().map(|bound| vec![bound]));
+            // A family: every cable with values of its own.
+            if effect.search() == Search::Direct && all.len() > 1 {
+                causes.push(each().collect());
+            }
+        }
+    }
+    let question = |instances: Vec<BoundEffect>, period| Question {
+        cause: Cause { instances },
+        period,
+    };
+    match effect.search() {
+        Search::Wave {
+            period: Some(_), ..
+        } => periods
+            .iter()
+            .flat_map(|p| causes.iter().map(|c| question(c.clone(), Some(*p))))
+            .collect(),
+        _ => causes.into_iter().map(|c| question(c, None)).collect(),
+    }
+}
+
+/// Periods at which a wave in a quantity that spans `range` is tried: from the shortest to the longest typical
+/// one, so close that none between is missed.
+pub(super) fn periods(typical: [f64; 2], range: f64) -> Vec<f64> {
+    const PER_RANGE: f64 = 2.5;
+    let (longest, shortest) = (typical[1].recip(), typical[0].recip());
+    let step = (PER_RANGE * range.max(1e-9)).recip();
+    let count = ((shortest - longest) / step).ceil().clamp(1.0, 600.0);
+    (0..=count as usize)
+        .map(|k| (longest + (shortest - longest) * k as f64 / count).recip())
+        .collect()
+}
+
+/// The effects that are asked, and the periods for those that need them.
+pub(super) fn asked() -> impl Iterator<Item = &'static dyn Effect> {
+    let exchange = |effect: &&dyn Effect| effect.search() != Search::Exchange;
+    CATALOGUE.iter().copied().filter(exchange)
+}
