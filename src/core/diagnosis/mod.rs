@@ -7,21 +7,25 @@
 //! fitted anew with the whole nonlinear problem.
 
 mod fit;
+mod moments;
+mod progress;
 mod questions;
 mod report;
 mod scores;
-mod selection;
 #[cfg(test)]
 mod scratch;
+mod selection;
 mod space;
+mod unknown;
 
 pub use report::{
     Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
-    Variable, Verdict,
+    Verdict,
 };
 
 use crate::estimation::Control;
+pub use crate::measurement::Variable;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,10 +69,6 @@ pub struct DiagnosisProgress {
     pub stage: Stage,
     /// Findings so far.
     pub findings: usize,
-    /// Parts of the stage done, and all of them.
-    pub done: usize,
-    /// All parts of the stage.
-    pub of: usize,
 }
 
 /// Observer of a running diagnosis.

@@ -7,10 +7,8 @@ use crate::robot::Robot;
 /// One effect with its target, not yet with values.
 #[derive(Debug, Clone)]
 pub(super) struct Question {
-    /// Effect and target at the start values; the pose of an event is NaN, which stands for all.
+    /// Effect and target at the start values.
     pub cause: Cause,
-    /// Period of a wave, if it is searched.
-    pub period: Option<f64>,
 }
 
 impl Question {
@@ -19,7 +17,8 @@ impl Question {
     }
 
     /// The probes whose derivatives are the question's columns: bound effects, and which of their
-    /// parameters.
+    /// parameters. An event is probed at the pose NaN, which stands for all, and a wave whose period is
+    /// searched as an endless one at its crest, which is a constant.
     pub fn probes(&self) -> Vec<(BoundEffect, usize)> {
         let mut probes = Vec::new();
         for bound in &self.cause.instances {
@@ -27,11 +26,14 @@ impl Question {
             match self.search() {
                 Search::Wave { phase, period } => {
                     let amplitude = amplitude_of(phase, period);
+                    if let Some(period) = period {
+                        at.values[period] = f64::INFINITY;
+                        at.values[phase] = std::f64::consts::FRAC_PI_2;
+                        probes.push((at, amplitude));
+                        continue;
+                    }
                     for angle in [0.0, std::f64::consts::FRAC_PI_2] {
                         at.values[phase] = angle;
-                        if let (Some(index), Some(value)) = (period, self.period) {
-                            at.values[index] = value;
-                        }
                         probes.push((at.clone(), amplitude));
                     }
                 }
@@ -47,8 +49,9 @@ impl Question {
         probes
     }
 
-    /// The cause with a linear estimate, one number per probe; events at the pose labelled `label`.
-    pub fn estimated(&self, estimate: &[f64], label: Option<i64>) -> Cause {
+    /// The cause with a linear estimate, one number per column; `place` is the label of an event's pose, or the
+    /// period of a wave.
+    pub fn estimated(&self, estimate: &[f64], place: f64) -> Cause {
         let mut cause = self.cause.clone();
         let mut numbers = estimate.iter();
         for bound in &mut cause.instances {
@@ -58,15 +61,15 @@ impl Question {
                     let (a, b) = (a.copied().unwrap_or(0.0), b.copied().unwrap_or(0.0));
                     bound.values[amplitude_of(phase, period)] = a.hypot(b);
                     bound.values[phase] = b.atan2(a);
-                    if let (Some(index), Some(value)) = (period, self.period) {
-                        bound.values[index] = value;
+                    if let Some(period) = period {
+                        bound.values[period] = place;
                     }
                 }
                 Search::FromPose(pose) | Search::AtPose(pose) => {
                     for k in estimable(bound.effect) {
                         bound.values[k] = numbers.next().copied().unwrap_or(0.0);
                     }
-                    bound.values[pose] = label.map_or(f64::NAN, |label| label as f64);
+                    bound.values[pose] = place;
                 }
                 Search::Direct | Search::Exchange => {
                     for k in estimable(bound.effect) {
@@ -96,12 +99,8 @@ fn estimable(effect: &'static dyn Effect) -> impl Iterator<Item = usize> {
     parameters.filter(|(_, p)| !p.discrete).map(|(k, _)| k)
 }
 
-/// All questions of one effect; `periods` are those at which a wave is tried.
-pub(super) fn questions_of(
-    effect: &'static dyn Effect,
-    robot: &Robot,
-    periods: &[f64],
-) -> Vec<Question> {
+/// All questions of one effect.
+pub(super) fn questions_of(effect: &'static dyn Effect, robot: &Robot) -> Vec<Question> {
     let all: Vec<usize> = (0..robot.cable_count()).collect();
     let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
         effect,
@@ -113,7 +112,7 @@ pub(super) fn questions_of(
     let each = || all.iter().map(|cable| bound(vec![*cable], true));
     match effect.scope() {
         Scope::Robot => causes.push(vec![bound(all.clone(), false)]),
-        Scope::Pair => {}
+        Scope::Pair | Scope::Reading => {}
         Scope::Cable | Scope::CableOrAll => {
             if effect.scope() == Scope::CableOrAll {
                 causes.push(vec![bound(all.clone(), false)]);
@@ -125,19 +124,12 @@ pub(super) fn questions_of(
             }
         }
     }
-    let question = |instances: Vec<BoundEffect>, period| Question {
-        cause: Cause { instances },
-        period,
-    };
-    match effect.search() {
-        Search::Wave {
-            period: Some(_), ..
-        } => periods
-            .iter()
-            .flat_map(|p| causes.iter().map(|c| question(c.clone(), Some(*p))))
-            .collect(),
-        _ => causes.into_iter().map(|c| question(c, None)).collect(),
-    }
+    causes
+        .into_iter()
+        .map(|instances| Question {
+            cause: Cause { instances },
+        })
+        .collect()
 }
 
 /// Periods at which a wave in a quantity that spans `range` is tried: from the shortest to the longest typical

@@ -2,18 +2,22 @@
 //!
 //! With the projected columns `C` of a cause (what it changes in the readings and nothing else could), the projected
 //! residual `r` and the prior covariance `P` of its parameters, the gain of chi-square is
-//! `s^T (I + P^-1)^-1 s`, `s = C^T r`, `I = C^T C`; without the cause `s^T I^-1 s` is chi-square distributed.
-//! The evidence, twice its logarithm, is the gain less `ln det(1 + P I)` (Laplace), less twice the logarithm of the
-//! number of poses for an event that could have been at any of them.
+//! `s^T (I + P^-1)^-1 s`, `s = C^T r`, `I = C^T C`; without the cause it is less than the chi-square distributed
+//! `s^T I^-1 s`.
+//! The evidence, twice its logarithm, is the gain less the logarithm of the number of readings for each direction that
+//! the data show (Schwarz 1978), less twice the logarithm of the number of poses for an event that could have
+//! been at any of them. Priors of typical sizes are too rough for the exact term `ln det(1 + P I)`, which structure
+//! without a name uses, whose size is fitted.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::fit::Fit;
+use super::moments::{Moments, PoseMoments};
 use super::questions::{Question, asked, periods, questions_of};
 use super::report::Cause;
 use super::space::Space;
 use crate::effect::{BoundEffect, Search};
-use crate::estimation::{Linearisation, ParameterId, PoseBlock};
+use crate::estimation::{Linearisation, ParameterId};
 use crate::statistics::chi_square_survival;
 
 /// Columns that are linearised at once.
@@ -58,6 +62,14 @@ pub(super) struct Scan {
     pub linear: Linearisation,
 }
 
+impl Scan {
+    /// What each direction that the data show is worth: the logarithm of the number of readings.
+    fn price(&self) -> f64 {
+        let readings = self.linear.rows.iter().filter(|row| row.row.is_some());
+        (readings.count().max(2) as f64).ln()
+    }
+}
+
 /// Asks every question at a fit.
 pub(super) fn scan(fit: &Fit<'_>) -> Scan {
     let linear = Linearisation::new(&fit.problem, &fit.solution);
@@ -70,14 +82,7 @@ pub(super) fn scan(fit: &Fit<'_>) -> Scan {
     };
     let mut chunk = Chunk::default();
     for effect in asked() {
-        let periods = match effect.search() {
-            Search::Wave {
-                period: Some(period),
-                ..
-            } => periods(effect.parameters()[period].typical, laser_range(fit)),
-            _ => Vec::new(),
-        };
-        for question in questions_of(effect, &fit.problem.dataset.robot, &periods) {
+        for question in questions_of(effect, &fit.problem.dataset.robot) {
             chunk.add(question);
             if chunk.columns >= CHUNK {
                 std::mem::take(&mut chunk).answer(fit, &mut scan);
@@ -85,36 +90,7 @@ pub(super) fn scan(fit: &Fit<'_>) -> Scan {
         }
     }
     chunk.answer(fit, &mut scan);
-    keep_best_periods(&mut scan.scored);
     scan
-}
-
-/// How far the laser's readings spread (m).
-fn laser_range(fit: &Fit<'_>) -> f64 {
-    let readings = fit.problem.dataset.measurements.laser_m.iter();
-    let finite = readings.copied().filter(|d| d.is_finite());
-    let (least, most) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), d| {
-        (l.min(d), m.max(d))
-    });
-    (most - least).max(0.0)
-}
-
-/// Of the waves with different periods only the best stays.
-fn keep_best_periods(scored: &mut Vec<Scored>) {
-    scored.sort_by(|a, b| b.score().total_cmp(&a.score()));
-    let mut seen: Vec<(&'static str, Vec<usize>, usize)> = Vec::new();
-    scored.retain(|s| {
-        let key = (
-            s.cause.effect().id(),
-            s.cause.cables(),
-            s.cause.instances.len(),
-        );
-        let is_new = !seen.contains(&key);
-        if is_new {
-            seen.push(key);
-        }
-        is_new
-    });
 }
 
 /// Questions that are linearised together.
@@ -168,13 +144,17 @@ impl Chunk {
                 })
                 .collect();
             let (answer, asked) = match question.search() {
-                Search::FromPose(_) | Search::AtPose(_) => {
-                    let raw = design.columns.select_columns(&at);
-                    answer_event(question, &raw, &prior, fit, scan)
-                }
-                _ => {
+                Search::Direct | Search::Exchange | Search::Wave { period: None, .. } => {
                     let columns = projected.select_columns(&at);
-                    (answer_direct(question, &columns, &prior, &scan.space), 1)
+                    (answer_direct(question, &columns, &prior, scan), 1)
+                }
+                Search::Wave { .. } => {
+                    let moments = Moments::new(&design.columns.select_columns(&at), scan);
+                    answer_wave(question, &moments, prior[0], (fit, scan.price()))
+                }
+                Search::FromPose(_) | Search::AtPose(_) => {
+                    let moments = Moments::new(&design.columns.select_columns(&at), scan);
+                    answer_event(question, &moments, &prior, (fit, scan.price()))
                 }
             };
             scan.questions += asked;
@@ -225,92 +205,103 @@ fn answer_direct(
     question: &Question,
     columns: &DMatrix<f64>,
     prior: &[f64],
-    space: &Space,
+    scan: &Scan,
 ) -> Option<Scored> {
+    let (space, price) = (&scan.space, scan.price());
     let block = Block::new(
         &columns.tr_mul(&space.residual),
         &columns.tr_mul(columns),
         prior,
     )?;
-    Some(block.scored(question.estimated(&block.estimate, None), 0.0))
-}
-
-/// Sums over the poses at which an event acts.
-struct EventSums {
-    score: DVector<f64>,
-    information: DMatrix<f64>,
-    /// `V^T C`.
-    explained: DMatrix<f64>,
-}
-
-impl EventSums {
-    fn zero(columns: usize, taken: usize) -> Self {
-        Self {
-            score: DVector::zeros(columns),
-            information: DMatrix::zeros(columns, columns),
-            explained: DMatrix::zeros(taken, columns),
-        }
-    }
-
-    fn add(&mut self, raw: &DMatrix<f64>, block: &PoseBlock, space: &Space) {
-        let (first, count) = (block.rows.start, block.rows.len());
-        let columns = raw.rows(first, count);
-        self.score += columns.tr_mul(&space.residual.rows(first, count));
-        self.information += columns.tr_mul(&columns);
-        self.explained += space.basis().rows(first, count).tr_mul(&columns);
-    }
-
-    fn block(&self, prior: &[f64]) -> Option<Block> {
-        let information = &self.information - self.explained.tr_mul(&self.explained);
-        Block::new(&self.score, &information, prior)
-    }
+    let cause = question.estimated(&block.estimate, f64::NAN);
+    Some(block.scored(cause, block.visible as f64 * price))
 }
 
 /// The best pose of an event, and the number of poses at which it was tried.
 fn answer_event(
     question: &Question,
-    raw: &DMatrix<f64>,
+    moments: &Moments,
     prior: &[f64],
-    fit: &Fit<'_>,
-    scan: &Scan,
+    (fit, price): (&Fit<'_>, f64),
 ) -> (Option<Scored>, usize) {
     let labels = &fit.problem.dataset.measurements.labels;
-    let mut blocks: Vec<&PoseBlock> = scan.linear.poses.iter().collect();
-    blocks.sort_by_key(|block| std::cmp::Reverse(labels[block.row]));
     let accumulates = matches!(question.search(), Search::FromPose(_));
+    let mut order: Vec<&PoseMoments> = moments.poses.iter().collect();
+    order.sort_by_key(|pose| std::cmp::Reverse(labels[pose.row]));
     if accumulates {
         // From the first pose on it would be no event but an offset.
-        blocks.pop();
+        order.pop();
     }
-    let zero = || EventSums::zero(raw.ncols(), scan.space.taken());
-    let mut sums = zero();
-    let mut best: Option<(Block, i64)> = None;
-    for block in &blocks {
-        if !accumulates {
-            sums = zero();
+    let mut sums: Option<PoseMoments> = None;
+    let mut best: Option<(Block, f64)> = None;
+    for pose in &order {
+        match &mut sums {
+            Some(sums) if accumulates => sums.add(pose),
+            _ => sums = Some((*pose).clone()),
         }
-        sums.add(raw, block, &scan.space);
-        let Some(found) = sums.block(prior) else {
+        let Some(found) = sums.as_ref().and_then(|sums| sums.block(prior)) else {
             continue;
         };
-        let score = |b: &Block| b.gain - b.freedom;
-        if best.as_ref().is_none_or(|(b, _)| score(&found) > score(b)) {
-            best = Some((found, labels[block.row]));
+        if best.as_ref().is_none_or(|(b, _)| found.gain > b.gain) {
+            best = Some((found, labels[pose.row] as f64));
         }
     }
-    let poses = blocks.len().max(1);
+    let poses = order.len().max(1);
     let answer = best.map(|(block, label)| {
-        let cause = question.estimated(&block.estimate, Some(label));
-        block.scored(cause, 2.0 * (poses as f64).ln())
+        let cause = question.estimated(&block.estimate, label);
+        let freedom = block.visible as f64 * price + 2.0 * (poses as f64).ln();
+        block.scored(cause, freedom)
     });
     (answer, poses)
+}
+
+/// The best period of a wave in the laser's distance, and the number of periods that were tried.
+fn answer_wave(
+    question: &Question,
+    moments: &Moments,
+    prior: f64,
+    (fit, price): (&Fit<'_>, f64),
+) -> (Option<Scored>, usize) {
+    let effect = question.cause.effect();
+    let Search::Wave {
+        period: Some(period),
+        ..
+    } = effect.search()
+    else {
+        return (None, 0);
+    };
+    let readings = &fit.problem.dataset.measurements.laser_m;
+    let read = |pose: &PoseMoments| readings.get(pose.row).copied().filter(|d| d.is_finite());
+    let distances: Vec<Option<f64>> = moments.poses.iter().map(read).collect();
+    let finite = || distances.iter().flatten().copied();
+    let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    let periods = periods(effect.parameters()[period].typical, range);
+    let mut best: Option<(Block, f64)> = None;
+    for period in &periods {
+        let weights = DMatrix::from_fn(distances.len(), 2, |j, k| {
+            let turn = distances[j].map(|d| std::f64::consts::TAU * d / period);
+            turn.map_or(0.0, |turn| if k == 0 { turn.sin() } else { turn.cos() })
+        });
+        let (score, information) = moments.weighted(&weights);
+        let Some(found) = Block::new(&score, &information, &[prior; 2]) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|(b, _)| found.gain > b.gain) {
+            best = Some((found, *period));
+        }
+    }
+    let answer = best.map(|(block, period)| {
+        let cause = question.estimated(&block.estimate, period);
+        // The period is one parameter more.
+        block.scored(cause, (block.visible + 1) as f64 * price)
+    });
+    (answer, periods.len())
 }
 
 /// Score test of one block of columns.
 pub(super) struct Block {
     pub gain: f64,
     pub freedom: f64,
-    statistic: f64,
     visible: usize,
     /// Linear estimate of the parameters, priors included.
     pub estimate: Vec<f64>,
@@ -328,7 +319,7 @@ impl Block {
         let score = DVector::from_fn(n, |k, _| score[k] * prior[k]);
         let eigen = SymmetricEigen::new(scaled.clone());
         let along = eigen.eigenvectors.tr_mul(&score);
-        let (mut gain, mut freedom, mut statistic, mut visible) = (0.0, 0.0, 0.0, 0);
+        let (mut gain, mut freedom, mut visible) = (0.0, 0.0, 0);
         let mut solved = DVector::zeros(n);
         for k in 0..n {
             let value = eigen.eigenvalues[k].max(0.0);
@@ -336,7 +327,6 @@ impl Block {
             gain += along[k].powi(2) / (1.0 + value);
             freedom += (1.0 + value).ln();
             if value > VISIBLE {
-                statistic += along[k].powi(2) / value;
                 visible += 1;
             }
         }
@@ -344,23 +334,29 @@ impl Block {
         Some(Self {
             gain,
             freedom,
-            statistic,
             visible,
             estimate: estimate.iter().zip(prior).map(|(e, sd)| e * sd).collect(),
             sd: (scaled[(0, 0)] > VISIBLE * VISIBLE).then(|| prior[0] / scaled[(0, 0)].sqrt()),
         })
     }
 
-    /// Probability of such a statistic without a cause.
-    pub fn p_value(&self) -> f64 {
-        chi_square_survival(self.statistic, self.visible as f64).unwrap_or(1.0)
+    /// Twice the logarithm of the evidence.
+    pub fn score(&self) -> f64 {
+        self.gain - self.freedom
     }
 
-    fn scored(&self, cause: Cause, positions: f64) -> Scored {
+    /// Bound on the probability of such a gain without a cause: priors only make the gain smaller than what is
+    /// chi-square distributed.
+    pub fn p_value(&self) -> f64 {
+        chi_square_survival(self.gain, self.visible as f64).unwrap_or(1.0)
+    }
+
+    /// The answer for a cause whose freedom is worth this much.
+    pub fn scored(&self, cause: Cause, freedom: f64) -> Scored {
         Scored {
             cause,
             gain: self.gain,
-            freedom: self.freedom + positions,
+            freedom,
             visible: self.visible,
             p_value: self.p_value(),
             sd: self.sd,

@@ -1,15 +1,26 @@
 //! Which causes the data ask for: added one by one, exchanged where another fits better, taken back where not
 //! needed.
 
-use super::DiagnosisOptions;
 use super::fit::Fit;
+use super::progress::Reporter;
 use super::report::Cause;
 use super::scores::{Scan, Scored, scan};
-use crate::effect::{BoundEffect, Search};
+use super::unknown::unknowns;
+use super::{DiagnosisOptions, Stage};
+use crate::effect::{BoundEffect, Effect, Search, Unknown};
 use crate::estimation::{EstimationError, Problem};
+use crate::statistics::chi_square_survival;
 
 /// Most causes that are fitted completely in each round.
 const REFITS: usize = 32;
+/// Most functions without a name that are fitted completely in each round.
+const UNKNOWNS: usize = 3;
+/// Most rounds of exchanges.
+const MOST_ROUNDS: usize = 4;
+/// Difference of the evidence up to which a name is preferred to structure without one.
+const PREFERRED: f64 = 4.5;
+/// Difference of the evidence from which a cause takes another's place.
+const BETTER: f64 = 0.5;
 /// Difference of the evidence (twice its logarithm) at which one cause stands out from another.
 pub(super) const CLEAR: f64 = 9.0;
 
@@ -29,6 +40,16 @@ impl Contender<'_> {
         self.gain - self.freedom
     }
 
+    /// Probability of such a gain without the cause, not corrected for the number of questions.
+    pub fn p_value(&self) -> f64 {
+        chi_square_survival(self.gain, self.scored.visible as f64).unwrap_or(1.0)
+    }
+
+    /// Whether it is structure without a name.
+    pub fn is_unknown(&self) -> bool {
+        self.scored.cause.effect().id() == Unknown.id()
+    }
+
     /// The cause with the values fitted; it is the last of the fit.
     pub fn cause(&self) -> &Cause {
         self.fit.causes.last().unwrap_or(&self.scored.cause)
@@ -40,6 +61,7 @@ pub(super) fn contenders<'a>(
     base: &Problem<'a>,
     fit: &Fit<'a>,
     scan: &Scan,
+    mut unknown: Vec<Scored>,
 ) -> Result<Vec<Contender<'a>>, EstimationError> {
     let is_new = |scored: &&Scored| {
         let known = |cause: &Cause| is_contained(&scored.cause, cause);
@@ -48,20 +70,15 @@ pub(super) fn contenders<'a>(
     let mut promising: Vec<&Scored> = scan.scored.iter().filter(is_new).collect();
     promising.sort_by(|a, b| b.score().total_cmp(&a.score()));
     let mut found = Vec::new();
-    for scored in promising.into_iter().take(REFITS) {
+    unknown.sort_by(|a, b| b.score().total_cmp(&a.score()));
+    let unknown = unknown.iter().take(UNKNOWNS);
+    for scored in promising.into_iter().take(REFITS).chain(unknown) {
         let mut causes = fit.causes.clone();
         causes.push(scored.cause.clone());
         let refit = Fit::new(base, &causes)?;
-        let positions = match scored.cause.effect().search() {
-            Search::FromPose(_) | Search::AtPose(_) => {
-                2.0 * (scan.linear.poses.len().max(1) as f64).ln()
-            }
-            _ => 0.0,
-        };
-        let freedom = refit.freedom_of(causes.len() - 1);
         found.push(Contender {
             gain: fit.solution.chi2 - refit.solution.chi2,
-            freedom: freedom.map_or(scored.freedom, |f| f + positions),
+            freedom: scored.freedom,
             scored: scored.clone(),
             fit: refit,
         });
@@ -86,42 +103,162 @@ fn is_contained(cause: &Cause, other: &Cause) -> bool {
     instances().any(|one| other.instances.iter().any(|other| pair(one, other)))
 }
 
-/// The selected causes with everything that was asked at the end.
+/// A model with causes, and what else could stand in the place of each.
 pub(super) struct Selection<'a> {
     pub base: Fit<'a>,
-    pub fit: Fit<'a>,
     /// Scan of the model without any cause.
     pub first: Scan,
+    pub fit: Fit<'a>,
+    /// For each cause of the fit: what was fitted in its place.
+    pub rounds: Vec<Round<'a>>,
 }
 
-/// Adds causes until what is left is noise.
+/// Everything that was asked and fitted on top of one model, the best first.
+#[derive(Debug, Clone)]
+pub(super) struct Round<'a> {
+    /// Catalogue and structure without a name.
+    pub contenders: Vec<Contender<'a>>,
+    /// Number of questions.
+    pub questions: usize,
+    scan: Scan,
+}
+
+impl<'a> Round<'a> {
+    fn new(base: &Problem<'a>, fit: &Fit<'a>) -> Result<Self, EstimationError> {
+        let scan = scan(fit);
+        let unknown = unknowns(fit, &scan);
+        Ok(Self {
+            questions: scan.questions + unknown.len(),
+            contenders: contenders(base, fit, &scan, unknown)?,
+            scan,
+        })
+    }
+
+    /// Whether a contender would be found in data without it with a probability below `alpha`.
+    pub fn is_significant(&self, contender: &Contender<'_>, alpha: f64) -> bool {
+        let level = alpha / self.questions.max(1) as f64;
+        contender.p_value() < level && contender.score() > 0.0
+    }
+
+    /// The best that is significant; a name comes before structure without one unless it is clearly worse.
+    fn best(&self, alpha: f64) -> Option<&Contender<'a>> {
+        let significant = || {
+            let all = self.contenders.iter();
+            all.filter(|c| self.is_significant(c, alpha))
+        };
+        let best = significant().next()?;
+        let named = significant().find(|c| !c.is_unknown());
+        let near = |c: &&Contender<'_>| best.score() - c.score() < PREFERRED;
+        Some(named.filter(near).unwrap_or(best))
+    }
+
+    /// The contender with the effect and target of a cause, wherever it acts.
+    pub fn of(&self, cause: &Cause) -> Option<&Contender<'a>> {
+        self.contenders.iter().find(|c| is_alike(c.cause(), cause))
+    }
+}
+
+/// Same effect, same targets; events may be at different poses.
+pub(super) fn is_alike(one: &Cause, other: &Cause) -> bool {
+    one.effect().id() == other.effect().id()
+        && one.cables() == other.cables()
+        && one.instances.len() == other.instances.len()
+}
+
+/// Adds causes until what is left is noise, then exchanges and takes back.
 pub(super) fn select<'a>(
     base: &Problem<'a>,
     options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
 ) -> Result<Selection<'a>, EstimationError> {
     let start = Fit::new(base, &[])?;
-    let first = scan(&start);
     let mut fit = start.clone();
-    let mut present = first.clone();
-    while fit.causes.len() < options.most_findings {
-        let level = options.alpha / present.questions.max(1) as f64;
-        let significant = present.scored.iter().any(|s| s.p_value < level);
-        if !significant {
-            break;
+    let mut first: Option<Round<'a>> = None;
+    while fit.causes.len() < options.most_findings && report.stage(Stage::Scores, fit.causes.len())
+    {
+        let round = Round::new(base, &fit)?;
+        let best = round.best(options.alpha).map(|best| best.fit.clone());
+        first.get_or_insert(round);
+        match best {
+            Some(best) => fit = best,
+            None => break,
         }
-        let found = contenders(base, &fit, &present)?;
-        let Some(best) = found.into_iter().find(|c| c.scored.p_value < level) else {
-            break;
-        };
-        if best.score() <= 0.0 {
-            break;
-        }
-        fit = best.fit;
-        present = scan(&fit);
     }
-    Ok(Selection {
+    let first = match first {
+        Some(round) => round,
+        None => Round::new(base, &start)?,
+    };
+    let mut selection = Selection {
+        first: first.scan.clone(),
         base: start,
+        rounds: Vec::new(),
         fit,
-        first,
-    })
+    };
+    if selection.fit.causes.len() == 1 {
+        // Nothing else is in the model: what was asked first is the answer.
+        selection.rounds.push(first);
+    } else {
+        selection.exchange(base, options, report)?;
+    }
+    Ok(selection)
+}
+
+impl<'a> Selection<'a> {
+    /// Puts in the place of each cause whatever fits best there, and takes back what is not needed, until
+    /// nothing changes.
+    fn exchange(
+        &mut self,
+        base: &Problem<'a>,
+        options: &DiagnosisOptions,
+        report: &mut Reporter<'_, '_>,
+    ) -> Result<(), EstimationError> {
+        for round in 0..MOST_ROUNDS {
+            let changes = round + 1 < MOST_ROUNDS;
+            let changed = self.exchange_each(base, options, report, changes)?;
+            if !changed {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn exchange_each(
+        &mut self,
+        base: &Problem<'a>,
+        options: &DiagnosisOptions,
+        report: &mut Reporter<'_, '_>,
+        changes: bool,
+    ) -> Result<bool, EstimationError> {
+        self.rounds.clear();
+        let mut changed = false;
+        while self.rounds.len() < self.fit.causes.len() {
+            if !report.stage(Stage::Refits, self.fit.causes.len()) {
+                break;
+            }
+            let index = self.rounds.len();
+            let mut others = self.fit.causes.clone();
+            let present = others.remove(index);
+            let without = Fit::new(base, &others)?;
+            let round = Round::new(base, &without)?;
+            let Some(best) = round.best(options.alpha).filter(|_| changes) else {
+                if changes {
+                    self.fit = without;
+                    changed = true;
+                    continue;
+                }
+                self.rounds.push(round);
+                continue;
+            };
+            let own = round
+                .of(&present)
+                .map_or(f64::NEG_INFINITY, Contender::score);
+            if !is_alike(best.cause(), &present) && best.score() > own + BETTER {
+                others.insert(index, best.cause().clone());
+                self.fit = Fit::new(base, &others)?;
+                changed = true;
+            }
+            self.rounds.push(round);
+        }
+        Ok(changed)
+    }
 }

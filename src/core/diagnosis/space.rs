@@ -11,6 +11,8 @@ const SINGULAR: f64 = 1e-12;
 pub(super) struct Space {
     /// Orthonormal basis `V` of the columns.
     basis: DMatrix<f64>,
+    /// `design * map = V`.
+    map: DMatrix<f64>,
     /// Residual without what the columns could still explain.
     pub residual: DVector<f64>,
 }
@@ -18,9 +20,10 @@ pub(super) struct Space {
 impl Space {
     /// The space left by `design` (rows x parameters), with the residual of its rows.
     pub fn new(design: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let basis = orthonormal(design);
+        let map = orthonormal_map(design);
         let mut space = Self {
-            basis,
+            basis: design * &map,
+            map,
             residual: residual.clone(),
         };
         space.residual -= &space.basis * space.basis.tr_mul(residual);
@@ -37,15 +40,20 @@ impl Space {
         &self.basis
     }
 
+    /// Step of the parameters from coordinates in the basis.
+    pub fn map(&self) -> &DMatrix<f64> {
+        &self.map
+    }
+
     /// `columns - V V^T columns`.
     pub fn project(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         columns - &self.basis * self.basis.tr_mul(columns)
     }
 }
 
-/// Orthonormal basis of the columns of `design`, by the eigenvectors of its scaled normal matrix: a
+/// Matrix that makes the columns of `design` orthonormal, by the eigenvectors of its scaled normal matrix: a
 /// Cholesky factor fails where the data leave a parameter open.
-fn orthonormal(design: &DMatrix<f64>) -> DMatrix<f64> {
+fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
     let normal = design.tr_mul(design);
     let scale = normal
         .diagonal()
@@ -54,19 +62,21 @@ fn orthonormal(design: &DMatrix<f64>) -> DMatrix<f64> {
         normal[(i, k)] * scale[i] * scale[k]
     });
     let eigen = SymmetricEigen::new(scaled);
+    if eigen.eigenvalues.is_empty() {
+        return DMatrix::zeros(0, 0);
+    }
     let largest = eigen.eigenvalues.max();
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > SINGULAR * largest)
         .collect();
-    let map = DMatrix::from_fn(normal.nrows(), kept.len(), |i, k| {
+    DMatrix::from_fn(normal.nrows(), kept.len(), |i, k| {
         scale[i] * eigen.eigenvectors[(i, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
-    });
-    design * map
+    })
 }
 
 /// Largest cosine of the angle between the spans of two sets of projected columns.
 pub(super) fn cosine(one: &DMatrix<f64>, other: &DMatrix<f64>) -> f64 {
-    let (one, other) = (orthonormal(one), orthonormal(other));
+    let (one, other) = (one * orthonormal_map(one), other * orthonormal_map(other));
     if one.is_empty() || other.is_empty() {
         return 0.0;
     }

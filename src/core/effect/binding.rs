@@ -129,6 +129,7 @@ impl EffectRequest {
                 Ok(vec![bound(vec![cable], true)])
             }
             (None, Scope::Cable) => Ok(all.iter().map(|i| bound(vec![*i], true)).collect()),
+            (None, Scope::Reading) => Ok(vec![bound(Vec::new(), false)]),
             (None, _) => Ok(vec![bound(all, false)]),
         }
     }
@@ -213,6 +214,15 @@ pub struct BoundEffect {
 }
 
 impl BoundEffect {
+    /// Whether it acts on the platform, the frame or an instrument.
+    pub(crate) fn acts_on_platform(&self) -> bool {
+        match self.effect.scope() {
+            Scope::Robot => true,
+            Scope::Reading => !self.targeted,
+            Scope::Cable | Scope::CableOrAll | Scope::Pair => false,
+        }
+    }
+
     /// Attaches the effect of a model file to the cables of `robot`.
     ///
     /// # Errors
@@ -239,7 +249,7 @@ impl BoundEffect {
             return Err(EffectError::NeedsPair(setting.effect.clone()));
         }
         let targeted = !setting.targets.is_empty();
-        let cables = if targeted {
+        let cables = if targeted || effect.scope() == Scope::Reading {
             named
         } else {
             (0..robot.cable_count()).collect()

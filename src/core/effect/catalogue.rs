@@ -33,6 +33,7 @@ use super::pulley_friction::PulleyFriction;
 use super::pulley_radius::PulleyRadius;
 use super::swivel_offset::SwivelOffset;
 use super::target_tilt::TargetTilt;
+use super::unknown::Unknown;
 use super::winch_backlash::WinchBacklash;
 use super::winch_offset::WinchOffset;
 use super::winch_scale::WinchScale;
@@ -78,10 +79,12 @@ pub static CATALOGUE: &[&dyn Effect] = &[
     &InclinometerTilt,
 ];
 
-/// The effect with this identifier.
+/// The effect with this identifier; `unknown`, which names no cause, is not on the list but found, too.
 #[must_use]
 pub fn find(id: &str) -> Option<&'static dyn Effect> {
-    CATALOGUE.iter().copied().find(|effect| effect.id() == id)
+    let unknown: &dyn Effect = &Unknown;
+    let known = CATALOGUE.iter().copied();
+    known.chain([unknown]).find(|effect| effect.id() == id)
 }
 
 #[cfg(test)]

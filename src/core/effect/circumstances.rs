@@ -6,7 +6,7 @@
 use super::PlatformPorts;
 use crate::geometry::Pose;
 use crate::kinematics::PulleyGeometry;
-use crate::measurement::{Grid, Measurements};
+use crate::measurement::{Grid, Measurements, Variable};
 use crate::robot::{Cable, Robot};
 
 /// Circumstances of one cable at one pose.
@@ -42,6 +42,8 @@ pub struct CableCircumstances {
     pub entry_point_m: [f64; 3],
     /// Nominal swivel axis.
     pub swivel_axis: [f64; 3],
+    /// Every variable, in the order of [`Variable::ALL`]; NaN where it is not known.
+    pub variables: [f64; Variable::COUNT],
 }
 
 /// Circumstances of the platform's readings at one pose.
@@ -65,6 +67,8 @@ pub struct PlatformCircumstances {
     pub laser_direction: [f64; 3],
     /// Nominal normal of the target plane, base frame; any without a laser.
     pub target_normal: [f64; 3],
+    /// Every variable, in the order of [`Variable::ALL`]; NaN where it is not known, and for those of a cable.
+    pub variables: [f64; Variable::COUNT],
 }
 
 impl CableCircumstances {
@@ -132,13 +136,16 @@ impl Circumstances {
                     .inclination_rad
                     .get(row)
                     .map_or([0.0; 3], |angles| angles.map(|angle| or_zero(Some(angle)))),
+                variables: platform_variables(data, row, &poses[row], &poses[home.unwrap_or(0)]),
             })
             .collect();
         let means: Vec<f64> = (0..robot.cable_count())
             .map(|index| mean_tension(&robot.cables[index], data, index))
             .collect();
         let down = robot.gravity().try_normalize(0.0).unwrap_or_default();
-        let mut cables = Vec::with_capacity(data.len() * robot.cable_count());
+        let mut cables: Vec<CableCircumstances> =
+            Vec::with_capacity(data.len() * robot.cable_count());
+        let mut facings = vec![None; robot.cable_count()];
         for at in &platform {
             for (index, cable) in robot.cables.iter().enumerate() {
                 let row = at.row;
@@ -150,7 +157,19 @@ impl Circumstances {
                     || travel(data, home, (row, index)),
                     |grid| grid.get(row, index),
                 );
+                let facing = *facings[index].get_or_insert(path.facing);
+                let own = CableVariables {
+                    length: path.length,
+                    revolutions: paid_revolutions(data, home, (row, index)),
+                    drum_per_motor: cable.winch.gear_ratio.recip(),
+                    counts: !data.revolutions.is_empty(),
+                    tension: tension(cable, data, (row, index)),
+                    wrap: path.wrap,
+                    swivel: angle_about(cable.pulley.swivel_axis, facing, path.facing),
+                    direction,
+                };
                 cables.push(CableCircumstances {
+                    variables: own.with(at.variables),
                     is_home: at.is_home,
                     row,
                     label: at.label,
@@ -185,6 +204,63 @@ impl Circumstances {
     pub fn platform(&self, row: usize) -> &PlatformCircumstances {
         &self.platform[row]
     }
+}
+
+/// The variables that do not depend on the cable.
+fn platform_variables(
+    data: &Measurements,
+    row: usize,
+    pose: &Pose,
+    home: &Pose,
+) -> [f64; Variable::COUNT] {
+    let mut values = [f64::NAN; Variable::COUNT];
+    let read = |column: &[f64]| column.get(row).copied().unwrap_or(f64::NAN);
+    values[Variable::Time.index()] = read(&data.time_s);
+    values[Variable::Temperature.index()] = read(&data.temperature_c);
+    values[Variable::Distance.index()] = read(&data.laser_m);
+    let turn = home.difference(pose);
+    for k in 0..3 {
+        values[Variable::Position(k).index()] = pose.position[k];
+        values[Variable::Rotation(k).index()] = -turn[3 + k];
+    }
+    values
+}
+
+/// The variables of one cable at one pose.
+struct CableVariables {
+    length: f64,
+    revolutions: f64,
+    drum_per_motor: f64,
+    /// Whether revolutions were counted.
+    counts: bool,
+    tension: Option<f64>,
+    wrap: f64,
+    swivel: f64,
+    direction: f64,
+}
+
+impl CableVariables {
+    fn with(&self, platform: [f64; Variable::COUNT]) -> [f64; Variable::COUNT] {
+        let mut values = platform;
+        let mut set = |variable: Variable, value: f64| values[variable.index()] = value;
+        set(Variable::CableLength, self.length);
+        if self.counts {
+            set(Variable::Revolutions, self.revolutions);
+            let drum = self.revolutions * self.drum_per_motor;
+            set(Variable::DrumFraction, drum - drum.floor());
+        }
+        set(Variable::Tension, self.tension.unwrap_or(f64::NAN));
+        set(Variable::WrapAngle, self.wrap);
+        set(Variable::SwivelAngle, self.swivel);
+        set(Variable::Direction, self.direction);
+        values
+    }
+}
+
+/// Angle about an axis from one direction to another (rad).
+fn angle_about(axis: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
+    let [axis, from, to] = [axis, from, to].map(nalgebra::Vector3::from);
+    axis.dot(&from.cross(&to)).atan2(from.dot(&to))
 }
 
 fn pulley_of(cable: &Cable) -> PulleyGeometry<f64> {

@@ -43,6 +43,7 @@ mod pulley_radius;
 mod setting;
 mod swivel_offset;
 mod target_tilt;
+pub(crate) mod unknown;
 mod winch_backlash;
 mod winch_offset;
 mod winch_scale;
@@ -55,6 +56,7 @@ pub(crate) use circumstances::{Circumstances, sign};
 pub use dual::Dual;
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
+pub use unknown::{BiasedReading, Unknown};
 
 use crate::measurement::Measurements;
 use crate::robot::Robot;
@@ -70,6 +72,8 @@ pub enum Scope {
     Pair,
     /// All cables, the platform, the frame or an instrument together; takes no target.
     Robot,
+    /// One cable's reading, or without a target an instrument's.
+    Reading,
 }
 
 /// When an effect acts where several do: earlier stages first, whatever the order in a model.
@@ -198,7 +202,8 @@ pub trait Effect: Sync {
         _ports: &mut CablePorts,
     ) {
     }
-    /// Changes the ports of the platform; called for effects of scope [`Scope::Robot`] only.
+    /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of
+    /// [`Scope::Reading`] without a target.
     fn change_platform(
         &self,
         _parameters: &[Dual],

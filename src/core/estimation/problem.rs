@@ -1,8 +1,11 @@
 //! What is to be estimated from which measurements: plain data.
 
+use std::sync::Arc;
+
 use super::EstimationError;
 use super::parameter::{Parameter, parameters_of};
-use crate::effect::{BoundEffect, EffectRequest};
+use super::solution::Solution;
+use crate::effect::{BoundEffect, Circumstances, EffectRequest};
 use crate::geometry::Pose;
 use crate::measurement::Dataset;
 
@@ -60,6 +63,8 @@ pub struct Problem<'a> {
     pub held_effects: Vec<BoundEffect>,
     /// Effects whose parameters are estimated.
     pub free_effects: Vec<BoundEffect>,
+    /// What effects depend on, where it is known better than from the commanded poses.
+    pub(crate) circumstances: Option<Arc<Circumstances>>,
 }
 
 impl<'a> Problem<'a> {
@@ -83,6 +88,7 @@ impl<'a> Problem<'a> {
             poses: Poses::Estimated,
             held_effects: held?,
             free_effects: Vec::new(),
+            circumstances: None,
         })
     }
 
@@ -95,6 +101,23 @@ impl<'a> Problem<'a> {
             self.free_effects.extend(request.bind(&self.dataset.robot)?);
         }
         Ok(())
+    }
+
+    /// The same problem with what effects depend on taken at the poses of a solution, which are better known
+    /// than those commanded.
+    #[must_use]
+    pub fn at_poses_of(mut self, solution: &Solution) -> Self {
+        let data = &self.dataset.measurements;
+        let mut poses = vec![solution.globals.home; data.len()];
+        for (row, pose) in &solution.poses {
+            poses[*row] = *pose;
+        }
+        let robot = &self.dataset.robot;
+        let home = self.home_row();
+        self.circumstances = Some(Arc::new(Circumstances::new(
+            robot, data, home, &poses, None,
+        )));
+        self
     }
 
     /// The same problem with another method.

@@ -1,5 +1,7 @@
 //! Measured data of a calibration run.
 
 mod dataset;
+mod variable;
 
 pub use dataset::{Dataset, Grid, Measurements, Truth};
+pub use variable::Variable;

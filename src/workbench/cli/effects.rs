@@ -14,6 +14,7 @@ pub fn run() {
             Scope::CableOrAll => "one cable or all",
             Scope::Pair => "two cables",
             Scope::Robot => "the robot",
+            Scope::Reading => "one reading",
         };
         let parameter = |p: &tautline_core::effect::EffectParameter| {
             if p.discrete {

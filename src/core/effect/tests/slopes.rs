@@ -7,6 +7,7 @@ use crate::robot::presets;
 
 pub(super) fn at_cable() -> CableCircumstances {
     CableCircumstances {
+        variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
         row: 4,
         label: 41,
@@ -27,6 +28,7 @@ pub(super) fn at_cable() -> CableCircumstances {
 
 pub(super) fn at_platform() -> PlatformCircumstances {
     PlatformCircumstances {
+        variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
         row: 4,
         label: 41,

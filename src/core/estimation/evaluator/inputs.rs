@@ -1,8 +1,10 @@
 //! Packs what the equations of many poses need.
 
+use std::sync::Arc;
+
 use super::columns::{Column, ColumnStore};
 use crate::effect::{
-    BoundEffect, CablePort, CablePorts, Circumstances, Dual, PlatformPort, PlatformPorts, Scope,
+    BoundEffect, CablePort, CablePorts, Circumstances, Dual, PlatformPort, PlatformPorts,
 };
 use crate::estimation::problem::{Geometry, Globals, Problem};
 use crate::geometry::Pose;
@@ -45,15 +47,17 @@ pub(super) struct Selection<'a> {
     pub circumstances: Option<&'a Circumstances>,
 }
 
-/// What effects may depend on, at the commanded poses, else the tracker's, else home; nothing
-/// without effects.
-pub(super) fn circumstances_of(problem: &Problem<'_>) -> Option<Circumstances> {
+/// What effects may depend on: as the problem knows it, else at the commanded poses, else the tracker's, else
+/// home; nothing without effects.
+pub(super) fn circumstances_of(problem: &Problem<'_>) -> Option<Arc<Circumstances>> {
     if problem.held_effects.is_empty() && problem.free_effects.is_empty() {
         return None;
     }
+    if let Some(known) = &problem.circumstances {
+        return Some(Arc::clone(known));
+    }
     let data = &problem.dataset.measurements;
-    let robot = &problem.dataset.robot;
-    let home = robot.home.map_or_else(Pose::identity, |home| home.pose());
+    let home = nominal_home(problem);
     let pose = |row: usize| {
         let commanded = data.commanded.get(row).copied().flatten();
         let tracked = data.tracked_position_at(row).map(|position| Pose {
@@ -63,8 +67,18 @@ pub(super) fn circumstances_of(problem: &Problem<'_>) -> Option<Circumstances> {
         commanded.or(tracked).unwrap_or(home)
     };
     let poses: Vec<Pose> = (0..data.len()).map(pose).collect();
-    let home = problem.home_row();
-    Some(Circumstances::new(robot, data, home, &poses, None))
+    Some(Arc::new(Circumstances::new(
+        &problem.dataset.robot,
+        data,
+        problem.home_row(),
+        &poses,
+        None,
+    )))
+}
+
+fn nominal_home(problem: &Problem<'_>) -> Pose {
+    let home = problem.dataset.robot.home;
+    home.map_or_else(Pose::identity, |home| home.pose())
 }
 
 /// Cable paid out since home as the reading tells, or the absolute length read (m).
@@ -214,7 +228,7 @@ fn pack_platform<T: Packet>(
     selection: Selection<'_>,
 ) -> ([Column; PlatformPort::COUNT], Vec<PlatformLink>) {
     let nominal = PlatformPorts::nominal(&problem.dataset.robot);
-    let concerned = concerned(globals, |bound| bound.effect.scope() == Scope::Robot);
+    let concerned = concerned(globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
     let (false, Some(circumstances)) = (concerned.is_empty(), selection.circumstances) else {
         let scalars = nominal.scalars();

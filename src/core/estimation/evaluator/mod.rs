@@ -106,7 +106,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let layout = Layout::new(problem, effect_columns(problem));
         let mut readings = ColumnStore::new(token);
         let platform = pack_instruments(&mut readings, problem, &layout, &rows);
-        let circumstances = circumstances_of(problem).map(Arc::new);
+        let circumstances = circumstances_of(problem);
         let selection = Selection {
             rows: &rows,
             is_home,
