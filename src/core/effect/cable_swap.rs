@@ -1,10 +1,9 @@
 //! Two encoder channels are connected the wrong way round: the length readings of two cables are exchanged, at all
-//! poses. Force and swivel readings are not. Changes simulated readings only; an estimation has nothing to
-//! fit.
+//! poses. Force and swivel readings are not. There is nothing to fit: a model that names the exchange is
+//! compared with readings in which it was undone.
 
 use super::{Effect, EffectParameter, Scope, Search};
 use crate::measurement::Measurements;
-use crate::robot::Robot;
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -26,13 +25,7 @@ impl Effect for CableSwap {
     fn search(&self) -> Search {
         Search::Exchange
     }
-    fn corrupt(
-        &self,
-        _parameters: &[f64],
-        cables: &[usize],
-        _robot: &Robot,
-        data: &mut Measurements,
-    ) {
+    fn exchange_channels(&self, cables: &[usize], data: &mut Measurements) {
         let [one, other] = *cables else {
             return;
         };

@@ -13,6 +13,7 @@ mod cable_stiffness;
 mod cable_swap;
 mod cable_thermal;
 mod catalogue;
+mod channels;
 mod circumstances;
 mod direction;
 mod drum_eccentricity;
@@ -50,6 +51,7 @@ mod winch_scale_common;
 
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
+pub use channels::measurements_as_modelled;
 pub use circumstances::{CableCircumstances, PlatformCircumstances};
 pub(crate) use circumstances::{Circumstances, sign};
 pub use dual::Dual;
@@ -57,7 +59,6 @@ pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 
 use crate::measurement::Measurements;
-use crate::robot::Robot;
 
 /// What an effect can be attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -206,18 +207,20 @@ pub trait Effect: Sync {
         _ports: &mut PlatformPorts,
     ) {
     }
-    /// Changes simulated readings after they were predicted, as wrong readings do.
-    fn corrupt(
-        &self,
-        _parameters: &[f64],
-        _cables: &[usize],
-        _robot: &Robot,
-        _data: &mut Measurements,
-    ) {
-    }
+    /// Exchanges channels of measured data between cables; doing it twice changes nothing.
+    fn exchange_channels(&self, _cables: &[usize], _data: &mut Measurements) {}
 }
 
 impl dyn Effect {
+    /// Index of the parameter that is the label of a pose.
+    #[must_use]
+    pub fn pose_parameter(&self) -> Option<usize> {
+        match self.search() {
+            Search::FromPose(index) | Search::AtPose(index) => Some(index),
+            Search::Direct | Search::Wave { .. } | Search::Exchange => None,
+        }
+    }
+
     /// Whether it has a parameter that can be estimated.
     #[must_use]
     pub fn is_estimable(&self) -> bool {

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::cable::ElongationSurface;
 use crate::effect::{
     BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
-    EffectRequest, PlatformCircumstances, PlatformPorts, Scope,
+    EffectRequest, PlatformCircumstances, PlatformPorts, Scope, Search,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
@@ -106,12 +106,16 @@ pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
         values: vec![0.0; 15],
     });
     for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
-        // The label of a pose is given; only the last one is later.
+        // The label of a pose is given: the last one, or one before it, from which only the last is.
+        let label = match effect.search() {
+            Search::AtPose(_) => 2.0,
+            _ => 1.5,
+        };
         let discrete = effect.parameters().iter().filter(|p| p.discrete);
         let request = EffectRequest {
             effect: effect.id().to_owned(),
             cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
-            values: discrete.map(|p| (p.name.to_owned(), 1.5)).collect(),
+            values: discrete.map(|p| (p.name.to_owned(), label)).collect(),
         };
         for mut bound in request.bind(robot).unwrap() {
             let parameters = effect.parameters().iter();
