@@ -2,7 +2,7 @@
 //! poses. Force and swivel readings are not. There is nothing to fit: a model that names the exchange is
 //! compared with readings in which it was undone.
 
-use super::{Effect, EffectParameter, Scope, Search};
+use super::{Effect, EffectParameter, Found, Part, Scope, Search};
 use crate::measurement::Measurements;
 
 /// See the module documentation.
@@ -21,6 +21,35 @@ impl Effect for CableSwap {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        if found.counts_revolutions() {
+            format!(
+                "The encoders of {} are connected the wrong way round.",
+                found.name(Part::Winch)
+            )
+        } else {
+            format!(
+                "The length readings of {} are connected the wrong way round.",
+                found.name(Part::Cable)
+            )
+        }
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        if found.counts_revolutions() {
+            format!(
+                "Exchange the encoder plugs of {}, or their channels in the controller.",
+                found.name(Part::Winch),
+            )
+        } else {
+            format!(
+                "Exchange the plugs of the length sensors of {}, or their channels in the controller.",
+                found.name(Part::Cable),
+            )
+        }
+    }
+    fn source(&self) -> &'static str {
+        "Wiring: two channels exchanged"
     }
     fn search(&self) -> Search {
         Search::Exchange

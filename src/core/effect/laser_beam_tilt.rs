@@ -4,7 +4,9 @@
 //! of 0.15 mm/m at one degree.
 
 use super::direction::tilted;
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::words::{degrees, inclination};
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use crate::robot::Laser;
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +29,21 @@ impl Effect for LaserBeamTilt {
                 EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let tilt = |stated: Laser| inclination(stated.direction, found.value(0), found.value(1));
+        let tilt = found
+            .robot()
+            .laser
+            .map_or_else(|| degrees(found.value(0).hypot(found.value(1))), tilt);
+        format!("The laser beam is tilted by {tilt} of the platform.")
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check the screws of the laser's mount, and align the beam with a square on the platform."
+            .to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree"
     }
     fn change_platform(
         &self,

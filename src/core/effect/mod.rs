@@ -23,6 +23,7 @@ mod encoder_drift;
 mod encoder_outlier;
 mod force_bias;
 mod force_gain;
+mod found;
 mod frame_compliance;
 mod frame_shift;
 mod frame_thermal;
@@ -48,6 +49,7 @@ mod winch_backlash;
 mod winch_offset;
 mod winch_scale;
 mod winch_scale_common;
+mod words;
 
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
@@ -55,6 +57,7 @@ pub use channels::measurements_as_modelled;
 pub use circumstances::{CableCircumstances, PlatformCircumstances};
 pub(crate) use circumstances::{Circumstances, sign};
 pub use dual::Dual;
+pub use found::{Found, Part};
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 
@@ -179,6 +182,12 @@ pub trait Effect: Sync {
     fn scope(&self) -> Scope;
     /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
     fn parameters(&self) -> &'static [EffectParameter];
+    /// What is the matter, with the size that was found: one sentence that a technician reads.
+    fn cause(&self, found: &Found<'_>) -> String;
+    /// What to do about it in the workshop, in one sentence or two.
+    fn workshop(&self, found: &Found<'_>) -> String;
+    /// Where the model comes from.
+    fn source(&self) -> &'static str;
     /// When it acts.
     fn stage(&self) -> Stage {
         Stage::Addition

@@ -4,7 +4,9 @@
 //! right-handed triple (normal, first, second). Typical 0.2 to 2 degrees.
 
 use super::direction::tilted;
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::words::{degrees, inclination};
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use crate::robot::Laser;
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +29,21 @@ impl Effect for TargetTilt {
                 EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let tilt =
+            |stated: Laser| inclination(stated.target_plane.normal, found.value(0), found.value(1));
+        let tilt = found
+            .robot()
+            .laser
+            .map_or_else(|| degrees(found.value(0).hypot(found.value(1))), tilt);
+        format!("The target of the laser is not square: its normal is tilted by {tilt}.")
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check the target with a spirit level or a square, and align it.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Geometry"
     }
     fn change_platform(
         &self,

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::cable::ElongationSurface;
 use crate::effect::{
     BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
-    EffectRequest, PlatformCircumstances, PlatformPorts, Scope, Search,
+    EffectRequest, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
@@ -33,6 +33,15 @@ impl Effect for EveryCablePort {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         &[ANY; 16]
+    }
+    fn cause(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn workshop(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn source(&self) -> &'static str {
+        "none"
     }
     fn change_cable(&self, p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid += p[0] * 0.1;
@@ -72,6 +81,15 @@ impl Effect for EveryPlatformPort {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         &[ANY; 15]
+    }
+    fn cause(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn workshop(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn source(&self) -> &'static str {
+        "none"
     }
     fn change_platform(&self, p: &[Dual], _: &PlatformCircumstances, ports: &mut PlatformPorts) {
         ports.mass += p[0];
