@@ -27,20 +27,23 @@ impl Effect for CableCreep {
         sentence(&format!(
             "{} {} under load: in the first hour each metre gets {} {}.",
             found.name(Part::Cable),
-            match (found.cables().len(), found.value(0) < 0.0) {
-                (1, false) => "creeps",
-                (1, true) => "shrinks",
-                (_, false) => "creep",
-                (_, true) => "shrink",
-            },
+            found.either(
+                found.way(0, "creeps", "shrinks"),
+                found.way(0, "creep", "shrink"),
+            ),
             millimetres(first_hour),
             found.way(0, "longer", "shorter"),
         ))
     }
     fn workshop(&self, found: &Found<'_>) -> String {
         format!(
-            "Leave {} under working tension for some hours before measuring, and zero the encoders at home afterwards.",
+            "Leave {} under working tension for some hours before measuring{}.",
             found.name(Part::Cable),
+            if found.counts_revolutions() {
+                ", and zero the encoders at home afterwards"
+            } else {
+                ""
+            },
         )
     }
     fn source(&self) -> &'static str {

@@ -41,11 +41,15 @@ impl Effect for CableSlip {
     }
     fn workshop(&self, found: &Found<'_>) -> String {
         format!(
-            "Check how {} {} fastened to the drum, and the coupling and the set screws of {}. Then zero the {} at home again.",
+            "Check how {} {} fastened to the drum, and the coupling and the set screws of {}.{}",
             found.name(Part::Cable),
             found.either("is", "are"),
             found.name(Part::Winch),
-            found.either("encoder", "encoders"),
+            if found.counts_revolutions() {
+                " Then zero the encoders at home again."
+            } else {
+                ""
+            },
         )
     }
     fn source(&self) -> &'static str {

@@ -31,12 +31,10 @@ impl Effect for CableStiffening {
         sentence(&format!(
             "{} {} with load: at twice the mean tension {} {} {} than in proportion.",
             found.name(Part::Cable),
-            match (found.cables().len(), found.value(0) < 0.0) {
-                (1, false) => "softens",
-                (1, true) => "stiffens",
-                (_, false) => "soften",
-                (_, true) => "stiffen",
-            },
+            found.either(
+                found.way(0, "softens", "stiffens"),
+                found.way(0, "soften", "stiffen"),
+            ),
             found.either("it stretches", "they stretch"),
             found.percent(0),
             found.way(0, "more", "less"),

@@ -29,11 +29,8 @@ impl Effect for CableStiffness {
             found.way(0, "stiffer", "less stiff"),
         ))
     }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        format!(
-            "Stretch {} with known weights, measure by how much, and enter that stiffness.",
-            found.either("a piece of the same cable", "a piece of the same cables"),
-        )
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Stretch a piece of the same cable with known weights, measure by how much, and enter that stiffness.".to_owned()
     }
     fn source(&self) -> &'static str {
         "Hooke's law; sizes from stiffnesses reported for ropes"

@@ -24,16 +24,13 @@ impl Effect for EncoderDrift {
     }
     fn cause(&self, found: &Found<'_>) -> String {
         format!(
-            "The length {} of {} {}: the {} than the reading says, by {} mm/h.",
+            "The length {} of {} {}: the {} {} than the {}, by {} mm/h.",
             found.either("reading", "readings"),
             found.name(Part::Cable),
             found.either("drifts", "drift"),
-            match (found.cables().len(), found.value(0) < 0.0) {
-                (1, false) => "cable gets longer",
-                (1, true) => "cable gets shorter",
-                (_, false) => "cables get longer",
-                (_, true) => "cables get shorter",
-            },
+            found.either("cable gets", "cables get"),
+            found.way(0, "longer", "shorter"),
+            found.either("reading says", "readings say"),
             size(1e3 * found.value(0)),
         )
     }

@@ -34,7 +34,7 @@ impl Effect for ForceBias {
     }
     fn workshop(&self, found: &Found<'_>) -> String {
         format!(
-            "Slacken {} and zero {} again.",
+            "Support the platform, slacken {} and zero {} again.",
             found.name(Part::Cable),
             found.name(Part::ForceSensor),
         )

@@ -33,12 +33,11 @@ impl Effect for FrameShift {
     fn cause(&self, found: &Found<'_>) -> String {
         let shift_m = [0, 1, 2].map(|k| found.value(k));
         format!(
-            "From {} on, {} {} {} of where {} before.",
+            "From {} on, {} {} displaced by {}.",
             found.pose(3),
             found.name(Part::Pulley),
-            found.either("sits", "each sit"),
+            found.either("is", "are"),
             displacement(&shift_m),
-            found.either("it was", "they were"),
         )
     }
     fn workshop(&self, found: &Found<'_>) -> String {

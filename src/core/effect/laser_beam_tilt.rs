@@ -4,9 +4,8 @@
 //! of 0.15 mm/m at one degree.
 
 use super::direction::tilted;
-use super::words::{degrees, inclination};
+use super::words::inclination;
 use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
-use crate::robot::Laser;
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -31,12 +30,9 @@ impl Effect for LaserBeamTilt {
         }
     }
     fn cause(&self, found: &Found<'_>) -> String {
-        let tilt = |stated: Laser| inclination(stated.direction, found.value(0), found.value(1));
-        let tilt = found
-            .robot()
-            .laser
-            .map_or_else(|| degrees(found.value(0).hypot(found.value(1))), tilt);
-        format!("The laser beam is tilted by {tilt} of the platform.")
+        let stated = found.robot().laser.map(|laser| laser.direction);
+        let tilt = inclination(stated, found.value(0), found.value(1));
+        format!("The laser beam is tilted by {tilt} (platform axes).")
     }
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Check the screws of the laser's mount, and align the beam with a square on the platform."

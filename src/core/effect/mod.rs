@@ -220,7 +220,7 @@ pub trait Effect: Sync {
     fn exchange_channels(&self, _cables: &[usize], _data: &mut Measurements) {}
 }
 
-impl dyn Effect {
+impl dyn Effect + '_ {
     /// Index of the parameter that is the label of a pose.
     #[must_use]
     pub fn pose_parameter(&self) -> Option<usize> {

@@ -30,7 +30,7 @@ impl Effect for PayloadCom {
     fn cause(&self, found: &Found<'_>) -> String {
         let offset_m = [0, 1, 2].map(|k| found.value(k));
         format!(
-            "The centre of mass of the platform lies {} of the stated point, along the axes of the platform.",
+            "The centre of mass of the platform is off by {} (platform axes).",
             displacement(&offset_m),
         )
     }

@@ -1,7 +1,7 @@
 //! Attachment point of a cable elsewhere on the platform: `b += (x, y, z)`, platform frame, metres. Typical 1 to
 //! 10 mm.
 
-use super::words::{displacement, sentence};
+use super::words::displacement;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
@@ -29,12 +29,13 @@ impl Effect for PlatformAnchor {
     }
     fn cause(&self, found: &Found<'_>) -> String {
         let offset_m = [0, 1, 2].map(|k| found.value(k));
-        sentence(&format!(
-            "{} {} to the platform {} of the stated point, along the axes of the platform.",
+        format!(
+            "The attachment {} of {} on the platform {} off by {} (platform axes).",
+            found.either("point", "points"),
             found.name(Part::Cable),
-            found.either("is attached", "are each attached"),
+            found.either("is", "are"),
             displacement(&offset_m),
-        ))
+        )
     }
     fn workshop(&self, found: &Found<'_>) -> String {
         format!(

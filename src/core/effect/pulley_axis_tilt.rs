@@ -3,7 +3,7 @@
 //! right-handed triple (swivel axis, first, second). The entry point stays. Typical 1 to 10 degrees.
 
 use super::direction::tilted;
-use super::words::{degrees, inclination};
+use super::words::inclination;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
@@ -29,13 +29,9 @@ impl Effect for PulleyAxisTilt {
         }
     }
     fn cause(&self, found: &Found<'_>) -> String {
-        let [tilt_1, tilt_2] = [found.value(0), found.value(1)];
-        let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
         // The axis points along the arriving cable; where axes differ there is no common direction to name.
-        let tilt = stated.map_or_else(
-            || degrees(tilt_1.hypot(tilt_2)),
-            |axis| inclination(axis, tilt_1, tilt_2),
-        );
+        let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
+        let tilt = inclination(stated, found.value(0), found.value(1));
         format!(
             "The swivel {} of {}, along the arriving cable, {} tilted by {tilt}.",
             found.either("axis", "axes"),

@@ -4,9 +4,8 @@
 //! right-handed triple (normal, first, second). Typical 0.2 to 2 degrees.
 
 use super::direction::tilted;
-use super::words::{degrees, inclination};
+use super::words::inclination;
 use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
-use crate::robot::Laser;
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -31,12 +30,8 @@ impl Effect for TargetTilt {
         }
     }
     fn cause(&self, found: &Found<'_>) -> String {
-        let tilt =
-            |stated: Laser| inclination(stated.target_plane.normal, found.value(0), found.value(1));
-        let tilt = found
-            .robot()
-            .laser
-            .map_or_else(|| degrees(found.value(0).hypot(found.value(1))), tilt);
+        let stated = found.robot().laser.map(|laser| laser.target_plane.normal);
+        let tilt = inclination(stated, found.value(0), found.value(1));
         format!("The target of the laser is not square: its normal is tilted by {tilt}.")
     }
     fn workshop(&self, _found: &Found<'_>) -> String {

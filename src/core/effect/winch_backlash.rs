@@ -29,7 +29,7 @@ impl Effect for WinchBacklash {
         sentence(&format!(
             "{} {} {} of play: at the same reading {} {} after paying out than after reeling in.",
             found.name(Part::Winch),
-            found.either("has", "each have"),
+            found.either("has", "have"),
             found.millimetres(0),
             found.either("its cable is", "their cables are"),
             found.way(0, "longer", "shorter"),
@@ -37,7 +37,7 @@ impl Effect for WinchBacklash {
     }
     fn workshop(&self, found: &Found<'_>) -> String {
         format!(
-            "Check the coupling, the set screws and the gearbox of {} for play. Until it is mended, reach poses always from the same side.",
+            "Check the coupling, the set screws and the gearbox of {} for play. Until it is mended, approach poses always from the same side.",
             found.name(Part::Winch),
         )
     }

@@ -27,11 +27,11 @@ impl Effect for WinchScale {
         let size = found.percent(0);
         if !found.counts_revolutions() {
             return sentence(&format!(
-                "{} {} {size} {} than {} says.",
+                "{} {} {size} {} than {}.",
                 found.name(Part::Cable),
                 found.either("is", "are"),
                 found.way(0, "longer", "shorter"),
-                found.either("its length reading", "the length reading of each"),
+                found.either("its length reading says", "their length readings say"),
             ));
         }
         sentence(&format!(

@@ -75,24 +75,25 @@ pub(super) fn displacement(vector_m: &[f64]) -> String {
     list(&parts.iter().map(words).collect::<Vec<_>>())
 }
 
-/// By how much and where to a direction is tilted, by the angles of [`tilted`]: `2.1 degrees towards +x`.
-pub(super) fn inclination(nominal: [f64; 3], tilt_1: f64, tilt_2: f64) -> String {
+/// By how much and where to a direction is tilted, by the angles of [`tilted`]: `2.1 degrees towards +x`. Without a
+/// nominal direction only by how much.
+pub(super) fn inclination(nominal: Option<[f64; 3]>, tilt_1: f64, tilt_2: f64) -> String {
+    let Some(nominal) = nominal else {
+        return degrees(tilt_1.hypot(tilt_2));
+    };
     let [first, second] = [tilt_1, tilt_2].map(Dual::constant);
     let direction = tilted(nominal.map(Dual::constant), nominal, first, second);
-    let change: [f64; 3] = std::array::from_fn(|k| direction[k].value - nominal[k]);
-    let chord = nalgebra::Vector3::from(change).norm();
-    let angle = degrees(2.0 * (0.5 * chord).clamp(0.0, 1.0).asin());
-    // The component along the nominal direction only shows that the tilt is finite.
-    let unit = nalgebra::Vector3::from(nominal);
-    let across = nalgebra::Vector3::from(change);
-    let across = across - unit * unit.dot(&across);
-    let axes: Vec<_> = components(across.as_slice())
-        .into_iter()
-        .map(|(_, axis)| axis)
-        .collect();
-    if chord == 0.0 {
+    let direction = nalgebra::Vector3::from(direction.map(|dual| dual.value));
+    let nominal = nalgebra::Vector3::from(nominal);
+    // What changes along the nominal direction only shows that the tilt is finite.
+    let along = nominal.dot(&direction);
+    let across = direction - nominal * along;
+    let angle = degrees(across.norm().atan2(along));
+    let axes = components(across.as_slice());
+    if axes.is_empty() {
         return angle;
     }
+    let axes: Vec<_> = axes.into_iter().map(|(_, axis)| axis).collect();
     format!("{angle} towards {}", list(&axes))
 }
 
@@ -131,9 +132,10 @@ mod tests {
         let down = [0.0, 0.0, -1.0];
         let angle = 2_f64.to_radians();
         // About +x, the downward direction turns to +y.
-        assert_eq!(inclination(down, angle, 0.0), "2 degrees towards +y");
-        assert_eq!(inclination(down, -angle, 0.0), "2 degrees towards -y");
-        assert_eq!(inclination(down, 0.0, 0.0), "0 degrees");
+        assert_eq!(inclination(Some(down), angle, 0.0), "2 degrees towards +y");
+        assert_eq!(inclination(Some(down), -angle, 0.0), "2 degrees towards -y");
+        assert_eq!(inclination(Some(down), 0.0, 0.0), "0 degrees");
+        assert_eq!(inclination(None, angle, 0.0), "2 degrees");
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod exchange;
 mod formulas;
 mod recovery;
 mod slopes;
+mod texts;
 
 use super::CATALOGUE;
 
