@@ -3,6 +3,9 @@
 use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search, find};
 use crate::robot::{Robot, presets};
 
+/// All cables of the mini robot.
+const ALL: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7];
+
 fn mini() -> Robot {
     presets::find("mini").unwrap().robot
 }
@@ -38,7 +41,6 @@ fn sizes(effect: &dyn Effect, share: f64, sign: f64) -> Vec<f64> {
 
 /// The numbers of cables that an effect can be attached to.
 fn targets(effect: &dyn Effect) -> &'static [&'static [usize]] {
-    const ALL: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7];
     match effect.scope() {
         Scope::Cable | Scope::CableOrAll => &[&[2], &[2, 4], &[0, 3, 4], ALL],
         Scope::Pair => &[&[2, 4]],
@@ -140,106 +142,108 @@ fn says(id: &str, cables: &[usize], values: &[f64]) -> String {
     bound(find(id).unwrap(), cables, values.to_vec()).cause(&mini())
 }
 
+const ABOUT_CABLES: &[(&str, &[usize], &[f64], &str)] = &[
+    (
+        "winch_scale",
+        &[2],
+        &[0.0031],
+        "Winch 3 pays out 0.31 % more cable per revolution than its drum diameter says.",
+    ),
+    (
+        "winch_scale",
+        &[0, 3],
+        &[-0.0031],
+        "Winches 1 and 4 pay out 0.31 % less cable per revolution than their drum diameters say.",
+    ),
+    (
+        "winch_scale_common",
+        ALL,
+        &[-0.0031],
+        "All winches pay out 0.31 % less cable per revolution than their drum diameters say.",
+    ),
+    (
+        "winch_offset",
+        &[1],
+        &[-0.0123],
+        "Cable 2 is 12.3 mm shorter than its reading says at every pose but home.",
+    ),
+    (
+        "encoder_drift",
+        &[4],
+        &[0.0034],
+        "The length reading of cable 5 drifts: the cable gets longer than the reading says, by 3.4 mm/h.",
+    ),
+    (
+        "cable_slip",
+        &[7],
+        &[-0.0052, 17.0],
+        "Cable 8 slipped: from pose 17 on, it is 5.2 mm shorter than its reading says.",
+    ),
+    (
+        "cable_creep",
+        ALL,
+        &[0.001],
+        "All cables creep under load: in the first hour each metre gets 1.95 mm longer.",
+    ),
+    (
+        "cable_swap",
+        &[0, 1],
+        &[],
+        "The encoders of winches 1 and 2 are connected the wrong way round.",
+    ),
+    (
+        "platform_anchor",
+        &[2],
+        &[0.0031, 0.0001, -0.0028],
+        "The attachment point of cable 3 on the platform is off by 3.1 mm towards +x and 2.8 mm towards -z (platform axes).",
+    ),
+    (
+        "force_bias",
+        &[2],
+        &[-12.0],
+        "Force sensor 3 reads 12 N too low, whatever the tension.",
+    ),
+];
+
 #[test]
 fn sentences_about_cables() {
-    let all: Vec<usize> = (0..8).collect();
-    for (id, cables, values, expected) in [
-        (
-            "winch_scale",
-            &[2][..],
-            &[0.0031][..],
-            "Winch 3 pays out 0.31 % more cable per revolution than its drum diameter says.",
-        ),
-        (
-            "winch_scale",
-            &[0, 3],
-            &[-0.0031],
-            "Winches 1 and 4 pay out 0.31 % less cable per revolution than their drum diameters say.",
-        ),
-        (
-            "winch_scale_common",
-            &all,
-            &[-0.0031],
-            "All winches pay out 0.31 % less cable per revolution than their drum diameters say.",
-        ),
-        (
-            "winch_offset",
-            &[1],
-            &[-0.0123],
-            "Cable 2 is 12.3 mm shorter than its reading says at every pose but home.",
-        ),
-        (
-            "encoder_drift",
-            &[4],
-            &[0.0034],
-            "The length reading of cable 5 drifts: the cable gets longer than the reading says, by 3.4 mm/h.",
-        ),
-        (
-            "cable_slip",
-            &[7],
-            &[-0.0052, 17.0],
-            "Cable 8 slipped: from pose 17 on, it is 5.2 mm shorter than its reading says.",
-        ),
-        (
-            "cable_creep",
-            &all,
-            &[0.001],
-            "All cables creep under load: in the first hour each metre gets 1.95 mm longer.",
-        ),
-        (
-            "cable_swap",
-            &[0, 1],
-            &[],
-            "The encoders of winches 1 and 2 are connected the wrong way round.",
-        ),
-        (
-            "platform_anchor",
-            &[2],
-            &[0.0031, 0.0001, -0.0028],
-            "The attachment point of cable 3 on the platform is off by 3.1 mm towards +x and 2.8 mm towards -z (platform axes).",
-        ),
-        (
-            "force_bias",
-            &[2],
-            &[-12.0],
-            "Force sensor 3 reads 12 N too low, whatever the tension.",
-        ),
-    ] {
-        assert_eq!(says(id, cables, values), expected);
+    for (id, cables, values, expected) in ABOUT_CABLES {
+        assert_eq!(says(id, cables, values), *expected);
     }
 }
 
+const ABOUT_THE_ROBOT: &[(&str, &[f64], &str)] = &[
+    (
+        "payload_mass",
+        &[-0.2],
+        "The platform is 20 % lighter than stated: 2 kg instead of 2.5 kg.",
+    ),
+    (
+        "laser_scale",
+        &[-0.0012],
+        "The laser reads distances 0.12 % too short.",
+    ),
+    (
+        "laser_outliers",
+        &[17.0, 0.034],
+        "The laser reading at pose 17 is 34 mm too long.",
+    ),
+    (
+        "frame_thermal",
+        &[1.2e-5],
+        "The frame gets 0.012 mm longer per metre and per kelvin of warming.",
+    ),
+    (
+        "heading_offset",
+        &[-std::f64::consts::FRAC_PI_6],
+        "The yaw reading of the platform is 30 degrees too small.",
+    ),
+];
+
 #[test]
 fn sentences_about_the_robot() {
-    let all: Vec<usize> = (0..8).collect();
-    for (id, values, expected) in [
-        (
-            "payload_mass",
-            &[-0.2][..],
-            "The platform is 20 % lighter than stated: 2 kg instead of 2.5 kg.",
-        ),
-        (
-            "laser_scale",
-            &[-0.0012],
-            "The laser reads distances 0.12 % too short.",
-        ),
-        (
-            "laser_outliers",
-            &[17.0, 0.034],
-            "The laser reading at pose 17 is 34 mm too long.",
-        ),
-        (
-            "frame_thermal",
-            &[1.2e-5],
-            "The frame gets 0.012 mm longer per metre and per kelvin of warming.",
-        ),
-        (
-            "heading_offset",
-            &[-std::f64::consts::FRAC_PI_6],
-            "The yaw reading of the platform is 30 degrees too small.",
-        ),
-    ] {
-        assert_eq!(says(id, &all, values), expected);
+    for (id, values, expected) in ABOUT_THE_ROBOT {
+        assert_eq!(says(id, ALL, values), *expected);
     }
 }
 
