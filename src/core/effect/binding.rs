@@ -53,7 +53,9 @@ pub enum EffectError {
         parameter: String,
     },
     /// The effect has no parameter that readings could determine.
-    #[error("effect \"{0}\" has nothing to estimate: it can only be hidden in simulated data")]
+    #[error(
+        "effect \"{0}\" has nothing to estimate: hide it in simulated data or name it in a model file"
+    )]
     NothingToEstimate(String),
     /// There is no such pose.
     #[error("effect \"{effect}\": there is no pose labelled {pose}")]
@@ -178,11 +180,6 @@ fn unknown_parameter(effect: &dyn Effect, name: &str) -> EffectError {
     }
 }
 
-/// Row of the pose with this label.
-pub(super) fn row_of(data: &Measurements, label: f64) -> Option<usize> {
-    data.labels.iter().position(|l| *l as f64 == label)
-}
-
 /// A cable by its name, or by its number from 1.
 fn cable_called(robot: &Robot, effect: &str, name: &str) -> Result<usize, EffectError> {
     let by_number = || {
@@ -262,22 +259,27 @@ impl BoundEffect {
         })
     }
 
-    /// Changes simulated readings after they were predicted.
+    /// Whether every pose that it names is in `data`.
     ///
     /// # Errors
     /// If it names a pose that is not there.
-    pub fn corrupt(&self, robot: &Robot, data: &mut Measurements) -> Result<(), EffectError> {
-        for (parameter, value) in self.effect.parameters().iter().zip(&self.values) {
-            if parameter.name == "pose" && row_of(data, *value).is_none() {
-                return Err(EffectError::NoSuchPose {
-                    effect: self.effect.id().to_owned(),
-                    pose: value.to_string(),
-                });
-            }
+    pub fn check_poses(&self, data: &Measurements) -> Result<(), EffectError> {
+        let Some(index) = self.effect.pose_parameter() else {
+            return Ok(());
+        };
+        let pose = self.values[index];
+        if data.labels.iter().any(|label| *label as f64 == pose) {
+            return Ok(());
         }
-        let effect = self.effect;
-        effect.corrupt(&self.values, &self.cables, robot, data);
-        Ok(())
+        Err(EffectError::NoSuchPose {
+            effect: self.effect.id().to_owned(),
+            pose: pose.to_string(),
+        })
+    }
+
+    /// Exchanges the channels that it says are exchanged; doing it twice changes nothing.
+    pub fn exchange_channels(&self, data: &mut Measurements) {
+        self.effect.exchange_channels(&self.cables, data);
     }
 
     /// The form in which model files carry it.

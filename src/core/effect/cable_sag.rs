@@ -3,7 +3,8 @@
 //! An estimate starts at 0.1 N/m: without weight nothing depends on it to first order. Typical 0.01 to
 //! 5 N/m. Source: Irvine, Cable Structures, 1981.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::words::sentence;
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -21,6 +22,22 @@ impl Effect for CableSag {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("weight", "N/m", 1.0, [0.01, 5.0]).starting_at(0.1)] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} {} {} {} than stated and {} accordingly.",
+            found.name(Part::Cable),
+            found.either("weighs", "weigh"),
+            found.in_its_unit(0),
+            found.way(0, "more", "less"),
+            found.either("sags", "sag"),
+        ))
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Weigh a piece of the cable of known length and enter its weight per metre. Higher tensions make the sag smaller.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Irvine, Cable Structures, 1981: parabola, first order"
     }
     fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
         ports.weight += parameters[0];

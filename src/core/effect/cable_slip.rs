@@ -1,7 +1,10 @@
 //! A step in the cable paid out: `paid += step` at the pose labelled `pose` and at all later labels; metres.
 //! Assumes that the cable slipped once. Typical 1 to 20 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::words::sentence;
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -24,6 +27,33 @@ impl Effect for CableSlip {
                 EffectParameter::given("pose", "1", [1.0, 100.0]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} slipped: from {} on, {} {} {} than {}.",
+            found.name(Part::Cable),
+            found.pose(1),
+            found.either("it is", "they are"),
+            found.millimetres(0),
+            found.way(0, "longer", "shorter"),
+            found.either("its reading says", "their readings say"),
+        ))
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Check how {} {} fastened to the drum, and the coupling and the set screws of {}.{}",
+            found.name(Part::Cable),
+            found.either("is", "are"),
+            found.name(Part::Winch),
+            if found.counts_revolutions() {
+                " Then zero the encoders at home again."
+            } else {
+                ""
+            },
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry: one step in the cable paid out"
     }
     fn search(&self) -> Search {
         Search::FromPose(1)

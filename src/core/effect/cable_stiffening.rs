@@ -5,7 +5,10 @@
 //! replaces it. Approximation: the correction factor is taken at the reading, not at the estimated
 //! tension. Typical 0.1 to 0.5: fibre ropes stiffen under load (then `c` is negative), first-order term.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::words::sentence;
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -23,6 +26,25 @@ impl Effect for CableStiffening {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("c", "1", 0.5, [0.1, 0.5])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} {} with load: at twice the mean tension {} {} {} than in proportion.",
+            found.name(Part::Cable),
+            found.either(
+                found.way(0, "softens", "stiffens"),
+                found.way(0, "soften", "stiffen"),
+            ),
+            found.either("it stretches", "they stretch"),
+            found.percent(0),
+            found.way(0, "more", "less"),
+        ))
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "First-order term of a stiffness that depends on tension, as measured on fibre ropes"
     }
     fn stage(&self) -> Stage {
         Stage::Ratio

@@ -1,10 +1,9 @@
 //! Two encoder channels are connected the wrong way round: the length readings of two cables are exchanged, at all
-//! poses. Force and swivel readings are not. Changes simulated readings only; an estimation has nothing to
-//! fit.
+//! poses. Force and swivel readings are not. There is nothing to fit: a model that names the exchange is
+//! compared with readings in which it was undone.
 
-use super::{Effect, EffectParameter, Scope, Search};
+use super::{Effect, EffectParameter, Found, Part, Scope, Search};
 use crate::measurement::Measurements;
-use crate::robot::Robot;
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -23,16 +22,39 @@ impl Effect for CableSwap {
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[] }
     }
+    fn cause(&self, found: &Found<'_>) -> String {
+        if found.counts_revolutions() {
+            format!(
+                "The encoders of {} are connected the wrong way round.",
+                found.name(Part::Winch)
+            )
+        } else {
+            format!(
+                "The length readings of {} are connected the wrong way round.",
+                found.name(Part::Cable)
+            )
+        }
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        if found.counts_revolutions() {
+            format!(
+                "Exchange the encoder plugs of {}, or their channels in the controller.",
+                found.name(Part::Winch),
+            )
+        } else {
+            format!(
+                "Exchange the plugs of the length sensors of {}, or their channels in the controller.",
+                found.name(Part::Cable),
+            )
+        }
+    }
+    fn source(&self) -> &'static str {
+        "Wiring: two channels exchanged"
+    }
     fn search(&self) -> Search {
         Search::Exchange
     }
-    fn corrupt(
-        &self,
-        _parameters: &[f64],
-        cables: &[usize],
-        _robot: &Robot,
-        data: &mut Measurements,
-    ) {
+    fn exchange_channels(&self, cables: &[usize], data: &mut Measurements) {
         let [one, other] = *cables else {
             return;
         };

@@ -2,7 +2,8 @@
 //! the cable has the temperature measured. Typical -1e-5 (aramid, polyethylene: shorter when warm) to 5e-5 per
 //! kelvin; steel 12e-6.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::words::sentence;
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +28,21 @@ impl Effect for CableThermal {
                 [-0.00001, 0.00005],
             )]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} {} {} {} per metre and per kelvin of warming.",
+            found.name(Part::Cable),
+            found.either("gets", "get"),
+            found.millimetres(0),
+            found.way(0, "longer", "shorter"),
+        ))
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Measure at a steady temperature, or correct the cable lengths for temperature in the controller.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm"
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         ports.strain += parameters[0] * at.temperature_change_k;

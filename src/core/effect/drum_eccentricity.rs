@@ -1,7 +1,9 @@
 //! Drum out of round: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
 //! out. Typical amplitude 0.1 to 1 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -29,6 +31,25 @@ impl Effect for DrumEccentricity {
                 ),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The {} of {} {} out of round: once per turn the cable paid out swings by {} to either side.",
+            found.either("drum", "drums"),
+            found.name(Part::Winch),
+            found.either("is", "are"),
+            found.millimetres(0),
+        )
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Measure the runout of the {} of {} with a dial gauge; centre or replace what runs out.",
+            found.either("drum", "drums"),
+            found.name(Part::Winch),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry of an eccentric drum; sizes from ovalisation reported for winches of cable robots"
     }
     fn search(&self) -> Search {
         Search::Wave {

@@ -1,7 +1,9 @@
 //! Layers build up on the drum: `paid = k rev (1 + growth rev)` with revolutions of the motor. Typical
 //! 0.01 to 1 % per revolution.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -26,6 +28,26 @@ impl Effect for DrumGrowth {
                 [0.00005, 0.01],
             )]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The {} of {} {} no constant diameter: the cable per revolution, on average since home, {} by {} with every motor revolution.",
+            found.either("drum", "drums"),
+            found.name(Part::Winch),
+            found.either("has", "have"),
+            found.way(0, "rises", "falls"),
+            found.percent(0),
+        )
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Check that the cable lies in one layer and in regular turns on the {} of {}, and guide it if it climbs over itself.",
+            found.either("drum", "drums"),
+            found.name(Part::Winch),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry of a winding whose diameter changes in proportion to the turns, first order"
     }
     fn stage(&self) -> Stage {
         Stage::Ratio

@@ -1,7 +1,9 @@
 //! A length reading that is wrong: `error` (m) is contained in the cable paid out, or in the length, that was read
 //! at the pose labelled `pose`.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -24,6 +26,29 @@ impl Effect for EncoderOutlier {
                 EffectParameter::new("error", "m", 0.1, [0.005, 0.1]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The length {} of {} at {} {} {} too {}.",
+            found.either("reading", "readings"),
+            found.name(Part::Cable),
+            found.pose(0),
+            found.either("is", "are"),
+            found.millimetres(1),
+            found.way(1, "long", "short"),
+        )
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Measure {} again, or leave the length {} of {} out there. If it happens again, check encoder, plug and wiring of {}.",
+            found.pose(0),
+            found.either("reading", "readings"),
+            found.name(Part::Cable),
+            found.name(Part::Winch),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "A single wrong reading"
     }
     fn search(&self) -> Search {
         Search::AtPose(0)

@@ -1,7 +1,10 @@
 //! A constant in the raw reading of a force sensor: `F = g T + f0 + bias` (N), so `T = T_nominal - bias / g`. Typical
 //! 2 to 50 N.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::words::sentence;
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -19,6 +22,25 @@ impl Effect for ForceBias {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("bias", "N", 50.0, [2.0, 50.0])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} {} {} too {}, whatever the tension.",
+            found.name(Part::ForceSensor),
+            found.either("reads", "read"),
+            found.in_its_unit(0),
+            found.way(0, "high", "low"),
+        ))
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Support the platform, slacken {} and zero {} again.",
+            found.name(Part::Cable),
+            found.name(Part::ForceSensor),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2"
     }
     fn stage(&self) -> Stage {
         Stage::Sensor

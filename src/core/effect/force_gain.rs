@@ -1,6 +1,9 @@
 //! Force sensor of another gain: `F = g (1 + change) T + f0`, so `T = T_nominal / (1 + change)`. Typical 2 to 20 %.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::words::sentence;
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -18,6 +21,25 @@ impl Effect for ForceGain {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} {} {} too {}.",
+            found.name(Part::ForceSensor),
+            found.either("reads", "read"),
+            found.percent(0),
+            found.way(0, "high", "low"),
+        ))
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Hang known weights on {} and calibrate the gain of {} again.",
+            found.name(Part::Cable),
+            found.name(Part::ForceSensor),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2"
     }
     fn stage(&self) -> Stage {
         Stage::Ratio

@@ -5,7 +5,8 @@
 //! Approximations: the direction is that of the nominal geometry at the commanded pose (or the tracker's, else the
 //! home pose), the tension is that of the sensor. Pulleys do not couple. Typical 1e-7 to 1e-4 m/N.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::words::millimetres;
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -30,6 +31,19 @@ impl Effect for FrameCompliance {
                 [0.0000001, 0.0001],
             )]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {} the platform.",
+            millimetres(100.0 * found.value(0)),
+            found.way(0, "towards", "away from"),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Linear elasticity, one compliance for all pulleys"
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         for k in 0..3 {

@@ -1,7 +1,10 @@
 //! An entry point that jumps, as after a knock: `a += (x, y, z)`, base frame, metres, at the pose labelled `pose`
 //! and at all later labels. Typical 1 to 20 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::words::displacement;
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -26,6 +29,26 @@ impl Effect for FrameShift {
                 EffectParameter::given("pose", "1", [1.0, 100.0]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let shift_m = [0, 1, 2].map(|k| found.value(k));
+        format!(
+            "From {} on, {} {} displaced by {}.",
+            found.pose(3),
+            found.name(Part::Pulley),
+            found.either("is", "are"),
+            displacement(&shift_m),
+        )
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Check {} of {}, tighten the bolts and measure again.",
+            found.either("the bracket", "the brackets"),
+            found.name(Part::Pulley),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry"
     }
     fn search(&self) -> Search {
         Search::FromPose(3)

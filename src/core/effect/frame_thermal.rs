@@ -2,7 +2,7 @@
 //! `dT` (K), about the origin of the base frame. Approximation: `a` is the nominal entry point. Typical 12e-6
 //! (steel) to 24e-6 (aluminium) per kelvin.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +27,19 @@ impl Effect for FrameThermal {
                 [0.000012, 0.000024],
             )]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The frame gets {} {} per metre and per kelvin of warming.",
+            found.millimetres(0),
+            found.way(0, "longer", "shorter"),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin"
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         for k in 0..3 {

@@ -1,7 +1,7 @@
 //! A constant added to the yaw reading (rad), as by a compass that counts from elsewhere. Typical 1 to 180
 //! degrees.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -26,6 +26,20 @@ impl Effect for HeadingOffset {
                 [0.017, std::f64::consts::PI],
             )]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The yaw reading of the platform is {} too {}.",
+            found.degrees(0),
+            found.way(0, "large", "small"),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Zero the heading at the home pose again. Keep a compass away from motors and steel."
+            .to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Zero error of an attitude sensor"
     }
     fn change_platform(
         &self,

@@ -4,7 +4,8 @@
 //! the weights know nothing of it. Where an angle was not read it counts as 0. Typical 0.1 to 3 degrees.
 
 use super::direction::{angles, product, rotation};
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::words::{components, degrees, list};
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +28,27 @@ impl Effect for InclinometerTilt {
                 EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let tilts = components(&[found.value(0), found.value(1)]);
+        let words: Vec<String> = tilts
+            .iter()
+            .map(|(angle, axis)| format!("{} about {axis}", degrees(*angle)))
+            .collect();
+        format!(
+            "The inclinometer sits tilted on the platform: {}.",
+            if words.is_empty() {
+                degrees(0.0)
+            } else {
+                list(&words)
+            },
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check how the inclinometer is fastened, and zero it on the levelled platform.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Geometry"
     }
     fn change_platform(
         &self,

@@ -4,7 +4,8 @@
 //! of 0.15 mm/m at one degree.
 
 use super::direction::tilted;
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::words::inclination;
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +28,18 @@ impl Effect for LaserBeamTilt {
                 EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let stated = found.robot().laser.map(|laser| laser.direction);
+        let tilt = inclination(stated, found.value(0), found.value(1));
+        format!("The laser beam is tilted by {tilt} (platform axes).")
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check the screws of the laser's mount, and align the beam with a square on the platform."
+            .to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree"
     }
     fn change_platform(
         &self,

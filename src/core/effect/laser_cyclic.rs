@@ -5,7 +5,9 @@
 //! stay below 1. A fit finds the period only if it starts within about a tenth of `P^2 / range` of it.
 //! Typical amplitude 0.3 to 3 mm.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope, Search};
+use super::{
+    Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -34,6 +36,19 @@ impl Effect for LaserCyclic {
                 ),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The reading of the laser swings by {} to either side as the distance changes, once every {}.",
+            found.millimetres(0),
+            found.millimetres(1),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Clean the optics of the laser and use a matt target without reflections. If the error stays, have the laser checked or replace it.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Cyclic error of distance meters that compare phases"
     }
     fn search(&self) -> Search {
         Search::Wave {

@@ -1,7 +1,7 @@
 //! Warm-up drift: `a (1 - exp(-t / 900 s))` is added to the laser reading, `t` since home in seconds, `a` the
 //! parameter `drift` in metres. Assumes that the laser was switched on at the home row. Typical 0.5 to 5 mm.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -19,6 +19,19 @@ impl Effect for LaserDrift {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("drift", "m", 0.005, [0.0005, 0.005])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The laser drifts while it warms up: in the end it reads {} {} than when it was switched on.",
+            found.millimetres(0),
+            found.way(0, "longer", "shorter"),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Switch the laser on an hour before measuring.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Exponential warm-up of first order"
     }
     fn change_platform(
         &self,

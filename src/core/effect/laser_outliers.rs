@@ -1,7 +1,9 @@
 //! A laser reading that is wrong: `error` (m) is added at the pose labelled `pose`, as by a reflection elsewhere.
 //! For several poses name the effect several times.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope, Search};
+use super::{
+    Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -24,6 +26,23 @@ impl Effect for LaserOutliers {
                 EffectParameter::new("error", "m", 0.1, [0.005, 0.1]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The laser reading at {} is {} too {}.",
+            found.pose(0),
+            found.millimetres(1),
+            found.way(1, "long", "short"),
+        )
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Check whether something stood in the beam at {pose} or the spot missed the target. Measure that pose again or leave its laser reading out.",
+            pose = found.pose(0),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "A single wrong reading"
     }
     fn search(&self) -> Search {
         Search::AtPose(0)

@@ -1,6 +1,6 @@
 //! Laser reading times `1 + scale`. Typical 0.05 to 1 %.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -18,6 +18,20 @@ impl Effect for LaserScale {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("scale", "1", 0.01, [0.0005, 0.01])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        format!(
+            "The laser reads distances {} too {}.",
+            found.percent(0),
+            found.way(0, "long", "short"),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Compare the laser with a tape measure at two distances far apart, and correct its scale."
+            .to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Scale error of distance meters"
     }
     fn change_platform(
         &self,

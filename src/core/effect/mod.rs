@@ -1,8 +1,8 @@
 //! Physical effects that extend the nominal model.
 //!
 //! Each effect is one file: what it changes in the prediction (through [`CablePorts`] and
-//! [`PlatformPorts`]), its parameters with unit, prior and typical size. The same code hides an effect
-//! in simulated data and adds it to a model.
+//! [`PlatformPorts`]), its parameters with unit, prior and typical size, and what a technician reads when
+//! it was found ([`Found`]). The same code hides an effect in simulated data and adds it to a model.
 
 mod binding;
 mod cable_creep;
@@ -13,6 +13,7 @@ mod cable_stiffness;
 mod cable_swap;
 mod cable_thermal;
 mod catalogue;
+mod channels;
 mod circumstances;
 mod direction;
 mod drum_eccentricity;
@@ -22,6 +23,7 @@ mod encoder_drift;
 mod encoder_outlier;
 mod force_bias;
 mod force_gain;
+mod found;
 mod frame_compliance;
 mod frame_shift;
 mod frame_thermal;
@@ -48,18 +50,20 @@ mod winch_backlash;
 mod winch_offset;
 mod winch_scale;
 mod winch_scale_common;
+mod words;
 
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
+pub use channels::measurements_as_modelled;
 pub use circumstances::{CableCircumstances, PlatformCircumstances};
 pub(crate) use circumstances::{Circumstances, sign};
 pub use dual::Dual;
+pub use found::{Found, Part};
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use unknown::{BiasedReading, Unknown};
 
 use crate::measurement::Measurements;
-use crate::robot::Robot;
 
 /// What an effect can be attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,6 +186,12 @@ pub trait Effect: Sync {
     fn scope(&self) -> Scope;
     /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
     fn parameters(&self) -> &'static [EffectParameter];
+    /// What is the matter, with the size that was found: one sentence that a technician reads.
+    fn cause(&self, found: &Found<'_>) -> String;
+    /// What to do about it in the workshop, in one sentence or two.
+    fn workshop(&self, found: &Found<'_>) -> String;
+    /// Where the model comes from.
+    fn source(&self) -> &'static str;
     /// When it acts.
     fn stage(&self) -> Stage {
         Stage::Addition
@@ -211,18 +221,20 @@ pub trait Effect: Sync {
         _ports: &mut PlatformPorts,
     ) {
     }
-    /// Changes simulated readings after they were predicted, as wrong readings do.
-    fn corrupt(
-        &self,
-        _parameters: &[f64],
-        _cables: &[usize],
-        _robot: &Robot,
-        _data: &mut Measurements,
-    ) {
-    }
+    /// Exchanges channels of measured data between cables; doing it twice changes nothing.
+    fn exchange_channels(&self, _cables: &[usize], _data: &mut Measurements) {}
 }
 
-impl dyn Effect {
+impl dyn Effect + '_ {
+    /// Index of the parameter that is the label of a pose.
+    #[must_use]
+    pub fn pose_parameter(&self) -> Option<usize> {
+        match self.search() {
+            Search::FromPose(index) | Search::AtPose(index) => Some(index),
+            Search::Direct | Search::Wave { .. } | Search::Exchange => None,
+        }
+    }
+
     /// Whether it has a parameter that can be estimated.
     #[must_use]
     pub fn is_estimable(&self) -> bool {

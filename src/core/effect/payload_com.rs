@@ -1,7 +1,8 @@
 //! Centre of mass elsewhere: `c += (x, y, z)`, platform frame, metres. Seen through static equilibrium only; the
 //! component along gravity only where the platform tilts. Typical 5 to 50 mm.
 
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::words::displacement;
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -25,6 +26,19 @@ impl Effect for PayloadCom {
                 EffectParameter::new("z", "m", 0.05, [0.005, 0.05]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let offset_m = [0, 1, 2].map(|k| found.value(k));
+        format!(
+            "The centre of mass of the platform is off by {} (platform axes).",
+            displacement(&offset_m),
+        )
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Static equilibrium"
     }
     fn change_platform(
         &self,

@@ -3,7 +3,8 @@
 //! right-handed triple (swivel axis, first, second). The entry point stays. Typical 1 to 10 degrees.
 
 use super::direction::tilted;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::words::inclination;
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -26,6 +27,27 @@ impl Effect for PulleyAxisTilt {
                 EffectParameter::new("tilt_2", "rad", 0.1, [0.017, 0.17]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        // The axis points along the arriving cable; where axes differ there is no common direction to name.
+        let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
+        let tilt = inclination(stated, found.value(0), found.value(1));
+        format!(
+            "The swivel {} of {}, along the arriving cable, {} tilted by {tilt}.",
+            found.either("axis", "axes"),
+            found.name(Part::Pulley),
+            found.either("is", "are"),
+        )
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Check the {} of {} with a square or a spirit level, and align the swivel axis with the arriving cable.",
+            found.either("bracket", "brackets"),
+            found.name(Part::Pulley),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry"
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);

@@ -6,7 +6,10 @@
 //! home pose); the direction is that of the readings. Typical 0.005 to 0.1; 3 % of the tension for 90
 //! degrees at 0.02. Source: belt friction (Euler, Eytelwein).
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::words::{percent, sentence};
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -24,6 +27,29 @@ impl Effect for PulleyFriction {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("mu", "1", 0.05, [0.005, 0.1])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();
+        let (paid_out, reeled_in) = (
+            found.way(0, "higher", "lower"),
+            found.way(0, "lower", "higher"),
+        );
+        sentence(&format!(
+            "{} {}: with 90 degrees of wrap the tension at the platform is {} {paid_out} than at the sensor after paying out, and about as much {reeled_in} after reeling in.",
+            found.name(Part::Pulley),
+            found.either("rubs", "rub"),
+            percent(quarter_turn),
+        ))
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        format!(
+            "Clean and lubricate the {} of {}, and check that the cable runs freely in the groove.",
+            found.either("bearing", "bearings"),
+            found.name(Part::Pulley),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Belt friction (Euler, Eytelwein)"
     }
     fn stage(&self) -> Stage {
         Stage::Ratio

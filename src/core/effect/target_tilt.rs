@@ -4,7 +4,8 @@
 //! right-handed triple (normal, first, second). Typical 0.2 to 2 degrees.
 
 use super::direction::tilted;
-use super::{Dual, Effect, EffectParameter, PlatformCircumstances, PlatformPorts, Scope};
+use super::words::inclination;
+use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -27,6 +28,17 @@ impl Effect for TargetTilt {
                 EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let stated = found.robot().laser.map(|laser| laser.target_plane.normal);
+        let tilt = inclination(stated, found.value(0), found.value(1));
+        format!("The target of the laser is not square: its normal is tilted by {tilt}.")
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Check the target with a spirit level or a square, and align it.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Geometry"
     }
     fn change_platform(
         &self,

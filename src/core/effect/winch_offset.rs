@@ -1,7 +1,8 @@
 //! A constant added to the cable paid out at every pose but home, as when the encoder was zeroed with
 //! the cable at another length. Typical 0.5 to 150 mm.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::words::sentence;
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -19,6 +20,40 @@ impl Effect for WinchOffset {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("offset", "m", 0.1, [0.0005, 0.15])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        sentence(&format!(
+            "{} {} {} {} than {} at every pose{}.",
+            found.name(Part::Cable),
+            found.either("is", "are"),
+            found.millimetres(0),
+            found.way(0, "longer", "shorter"),
+            found.either("its reading says", "their readings say"),
+            if found.counts_revolutions() {
+                " but home"
+            } else {
+                ""
+            },
+        ))
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        if !found.counts_revolutions() {
+            return format!(
+                "Measure the length of {} with a tape at one pose and correct the zero of {}.",
+                found.name(Part::Cable),
+                found.either("its reading", "their readings"),
+            );
+        }
+        format!(
+            "Drive to the home pose, bring {} to {} usual tension and zero the {} of {} again.",
+            found.name(Part::Cable),
+            found.either("its", "their"),
+            found.either("encoder", "encoders"),
+            found.name(Part::Winch),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry: a zero set at another length; sizes from length errors reported for cable robots"
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         if !at.is_home {

@@ -1,7 +1,10 @@
 //! Drum of another effective diameter: cable per revolution times `1 + scale`; for absolute lengths
 //! the length times `1 + scale`. Typical 0.1 to 3 % (winch ratio errors of cable robots).
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::words::sentence;
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -19,6 +22,43 @@ impl Effect for WinchScale {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("scale", "1", 0.03, [0.001, 0.03])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let size = found.percent(0);
+        if !found.counts_revolutions() {
+            return sentence(&format!(
+                "{} {} {size} {} than {}.",
+                found.name(Part::Cable),
+                found.either("is", "are"),
+                found.way(0, "longer", "shorter"),
+                found.either("its length reading says", "their length readings say"),
+            ));
+        }
+        sentence(&format!(
+            "{} {} {size} {} cable per revolution than {}.",
+            found.name(Part::Winch),
+            found.either("pays out", "pay out"),
+            found.way(0, "more", "less"),
+            found.either("its drum diameter says", "their drum diameters say"),
+        ))
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        if !found.counts_revolutions() {
+            return format!(
+                "Compare the length {} of {} with a tape measure at two lengths far apart, and correct the scale in the controller.",
+                found.either("reading", "readings"),
+                found.name(Part::Cable),
+            );
+        }
+        format!(
+            "Measure the {} of {} with calipers, cable layer included, and correct the drum {} in the controller. Check the gear ratio there, too.",
+            found.either("drum", "drums"),
+            found.name(Part::Winch),
+            found.either("diameter", "diameters"),
+        )
+    }
+    fn source(&self) -> &'static str {
+        "Geometry of a drum; sizes from winch ratio errors reported for cable robots"
     }
     fn stage(&self) -> Stage {
         Stage::Ratio

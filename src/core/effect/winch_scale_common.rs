@@ -1,7 +1,8 @@
 //! All drums of another effective diameter by the same ratio, as by a wrong cable diameter: cable per
 //! revolution times `1 + scale`. Typical 0.1 to 1 %.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::winch_scale::WinchScale;
+use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope, Stage};
 
 /// See the module documentation.
 #[derive(Debug)]
@@ -19,6 +20,18 @@ impl Effect for WinchScaleCommon {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         const { &[EffectParameter::new("scale", "1", 0.01, [0.001, 0.01])] }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        WinchScale.cause(found)
+    }
+    fn workshop(&self, found: &Found<'_>) -> String {
+        if !found.counts_revolutions() {
+            return WinchScale.workshop(found);
+        }
+        "Measure the drum and the cable of one winch with calipers and correct the drum diameter of all in the controller: it counts to the middle of the cable. Check the gear ratio there, too.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Geometry of a drum; sizes from winch ratio errors reported for cable robots"
     }
     fn stage(&self) -> Stage {
         Stage::Ratio

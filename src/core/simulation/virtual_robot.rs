@@ -102,24 +102,26 @@ const SETTLED_N: f64 = 1e-11;
 /// Simulates a calibration run.
 ///
 /// # Errors
-/// If the robot cannot be held in its workspace, or an effect is unknown.
+/// If the robot cannot be held in its workspace, an effect is unknown or names a pose that is not there.
 pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let truth = true_robot(robot, options, &mut rng);
     let effects = bind(&truth)?;
     let (poses, commanded, tensions) = visit_poses(robot, (&truth, &effects), options, &mut rng)?;
-    let mut measurements = blank(robot, &poses, &commanded, &tensions);
     let mut exact = Dataset {
         robot: truth.clone(),
-        measurements: std::mem::take(&mut measurements),
+        measurements: blank(robot, &poses, &commanded, &tensions),
     };
+    for effect in &effects {
+        let checked = effect.check_poses(&exact.measurements);
+        checked.map_err(EstimationError::Effect)?;
+    }
     invert(&mut exact, &poses, &tensions)?;
     if options.noise {
         add_noise(robot, &mut exact.measurements, &mut rng);
     }
     for effect in &effects {
-        let corrupted = effect.corrupt(robot, &mut exact.measurements);
-        corrupted.map_err(EstimationError::Effect)?;
+        effect.exchange_channels(&mut exact.measurements);
     }
     Ok(Simulated {
         dataset: Dataset {

@@ -5,9 +5,15 @@ use tautline_core::effect::{CATALOGUE, Scope};
 use super::output::say;
 use super::table;
 
-/// Lists the effects that `simulate` can hide and `identify` can free.
+/// Lists the effects that `simulate` can hide, and says which of them `identify` can free.
 pub fn run() {
-    let mut rows = table::texts(&["Effect", "title", "on", "parameters (typical size)"]);
+    let mut rows = table::texts(&[
+        "Effect",
+        "title",
+        "on",
+        "can be freed",
+        "parameters (typical size)",
+    ]);
     for effect in CATALOGUE {
         let on = match effect.scope() {
             Scope::Cable => "each cable",
@@ -29,7 +35,14 @@ pub fn run() {
             format!("{} ({least} to {most}{unit})", p.name)
         };
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
-        let cells = [effect.id(), effect.title(), on, &parameters.join(", ")];
+        let freed = if effect.is_estimable() { "yes" } else { "no" };
+        let cells = [
+            effect.id(),
+            effect.title(),
+            on,
+            freed,
+            &parameters.join(", "),
+        ];
         rows.add_row(cells);
     }
     say!("{rows}");

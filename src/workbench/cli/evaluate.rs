@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use tautline_core::effect::measurements_as_modelled;
 use tautline_core::estimation::{Geometry, Poses, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_session::{read_dataset, read_robot};
@@ -41,9 +42,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             model.value.cable_count()
         )));
     }
+    let modelled = measurements_as_modelled(&model.value, &folder.dataset.measurements);
+    let measurements = modelled.map_err(BadInput::new)?.into_owned();
     let dataset = Dataset {
         robot: model.value,
-        measurements: folder.dataset.measurements,
+        measurements,
     };
     let mut problem = Problem::new(&dataset).map_err(BadInput::new)?;
     problem.geometry = Geometry::Held;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_core::effect::EffectRequest;
+use tautline_core::effect::{EffectRequest, measurements_as_modelled};
 use tautline_core::estimation::{Loss, Method, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_session::{read_dataset, write_robot};
@@ -52,10 +52,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for notice in &folder.notices {
         eprintln!("{notice}");
     }
+    let given = &folder.dataset;
+    let modelled = measurements_as_modelled(&given.robot, &given.measurements);
+    let dataset = Dataset {
+        measurements: modelled.map_err(BadInput::new)?.into_owned(),
+        robot: given.robot.clone(),
+    };
     if arguments.method == MethodName::Published {
-        return super::published::run(arguments, &folder.dataset);
+        return super::published::run(arguments, &dataset);
     }
-    let problem = problem_of(arguments, &folder.dataset)?;
+    let problem = problem_of(arguments, &dataset)?;
     let fitted = Fitted::solve(&problem, arguments.repeat)?;
     deliver(arguments, &fitted, &fitted.identification())
 }
@@ -94,6 +100,11 @@ fn problem_of<'a>(arguments: &Arguments, dataset: &'a Dataset) -> Result<Problem
     problem
         .free(&requests)
         .map_err(|error| BadInput::new(format!("--effects: {error}")))?;
+    for effect in &problem.free_effects {
+        effect
+            .check_poses(&dataset.measurements)
+            .map_err(|error| BadInput::new(format!("--effects: {error}")))?;
+    }
     if let Some(limit) = arguments.robust {
         if !(limit.is_finite() && limit > 0.0) {
             return Err(BadInput::new(format!(

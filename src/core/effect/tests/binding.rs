@@ -46,8 +46,8 @@ fn what_makes_no_sense_is_refused() {
         ),
         ("laser_bias:cable-2", "concerns the whole robot"),
         ("cable_swap", "nothing to estimate"),
-        ("laser_outliers:pose=3,error=0.01", "nothing to estimate"),
-        ("encoder_outlier:cable-1", "nothing to estimate"),
+        ("laser_outliers:error=0.01", "needs a number for \"pose\""),
+        ("encoder_outlier:cable-1", "needs a number for \"pose\""),
     ] {
         let message = refused(request);
         assert!(message.contains(part), "{request}: {message}");
@@ -74,19 +74,25 @@ fn given_parameters_keep_their_value() {
 }
 
 #[test]
-fn an_outlier_at_a_pose_that_is_not_there_is_refused() {
+fn a_pose_that_is_not_there_is_refused() {
     let preset = presets::find("mini").unwrap();
-    let options = SimulationOptions {
-        effects: vec![setting(
-            "laser_outliers",
-            &[],
-            &[("pose", 9.0), ("error", 0.1)],
-        )],
-        ..SimulationOptions::new(3, 1)
-    };
-    let error = simulate(&preset.robot, &options).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "effect \"laser_outliers\": there is no pose labelled 9"
-    );
+    for (effect, target, size) in [
+        ("laser_outliers", None, "error"),
+        ("encoder_outlier", Some("cable-1"), "error"),
+        ("cable_slip", Some("cable-1"), "step"),
+    ] {
+        let targets: Vec<_> = target.into_iter().collect();
+        let hidden = |pose: f64| {
+            let hidden = setting(effect, &targets, &[("pose", pose), (size, 0.01)]);
+            let options = SimulationOptions {
+                effects: vec![hidden],
+                ..SimulationOptions::new(3, 1)
+            };
+            simulate(&preset.robot, &options)
+        };
+        assert!(hidden(3.0).is_ok());
+        let message = hidden(9.0).unwrap_err().to_string();
+        let expected = format!("effect \"{effect}\": there is no pose labelled 9");
+        assert_eq!(message, expected);
+    }
 }

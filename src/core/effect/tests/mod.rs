@@ -1,9 +1,11 @@
 //! Effects: the catalogue against its table, slopes, formulas, and whether hidden effects come back.
 
 mod binding;
+mod exchange;
 mod formulas;
 mod recovery;
 mod slopes;
+mod texts;
 
 use super::CATALOGUE;
 

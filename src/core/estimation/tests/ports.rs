@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::cable::ElongationSurface;
 use crate::effect::{
     BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
-    EffectRequest, PlatformCircumstances, PlatformPorts, Scope,
+    EffectRequest, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
@@ -33,6 +33,15 @@ impl Effect for EveryCablePort {
     }
     fn parameters(&self) -> &'static [EffectParameter] {
         &[ANY; 16]
+    }
+    fn cause(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn workshop(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn source(&self) -> &'static str {
+        "none"
     }
     fn change_cable(&self, p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid += p[0] * 0.1;
@@ -73,6 +82,15 @@ impl Effect for EveryPlatformPort {
     fn parameters(&self) -> &'static [EffectParameter] {
         &[ANY; 15]
     }
+    fn cause(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn workshop(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn source(&self) -> &'static str {
+        "none"
+    }
     fn change_platform(&self, p: &[Dual], _: &PlatformCircumstances, ports: &mut PlatformPorts) {
         ports.mass += p[0];
         ports.laser_gain += p[1];
@@ -106,12 +124,16 @@ pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
         values: vec![0.0; 15],
     });
     for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
-        // The label of a pose is given; only the last one is later.
+        // The label of a pose is given: the last one, or one before it, from which only the last is.
+        let label = match effect.search() {
+            Search::AtPose(_) => 2.0,
+            _ => 1.5,
+        };
         let discrete = effect.parameters().iter().filter(|p| p.discrete);
         let request = EffectRequest {
             effect: effect.id().to_owned(),
             cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
-            values: discrete.map(|p| (p.name.to_owned(), 1.5)).collect(),
+            values: discrete.map(|p| (p.name.to_owned(), label)).collect(),
         };
         for mut bound in request.bind(robot).unwrap() {
             let parameters = effect.parameters().iter();

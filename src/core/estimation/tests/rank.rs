@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::effect::{
-    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Scope,
+    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope,
 };
 use crate::geometry::Coordinate;
 use crate::robot::{PerAxis, Robot};
@@ -166,6 +166,15 @@ impl Effect for UnknownScale {
                 [0.001, 0.01],
             )]
         }
+    }
+    fn cause(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn workshop(&self, _: &Found<'_>) -> String {
+        String::new()
+    }
+    fn source(&self) -> &'static str {
+        "none"
     }
     fn change_cable(&self, p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
         ports.paid *= p[0] + 1.0;
