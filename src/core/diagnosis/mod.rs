@@ -6,7 +6,10 @@
 //! signatures of two effects, the search for events over poses, and cross-validation. What is reported is
 //! fitted anew with the whole nonlinear problem.
 
+mod doctor;
+mod exchange;
 mod fit;
+mod gain;
 mod moments;
 mod progress;
 mod questions;
@@ -15,9 +18,12 @@ mod scores;
 #[cfg(test)]
 mod scratch;
 mod selection;
+mod separation;
 mod space;
 mod unknown;
+mod verdict;
 
+pub use doctor::diagnose;
 pub use report::{
     Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
@@ -73,16 +79,3 @@ pub struct DiagnosisProgress {
 
 /// Observer of a running diagnosis.
 pub type Observer<'a> = dyn FnMut(&DiagnosisProgress) -> Control + 'a;
-
-/// Diagnoses a dataset.
-///
-/// # Errors
-/// If the measurements cannot be used with this robot at all.
-pub fn diagnose(
-    dataset: &crate::measurement::Dataset,
-    options: &DiagnosisOptions,
-    observer: &mut Observer<'_>,
-) -> Result<Diagnosis, crate::estimation::EstimationError> {
-    let _ = (dataset, options, observer);
-    unimplemented!()
-}

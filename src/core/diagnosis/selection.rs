@@ -120,7 +120,7 @@ pub(super) struct Round<'a> {
     pub contenders: Vec<Contender<'a>>,
     /// Number of questions.
     pub questions: usize,
-    scan: Scan,
+    pub scan: Scan,
 }
 
 impl<'a> Round<'a> {

@@ -8,8 +8,9 @@
 
 use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, PlatformCircumstances,
-    PlatformPorts, Scope,
+    Found, Part, PlatformPorts, Scope,
 };
+use super::words::{self, degrees, millimetres};
 use crate::measurement::Variable;
 
 /// Functions of one variable.
@@ -48,6 +49,15 @@ impl BiasedReading {
         matches!(self, Self::Length | Self::Tension | Self::Swivel)
     }
 
+    /// The size of a value in words that a reader uses for this reading.
+    fn in_words(self, size: f64) -> String {
+        match self {
+            Self::Length | Self::Laser => millimetres(size),
+            Self::Tension => format!("{} N", words::size(size)),
+            Self::Swivel | Self::Inclination(_) => degrees(size),
+        }
+    }
+
     fn numbered(number: f64) -> Option<Self> {
         Self::ALL.get(number as usize).copied()
     }
@@ -70,6 +80,24 @@ pub fn functions(variable: Variable, value: f64, [from, to]: [f64; 2]) -> [f64; 
             std::array::from_fn(|k| (k as f64 * angle).cos())
         }
     }
+}
+
+/// Largest less smallest value of the function.
+fn spread(found: &Found<'_>, variable: Variable) -> f64 {
+    let [from, to] = match variable {
+        Variable::Direction => [-1.0, 1.0],
+        Variable::DrumFraction => [0.0, 1.0],
+        _ => [found.value(FROM), found.value(TO)],
+    };
+    let at = |step: u32| {
+        let value = from + (to - from) * f64::from(step) / 100.0;
+        let terms = functions(variable, value, [from, to]);
+        let terms = terms.iter().enumerate().map(|(k, f)| f * found.value(FIRST + k));
+        found.value(SCALE) * terms.sum::<f64>()
+    };
+    let values: Vec<f64> = (0..=100).map(at).collect();
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most - values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// See the module documentation.
@@ -124,6 +152,31 @@ impl Effect for Unknown {
                 EffectParameter::new("c5", "1", 0.4, [0.1, 1.0]),
             ]
         }
+    }
+    fn cause(&self, found: &Found<'_>) -> String {
+        let reading = BiasedReading::numbered(found.value(READING));
+        let variable = Variable::ALL.get(found.value(VARIABLE) as usize);
+        let (Some(reading), Some(variable)) = (reading, variable) else {
+            return "Something is not explained.".to_owned();
+        };
+        let what = match reading {
+            BiasedReading::Length => format!("The length reading of {}", found.name(Part::Cable)),
+            BiasedReading::Tension => format!("The force reading of {}", found.name(Part::Cable)),
+            BiasedReading::Swivel => format!("The swivel reading of {}", found.name(Part::Pulley)),
+            BiasedReading::Laser => "The laser reading".to_owned(),
+            BiasedReading::Inclination(0) => "The roll reading".to_owned(),
+            BiasedReading::Inclination(1) => "The pitch reading".to_owned(),
+            BiasedReading::Inclination(_) => "The heading reading".to_owned(),
+        };
+        let size = reading.in_words(spread(found, *variable));
+        let variable = variable.name();
+        format!("{what} has an error that changes with the {variable} by up to {size}; no known cause explains it.")
+    }
+    fn workshop(&self, _found: &Found<'_>) -> String {
+        "Look at the plot of this error; measure poses between those where it is large and small.".to_owned()
+    }
+    fn source(&self) -> &'static str {
+        "Smooth functions with a prior on their size"
     }
     fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
         let bias = sum(parameters, &at.variables);

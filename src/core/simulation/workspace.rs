@@ -55,6 +55,28 @@ impl Workspace {
         }
     }
 
+    /// The smallest workspace around given poses; `None` without any.
+    pub(crate) fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
+        let poses: Vec<&Pose> = poses.collect();
+        let centre = *poses.first()?;
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let (mut low, mut high, mut turn) = (infinite, -infinite, 0.0_f64);
+        for pose in &poses {
+            low = low.inf(&pose.position);
+            high = high.sup(&pose.position);
+            let rotation = centre.difference(pose);
+            turn = turn.max(rotation.fixed_rows::<3>(3).amax());
+        }
+        Some(Self {
+            centre: Pose {
+                position: (low + high) / 2.0,
+                orientation: centre.orientation,
+            },
+            half_extent_m: ((high - low) / 2.0).into(),
+            half_rotation_rad: turn,
+        })
+    }
+
     /// A random pose in the coordinates in which the platform is free.
     pub(super) fn draw(&self, robot: &Robot, rng: &mut ChaCha8Rng) -> Pose {
         let mut twist = Twist::zeros();

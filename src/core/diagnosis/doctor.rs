@@ -1,0 +1,143 @@
+//! The course of a diagnosis.
+
+use super::adequacy::adequacy;
+use super::discrepancy::{dependence_tests, discrepancies};
+use super::exchange::exchanged;
+use super::fit::Fit;
+use super::gain::Prediction;
+use super::noise::noise_statements;
+use super::progress::Reporter;
+use super::report::{Adequacy, Cause, Diagnosis, Discrepancy, Finding, Invisible, NoiseStatement};
+use super::residual_space::ResidualSpace;
+use super::scores::Scan;
+use super::selection::{Selection, select};
+use super::variables::Variables;
+use super::verdict::finding;
+use super::{DiagnosisOptions, Observer, Stage};
+use crate::effect::{Search, measurements_as_modelled};
+use crate::estimation::{EstimationError, Linearisation, Problem};
+use crate::measurement::Dataset;
+use crate::statistics::normal_quantile;
+
+/// Probability with which an effect of the smallest visible size is found.
+const POWER: f64 = 0.9;
+
+/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held.
+///
+/// # Errors
+/// If the measurements cannot be used with this robot at all.
+pub fn diagnose(
+    dataset: &Dataset,
+    options: &DiagnosisOptions,
+    observer: &mut Observer<'_>,
+) -> Result<Diagnosis, EstimationError> {
+    let mut report = Reporter::new(observer);
+    report.stage(Stage::BaseFit, 0);
+    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let dataset = Dataset {
+        robot: dataset.robot.clone(),
+        measurements: measurements.into_owned(),
+    };
+    let problem = based(&dataset)?;
+    let first = Fit::new(&problem, &[])?;
+    let Some(exchange) = exchanged(&first, &mut report)? else {
+        return examine(&problem, &first, Vec::new(), options, &mut report);
+    };
+    let mut after = based(&exchange.dataset)?;
+    after.held_effects.push(exchange.bound.clone());
+    let second = Fit::new(&after, &[])?;
+    let found = exchange.finding(&first, &second);
+    examine(&after, &first, vec![found], options, &mut report)
+}
+
+/// The problem with what effects depend on taken at the poses of its solution.
+fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
+    let problem = Problem::new(dataset)?;
+    let first = Fit::new(&problem, &[])?;
+    Ok(problem.at_poses_of(&first.solution))
+}
+
+fn examine(
+    problem: &Problem<'_>,
+    first: &Fit<'_>,
+    mut findings: Vec<Finding>,
+    options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<Diagnosis, EstimationError> {
+    // Half of the probability of a false alarm is for the tests of the residuals, half for the causes.
+    let level = DiagnosisOptions {
+        alpha: options.alpha / 2.0,
+        ..*options
+    };
+    let selection = select(problem, &level, report)?;
+    report.stage(Stage::HeldOut, selection.fit.causes.len());
+    let mut before = Prediction::new(&selection.base);
+    for index in 0..selection.fit.causes.len() {
+        let fit = Fit::new(problem, &selection.fit.causes[..=index])?;
+        let after = Prediction::new(&fit);
+        let gain = after.gain_over(&before);
+        report.stage(Stage::Separation, findings.len());
+        findings.extend(finding(&selection, index, gain, &level));
+        before = after;
+    }
+    report.stage(Stage::Discrepancy, findings.len());
+    let (mut base, found) = residuals(first, level.alpha);
+    let (extended, remaining) = residuals(&selection.fit, level.alpha);
+    base.adequate &= findings.is_empty();
+    Ok(Diagnosis {
+        base,
+        noise: noise(&selection.fit, &remaining, level.alpha),
+        extended,
+        discrepancies: found,
+        remaining,
+        invisible: invisible(&selection, &level),
+        findings,
+        base_solution: first.solution.clone(),
+        extended_solution: selection.fit.solution,
+        cancelled: report.cancelled,
+    })
+}
+
+fn residuals(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>) {
+    let linear = Linearisation::new(&fit.problem, &fit.solution);
+    let space = ResidualSpace::new(&linear);
+    let variables = Variables::new(&fit.problem, &fit.solution, &linear);
+    let tests = dependence_tests(&space, &variables);
+    let found = discrepancies(&space, &tests, alpha);
+    (adequacy(&space, &fit.solution, alpha), found)
+}
+
+fn noise(fit: &Fit<'_>, structure: &[Discrepancy], alpha: f64) -> Vec<NoiseStatement> {
+    let linear = Linearisation::new(&fit.problem, &fit.solution);
+    noise_statements(&ResidualSpace::new(&linear), structure, alpha)
+}
+
+/// The effects that would not be found at their largest typical size.
+fn invisible(selection: &Selection<'_>, options: &DiagnosisOptions) -> Vec<Invisible> {
+    let scan: &Scan = &selection.first;
+    let tail = options.alpha / (2.0 * scan.questions.max(1) as f64);
+    let needed = normal_quantile(1.0 - tail) + normal_quantile(POWER);
+    let asked = scan.scored.iter().filter(|s| s.cause.instances.len() == 1);
+    let mut found = Vec::new();
+    for scored in asked {
+        let effect = scored.cause.effect();
+        let index = match effect.search() {
+            Search::Wave { phase, period } => (0..3).find(|k| *k != phase && Some(*k) != period),
+            _ => effect.parameters().iter().position(|p| !p.discrete),
+        };
+        let Some(parameter) = index.map(|k| &effect.parameters()[k]) else {
+            continue;
+        };
+        let smallest = scored.sd.map(|sd| needed * sd);
+        if smallest.is_none_or(|size| size > parameter.typical[1]) {
+            found.push(Invisible {
+                cause: Cause {
+                    instances: scored.cause.instances.clone(),
+                },
+                parameter: (parameter.name, parameter.unit),
+                smallest_visible: smallest,
+            });
+        }
+    }
+    found
+}

@@ -1,0 +1,121 @@
+//! Two channels that are connected the wrong way round: the readings are exchanged back, pair by pair, and the
+//! pair that explains what nothing else could is named.
+
+use super::Stage;
+use super::fit::Fit;
+use super::gain::Prediction;
+use super::progress::Reporter;
+use super::report::{Cause, Evidence, Finding, Rival, Verdict};
+use super::selection::CLEAR;
+use crate::effect::{BoundEffect, CATALOGUE, Search};
+use crate::estimation::{EstimationError, Problem};
+use crate::measurement::Dataset;
+
+/// Chi-square per degree of freedom from which an exchange is looked for: its residuals are huge.
+const HUGE: f64 = 20.0;
+/// Part of chi-square that may be left.
+const LEFT: f64 = 0.1;
+
+/// An exchange that was found.
+pub(super) struct Exchange {
+    pub bound: BoundEffect,
+    /// The measurements with the exchange undone.
+    pub dataset: Dataset,
+    /// All that were tried, with the chi-square of each.
+    tried: Vec<(BoundEffect, f64)>,
+}
+
+/// The exchange that explains the readings, if there is one.
+pub(super) fn exchanged(
+    fit: &Fit<'_>,
+    report: &mut Reporter<'_, '_>,
+) -> Result<Option<Exchange>, EstimationError> {
+    let solution = &fit.solution;
+    let is_exchange = |effect: &&&dyn crate::effect::Effect| effect.search() == Search::Exchange;
+    let Some(effect) = CATALOGUE.iter().find(is_exchange) else {
+        return Ok(None);
+    };
+    if solution.chi2 < HUGE * solution.degrees_of_freedom {
+        return Ok(None);
+    }
+    let dataset = fit.problem.dataset;
+    let cables = dataset.robot.cable_count();
+    let mut tried = Vec::new();
+    for (one, other) in (0..cables).flat_map(|one| (one + 1..cables).map(move |k| (one, k))) {
+        if !report.stage(Stage::Refits, 0) {
+            return Ok(None);
+        }
+        let bound = BoundEffect {
+            effect: *effect,
+            cables: vec![one, other],
+            targeted: true,
+            values: Vec::new(),
+        };
+        let exchanged = undone(dataset, &bound);
+        let chi2 = Fit::new(&Problem::new(&exchanged)?, &[])?.solution.chi2;
+        tried.push((bound, chi2));
+    }
+    tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let found = tried.first().filter(|(_, chi2)| *chi2 < LEFT * solution.chi2);
+    Ok(found.map(|(bound, _)| Exchange {
+        bound: bound.clone(),
+        dataset: undone(dataset, bound),
+        tried: tried.clone(),
+    }))
+}
+
+fn undone(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
+    let mut exchanged = dataset.clone();
+    bound.exchange_channels(&mut exchanged.measurements);
+    exchanged
+}
+
+impl Exchange {
+    /// What is reported of it; `first` and `second` are the fits before and after.
+    pub fn finding(&self, first: &Fit<'_>, second: &Fit<'_>) -> Finding {
+        let robot = &self.dataset.robot;
+        let (before, after) = (Prediction::new(first), Prediction::new(second));
+        let best = first.solution.chi2 - second.solution.chi2;
+        let rival = |(bound, chi2): &(BoundEffect, f64)| Rival {
+            cause: cause(bound),
+            delta_chi2: first.solution.chi2 - chi2,
+            parameters: 0,
+            score: first.solution.chi2 - chi2,
+            angle_rad: f64::NAN,
+            holdout: f64::NAN,
+        };
+        let ranking: Vec<Rival> = self.tried.iter().take(3).map(rival).collect();
+        let alternatives: Vec<Cause> = ranking[1..]
+            .iter()
+            .filter(|rival| best - rival.delta_chi2 < CLEAR)
+            .map(|rival| rival.cause.clone())
+            .collect();
+        Finding {
+            verdict: if alternatives.is_empty() {
+                Verdict::Named
+            } else {
+                Verdict::Ambiguous
+            },
+            cause: cause(&self.bound),
+            sentence: self.bound.cause(robot),
+            advice: self.bound.workshop(robot),
+            alternatives,
+            parameters: Vec::new(),
+            evidence: Evidence {
+                delta_chi2: best,
+                parameters: 0,
+                p_value: self.tried.len() as f64 * (-best / 2.0).exp(),
+                questions: self.tried.len(),
+                ranking,
+            },
+            gain: after.gain_over(&before),
+            separation: None,
+        }
+    }
+}
+
+fn cause(bound: &BoundEffect) -> Cause {
+    Cause {
+        instances: vec![bound.clone()],
+    }
+}

@@ -1,0 +1,249 @@
+//! What a cause gains on poses that took no part in fitting, and what it does to the robot.
+//!
+//! Each pose is left out in turn. With the orthonormal basis `V` of the estimated parameters and the rows `j` of the
+//! pose, the fit to all others predicts the residual `e_j = r_j + V_j z_j`,
+//! `z_j = (1 - V_j^T V_j)^-1 V_j^T r_j` (Cook and Weisberg 1982, linear at the solution). Only the position of the
+//! platform at the pose itself is fitted to its readings.
+
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::fit::Fit;
+use super::report::{Gain, KindGain, PositionChange, Quantity};
+use super::space::Space;
+use crate::effect::Search;
+use crate::estimation::{Linearisation, RowKind};
+use crate::statistics::normal_quantile;
+
+/// Resampled sets of poses behind an interval, and the seed by which they are drawn.
+const RESAMPLES: usize = 1000;
+const SEED: u64 = 2018;
+
+/// One pose held out.
+#[derive(Debug, Clone)]
+struct HeldOut {
+    row: usize,
+    /// Sum of squares, and what noise alone gives.
+    chi2: f64,
+    freedom: f64,
+    /// The same per kind of reading.
+    kinds: Vec<(Quantity, f64, f64)>,
+    /// Step of the basis when this pose is left out.
+    step: DVector<f64>,
+}
+
+/// A fit as seen by the poses held out.
+#[derive(Debug, Clone)]
+pub(super) struct Prediction {
+    held_out: Vec<HeldOut>,
+    linear: Linearisation,
+    space: Space,
+    /// Positions of the fitted poses by row (m).
+    positions: Vec<(usize, nalgebra::Vector3<f64>)>,
+    /// Rows at which an event of the model acts alone: nothing else could predict them.
+    events: Vec<usize>,
+}
+
+impl Prediction {
+    pub fn new(fit: &Fit<'_>) -> Self {
+        let linear = Linearisation::new(&fit.problem, &fit.solution);
+        let space = Space::new(&linear.design, &linear.residual);
+        let held_out = (0..linear.poses.len())
+            .map(|pose| hold_out(&linear, &space, pose))
+            .collect();
+        let poses = fit.solution.poses.iter();
+        Self {
+            held_out,
+            linear,
+            space,
+            positions: poses.map(|(row, pose)| (*row, pose.position)).collect(),
+            events: rows_of_events(fit),
+        }
+    }
+
+    /// Held-out root mean square over sd.
+    pub fn rms(&self) -> f64 {
+        rms(self.held_out.iter().map(|pose| (pose.chi2, pose.freedom)))
+    }
+
+    /// What this fit gains over `before`.
+    pub fn gain_over(&self, before: &Self) -> Gain {
+        let skipped = |row: usize| self.events.contains(&row) || before.events.contains(&row);
+        let pairs: Vec<(&HeldOut, &HeldOut)> = before
+            .held_out
+            .iter()
+            .zip(&self.held_out)
+            .filter(|(one, _)| !skipped(one.row))
+            .collect();
+        let was = rms(pairs.iter().map(|(b, _)| (b.chi2, b.freedom)));
+        let is = rms(pairs.iter().map(|(_, a)| (a.chi2, a.freedom)));
+        Gain {
+            before: was,
+            after: is,
+            interval: resampled(&pairs),
+            poses_held_out: pairs.len(),
+            kinds: kinds(&pairs),
+            position: self.moved_from(before),
+        }
+    }
+
+    /// How far the fitted positions are from those of another fit.
+    fn moved_from(&self, before: &Self) -> PositionChange {
+        let distances = |shift: &dyn Fn(usize) -> nalgebra::Vector3<f64>| -> Vec<f64> {
+            let pairs = self.held_out.iter().enumerate();
+            pairs
+                .map(|(k, pose)| {
+                    let at = |all: &[(usize, nalgebra::Vector3<f64>)]| {
+                        let found = all.iter().find(|(row, _)| *row == pose.row);
+                        found.map_or_else(nalgebra::Vector3::zeros, |(_, p)| *p)
+                    };
+                    (at(&self.positions) - at(&before.positions) + shift(k)).norm()
+                })
+                .collect()
+        };
+        let rms = |d: &[f64]| (d.iter().map(|d| d * d).sum::<f64>() / d.len().max(1) as f64).sqrt();
+        let all = distances(&|_| nalgebra::Vector3::zeros());
+        // Jackknife: the same with each pose left out of both fits.
+        let maps = (self.position_maps(), before.position_maps());
+        let values: Vec<f64> = (0..self.held_out.len().min(before.held_out.len()))
+            .map(|left| {
+                let (after, before) = (&self.held_out[left].step, &before.held_out[left].step);
+                rms(&distances(&|k| &maps.0[k] * after - &maps.1[k] * before))
+            })
+            .collect();
+        let n = values.len().max(2) as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        let half = normal_quantile(0.975) * (squares * (n - 1.0) / n).sqrt();
+        let value = rms(&all);
+        PositionChange {
+            rms_m: value,
+            interval_m: [(value - half).max(0.0), value + half],
+            largest_m: all.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// Change of each fitted position per step of the basis.
+    fn position_maps(&self) -> Vec<nalgebra::Matrix3xX<f64>> {
+        let map = self.space.map();
+        let of = |block: &crate::estimation::PoseBlock| {
+            block.pose_by_parameter.fixed_rows::<3>(0) * map
+        };
+        self.linear.poses.iter().map(of).collect()
+    }
+}
+
+fn rows_of_events(fit: &Fit<'_>) -> Vec<usize> {
+    let labels = &fit.problem.dataset.measurements.labels;
+    let mut rows = Vec::new();
+    for bound in fit.causes.iter().flat_map(|cause| &cause.instances) {
+        if let Search::AtPose(pose) = bound.effect.search() {
+            let label = bound.values[pose];
+            rows.extend(labels.iter().position(|l| *l as f64 == label));
+        }
+    }
+    rows
+}
+
+fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
+    let block = &linear.poses[pose];
+    let (first, count) = (block.rows.start, block.rows.len());
+    let basis = space.basis().rows(first, count);
+    let residual = space.residual.rows(first, count);
+    let n = space.taken();
+    let left = DMatrix::identity(n, n) - basis.tr_mul(&basis);
+    let pull = basis.tr_mul(&residual);
+    // Singular only where this pose alone tells a parameter: then it cannot be predicted.
+    let step = left
+        .cholesky()
+        .map_or_else(|| DVector::zeros(n), |factor| factor.solve(&pull));
+    let error = residual + &basis * &step;
+    let own: Vec<f64> = block.remainder.row_iter().map(|row| row.norm_squared()).collect();
+    let mut kinds: Vec<(Quantity, f64, f64)> = Vec::new();
+    for (k, row) in linear.rows[block.rows.clone()].iter().enumerate() {
+        let Some(quantity) = quantity_of(row.kind) else {
+            continue;
+        };
+        let (square, freedom) = (error[k] * error[k], own[k]);
+        match kinds.iter_mut().find(|(q, ..)| *q == quantity) {
+            Some((_, squares, freedoms)) => {
+                *squares += square;
+                *freedoms += freedom;
+            }
+            None => kinds.push((quantity, square, freedom)),
+        }
+    }
+    HeldOut {
+        row: block.row,
+        chi2: error.norm_squared(),
+        freedom: own.iter().sum(),
+        kinds,
+        step,
+    }
+}
+
+/// The kind of reading of a row; none for equilibrium equations and priors.
+pub(super) fn quantity_of(kind: RowKind) -> Option<Quantity> {
+    use crate::estimation::ReadingKind as Kind;
+    match kind {
+        RowKind::Tension(_) => Some(Quantity::Tension),
+        RowKind::Reading(Kind::Length(_)) => Some(Quantity::Length),
+        RowKind::Reading(Kind::Laser) => Some(Quantity::Laser),
+        RowKind::Reading(Kind::Swivel(_)) => Some(Quantity::Swivel),
+        RowKind::Reading(Kind::Inclination(_)) => Some(Quantity::Inclination),
+        RowKind::Reading(Kind::TrackerPosition(_)) => Some(Quantity::TrackerPosition),
+        RowKind::Reading(Kind::TrackerOrientation(_)) => Some(Quantity::TrackerOrientation),
+        RowKind::Reading(Kind::Equilibrium(_)) | RowKind::Prior(_) => None,
+    }
+}
+
+fn rms(terms: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (squares, freedom) = terms.fold((0.0, 0.0), |(s, f), (a, b)| (s + a, f + b));
+    if freedom > 0.0 {
+        (squares / freedom).sqrt()
+    } else {
+        f64::NAN
+    }
+}
+
+fn kinds(pairs: &[(&HeldOut, &HeldOut)]) -> Vec<KindGain> {
+    let of = |pose: &HeldOut, quantity: Quantity| {
+        let found = pose.kinds.iter().find(|(q, ..)| *q == quantity);
+        found.map_or((0.0, 0.0), |(_, squares, freedom)| (*squares, *freedom))
+    };
+    let gain = |quantity: Quantity| KindGain {
+        quantity,
+        before: rms(pairs.iter().map(|(before, _)| of(before, quantity))),
+        after: rms(pairs.iter().map(|(_, after)| of(after, quantity))),
+    };
+    Quantity::ALL
+        .into_iter()
+        .map(gain)
+        .filter(|gain| gain.before.is_finite())
+        .collect()
+}
+
+/// 95 % interval of the difference of the root mean squares, by resampling poses.
+fn resampled(pairs: &[(&HeldOut, &HeldOut)]) -> [f64; 2] {
+    if pairs.is_empty() {
+        return [f64::NAN; 2];
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut differences: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            let mut sums = [(0.0, 0.0); 2];
+            for _ in 0..pairs.len() {
+                let (before, after) = pairs[rng.random_range(0..pairs.len())];
+                for (sum, pose) in sums.iter_mut().zip([before, after]) {
+                    sum.0 += pose.chi2;
+                    sum.1 += pose.freedom;
+                }
+            }
+            rms([sums[0]].into_iter()) - rms([sums[1]].into_iter())
+        })
+        .collect();
+    differences.sort_by(f64::total_cmp);
+    let at = |share: f64| differences[((RESAMPLES - 1) as f64 * share).round() as usize];
+    [at(0.025), at(0.975)]
+}
