@@ -6,6 +6,33 @@
 //! signatures of two effects, the search for events over poses, and cross-validation. What is reported is
 //! fitted anew with the whole nonlinear problem.
 
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the diagnosis that uses it follows")
+)]
+mod adequacy;
+#[cfg(test)]
+mod adequacy_tests;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the diagnosis that uses it follows")
+)]
+mod discrepancy;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the diagnosis that uses it follows")
+)]
+mod noise;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the diagnosis that uses it follows")
+)]
+mod residual_space;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the diagnosis that uses it follows")
+)]
+mod variables;
 mod fit;
 mod questions;
 mod report;

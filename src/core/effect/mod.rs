@@ -51,7 +51,7 @@ mod winch_scale_common;
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
 pub use circumstances::{CableCircumstances, PlatformCircumstances};
-pub(crate) use circumstances::{Circumstances, sign};
+pub(crate) use circumstances::{Circumstances, sign, travel};
 pub use dual::Dual;
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
