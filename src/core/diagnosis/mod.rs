@@ -18,29 +18,29 @@ mod adequacy_tests;
     expect(dead_code, reason = "the diagnosis that uses it follows")
 )]
 mod discrepancy;
+mod fit;
 #[cfg_attr(
     not(test),
     expect(dead_code, reason = "the diagnosis that uses it follows")
 )]
 mod noise;
+mod questions;
+mod report;
 #[cfg_attr(
     not(test),
     expect(dead_code, reason = "the diagnosis that uses it follows")
 )]
 mod residual_space;
+mod scores;
+#[cfg(test)]
+mod scratch;
+mod selection;
+mod space;
 #[cfg_attr(
     not(test),
     expect(dead_code, reason = "the diagnosis that uses it follows")
 )]
 mod variables;
-mod fit;
-mod questions;
-mod report;
-mod scores;
-mod selection;
-#[cfg(test)]
-mod scratch;
-mod space;
 
 pub use report::{
     Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,

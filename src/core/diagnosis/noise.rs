@@ -32,7 +32,7 @@ const LEAST_STEP: f64 = 0.1;
 const FEWEST_CABLES: usize = 3;
 
 /// Readings with a common variance.
-type Class = (Quantity, Option<usize>);
+pub(super) type Class = (Quantity, Option<usize>);
 
 /// Kinds of readings, and single cables where one differs clearly from the others, whose noise is larger or
 /// smaller than described: at level `alpha` for all of them together, `discrepancies` telling which are no noise.
@@ -54,24 +54,25 @@ pub(crate) fn noise_statements(
             None => break estimate,
         };
     };
-    let stated = |class: usize| {
-        let (quantity, cable) = estimate.classes[class];
-        let freedom = estimate.freedom[class]?;
-        let variance = estimate.variance[class];
-        let quantile = |p: f64| chi_square_quantile(p, freedom);
-        let p = chi_square_two_sided(variance * freedom, freedom)? * questions;
-        (p < alpha && !structured.contains(&(quantity, cable))).then_some(NoiseStatement {
-            quantity,
-            cable,
-            ratio: variance.sqrt(),
-            interval: [
-                (variance * freedom / quantile(0.975)?).sqrt(),
-                (variance * freedom / quantile(0.025)?).sqrt(),
-            ],
-            p_value: p,
+    let statements = (0..estimate.classes.len()).filter_map(|class| estimate.statement(class));
+    statements
+        .map(|statement| NoiseStatement {
+            p_value: (statement.p_value * questions).min(1.0),
+            ..statement
         })
-    };
-    (0..estimate.classes.len()).filter_map(stated).collect()
+        .filter(|s| s.p_value < alpha && !structured.contains(&(s.quantity, s.cable)))
+        .collect()
+}
+
+/// The noise of every class whose variance can be estimated, the cables in `apart` on their own;
+/// probabilities are not corrected.
+#[cfg(test)]
+pub(super) fn noise_of_all(space: &ResidualSpace, apart: &BTreeSet<Class>) -> Vec<NoiseStatement> {
+    let estimate = Estimate::new(space, apart);
+    let classes = 0..estimate.classes.len();
+    classes
+        .filter_map(|class| estimate.statement(class))
+        .collect()
 }
 
 /// Number of variances about which something could be said.
@@ -122,6 +123,24 @@ impl Estimate {
             estimate.space = space.rescaled(&of_row.iter().map(sd).collect::<Vec<_>>());
         }
         estimate
+    }
+
+    /// What is known of a variance, the probability not corrected; `None` where it was not estimated.
+    fn statement(&self, class: usize) -> Option<NoiseStatement> {
+        let (quantity, cable) = self.classes[class];
+        let freedom = self.freedom[class]?;
+        let variance = self.variance[class];
+        let bound = |p: f64| {
+            let quantile = chi_square_quantile(p, freedom)?;
+            Some((variance * freedom / quantile).sqrt())
+        };
+        Some(NoiseStatement {
+            quantity,
+            cable,
+            ratio: variance.sqrt(),
+            interval: [bound(0.975)?, bound(0.025)?],
+            p_value: chi_square_two_sided(variance * freedom, freedom)?,
+        })
     }
 
     /// The cable that differs most from the others of its kind, if it does at level `level`: the score test of a

@@ -216,8 +216,9 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
         let Some(row) = at.row else { continue };
         let correction = residual * at.sd;
         match at.kind {
+            // The rows of tensions are the errors of the readings themselves: reading minus tension.
             RowKind::Tension(cable) => {
-                tension.set(row, cable, tension.get(row, cable) + correction);
+                tension.set(row, cable, tension.get(row, cable) - correction);
             }
             RowKind::Reading(ReadingKind::Laser) => laser[row] += correction,
             _ => {}

@@ -12,12 +12,15 @@ use super::{Discrepancy, Quantity, Variable, discrepancy};
 use crate::effect::EffectSetting;
 use crate::estimation::{Control, Linearisation, Options, Problem, Progress, Solution, solve};
 use crate::measurement::Dataset;
-use crate::robot::presets;
+use crate::robot::presets::{self, Preset};
 use crate::simulation::{Simulated, SimulationOptions, simulate};
 
 /// A simulated run of a preset with hidden effects.
 fn run_with(name: &str, poses: usize, seed: u64, effects: &[EffectSetting]) -> Simulated {
-    let preset = presets::find(name).unwrap();
+    run_of(&presets::find(name).unwrap(), poses, seed, effects)
+}
+
+fn run_of(preset: &Preset, poses: usize, seed: u64, effects: &[EffectSetting]) -> Simulated {
     let options = SimulationOptions {
         workspace: Some(preset.workspace),
         tension: Some(preset.tension),

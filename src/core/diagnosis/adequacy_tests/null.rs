@@ -1,9 +1,12 @@
 //! Without a hidden effect and with the noise as described, nothing is found too often.
 
+use super::super::NoiseStatement;
 use super::super::adequacy::adequacy;
 use super::super::discrepancy::{DependenceTest, dependence_tests, discrepancies};
-use super::super::noise::noise_statements;
+use super::super::noise::{noise_of_all, noise_statements};
 use super::*;
+use crate::robot::{Inclinometer, PerAxis, Tracker};
+use std::collections::BTreeSet;
 
 /// Data sets per robot.
 const RUNS: u64 = 100;
@@ -52,6 +55,7 @@ struct Tally {
     false_alarms: usize,
     false_noise: usize,
     squares: [f64; 2],
+    coverage: Counts,
 }
 
 impl Tally {
@@ -73,6 +77,13 @@ impl Tally {
         self.false_alarms += usize::from(!alarms.is_empty());
         let noise = noise_statements(&fitted.space, &[], 0.05);
         self.false_noise += usize::from(!noise.is_empty());
+        let known = noise_of_all(&fitted.space, &BTreeSet::new());
+        // Outside of the 95 % interval counts like a probability below 0.05.
+        let outside = |n: NoiseStatement| match n.interval {
+            [low, high] if low < 1.0 && 1.0 < high => 1.0,
+            _ => 0.0,
+        };
+        self.coverage.add(known.into_iter().map(outside));
         let redundancy = fitted.space.redundancy();
         for (row, id) in fitted.space.readings.iter().enumerate() {
             if id.is_some_and(|id| id.quantity == Quantity::Length) {
@@ -87,6 +98,8 @@ impl Tally {
         self.groups.check(&format!("{name}, quantities"));
         self.cables.check(&format!("{name}, cables"));
         self.dependences.check(&format!("{name}, dependences"));
+        self.coverage
+            .check(&format!("{name}, outside of the interval"));
         println!(
             "{name}: alarms {} noise {}",
             self.false_alarms, self.false_noise
@@ -100,21 +113,38 @@ impl Tally {
     }
 }
 
-fn check(name: &str) {
+fn check(preset: &Preset) {
     let mut tally = Tally::default();
     for seed in 0..RUNS {
-        let run = run_with(name, 30, 40_000 + seed, &[]);
+        let run = run_of(preset, 30, 40_000 + seed, &[]);
         tally.add(&Fitted::new(&run.dataset));
     }
-    tally.check(name);
+    tally.check(&preset.robot.name);
 }
 
 #[test]
 fn probabilities_are_uniform_on_a_spatial_robot() {
-    check("mini");
+    check(&presets::find("mini").unwrap());
 }
 
 #[test]
 fn probabilities_are_uniform_on_a_planar_robot() {
-    check("planar");
+    check(&presets::find("planar").unwrap());
+}
+
+#[test]
+fn probabilities_are_uniform_with_every_instrument() {
+    let mut preset = presets::find("hall").unwrap();
+    let robot = &mut preset.robot;
+    robot.name = "instrumented hall".to_owned();
+    robot.tracker = Some(Tracker {
+        position_sd_m: PerAxis::Same(5e-4),
+        orientation_sd_rad: Some(1e-3),
+    });
+    robot.inclinometer = Some(Inclinometer { sd_rad: 1e-3 });
+    for cable in &mut robot.cables {
+        cable.pulley.swivel_zero = Some([1.0, 0.0, 0.0]);
+        cable.pulley.swivel_sd_rad = Some(2e-3);
+    }
+    check(&preset);
 }

@@ -156,6 +156,21 @@ fn fitted_tensions_are_better_than_readings() {
 }
 
 #[test]
+fn a_dependence_keeps_what_it_asked() {
+    let run = run_with("mini", 20, 11, &[]);
+    let fitted = Fitted::new(&run.dataset);
+    for test in discrepancy::dependence_tests(&fitted.space, &fitted.variables()) {
+        assert_eq!(test.functions.nrows(), test.rows.len());
+        assert_eq!(test.values.len(), test.rows.len());
+        assert!(test.component.is_none() && test.rank <= test.functions.ncols());
+        let score = fitted.space.group(test.rows).score(&test.functions);
+        let inverse = score.information.pseudo_inverse(1e-9).unwrap();
+        let chi2 = score.score.dot(&(inverse * &score.score));
+        assert!((chi2 - test.chi2).abs() < 1e-6 * (1.0 + chi2));
+    }
+}
+
+#[test]
 fn variables_apply_where_they_mean_something() {
     let run = run_with("mini", 30, 10, &[]);
     let fitted = Fitted::new(&run.dataset);
