@@ -1,11 +1,38 @@
 //! Probability distributions that tests and intervals need.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 /// Probability that a chi-square variable exceeds `value`; `None` without degrees of freedom.
 #[must_use]
 pub fn chi_square_survival(value: f64, degrees_of_freedom: f64) -> Option<f64> {
     let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
+    Some(distribution.sf(value.max(0.0)))
+}
+
+/// Twice the probability of the nearer tail of a chi-square variable at `value`, at most 1; `None` without
+/// degrees of freedom.
+#[must_use]
+pub fn chi_square_two_sided(value: f64, degrees_of_freedom: f64) -> Option<f64> {
+    let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
+    let value = value.max(0.0);
+    let tail = distribution.sf(value).min(distribution.cdf(value));
+    Some((2.0 * tail).min(1.0))
+}
+
+/// The chi-square quantile: value that is exceeded with probability `1 - probability`, which is from 0 to 1;
+/// `None` without degrees of freedom.
+#[must_use]
+pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> Option<f64> {
+    let distribution = ChiSquared::new(degrees_of_freedom).ok()?;
+    Some(distribution.inverse_cdf(probability.clamp(0.0, 1.0)))
+}
+
+/// Probability that the ratio of two independent mean squares exceeds `value`, with `[numerator, denominator]`
+/// degrees of freedom (Fisher's F); `None` where one has none.
+#[must_use]
+pub fn f_survival(value: f64, degrees_of_freedom: [f64; 2]) -> Option<f64> {
+    let [numerator, denominator] = degrees_of_freedom;
+    let distribution = FisherSnedecor::new(numerator, denominator).ok()?;
     Some(distribution.sf(value.max(0.0)))
 }
 
@@ -32,5 +59,11 @@ mod tests {
         assert!((normal_two_sided(1.959_963_985) - 0.05).abs() < 1e-9);
         assert!((normal_quantile(0.975) - 1.959_963_985).abs() < 1e-8);
         assert_eq!(chi_square_survival(1.0, 0.0), None);
+        // Tables 26.8 (0.975 and 0.025 at 10 degrees of freedom) and 26.9 (F at 5 and 10).
+        assert!((chi_square_quantile(0.025, 10.0).unwrap() - 3.246_97).abs() < 1e-5);
+        assert!((chi_square_two_sided(3.246_97, 10.0).unwrap() - 0.05).abs() < 1e-5);
+        assert!((chi_square_two_sided(20.483_2, 10.0).unwrap() - 0.05).abs() < 1e-5);
+        assert!((f_survival(3.325_8, [5.0, 10.0]).unwrap() - 0.05).abs() < 1e-5);
+        assert_eq!(f_survival(1.0, [5.0, 0.0]), None);
     }
 }

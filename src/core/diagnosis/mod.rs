@@ -6,14 +6,20 @@
 //! signatures of two effects, the search for events over poses, and cross-validation. What is reported is
 //! fitted anew with the whole nonlinear problem.
 
+mod adequacy;
+#[cfg(test)]
+mod adequacy_tests;
+mod discrepancy;
 mod doctor;
 mod exchange;
 mod fit;
 mod gain;
 mod moments;
+mod noise;
 mod progress;
 mod questions;
 mod report;
+mod residual_space;
 mod scores;
 #[cfg(test)]
 mod scratch;
@@ -21,6 +27,7 @@ mod selection;
 mod separation;
 mod space;
 mod unknown;
+mod variables;
 mod verdict;
 
 pub use doctor::diagnose;

@@ -291,8 +291,12 @@ fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)
     or_zero(Some(data.revolutions.get(at.0, at.1)))
 }
 
-/// Sign of the change of a length reading since the row before.
-fn travel(data: &Measurements, home: Option<usize>, (row, index): (usize, usize)) -> f64 {
+/// Sign of the change of the length reading of a `(row, cable)` since the row before.
+pub(crate) fn travel(
+    data: &Measurements,
+    home: Option<usize>,
+    (row, index): (usize, usize),
+) -> f64 {
     let reading = |row: usize| {
         if data.revolutions.is_empty() {
             data.length_m.get(row, index)

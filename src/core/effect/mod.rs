@@ -56,7 +56,7 @@ pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
 pub use channels::measurements_as_modelled;
 pub use circumstances::{CableCircumstances, PlatformCircumstances};
-pub(crate) use circumstances::{Circumstances, sign};
+pub(crate) use circumstances::{Circumstances, sign, travel};
 pub use dual::Dual;
 pub use found::{Found, Part};
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};

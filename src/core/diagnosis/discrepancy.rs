@@ -1,0 +1,284 @@
+//! On which readings, and along which variables, a model is wrong, whatever the cause.
+//!
+//! For the readings `g` of one kind and cable and a variable `u`, smooth functions `Phi` of `u` stand for any
+//! dependence, monotonic or not. With the score `s = Phi^T r_g` and its covariance
+//! `I = Phi^T M_gg Phi` ([`super::residual_space`]), `s^T I^-1 s` is a chi-square variable of `rank I` degrees of
+//! freedom if there is no dependence: Rao's score test of an error `Phi c` in these readings, everything
+//! else estimated.
+//!
+//! Where what the functions leave of the residuals is larger than the noise allows, noise or another
+//! error has been taken too lightly, and any function would seem to explain some of it. There the test is
+//! that of the ratio to what is left (Fisher's F).
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::adequacy::classes;
+use super::residual_space::{ReadingId, ResidualSpace, RowGroup, Score};
+use super::variables::{Variables, varies};
+use super::{Discrepancy, Quantity, Variable};
+use crate::statistics::{chi_square_survival, f_survival};
+
+/// Most smooth functions of a variable.
+const MOST_FUNCTIONS: usize = 5;
+/// Readings for each function.
+const READINGS_PER_FUNCTION: usize = 4;
+/// Directions of the functions of which less than this shows in the residuals are left out.
+const UNSEEN: f64 = 1e-6;
+/// Level at which the rest of the residuals counts as larger than the noise.
+const REST_TOO_LARGE: f64 = 0.01;
+/// Variables that are reported for the same readings.
+const VARIABLES_REPORTED: usize = 3;
+/// Readings of which less than this shows in the residual have no residual worth a plot.
+const CONTROLLED: f64 = 1e-3;
+
+/// The question whether some readings depend on a variable, and its answer.
+#[derive(Debug, Clone)]
+pub(crate) struct DependenceTest {
+    /// Kind of reading.
+    pub quantity: Quantity,
+    /// Cable, if the reading is a cable's.
+    pub cable: Option<usize>,
+    /// Axis or angle of a reading that has several.
+    pub component: Option<usize>,
+    /// On what it may depend.
+    pub variable: Variable,
+    /// `s^T I^-1 s`, in the noise as described.
+    pub chi2: f64,
+    /// Rank of `I`.
+    pub rank: usize,
+    /// Variance of what is left over that of the noise; 1 where the difference is not significant.
+    pub noise_factor: f64,
+    /// Probability without a dependence, not corrected.
+    pub p_value: f64,
+    /// Rows of the linearisation, ascending.
+    pub rows: Vec<usize>,
+    /// The variable at these rows.
+    pub values: Vec<f64>,
+    /// `Phi`: the functions at these rows.
+    pub functions: DMatrix<f64>,
+}
+
+/// Smooth functions of a variable at `values`, one row each, at most `most` functions; none if the variable
+/// does not vary.
+///
+/// `cos(k pi u)`, `k = 1, 2, ...`, with `u` from 0 at the smallest value to 1 at the largest: together with a
+/// constant they approximate any continuous function. For a fraction of a drum revolution sine and cosine of
+/// the first harmonics; for the direction of travel the direction itself.
+pub(crate) fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMatrix<f64> {
+    let known = values.iter().copied();
+    if !varies(known.clone(), variable) {
+        return DMatrix::zeros(values.len(), 0);
+    }
+    let least = known.clone().fold(f64::INFINITY, f64::min);
+    let spread = known.fold(f64::NEG_INFINITY, f64::max) - least;
+    match variable {
+        Variable::Direction => DMatrix::from_column_slice(values.len(), 1, values),
+        Variable::DrumFraction => DMatrix::from_fn(values.len(), most.min(4), |row, k| {
+            let angle = TAU * values[row] * (1 + k / 2) as f64;
+            if k % 2 == 0 { angle.sin() } else { angle.cos() }
+        }),
+        _ => DMatrix::from_fn(values.len(), most.min(MOST_FUNCTIONS), |row, k| {
+            (PI * (k + 1) as f64 * (values[row] - least) / spread).cos()
+        }),
+    }
+}
+
+/// All questions of the kind "do these readings depend on that variable", with their answers.
+pub(crate) fn dependence_tests(
+    space: &ResidualSpace,
+    variables: &Variables<'_>,
+) -> Vec<DependenceTest> {
+    let (ids, class_of) = classes(space, |id| *id);
+    let sums = space.class_sums(&class_of, ids.len());
+    let redundancy = space.redundancy();
+    let mut tests = Vec::new();
+    for (class, id) in ids.iter().enumerate() {
+        let rows: Vec<usize> = (0..space.rows())
+            .filter(|row| class_of[*row] == Some(class) && space.measured[*row].is_some())
+            .collect();
+        let all = space.group(rows.clone());
+        for variable in Variable::ALL {
+            let Some(by_row) = variables.values(id.quantity, id.cable, variable) else {
+                continue;
+            };
+            let value = |row: usize| space.measured[row].map_or(f64::NAN, |at| by_row[at]);
+            let known = rows.iter().copied().filter(|row| value(*row).is_finite());
+            let known: Vec<usize> = known.collect();
+            let values: Vec<f64> = known.iter().map(|row| value(*row)).collect();
+            let some = (known.len() < rows.len()).then(|| space.group(known));
+            let group = some.as_ref().unwrap_or(&all);
+            let readings = Readings {
+                id,
+                group,
+                trace: group.rows.iter().map(|row| redundancy[*row]).sum(),
+                scaled: sums.scaled_chi_square(class).map(|(factor, _)| factor),
+            };
+            tests.extend(readings.test(variable, values));
+        }
+    }
+    tests
+}
+
+/// The readings that a question is about.
+struct Readings<'a> {
+    id: &'a ReadingId,
+    group: &'a RowGroup,
+    /// Sum of their redundancies.
+    trace: f64,
+    /// Factor of the scaled chi-square variable that their squares are.
+    scaled: Option<f64>,
+}
+
+impl Readings<'_> {
+    fn test(&self, variable: Variable, values: Vec<f64>) -> Option<DependenceTest> {
+        let most = values.len() / READINGS_PER_FUNCTION;
+        let functions = smooth_functions(&values, variable, most);
+        if functions.is_empty() {
+            return None;
+        }
+        let score = self.group.score(&functions);
+        let fit = Fit::new(&functions, &score);
+        let rest = self.rest(&score, &fit);
+        let rank = fit.rank as f64;
+        let (noise_factor, p_value) = match rest {
+            Some((factor, freedom)) => (
+                factor,
+                f_survival(fit.chi2 / rank / factor, [rank, freedom])?,
+            ),
+            None => (1.0, chi_square_survival(fit.chi2, rank)?),
+        };
+        Some(DependenceTest {
+            quantity: self.id.quantity,
+            cable: self.id.cable,
+            component: self.id.component,
+            variable,
+            chi2: fit.chi2,
+            rank: fit.rank,
+            noise_factor,
+            p_value,
+            rows: self.group.rows.clone(),
+            values,
+            functions,
+        })
+    }
+
+    /// Variance of the residuals that the functions leave over that of the noise, and its degrees of freedom, if
+    /// it is significantly larger than 1. The squares that are left are taken as a scaled chi-square
+    /// variable with the factor of all.
+    fn rest(&self, score: &Score, fit: &Fit) -> Option<(f64, f64)> {
+        let left = &self.group.residual - &score.projected * &fit.coefficients;
+        let squares = score.projected.tr_mul(&score.projected);
+        let trace = self.trace - squares.dot(&fit.inverse);
+        let freedom = trace / self.scaled?;
+        let factor = left.norm_squared() / trace;
+        let p = chi_square_survival(factor * freedom, freedom)?;
+        (p < REST_TOO_LARGE).then_some((factor, freedom))
+    }
+}
+
+/// Best coefficients of functions for a score.
+struct Fit {
+    chi2: f64,
+    rank: usize,
+    coefficients: nalgebra::DVector<f64>,
+    /// Pseudo-inverse of the information.
+    inverse: DMatrix<f64>,
+}
+
+impl Fit {
+    fn new(functions: &DMatrix<f64>, score: &Score) -> Self {
+        let count = functions.ncols();
+        let norms: Vec<f64> = functions
+            .column_iter()
+            .map(|f| f.norm().max(f64::MIN_POSITIVE))
+            .collect();
+        let scaled = DMatrix::from_fn(count, count, |i, k| {
+            score.information[(i, k)] / (norms[i] * norms[k])
+        });
+        let eigen = SymmetricEigen::new(scaled);
+        let mut fit = Self {
+            chi2: 0.0,
+            rank: 0,
+            coefficients: nalgebra::DVector::zeros(count),
+            inverse: DMatrix::zeros(count, count),
+        };
+        for (direction, value) in eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues) {
+            if *value <= UNSEEN {
+                continue;
+            }
+            let direction = direction.map_with_location(|k, _, d| d / norms[k]);
+            let amount = direction.dot(&score.score);
+            fit.chi2 += amount * amount / value;
+            fit.rank += 1;
+            fit.coefficients.axpy(amount / value, &direction, 1.0);
+            fit.inverse.ger(value.recip(), &direction, &direction, 1.0);
+        }
+        fit
+    }
+}
+
+/// The dependences that are significant at level `alpha` for all questions together (Bonferroni), the strongest
+/// first; of each reading of each cable at most three variables.
+pub(crate) fn discrepancies(
+    space: &ResidualSpace,
+    tests: &[DependenceTest],
+    alpha: f64,
+) -> Vec<Discrepancy> {
+    let questions = tests.len() as f64;
+    let mut found: Vec<&DependenceTest> = tests
+        .iter()
+        .filter(|test| test.p_value * questions < alpha)
+        .collect();
+    // Probabilities too small for a number tie at zero; then the better explanation goes first.
+    let gain = |t: &DependenceTest| t.chi2 / t.noise_factor - 2.0 * t.rank as f64;
+    found.sort_by(|a, b| {
+        let by_p = a.p_value.total_cmp(&b.p_value);
+        by_p.then_with(|| gain(b).total_cmp(&gain(a)))
+    });
+    let redundancy = space.redundancy();
+    let mut kept: Vec<Discrepancy> = Vec::new();
+    for test in found {
+        let same = |d: &&Discrepancy| (d.quantity, d.cable) == (test.quantity, test.cable);
+        if kept.iter().filter(same).count() < VARIABLES_REPORTED {
+            kept.push(report(space, &redundancy, test, questions));
+        }
+    }
+    kept
+}
+
+fn report(
+    space: &ResidualSpace,
+    redundancy: &[f64],
+    test: &DependenceTest,
+    questions: f64,
+) -> Discrepancy {
+    let squares: f64 = test
+        .rows
+        .iter()
+        .map(|row| space.residual[*row].powi(2))
+        .sum();
+    let trace: f64 = test.rows.iter().map(|row| redundancy[*row]).sum();
+    let point = |(row, value): (&usize, &f64)| {
+        let share = Some(redundancy[*row]).filter(|share| *share > CONTROLLED)?;
+        Some((
+            space.measured[*row]?,
+            *value,
+            space.residual[*row] / share.sqrt(),
+        ))
+    };
+    Discrepancy {
+        quantity: test.quantity,
+        cable: test.cable,
+        variable: test.variable,
+        rms_over_sd: (squares / trace).sqrt(),
+        p_value: (test.p_value * questions).min(1.0),
+        points: test
+            .rows
+            .iter()
+            .zip(&test.values)
+            .filter_map(point)
+            .collect(),
+    }
+}

@@ -1,0 +1,228 @@
+//! How large the noise of each kind of reading really is.
+//!
+//! With the noise of class `a` of the readings `theta_a` times as large in variance as described, the squares of
+//! the residuals have the expectation `E[r_a^T r_a] = sum_b tr(M_ab M_ba) theta_b`. Solving this for `theta`,
+//! weighting all rows by the new noise and repeating until nothing changes is restricted maximum
+//! likelihood by Fisher's scoring (Helmert 1907, Foerstner 1979; Searle, Casella and McCulloch, Variance Components,
+//! section 6.6). The covariance of `theta` is then `2 F^-1`, `F_ab = tr(M_ab M_ba)` in the new
+//! weights, so `theta_a` is as well known as a variance from `1 / (F^-1)_aa` degrees of freedom; interval and probability
+//! are those of a chi-square variable divided by them. Equilibrium equations and priors keep the
+//! noise that they have.
+//!
+//! All is done in the linearised problem. Readings whose residuals depend on something are not noise: they get a
+//! variance of their own, so that others do not suffer, and nothing is said of it.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::adequacy::classes;
+use super::residual_space::{ClassSums, ReadingId, ResidualSpace};
+use super::{Discrepancy, NoiseStatement, Quantity};
+use crate::statistics::{chi_square_quantile, chi_square_two_sided};
+
+/// Most steps of the estimation, and the change of all variances that ends it.
+const MOST_STEPS: usize = 8;
+const SETTLED: f64 = 1e-3;
+/// Variances known from fewer degrees of freedom are not estimated.
+const LEAST_FREEDOM: f64 = 2.0;
+/// A step to less than this share of a variance overshoots.
+const LEAST_STEP: f64 = 0.1;
+/// Fewest cables of which one can be told to differ from the others.
+const FEWEST_CABLES: usize = 3;
+
+/// Readings with a common variance.
+pub(super) type Class = (Quantity, Option<usize>);
+
+/// Kinds of readings, and single cables where one differs clearly from the others, whose noise is larger or
+/// smaller than described: at level `alpha` for all of them together, `discrepancies` telling which are no noise.
+pub(crate) fn noise_statements(
+    space: &ResidualSpace,
+    discrepancies: &[Discrepancy],
+    alpha: f64,
+) -> Vec<NoiseStatement> {
+    let structured: BTreeSet<Class> = discrepancies
+        .iter()
+        .map(|d| (d.quantity, d.cable))
+        .collect();
+    let questions = questions(space);
+    let mut apart = structured.clone();
+    let estimate = loop {
+        let estimate = Estimate::new(space, &apart);
+        match estimate.stranger(&apart, alpha / questions) {
+            Some(stranger) => apart.insert(stranger),
+            None => break estimate,
+        };
+    };
+    let statements = (0..estimate.classes.len()).filter_map(|class| estimate.statement(class));
+    statements
+        .map(|statement| NoiseStatement {
+            p_value: (statement.p_value * questions).min(1.0),
+            ..statement
+        })
+        .filter(|s| s.p_value < alpha && !structured.contains(&(s.quantity, s.cable)))
+        .collect()
+}
+
+/// The noise of every class whose variance can be estimated, the cables in `apart` on their own;
+/// probabilities are not corrected.
+#[cfg(test)]
+pub(super) fn noise_of_all(space: &ResidualSpace, apart: &BTreeSet<Class>) -> Vec<NoiseStatement> {
+    let estimate = Estimate::new(space, apart);
+    let classes = 0..estimate.classes.len();
+    classes
+        .filter_map(|class| estimate.statement(class))
+        .collect()
+}
+
+/// Number of variances about which something could be said.
+fn questions(space: &ResidualSpace) -> f64 {
+    let ids = space.readings.iter().flatten();
+    let all = ids.flat_map(|id| [(id.quantity, None), (id.quantity, id.cable)]);
+    all.collect::<BTreeSet<Class>>().len() as f64
+}
+
+/// Class of a reading when the cables in `apart` have a variance of their own.
+fn class_of(id: &ReadingId, apart: &BTreeSet<Class>) -> Class {
+    let own = (id.quantity, id.cable);
+    (id.quantity, id.cable.filter(|_| apart.contains(&own)))
+}
+
+/// Variances of classes of readings.
+struct Estimate {
+    classes: Vec<Class>,
+    /// Variance over that of the description.
+    variance: Vec<f64>,
+    /// From how many degrees of freedom each is known; `None` where it was not estimated.
+    freedom: Vec<Option<f64>>,
+    /// The residuals with these variances.
+    space: ResidualSpace,
+}
+
+impl Estimate {
+    fn new(space: &ResidualSpace, apart: &BTreeSet<Class>) -> Self {
+        let (classes, of_row) = classes(space, |id| class_of(id, apart));
+        let mut estimate = Self {
+            variance: vec![1.0; classes.len()],
+            freedom: vec![None; classes.len()],
+            classes,
+            space: space.clone(),
+        };
+        for _ in 0..MOST_STEPS {
+            let sums = estimate.space.class_sums(&of_row, estimate.classes.len());
+            let step = VarianceStep::new(&sums);
+            estimate.freedom.clone_from(&step.freedom);
+            let change = step.factors.iter().map(|factor| (factor - 1.0).abs());
+            if change.fold(0.0, f64::max) < SETTLED {
+                break;
+            }
+            for (variance, factor) in estimate.variance.iter_mut().zip(&step.factors) {
+                *variance *= factor;
+            }
+            let sd = |class: &Option<usize>| class.map_or(1.0, |k| estimate.variance[k].sqrt());
+            estimate.space = space.rescaled(&of_row.iter().map(sd).collect::<Vec<_>>());
+        }
+        estimate
+    }
+
+    /// What is known of a variance, the probability not corrected; `None` where it was not estimated.
+    fn statement(&self, class: usize) -> Option<NoiseStatement> {
+        let (quantity, cable) = self.classes[class];
+        let freedom = self.freedom[class]?;
+        let variance = self.variance[class];
+        let bound = |p: f64| {
+            let quantile = chi_square_quantile(p, freedom)?;
+            Some((variance * freedom / quantile).sqrt())
+        };
+        Some(NoiseStatement {
+            quantity,
+            cable,
+            ratio: variance.sqrt(),
+            interval: [bound(0.975)?, bound(0.025)?],
+            p_value: chi_square_two_sided(variance * freedom, freedom)?,
+        })
+    }
+
+    /// The cable that differs most from the others of its kind, if it does at level `level`: the score test of a
+    /// variance of its own.
+    fn stranger(&self, apart: &BTreeSet<Class>, level: f64) -> Option<Class> {
+        let (cables, of_row) = classes(&self.space, |id| (id.quantity, id.cable));
+        let sums = self.space.class_sums(&of_row, cables.len());
+        let common = |class: &&Class| class.1.is_some() && !apart.contains(*class);
+        let enough = |quantity: Quantity| {
+            let same = cables.iter().filter(common).filter(|c| c.0 == quantity);
+            same.count() >= FEWEST_CABLES
+        };
+        let probability = |(k, class): (usize, &Class)| {
+            let (factor, freedom) = sums.scaled_chi_square(k)?;
+            let p = chi_square_two_sided(sums.squares[k] / factor, freedom)?;
+            Some((*class, p))
+        };
+        cables
+            .iter()
+            .enumerate()
+            .filter(|(_, class)| common(class) && enough(class.0))
+            .filter_map(probability)
+            .filter(|(_, p)| *p < level)
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(class, _)| class)
+    }
+}
+
+/// One step of the estimation.
+struct VarianceStep {
+    /// By how much each variance is to be multiplied.
+    factors: Vec<f64>,
+    freedom: Vec<Option<f64>>,
+}
+
+impl VarianceStep {
+    fn new(sums: &ClassSums) -> Self {
+        let count = sums.traces.len();
+        let mut step = Self {
+            factors: vec![1.0; count],
+            freedom: vec![None; count],
+        };
+        let (estimated, inverse) = estimable(sums);
+        let excess = DVector::from_iterator(
+            estimated.len(),
+            estimated.iter().map(|k| sums.squares[*k] - sums.traces[*k]),
+        );
+        let change = &inverse * excess;
+        for (k, class) in estimated.iter().enumerate() {
+            let scored = 1.0 + change[k];
+            // The mean square is always positive and has the same fixed point.
+            let mean_square = sums.squares[*class] / sums.traces[*class];
+            step.factors[*class] = if scored > LEAST_STEP {
+                scored
+            } else {
+                mean_square.max(LEAST_STEP)
+            };
+            step.freedom[*class] = Some(inverse[(k, k)].recip());
+        }
+        step
+    }
+}
+
+/// The classes whose variances can be told from each other, and the inverse of their information. The worst known
+/// is given up until all are known well enough.
+fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
+    let seen = |class: &usize| sums.information[(*class, *class)] > LEAST_FREEDOM;
+    let mut kept: Vec<usize> = (0..sums.traces.len()).filter(seen).collect();
+    while !kept.is_empty() {
+        let information = sums.information.select_rows(&kept).select_columns(&kept);
+        let alone = information.diagonal();
+        let inverse = Cholesky::new(information).map(|c| c.inverse());
+        // Where even that fails, the class with least redundancy goes.
+        let known = |k: &usize| inverse.as_ref().map_or(alone[*k], |i| i[(*k, *k)].recip());
+        let worst = (0..kept.len()).min_by(|a, b| known(a).total_cmp(&known(b)));
+        match (worst, inverse) {
+            (Some(worst), Some(inverse)) if inverse[(worst, worst)].recip() >= LEAST_FREEDOM => {
+                return (kept, inverse);
+            }
+            (Some(worst), _) => drop(kept.remove(worst)),
+            (None, _) => break,
+        }
+    }
+    (kept, DMatrix::zeros(0, 0))
+}

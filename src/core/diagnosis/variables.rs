@@ -1,0 +1,228 @@
+//! The variables on which residuals may depend, at every row of the measurements.
+//!
+//! Where a variable is itself a reading with noise that matters (tension, laser distance), the fitted value is taken: the
+//! reading less its estimated error. Fitted values and residuals of least squares are uncorrelated, so
+//! residuals do not seem to depend on a variable because both contain the same noise.
+
+use super::{Quantity, Variable};
+use crate::effect::travel;
+use crate::estimation::{Linearisation, Problem, ReadingKind, RowKind, Solution};
+use crate::geometry::{Pose, Vec3};
+use crate::kinematics::{CablePath, PulleyGeometry};
+use crate::measurement::Grid;
+
+/// Fewest values of a variable that make a dependence visible.
+const FEWEST_VALUES: usize = 6;
+/// Values closer than this share of the spread are the same.
+const SAME: f64 = 1e-9;
+/// Spread below this share of the largest value is rounding.
+const NO_SPREAD: f64 = 1e-12;
+
+/// Circumstances of all readings at a solution.
+pub(crate) struct Variables<'a> {
+    problem: &'a Problem<'a>,
+    /// Home pose, or the first fitted one: rotations count from it.
+    reference: Pose,
+    /// Fitted pose of each row; `None` for rows that were not fitted.
+    poses: Vec<Option<Pose>>,
+    /// Path of each cable at each fitted pose, cable after cable.
+    paths: Vec<Vec<Option<CablePath<f64>>>>,
+    /// Fitted tensions (N).
+    tension_n: Grid,
+    /// Fitted laser distances (m).
+    laser_m: Vec<f64>,
+}
+
+impl<'a> Variables<'a> {
+    /// Finds them at `solution`, whose linearisation is `linear`.
+    pub fn new(problem: &'a Problem<'a>, solution: &Solution, linear: &Linearisation) -> Self {
+        let data = &problem.dataset.measurements;
+        let mut poses = vec![None; data.len()];
+        for (row, pose) in &solution.poses {
+            poses[*row] = Some(*pose);
+        }
+        let home = problem.dataset.robot.home.map(|_| solution.globals.home);
+        let first = solution.poses.first().map(|(_, pose)| *pose);
+        let (tension_n, laser_m) = fitted_readings(problem, linear);
+        Self {
+            reference: home.or(first).unwrap_or_else(Pose::identity),
+            paths: paths(problem, solution, &poses),
+            poses,
+            problem,
+            tension_n,
+            laser_m,
+        }
+    }
+
+    /// Values of `variable` for readings `quantity` of `cable`, one per row of the measurements, NaN where
+    /// not known. `None` if it does not apply to these readings, is not known or hardly varies.
+    pub fn values(
+        &self,
+        quantity: Quantity,
+        cable: Option<usize>,
+        variable: Variable,
+    ) -> Option<Vec<f64>> {
+        let of_cable = matches!(
+            quantity,
+            Quantity::Length | Quantity::Tension | Quantity::Swivel
+        );
+        let cable = cable.filter(|_| of_cable);
+        let values = match variable {
+            Variable::Time => self.since_first(&self.problem.dataset.measurements.time_s),
+            Variable::Temperature => {
+                self.since_first(&self.problem.dataset.measurements.temperature_c)
+            }
+            Variable::Distance if quantity == Quantity::Laser => self.laser_m.clone(),
+            Variable::Distance => return None,
+            Variable::Position(k) => self.at_poses(|pose| pose.position[k]),
+            Variable::Rotation(k) => self.at_poses(|pose| pose.difference(&self.reference)[3 + k]),
+            _ => self.cable_values(cable?, variable),
+        };
+        varies(values.iter().copied(), variable).then_some(values)
+    }
+
+    fn rows(&self) -> std::ops::Range<usize> {
+        0..self.poses.len()
+    }
+
+    fn cable_values(&self, cable: usize, variable: Variable) -> Vec<f64> {
+        let data = &self.problem.dataset.measurements;
+        let of_path = |value: fn(&CablePath<f64>) -> f64| {
+            let paths = self.paths[cable].iter();
+            paths
+                .map(|path| path.as_ref().map_or(f64::NAN, value))
+                .collect()
+        };
+        match variable {
+            Variable::CableLength => of_path(|path| path.length),
+            Variable::WrapAngle => of_path(|path| path.wrap),
+            Variable::SwivelAngle => self.swivel_angles(cable),
+            Variable::Tension => self
+                .rows()
+                .map(|row| self.tension_n.get(row, cable))
+                .collect(),
+            Variable::Revolutions => self.revolutions(cable),
+            Variable::DrumFraction => {
+                let gear_ratio = self.problem.dataset.robot.cables[cable].winch.gear_ratio;
+                let revolutions = self.revolutions(cable).into_iter();
+                revolutions
+                    .map(|r| (r / gear_ratio).rem_euclid(1.0))
+                    .collect()
+            }
+            // A direction that is not known is no direction.
+            _ => self
+                .rows()
+                .map(|row| travel(data, self.problem.home_row(), (row, cable)))
+                .collect(),
+        }
+    }
+
+    fn revolutions(&self, cable: usize) -> Vec<f64> {
+        let data = &self.problem.dataset.measurements;
+        let home = self.problem.home_row();
+        let reading = |row| match home == Some(row) {
+            true => 0.0,
+            false => data.revolutions.get(row, cable),
+        };
+        self.rows().map(reading).collect()
+    }
+
+    /// From the zero direction of the pulley, or from the mean direction where it has none. Counted
+    /// from the mean first, so that there is no jump at half a turn.
+    fn swivel_angles(&self, cable: usize) -> Vec<f64> {
+        let pulley = &self.problem.dataset.robot.cables[cable].pulley;
+        let axis = Vec3::from(pulley.swivel_axis);
+        let facing = |path: &CablePath<f64>| Vec3::from(path.facing);
+        let known = self.paths[cable].iter().flatten();
+        let mean: Vec3 = known.map(facing).sum();
+        let angle = |from: &Vec3, to: &Vec3| axis.cross(from).dot(to).atan2(from.dot(to));
+        let zero = pulley.swivel_zero.map(|zero| {
+            let zero = Vec3::from(zero);
+            angle(&(zero - axis * axis.dot(&zero)), &mean)
+        });
+        let of = |path: &CablePath<f64>| zero.unwrap_or(0.0) + angle(&mean, &facing(path));
+        let paths = self.paths[cable].iter();
+        paths
+            .map(|path| path.as_ref().map_or(f64::NAN, of))
+            .collect()
+    }
+
+    fn at_poses(&self, value: impl Fn(&Pose) -> f64) -> Vec<f64> {
+        let poses = self.poses.iter();
+        poses
+            .map(|pose| pose.as_ref().map_or(f64::NAN, &value))
+            .collect()
+    }
+
+    fn since_first(&self, column: &[f64]) -> Vec<f64> {
+        let first = column.iter().copied().find(|v| v.is_finite());
+        let first = first.unwrap_or(f64::NAN);
+        let value = |row: usize| column.get(row).map_or(f64::NAN, |v| v - first);
+        self.rows().map(value).collect()
+    }
+}
+
+/// Whether values tell anything apart: at least six different ones, for a direction at least two.
+pub(crate) fn varies(values: impl Iterator<Item = f64>, variable: Variable) -> bool {
+    let mut sorted: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(least), Some(largest)) = (sorted.first(), sorted.last()) else {
+        return false;
+    };
+    let spread = largest - least;
+    let fewest = if variable == Variable::Direction {
+        2
+    } else {
+        FEWEST_VALUES
+    };
+    let gaps = sorted.windows(2).filter(|w| w[1] - w[0] > SAME * spread);
+    spread > NO_SPREAD * largest.abs().max(least.abs()) && gaps.count() + 1 >= fewest
+}
+
+/// Path of each cable at each pose, entry points as identified, pulleys and anchors as described.
+fn paths(
+    problem: &Problem<'_>,
+    solution: &Solution,
+    poses: &[Option<Pose>],
+) -> Vec<Vec<Option<CablePath<f64>>>> {
+    let cables = problem.dataset.robot.cables.iter();
+    let of = |(cable, entry): (&crate::robot::Cable, &[f64; 3])| {
+        let pulley = PulleyGeometry {
+            entry: *entry,
+            axis: cable.pulley.swivel_axis,
+            radius: cable.pulley.radius_m,
+        };
+        let anchor = Vec3::from(cable.platform_anchor_m);
+        let path = |pose: &Pose| pulley.path_to(pose.transform(&anchor).into());
+        poses.iter().map(|pose| pose.as_ref().map(path)).collect()
+    };
+    cables.zip(&solution.globals.entry_points).map(of).collect()
+}
+
+/// Readings less their estimated errors: tensions (N) and laser distances (m).
+fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<f64>) {
+    let data = &problem.dataset.measurements;
+    let robot = &problem.dataset.robot;
+    let mut tension = Grid::missing(data.len(), robot.cable_count());
+    for row in 0..data.len() {
+        for (index, cable) in robot.cables.iter().enumerate() {
+            if let Some(sensor) = cable.force_sensor {
+                tension.set(row, index, sensor.tension_n(data.force_n.get(row, index)));
+            }
+        }
+    }
+    let mut laser: Vec<f64> = (0..data.len()).map(|row| data.laser_at(row)).collect();
+    for (at, residual) in linear.rows.iter().zip(&linear.residual) {
+        let Some(row) = at.row else { continue };
+        let correction = residual * at.sd;
+        match at.kind {
+            // The rows of tensions are the errors of the readings themselves: reading minus tension.
+            RowKind::Tension(cable) => {
+                tension.set(row, cable, tension.get(row, cable) - correction);
+            }
+            RowKind::Reading(ReadingKind::Laser) => laser[row] += correction,
+            _ => {}
+        }
+    }
+    (tension, laser)
+}
