@@ -56,7 +56,9 @@ pub(super) fn exchanged(
         tried.push((bound, chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let found = tried.first().filter(|(_, chi2)| *chi2 < LEFT * solution.chi2);
+    let found = tried
+        .first()
+        .filter(|(_, chi2)| *chi2 < LEFT * solution.chi2);
     Ok(found.map(|(bound, _)| Exchange {
         bound: bound.clone(),
         dataset: undone(dataset, bound),

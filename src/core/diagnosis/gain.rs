@@ -127,9 +127,8 @@ impl Prediction {
     /// Change of each fitted position per step of the basis.
     fn position_maps(&self) -> Vec<nalgebra::Matrix3xX<f64>> {
         let map = self.space.map();
-        let of = |block: &crate::estimation::PoseBlock| {
-            block.pose_by_parameter.fixed_rows::<3>(0) * map
-        };
+        let of =
+            |block: &crate::estimation::PoseBlock| block.pose_by_parameter.fixed_rows::<3>(0) * map;
         self.linear.poses.iter().map(of).collect()
     }
 }
@@ -159,7 +158,11 @@ fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
         .cholesky()
         .map_or_else(|| DVector::zeros(n), |factor| factor.solve(&pull));
     let error = residual + &basis * &step;
-    let own: Vec<f64> = block.remainder.row_iter().map(|row| row.norm_squared()).collect();
+    let own: Vec<f64> = block
+        .remainder
+        .row_iter()
+        .map(|row| row.norm_squared())
+        .collect();
     let mut kinds: Vec<(Quantity, f64, f64)> = Vec::new();
     for (k, row) in linear.rows[block.rows.clone()].iter().enumerate() {
         let Some(quantity) = quantity_of(row.kind) else {

@@ -30,7 +30,11 @@ pub(super) fn robot_of(fit: &Fit<'_>) -> Robot {
         home.position_m = globals.home.position.into();
         home.orientation_wxyz = globals.home.orientation_wxyz();
     }
-    robot.effects = globals.effects.iter().map(|bound| bound.setting(&robot)).collect();
+    robot.effects = globals
+        .effects
+        .iter()
+        .map(|bound| bound.setting(&robot))
+        .collect();
     robot
 }
 
@@ -85,9 +89,12 @@ fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
 fn advice(each: f64) -> String {
     let needed = (DECISIVE / each.max(1e-12)).ceil();
     if needed <= 200.0 {
-        format!("Measure the platform at the poses listed, about {needed:.0} times in all: there these causes differ most.")
+        format!(
+            "Measure the platform at the poses listed, about {needed:.0} times in all: there these causes differ most."
+        )
     } else {
-        "No pose of this workspace tells these causes apart; a reading of another kind would.".to_owned()
+        "No pose of this workspace tells these causes apart; a reading of another kind would."
+            .to_owned()
     }
 }
 

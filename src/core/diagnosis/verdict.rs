@@ -34,7 +34,9 @@ pub(super) fn finding(
         (false, true) => Verdict::Named,
         (_, false) => Verdict::Ambiguous,
     };
-    let separation = rivals.first().and_then(|rival| separation(&own.fit, &rival.fit));
+    let separation = rivals
+        .first()
+        .and_then(|rival| separation(&own.fit, &rival.fit));
     Some(Finding {
         verdict,
         sentence: joined(cause, robot, crate::effect::BoundEffect::cause),
@@ -96,12 +98,18 @@ fn rivals<'r, 'a>(
 /// The cause itself, then all others in their order.
 fn ranking(round: &Round<'_>, own: &Contender<'_>) -> Vec<Rival> {
     let signature = signature(round, own);
-    let others = round.contenders.iter().filter(|c| !is_alike(c.cause(), own.cause()));
+    let others = round
+        .contenders
+        .iter()
+        .filter(|c| !is_alike(c.cause(), own.cause()));
     let all = std::iter::once(own).chain(others).take(RANKED);
     all.map(|contender| Rival {
         cause: contender.cause().clone(),
         delta_chi2: contender.gain,
-        parameters: contender.fit.parameters_of(contender.fit.causes.len() - 1).len(),
+        parameters: contender
+            .fit
+            .parameters_of(contender.fit.causes.len() - 1)
+            .len(),
         score: contender.score(),
         angle_rad: cosine(&signature, &self::signature(round, contender)).acos(),
         holdout: Prediction::new(&contender.fit).rms(),

@@ -6,11 +6,11 @@
 //! It names no cause. As a nuisance it keeps the structure out of the geometry. `reading` is the number of a
 //! [`BiasedReading`], `variable` that of a [`Variable`].
 
-use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, PlatformCircumstances,
-    Found, Part, PlatformPorts, Scope,
-};
 use super::words::{self, degrees, millimetres};
+use super::{
+    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part,
+    PlatformCircumstances, PlatformPorts, Scope,
+};
 use crate::measurement::Variable;
 
 /// Functions of one variable.
@@ -92,7 +92,10 @@ fn spread(found: &Found<'_>, variable: Variable) -> f64 {
     let at = |step: u32| {
         let value = from + (to - from) * f64::from(step) / 100.0;
         let terms = functions(variable, value, [from, to]);
-        let terms = terms.iter().enumerate().map(|(k, f)| f * found.value(FIRST + k));
+        let terms = terms
+            .iter()
+            .enumerate()
+            .map(|(k, f)| f * found.value(FIRST + k));
         found.value(SCALE) * terms.sum::<f64>()
     };
     let values: Vec<f64> = (0..=100).map(at).collect();
@@ -170,10 +173,13 @@ impl Effect for Unknown {
         };
         let size = reading.in_words(spread(found, *variable));
         let variable = variable.name();
-        format!("{what} has an error that changes with the {variable} by up to {size}; no known cause explains it.")
+        format!(
+            "{what} has an error that changes with the {variable} by up to {size}; no known cause explains it."
+        )
     }
     fn workshop(&self, _found: &Found<'_>) -> String {
-        "Look at the plot of this error; measure poses between those where it is large and small.".to_owned()
+        "Look at the plot of this error; measure poses between those where it is large and small."
+            .to_owned()
     }
     fn source(&self) -> &'static str {
         "Smooth functions with a prior on their size"
