@@ -2,10 +2,11 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Plan, Restriction, Study, clean, describe, failures, markdown, outside, pairs, run_all, single,
+    Plan, Restriction, Study, clean, describe, draw_all, drawn_markdown, failures, markdown,
+    outside, pairs, run_all, single,
 };
 
-const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--failures] [--robot NAME] \
+const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
                      [--effect ID] [--seed N]";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
@@ -17,6 +18,8 @@ const OUTSIDE: usize = 6;
 struct Arguments {
     kind: String,
     count: Option<usize>,
+    /// Only draw, do not ask the doctor.
+    draw: bool,
     failures: bool,
     restriction: Restriction,
 }
@@ -27,7 +30,12 @@ struct Arguments {
 /// If the arguments are not understood.
 pub fn command(arguments: &[String]) -> Result<()> {
     let arguments = parse(arguments)?;
-    let study = run_all(&plans(&arguments)?);
+    let plans = plans(&arguments)?;
+    if arguments.draw {
+        println!("{}", drawn_markdown(&draw_all(&plans)));
+        return Ok(());
+    }
+    let study = run_all(&plans);
     println!("{}", markdown(&study));
     if arguments.restriction.seed.is_some() {
         study
@@ -62,6 +70,7 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
     let mut parsed = Arguments {
         kind: arguments.first().context(USAGE)?.clone(),
         count: None,
+        draw: false,
         failures: false,
         restriction: Restriction::default(),
     };
@@ -72,6 +81,7 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
                 .with_context(|| format!("{argument} what? {USAGE}"))
         };
         match argument.as_str() {
+            "--draw" => parsed.draw = true,
             "--failures" => parsed.failures = true,
             "--robot" => parsed.restriction.robot = Some(value()?.clone()),
             "--effect" => parsed.restriction.effect = Some(value()?.clone()),

@@ -8,7 +8,7 @@ use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
 use super::outside::{self, Scene};
 use super::robots::{TestRobot, robot};
 use super::template::{Template, log_uniform};
-use super::visibility::{JUST_VISIBLE, VISIBLE, noncentrality, size_for};
+use super::visibility::{JUST_VISIBLE, VISIBLE, left_by_nearest, noncentrality, size_for};
 use super::{Case, Hidden, OUTSIDE, Plan, Stratum, Wanted};
 
 /// Draws that may fail, as when an effect breaks the robot, before a plan is given up.
@@ -23,9 +23,11 @@ const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 pub struct Drawn {
     /// The case.
     pub case: Case,
-    /// Noncentrality of each hidden effect, the others estimated.
+    /// Noncentrality of each hidden effect, the others estimated. Of one outside the catalogue, what the nearest
+    /// effect in it leaves comes second.
     pub noncentralities: Vec<f64>,
-    /// Whether what is hidden can be seen in these poses.
+    /// Whether what is hidden can be seen in these poses; outside the catalogue, whether it can be told from
+    /// every single effect in it.
     pub visible: bool,
     /// Draws that were thrown away because the effect broke the robot.
     pub redraws: usize,
@@ -97,7 +99,7 @@ fn one(
             Err(error) => last = error,
         }
     }
-    Err(last.context(format!("{plan:?}")))
+    Err(last)
 }
 
 /// Gives a template a size. One that cannot be seen at the largest typical size has that size.
@@ -189,15 +191,15 @@ fn outside_case(
 ) -> Result<Drawn> {
     let target = log_uniform(OUTSIDE_SIZES, rng);
     let exact = super::visibility::simulated(robot, plan.seed, &[], false)?;
-    let at = |size: f64| {
-        let scene = Scene::new(&exact.truth, plan.seed);
-        outside::noncentrality(&scene, &exact, (effect, size))
-    };
+    let scene = Scene::new(&exact.truth, plan.seed);
+    let at = |size: f64| outside::noncentrality(&scene, &exact, (effect, size));
     let first = at(effect.unit)?;
     let size = size_for(target, (effect.unit, first), at)
         .with_context(|| format!("no size of {} is visible on {}", effect.id, plan.robot))?;
     let hidden = Hidden::Outside(effect, size);
-    Ok(drawn(plan, hidden, vec![at(size)?], true, 0))
+    let left = left_by_nearest(&outside::changed(&scene, &exact, (effect, size)))?;
+    let sizes = vec![at(size)?, left];
+    Ok(drawn(plan, hidden, sizes, left >= VISIBLE, 0))
 }
 
 #[cfg(test)]

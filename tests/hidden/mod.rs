@@ -26,8 +26,8 @@ pub use measure::{ParameterError, held_out_ratio, parameter_errors, rivals_fit};
 pub use outside::{OUTSIDE, Outside, Scene};
 pub use plans::{Restriction, clean, outside, pairs, single};
 pub use robots::{TestRobot, robot, robots};
-pub use run::{Outcome, Study, run, run_all};
-pub use table::{Figure, Figures, Target, describe, failures, markdown};
+pub use run::{Outcome, Study, draw_all, run, run_all};
+pub use table::{Figure, Figures, Target, describe, drawn_markdown, failures, markdown};
 pub use template::Template;
 pub use visibility::{JUST_VISIBLE, VISIBLE, noncentrality};
 

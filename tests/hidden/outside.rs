@@ -133,18 +133,27 @@ pub(super) fn add_tension(
     }
 }
 
+/// The true description with noise-free data that the effect has changed.
+pub(super) fn changed(
+    scene: &Scene,
+    exact: &Simulated,
+    (effect, size): (&Outside, f64),
+) -> Dataset {
+    let mut measurements = exact.dataset.measurements.clone();
+    (effect.change)(scene, size, &mut measurements);
+    Dataset {
+        robot: without_effects(&exact.truth),
+        measurements,
+    }
+}
+
 /// Chi-square that the effect leaves in a fit of the true description to noise-free data.
 pub(super) fn noncentrality(
     scene: &Scene,
     exact: &Simulated,
-    (effect, size): (&Outside, f64),
+    sized: (&Outside, f64),
 ) -> Result<f64> {
-    let mut measurements = exact.dataset.measurements.clone();
-    (effect.change)(scene, size, &mut measurements);
-    let dataset = Dataset {
-        robot: without_effects(&exact.truth),
-        measurements,
-    };
+    let dataset = changed(scene, exact, sized);
     Ok(solved(&Problem::new(&dataset)?)?.chi2)
 }
 

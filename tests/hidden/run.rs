@@ -142,18 +142,23 @@ fn errors(
     findings.into_iter().flat_map(errors).collect()
 }
 
-/// Draws and runs all plans, as many at a time as the machine has processors.
-#[must_use]
-pub fn run_all(plans: &[Plan]) -> Study {
+/// What became of the plans, in their order. `None`: the robot has no reading for the effect.
+type Results<T> = Vec<(Plan, Result<Option<T>>)>;
+
+/// Does a job for all plans, as many at a time as the machine has processors.
+fn in_parallel<T: Send>(
+    plans: &[Plan],
+    job: impl Fn(&Plan) -> Result<Option<T>> + Sync,
+) -> Results<T> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
     let work = || {
-        while let Some((n, plan)) = {
+        loop {
             let n = next.fetch_add(1, Ordering::Relaxed);
-            plans.get(n).map(|plan| (n, plan))
-        } {
-            let result =
-                draw(plan).and_then(|drawn| drawn.map(|drawn| run(plan, drawn)).transpose());
+            let Some(plan) = plans.get(n) else {
+                break;
+            };
+            let result = job(plan);
             if let Ok(mut results) = results.lock() {
                 results.push((n, *plan, result));
             }
@@ -166,8 +171,16 @@ pub fn run_all(plans: &[Plan]) -> Study {
     });
     let mut results = results.into_inner().unwrap_or_default();
     results.sort_by_key(|(n, ..)| *n);
+    let numbered = results.into_iter();
+    numbered.map(|(_, plan, result)| (plan, result)).collect()
+}
+
+/// Draws and runs all plans.
+#[must_use]
+pub fn run_all(plans: &[Plan]) -> Study {
+    let job = |plan: &Plan| draw(plan)?.map(|drawn| run(plan, drawn)).transpose();
     let mut study = Study::default();
-    for (_, plan, result) in results {
+    for (plan, result) in in_parallel(plans, job) {
         match result {
             Ok(Some(outcome)) => study.outcomes.push(outcome),
             Ok(None) => study.not_applicable += 1,
@@ -175,4 +188,10 @@ pub fn run_all(plans: &[Plan]) -> Study {
         }
     }
     study
+}
+
+/// Draws all plans without asking the doctor.
+#[must_use]
+pub fn draw_all(plans: &[Plan]) -> Results<Drawn> {
+    in_parallel(plans, draw)
 }

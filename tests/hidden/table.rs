@@ -1,5 +1,6 @@
 //! Tables of a study, as Markdown.
 
+mod drawn;
 mod figures;
 
 use std::collections::BTreeMap;
@@ -7,6 +8,7 @@ use std::fmt::Write as _;
 
 use tautline_core::effect::CATALOGUE;
 
+pub use drawn::drawn_markdown;
 pub use figures::{Figure, Figures, Target};
 
 use super::judge::Found;
@@ -24,7 +26,8 @@ pub fn markdown(study: &Study) -> String {
         typical(outcome).then(|| found(outcome))
     }));
     let outside: Vec<&str> = OUTSIDE.iter().map(|effect| effect.id).collect();
-    let caption = "Outside the catalogue: unknown or ambiguous, and nothing named, of all.";
+    let caption = "Outside the catalogue: unknown or ambiguous, and nothing named, of those that can be told \
+                   from every single effect in it; in brackets those that cannot.";
     text.push_str(&by_robot(study, caption, &outside, |outcome| {
         is_outside(outcome).then(|| is_honest(outcome))
     }));
@@ -37,7 +40,7 @@ pub(super) fn typical(outcome: &Outcome) -> bool {
 }
 
 pub(super) fn is_outside(outcome: &Outcome) -> bool {
-    matches!(outcome.plan.wanted, Wanted::Outside(_))
+    outcome.drawn.visible && matches!(outcome.plan.wanted, Wanted::Outside(_))
 }
 
 /// Whether every hidden effect is named or in a short list.
@@ -137,6 +140,16 @@ fn by_robot(
             cell.of += 1;
         }
     }
+    let cells = cells.into_iter();
+    effects_by_robot(
+        caption,
+        ids,
+        &cells.map(|(at, cell)| (at, cell.text())).collect(),
+    )
+}
+
+/// A table with a row per effect and a column per robot; nothing without cells.
+fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), String>) -> String {
     if cells.is_empty() {
         return String::new();
     }
@@ -144,11 +157,8 @@ fn by_robot(
     let mut text = format!("{caption}\n\n| effect | {} |\n", names.join(" | "));
     let _ = writeln!(text, "|---|{}", "---|".repeat(names.len()));
     for id in ids {
-        let cell = |name: &&str| match cells.get(&(*id, *name)) {
-            Some(cell) => cell.text(),
-            None => "-".to_owned(),
-        };
-        let row: Vec<String> = names.iter().map(cell).collect();
+        let cells = names.iter().map(|name| cells.get(&(*id, *name)));
+        let row: Vec<&str> = cells.map(|cell| cell.map_or("-", String::as_str)).collect();
         let _ = writeln!(text, "| {id} | {} |", row.join(" | "));
     }
     text.push('\n');
@@ -190,7 +200,7 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
         Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
         Hidden::Nothing if outcome.answers.is_empty() => return Vec::new(),
         Hidden::Nothing => return vec![("nothing".to_owned(), said(&outcome.answers))],
-        Hidden::Outside(..) if is_honest(outcome) => return Vec::new(),
+        Hidden::Outside(..) if is_honest(outcome) || !is_outside(outcome) => return Vec::new(),
         Hidden::Outside(effect, _) => return vec![(effect.id.to_owned(), said(&outcome.answers))],
     };
     let hidden: Vec<String> = hidden;

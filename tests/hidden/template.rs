@@ -64,7 +64,10 @@ impl Template {
         Self {
             effect,
             targets: targets(effect.scope(), robot, rng),
-            typical: sized.first().map(|k| typical(&parameters[*k])),
+            typical: sized.first().map(|k| {
+                let turns = build_up_turns(effect.id(), robot);
+                typical(&parameters[*k]).map(|size| size / turns)
+            }),
             values,
         }
     }
@@ -90,6 +93,15 @@ impl Template {
 fn typical(parameter: &EffectParameter) -> [f64; 2] {
     let [a, b] = parameter.typical.map(f64::abs);
     [a.min(b), a.max(b)]
+}
+
+/// Layers build up by the turn of the drum, and the parameter counts those of the motor.
+fn build_up_turns(id: &str, robot: &Robot) -> f64 {
+    if id == "drum_growth" {
+        robot.cables[0].winch.gear_ratio
+    } else {
+        1.0
+    }
 }
 
 /// Value of a parameter that is no size.

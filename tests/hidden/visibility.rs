@@ -1,7 +1,9 @@
 //! How well an effect can be seen, decided by fits and without the doctor.
 
 use anyhow::{Result, ensure};
-use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::effect::{
+    BoundEffect, CATALOGUE, Effect, EffectRequest, EffectSetting, Scope, Search,
+};
 use tautline_core::estimation::{Control, Geometry, Options, Problem, Solution, solve};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -107,18 +109,54 @@ pub(super) fn size_for(
     noncentrality: impl Fn(f64) -> Result<f64>,
 ) -> Option<f64> {
     let (mut size, mut value) = (size, at_size);
-    for _ in 0..12 {
+    // Quadratic for small effects, until the values tell otherwise.
+    let mut power = 2.0;
+    for _ in 0..20 {
         if !(value.is_finite() && value > 0.0) {
             return None;
         }
         if (value / target - 1.0).abs() < 0.05 {
             return Some(size);
         }
-        // Quadratic for small effects; bounded, as large ones are less regular.
-        size *= (target / value).sqrt().clamp(0.02, 20.0);
-        value = noncentrality(size).ok()?;
+        let next = size * (target / value).powf(1.0 / power).clamp(0.05, 20.0);
+        let at_next = noncentrality(next).ok()?;
+        let slope = (at_next / value).ln() / (next / size).ln();
+        power = if slope.is_finite() {
+            slope.clamp(1.0, 5.0)
+        } else {
+            2.0
+        };
+        (size, value) = (next, at_next);
     }
     None
+}
+
+/// The least chi-square that any one effect of the catalogue, on any one cable or all, leaves of what no effect of
+/// the catalogue made: below [`VISIBLE`] the data cannot tell the two apart. Events and waves are not tried.
+pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
+    let names = dataset.robot.cables.iter().map(|cable| &cable.name);
+    let mut least = f64::INFINITY;
+    let direct = |effect: &&&dyn Effect| effect.search() == Search::Direct;
+    for effect in CATALOGUE.iter().filter(direct) {
+        let mut targets: Vec<Option<String>> = vec![None];
+        if effect.scope() != Scope::Robot {
+            targets.extend(names.clone().cloned().map(Some));
+        }
+        for cable in targets {
+            let request = EffectRequest {
+                effect: effect.id().to_owned(),
+                cable,
+                values: Vec::new(),
+            };
+            let mut problem = Problem::new(dataset)?;
+            problem.free(&[request])?;
+            // One that the readings cannot carry explains nothing.
+            if let Ok(found) = solved(&problem) {
+                least = least.min(found.chi2);
+            }
+        }
+    }
+    Ok(least)
 }
 
 #[cfg(test)]

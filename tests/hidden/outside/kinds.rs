@@ -145,14 +145,15 @@ pub static OUTSIDE: [Outside; 16] = [
         },
     },
     Outside {
-        id: "swivel_gain",
-        title: "a swivel sensor with a wrong scale",
+        id: "swivel_wander",
+        title: "the zero of a swivel sensor wanders in time",
         applies: |robot| robot.cables.iter().all(|c| c.pulley.swivel_zero.is_some()),
         unit: 1e-2,
         change: |scene, size, data| {
+            let wave = waves(data, 500.0, scene.phase);
             for row in 0..data.swivel_rad.rows() {
-                let angle = data.swivel_rad.get(row, scene.cable);
-                data.swivel_rad.set(row, scene.cable, (1.0 + size) * angle);
+                let angle = data.swivel_rad.get(row, scene.cable) + size * wave[row];
+                data.swivel_rad.set(row, scene.cable, angle);
             }
         },
     },
