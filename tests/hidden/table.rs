@@ -189,7 +189,7 @@ fn confusions(study: &Study) -> String {
 /// Hidden effect and what was said instead, without cables.
 fn confused(outcome: &Outcome) -> Vec<(String, String)> {
     let said = |names: &[String]| {
-        let plain: Vec<&str> = names.iter().map(|name| without_cables(name)).collect();
+        let plain: Vec<String> = names.iter().map(|name| without_cables(name)).collect();
         if plain.is_empty() {
             "nothing".to_owned()
         } else {
@@ -220,13 +220,14 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
     confusions
 }
 
-/// An answer without its cable numbers.
-fn without_cables(name: &str) -> &str {
-    // Lists keep theirs: the same effect on several cables is no confusion of effects.
-    if name.contains(' ') {
-        return name;
-    }
-    name.split(':').next().unwrap_or(name)
+/// An answer without its cable numbers: the same effect on several cables is no confusion of effects.
+fn without_cables(answer: &str) -> String {
+    let names = answer.split(" or ");
+    let mut plain: Vec<&str> = names
+        .map(|name| name.split(':').next().unwrap_or(name))
+        .collect();
+    plain.dedup();
+    plain.join(" or ")
 }
 
 /// One line for each data set in which something went wrong, with all that is needed to make it again.

@@ -77,7 +77,7 @@ pub fn noncentrality(
         }
     }
     let left = solved(&problem)?.chi2;
-    let by_truth = left_by_truth(&exact.truth, &without, &all)?;
+    let by_truth = left_by_truth(&exact.truth, &without)?;
     ensure!(
         by_truth < 1.0 + 0.02 * left,
         "the truth leaves {by_truth} of {left}"
@@ -86,7 +86,7 @@ pub fn noncentrality(
 }
 
 /// Chi-square that the truth leaves: large where an effect is beyond the validity of its own formula.
-fn left_by_truth(truth: &Robot, data: &Dataset, effects: &[EffectSetting]) -> Result<f64> {
+fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
     let data = Dataset {
         robot: truth.clone(),
         measurements: data.measurements.clone(),
@@ -96,7 +96,6 @@ fn left_by_truth(truth: &Robot, data: &Dataset, effects: &[EffectSetting]) -> Re
     if !problem.held_effects.iter().all(|b| b.effect.is_estimable()) {
         return Ok(0.0);
     }
-    debug_assert_eq!(problem.held_effects.len(), effects.len());
     problem.geometry = Geometry::Held;
     Ok(solved(&problem)?.chi2)
 }

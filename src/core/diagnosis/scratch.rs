@@ -298,7 +298,12 @@ fn scratch() {
                     let rank: Vec<String> = selection
                         .rounds
                         .iter()
-                        .flat_map(|r| r.contenders.iter().filter(|c| c.score() > r.contenders[0].score() - 15.0).take(4))
+                        .flat_map(|r| {
+                            r.contenders
+                                .iter()
+                                .filter(|c| c.score() > r.contenders[0].score() - 15.0)
+                                .take(4)
+                        })
                         .map(|c| {
                             format!(
                                 "{}{:?} {:.1}-{:.1}",
