@@ -1,5 +1,7 @@
 //! Validation tables: each on its own, or all of them into docs/VALIDATION.md.
 
+mod hidden;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -19,9 +21,10 @@ fn main() -> Result<()> {
         Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
+        Some("hidden") => hidden::command(&arguments[1..])?,
         Some("write") => write(argument)?,
         _ => bail!(
-            "what to validate: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, write [FOLDER]"
+            "what to validate: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, write [FOLDER]"
         ),
     }
     Ok(())
@@ -49,6 +52,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "nist", &nist::markdown(&nist::table()?))?;
     replace(&mut text, "truth", &truth_table(None)?)?;
     replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
+    replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,
         Err(error) => eprintln!("the table of the Hangprinter stays as it was: {error:#}"),

@@ -1,0 +1,232 @@
+//! Whether what a doctor says is what was hidden.
+
+use std::collections::BTreeSet;
+
+use tautline_core::diagnosis::{Cause, Finding, Verdict};
+use tautline_core::effect::{BoundEffect, EffectSetting, Scope, Search};
+use tautline_core::robot::Robot;
+
+/// Most causes that an ambiguous finding may list.
+pub const LONGEST_LIST: usize = 3;
+
+/// What became of one hidden effect, in the order in which one claim outdoes another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Found {
+    /// Named, alone.
+    Named,
+    /// Among at most three that the data cannot separate.
+    Listed,
+    /// Among at most three, but others of them fit clearly worse.
+    ListedNeedlessly,
+    /// In a longer list.
+    ListedLong,
+    /// Not found; something else is named.
+    OtherNamed,
+    /// Not found; a list is given that does not contain it.
+    OtherListed,
+    /// Not found, but something is said to be unknown.
+    Unknown,
+    /// Not found, and nothing is said in its place.
+    Missed,
+}
+
+/// The part of a finding that is judged.
+#[derive(Debug, Clone)]
+pub struct Claim {
+    /// How sure it is.
+    pub verdict: Verdict,
+    /// The cause and its alternatives.
+    pub candidates: Vec<Cause>,
+    /// Number of the finding.
+    pub finding: usize,
+}
+
+impl Claim {
+    /// The claims of the findings: one each, but one per reading for outliers that are named together.
+    #[must_use]
+    pub fn of(findings: &[Finding]) -> Vec<Self> {
+        let numbered = findings.iter().enumerate();
+        numbered
+            .flat_map(|(n, finding)| claims(n, finding))
+            .collect()
+    }
+
+    /// In words: identifiers with cables.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let names: Vec<String> = self.candidates.iter().map(describe).collect();
+        match self.verdict {
+            Verdict::Named => names.join(" "),
+            Verdict::Ambiguous => names.join(" or "),
+            Verdict::Unknown => "unknown".to_owned(),
+        }
+    }
+}
+
+fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
+    let claim = |candidates: Vec<Cause>| Claim {
+        verdict: of.verdict,
+        candidates,
+        finding,
+    };
+    let single_readings = matches!(of.cause.effect().search(), Search::AtPose(_));
+    if single_readings && of.verdict == Verdict::Named {
+        let alone = |bound: &BoundEffect| Cause {
+            instances: vec![bound.clone()],
+        };
+        let each = of.cause.instances.iter();
+        return each.map(|bound| claim(vec![alone(bound)])).collect();
+    }
+    let alternatives = of.alternatives.iter().cloned();
+    vec![claim(
+        [of.cause.clone()].into_iter().chain(alternatives).collect(),
+    )]
+}
+
+fn describe(cause: &Cause) -> String {
+    let id = cause.effect().id();
+    let cables: Vec<String> = cause.cables().iter().map(|c| (c + 1).to_string()).collect();
+    if cables.is_empty() {
+        id.to_owned()
+    } else {
+        format!("{id}:{}", cables.join("+"))
+    }
+}
+
+/// What an effect on cables is, whichever way it is written.
+#[derive(Debug, Clone, PartialEq)]
+struct Identity {
+    id: &'static str,
+    cables: BTreeSet<usize>,
+    poses: Vec<f64>,
+}
+
+impl Identity {
+    fn of(instances: &[BoundEffect], robot: &Robot) -> Self {
+        let effect = instances[0].effect;
+        let has_cables = effect.scope() != Scope::Robot || effect.id() == "winch_scale_common";
+        let cables = match (has_cables, instances.iter().any(|b| !b.targeted)) {
+            (false, _) => BTreeSet::new(),
+            (true, true) => (0..robot.cable_count()).collect(),
+            (true, false) => instances.iter().flat_map(|b| b.cables.clone()).collect(),
+        };
+        let pose = pose_parameter(effect.search());
+        Self {
+            // The common scale is the scale of every winch.
+            id: match effect.id() {
+                "winch_scale_common" => "winch_scale",
+                id => id,
+            },
+            cables,
+            poses: pose.map_or(vec![], |k| instances.iter().map(|b| b.values[k]).collect()),
+        }
+    }
+}
+
+fn pose_parameter(search: Search) -> Option<usize> {
+    match search {
+        Search::FromPose(k) | Search::AtPose(k) => Some(k),
+        _ => None,
+    }
+}
+
+/// The hidden effects, by number, that a cause is. None if it also blames a cable that is innocent.
+pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) -> Vec<usize> {
+    let claimed = Identity::of(&cause.instances, robot);
+    // A step may show one pose earlier or later; a wrong reading is at its pose.
+    let tolerance = match cause.effect().search() {
+        Search::FromPose(_) => 1.0,
+        _ => 0.0,
+    };
+    let mut blamed = BTreeSet::new();
+    let mut matched = Vec::new();
+    for (number, truth) in truths.iter().enumerate() {
+        let Ok(bound) = BoundEffect::from_setting(truth, robot) else {
+            continue;
+        };
+        let is_common = truth.effect == "winch_scale_common";
+        let truth = Identity::of(&[bound], robot);
+        let near = |pose: &f64| claimed.poses.iter().any(|p| (p - pose).abs() <= tolerance);
+        let same = truth.id == claimed.id
+            && truth.cables.is_subset(&claimed.cables)
+            && truth.poses.iter().all(near)
+            && (!is_common || are_equal(cause));
+        if same {
+            blamed.extend(truth.cables);
+            matched.push(number);
+        }
+    }
+    if blamed == claimed.cables {
+        matched
+    } else {
+        Vec::new()
+    }
+}
+
+/// Whether instances with values of their own have about the same.
+fn are_equal(cause: &Cause) -> bool {
+    let values = cause.instances.iter().filter_map(|b| b.values.first());
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(*v), high.max(*v))
+    });
+    high - low <= 0.25 * (high + low).abs()
+}
+
+/// Judges the claims: for each hidden effect what became of it, and the claim that decided.
+#[must_use]
+pub fn judge(
+    truths: &[EffectSetting],
+    claims: &[Claim],
+    robot: &Robot,
+) -> Vec<(Found, Option<usize>)> {
+    let hits: Vec<BTreeSet<usize>> = claims
+        .iter()
+        .map(|claim| hits(truths, claim, robot))
+        .collect();
+    let best = |truth: usize| {
+        let by = claims.iter().zip(&hits).enumerate();
+        let found = by.filter_map(|(n, (claim, hits))| {
+            let of_it = hits.contains(&truth);
+            Some((rank(claim, of_it, hits.is_empty())?, Some(n)))
+        });
+        found.min().unwrap_or((Found::Missed, None))
+    };
+    (0..truths.len()).map(best).collect()
+}
+
+/// Hidden effects among the candidates of a claim.
+fn hits(truths: &[EffectSetting], claim: &Claim, robot: &Robot) -> BTreeSet<usize> {
+    if claim.verdict == Verdict::Unknown {
+        return BTreeSet::new();
+    }
+    let candidates = claim.candidates.iter();
+    candidates
+        .flat_map(|cause| matched(truths, cause, robot))
+        .collect()
+}
+
+/// What a claim makes of a hidden effect. A claim about another hidden effect says nothing of it.
+fn rank(claim: &Claim, of_it: bool, of_none: bool) -> Option<Found> {
+    match (claim.verdict, of_it) {
+        (Verdict::Named, true) => Some(Found::Named),
+        (Verdict::Ambiguous, true) if claim.candidates.len() <= LONGEST_LIST => Some(Found::Listed),
+        (Verdict::Ambiguous, true) => Some(Found::ListedLong),
+        _ if !of_none => None,
+        (Verdict::Unknown, _) => Some(Found::Unknown),
+        (Verdict::Named, false) => Some(Found::OtherNamed),
+        (Verdict::Ambiguous, false) => Some(Found::OtherListed),
+    }
+}
+
+/// Effects that are named with confidence but not hidden.
+#[must_use]
+pub fn wrong_names(truths: &[EffectSetting], claims: &[Claim], robot: &Robot) -> Vec<String> {
+    claims
+        .iter()
+        .filter(|claim| claim.verdict == Verdict::Named && hits(truths, claim, robot).is_empty())
+        .map(Claim::describe)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

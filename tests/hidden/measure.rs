@@ -1,0 +1,234 @@
+//! How good the numbers of an answer are: parameters, held-out error, and whether listed causes fit.
+
+use anyhow::Result;
+use tautline_core::diagnosis::{Cause, Finding};
+use tautline_core::effect::{BoundEffect, EffectSetting, Search};
+use tautline_core::estimation::{Geometry, Globals, Problem};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+use tautline_core::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
+
+use super::POSES;
+use super::judge::matched;
+use super::robots::TestRobot;
+use super::visibility::solved;
+use crate::truth::preset_options;
+
+/// Difference of chi-square from which a cause fits clearly worse: a likelihood ratio of 150.
+const CLEARLY_WORSE: f64 = 10.0;
+/// Distance of the seed of held-out data.
+const OTHER_SEED: u64 = 1 << 40;
+
+/// Error of one parameter of a named effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParameterError {
+    /// Name of the parameter.
+    pub name: &'static str,
+    /// Value found minus truth, in standard deviations.
+    pub standardised: f64,
+}
+
+/// Errors of the parameters of a finding whose cause is hidden.
+#[must_use]
+pub fn parameter_errors(
+    finding: &Finding,
+    truths: &[EffectSetting],
+    robot: &Robot,
+) -> Vec<ParameterError> {
+    let of = matched(truths, &finding.cause, robot);
+    let effect = finding.cause.effect();
+    // Several outliers in one finding have parameters of the same name.
+    let single_readings = matches!(effect.search(), Search::AtPose(_));
+    if single_readings && finding.cause.instances.len() > 1 {
+        return Vec::new();
+    }
+    let value = |name: &str, cable: Option<usize>| {
+        let found = finding.parameters.iter();
+        let mut same = found.filter(|p| p.name == name && p.cable == cable);
+        same.next().map(|p| p.value)
+    };
+    let mut errors = Vec::new();
+    for parameter in &finding.parameters {
+        let concerned = of.iter().map(|k| &truths[*k]).find(|truth| {
+            let name = parameter.cable.map(|c| &robot.cables[c].name);
+            name.is_none_or(|name| truth.targets.is_empty() || truth.targets.contains(name))
+        });
+        let truth = concerned.and_then(|t| t.parameters.get(parameter.name));
+        let (Some(truth), Some(sd)) = (truth, parameter.sd) else {
+            continue;
+        };
+        let mut difference = parameter.value - truth;
+        if matches!(effect.search(), Search::Wave { .. }) {
+            let amplitude = value("amplitude", parameter.cable).unwrap_or(1.0);
+            difference = wave_difference(parameter.name, parameter.value, *truth, amplitude);
+        }
+        errors.push(ParameterError {
+            name: parameter.name,
+            standardised: difference / sd,
+        });
+    }
+    errors
+}
+
+/// Difference of a parameter of a wave: a negative amplitude is a positive one at the opposite phase.
+fn wave_difference(name: &str, found: f64, truth: f64, amplitude: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    match name {
+        "amplitude" => found.abs() - truth.abs(),
+        "phase" => {
+            let opposite = if amplitude < 0.0 { PI } else { 0.0 };
+            (found + opposite - truth + PI).rem_euclid(TAU) - PI
+        }
+        _ => found - truth,
+    }
+}
+
+/// The robot with the values of a solution.
+fn model(robot: &Robot, globals: &Globals) -> Robot {
+    let mut model = robot.clone();
+    for (cable, entry) in model.cables.iter_mut().zip(&globals.entry_points) {
+        cable.pulley.entry_point_m = *entry;
+    }
+    if let Some(laser) = &mut model.laser {
+        laser.target_plane.offset_m = globals.plane_offset_m;
+    }
+    if let Some(home) = &mut model.home {
+        home.position_m = globals.home.position.into();
+        home.orientation_wxyz = globals.home.orientation_wxyz();
+    }
+    model.effects = globals.effects.iter().map(|b| b.setting(robot)).collect();
+    model
+}
+
+/// Held-out error of a model over that of the true model fitted to the same data: root of the ratio of the
+/// chi-squares with which each, its parameters held, explains another run of the true robot. `None` where an
+/// effect changes readings in a way that no model has.
+///
+/// # Errors
+/// If the true robot cannot be simulated again or a fit breaks down.
+pub fn held_out_ratio(
+    robot: &TestRobot,
+    seed: u64,
+    run: &Simulated,
+    extended: &Globals,
+) -> Result<Option<f64>> {
+    let description = &run.dataset.robot;
+    let Some(problem) = with_effects(&run.dataset, &run.truth.effects)? else {
+        return Ok(None);
+    };
+    let true_model = model(description, &solved(&problem)?.globals);
+    let again = SimulationOptions {
+        geometry: TrueGeometry::Nominal,
+        ..preset_options(&robot.preset, POSES, seed + OTHER_SEED)
+    };
+    let fresh = simulate(&run.truth, &again)?.dataset.measurements;
+    let left = |model: Robot| -> Result<f64> {
+        let dataset = Dataset {
+            robot: model,
+            measurements: fresh.clone(),
+        };
+        let mut problem = Problem::new(&dataset)?;
+        problem.geometry = Geometry::Held;
+        Ok(solved(&problem)?.chi2)
+    };
+    let ratio = left(model(description, extended))? / left(true_model)?;
+    Ok(Some(ratio.sqrt()))
+}
+
+/// The problem with effects free, from their values. `None` if one cannot be estimated.
+fn with_effects<'a>(
+    dataset: &'a Dataset,
+    effects: &[EffectSetting],
+) -> Result<Option<Problem<'a>>> {
+    let mut problem = Problem::new(dataset)?;
+    for effect in effects {
+        let bound = BoundEffect::from_setting(effect, &dataset.robot)?;
+        if !bound.effect.is_estimable() {
+            return Ok(None);
+        }
+        problem.free_effects.push(bound);
+    }
+    Ok(Some(problem))
+}
+
+/// Whether each of the listed causes fits about as well as the hidden effect in whose place it stands.
+///
+/// # Errors
+/// If a fit breaks down.
+pub fn rivals_fit(
+    dataset: &Dataset,
+    listed: &[Cause],
+    truths: &[EffectSetting],
+    of: usize,
+) -> Result<bool> {
+    let Some(full) = with_effects(dataset, truths)? else {
+        return Ok(false);
+    };
+    let best = solved(&full)?.chi2;
+    let mut others = full;
+    others.free_effects.remove(of);
+    for cause in listed {
+        if !cause.effect().is_estimable() {
+            return Ok(false);
+        }
+        let mut problem = others.clone();
+        problem.free_effects.extend(cause.instances.iter().cloned());
+        if solved(&problem)?.chi2 > best + CLEARLY_WORSE {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hidden::robots::robot;
+    use crate::hidden::visibility::simulated;
+
+    fn scale(cable: &str, value: f64) -> EffectSetting {
+        EffectSetting {
+            effect: "winch_scale".to_owned(),
+            targets: vec![cable.to_owned()],
+            parameters: [("scale".to_owned(), value)].into(),
+        }
+    }
+
+    #[test]
+    fn phases_count_modulo_a_turn_and_the_sign_of_the_amplitude() {
+        let pi = std::f64::consts::PI;
+        assert!(wave_difference("phase", 3.1, -3.1, 1.0).abs() < 0.1);
+        assert!(wave_difference("phase", 0.5 - pi, 0.5, -1.0).abs() < 1e-12);
+        assert!(wave_difference("amplitude", -2.0, 2.0, -2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_true_model_is_as_good_as_itself_and_the_base_model_is_worse() {
+        let mini = robot("mini").unwrap();
+        let run = simulated(&mini, 4, &[scale("cable-2", 0.01)], true).unwrap();
+        let ratio = |problem: &Problem<'_>| {
+            let globals = solved(problem).unwrap().globals;
+            held_out_ratio(&mini, 4, &run, &globals).unwrap().unwrap()
+        };
+        let full = with_effects(&run.dataset, &run.truth.effects).unwrap();
+        assert!((ratio(&full.unwrap()) - 1.0).abs() < 1e-12);
+        let base = Problem::new(&run.dataset).unwrap();
+        assert!(ratio(&base) > 1.05, "{}", ratio(&base));
+    }
+
+    #[test]
+    fn a_cause_on_another_cable_fits_clearly_worse() {
+        let mini = robot("mini").unwrap();
+        let truth = scale("cable-2", 0.02);
+        let run = simulated(&mini, 4, std::slice::from_ref(&truth), true).unwrap();
+        let fits = |setting: &EffectSetting| {
+            let bound = BoundEffect::from_setting(setting, &mini.preset.robot).unwrap();
+            let cause = Cause {
+                instances: vec![bound],
+            };
+            rivals_fit(&run.dataset, &[cause], std::slice::from_ref(&truth), 0).unwrap()
+        };
+        assert!(fits(&truth));
+        assert!(!fits(&scale("cable-7", 0.0)));
+    }
+}

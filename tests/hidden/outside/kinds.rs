@@ -1,0 +1,305 @@
+//! The effects themselves.
+
+use std::f64::consts::TAU;
+
+use tautline_core::geometry::Vec3;
+use tautline_core::measurement::Measurements;
+use tautline_core::robot::Robot;
+
+use super::{Outside, Scene, add_length, add_tension};
+
+/// All effects outside the catalogue.
+pub static OUTSIDE: [Outside; 16] = [
+    Outside {
+        id: "curved_target",
+        title: "the laser's target is no plane: error quadratic in the lateral position",
+        applies: has_laser,
+        unit: 1e-3,
+        change: curved_target,
+    },
+    Outside {
+        id: "laser_incidence",
+        title: "the laser reads wrong at slanting incidence: error with the square of the angle",
+        applies: has_laser,
+        unit: 0.1,
+        change: laser_incidence,
+    },
+    Outside {
+        id: "laser_hum",
+        title: "the laser's error swings in time",
+        applies: has_laser,
+        unit: 1e-3,
+        change: |scene, size, data| {
+            let wave = waves(data, 350.0, scene.phase);
+            (data.laser_m.iter_mut().zip(wave)).for_each(|(d, w)| *d += size * w);
+        },
+    },
+    Outside {
+        id: "thermal_cycle",
+        title: "the zero of an encoder swings in time, as with an air conditioner",
+        applies: |_| true,
+        unit: 1e-3,
+        change: |scene, size, data| {
+            let wave = waves(data, 400.0, scene.phase);
+            one_cable_length(scene, data, |row| size * wave[row]);
+        },
+    },
+    Outside {
+        id: "gear_ripple",
+        title: "a gear's teeth: an error periodic in 0.297 of a drum revolution",
+        applies: |robot| robot.home.is_some(),
+        unit: 1e-3,
+        change: gear_ripple,
+    },
+    Outside {
+        id: "guide_eyelet",
+        title: "a guide lengthens the cable with the third harmonic of the swivel angle",
+        applies: |_| true,
+        unit: 1e-3,
+        change: guide_eyelet,
+    },
+    Outside {
+        id: "soft_bracket",
+        title: "a platform's bracket bends sideways with tension",
+        applies: has_forces,
+        unit: 1e-3,
+        change: soft_bracket,
+    },
+    Outside {
+        id: "frame_sway",
+        title: "the whole frame sways sideways, ever more",
+        applies: |_| true,
+        unit: 1e-3,
+        change: frame_sway,
+    },
+    Outside {
+        id: "obstacle",
+        title: "a cable rubs at an obstacle in one corner of the workspace",
+        applies: |_| true,
+        unit: 1e-3,
+        change: obstacle,
+    },
+    Outside {
+        id: "force_square",
+        title: "a force sensor with a quadratic term",
+        applies: has_forces,
+        unit: 1.0,
+        change: |scene, size, data| {
+            let loads = relative_loads(scene, data, scene.cable);
+            one_cable_tension(scene, data, |row| size * loads[row].powi(2));
+        },
+    },
+    Outside {
+        id: "force_saturation",
+        title: "a force sensor that saturates above the mean load",
+        applies: has_forces,
+        unit: 1.0,
+        change: |scene, size, data| {
+            let loads = relative_loads(scene, data, scene.cable);
+            one_cable_tension(scene, data, |row| -size * loads[row].max(0.0));
+        },
+    },
+    Outside {
+        id: "force_wander",
+        title: "the zero of all force amplifiers wanders in time",
+        applies: has_forces,
+        unit: 1.0,
+        change: |scene, size, data| {
+            let wave = waves(data, 700.0, scene.phase);
+            add_tension(scene, data, |row, _| size * wave[row]);
+        },
+    },
+    Outside {
+        id: "force_crosstalk",
+        title: "a force channel picks up the signal of the next one",
+        applies: has_forces,
+        unit: 1.0,
+        change: |scene, size, data| {
+            let next = (scene.cable + 1) % scene.truth.cable_count();
+            let loads = relative_loads(scene, data, next);
+            one_cable_tension(scene, data, |row| size * loads[row]);
+        },
+    },
+    Outside {
+        id: "loaded_compass",
+        title: "the yaw reading turns with the tension of a cable",
+        applies: |robot| robot.inclinometer.is_some(),
+        unit: 1e-2,
+        change: |scene, size, data| {
+            let loads = relative_loads(scene, data, scene.cable);
+            for (angles, load) in data.inclination_rad.iter_mut().zip(loads) {
+                angles[2] += size * load;
+            }
+        },
+    },
+    Outside {
+        id: "refraction",
+        title: "the tracker's beam bends: height error quadratic in the lateral position",
+        applies: |robot| robot.tracker.is_some(),
+        unit: 1e-3,
+        change: |scene, size, data| {
+            let places = scene.relative_positions(data);
+            for (position, place) in data.tracked_position_m.iter_mut().zip(places) {
+                position[2] += size * place.dot(&scene.direction).powi(2);
+            }
+        },
+    },
+    Outside {
+        id: "swivel_wander",
+        title: "the zero of a swivel sensor wanders in time",
+        applies: |robot| robot.cables.iter().all(|c| c.pulley.swivel_zero.is_some()),
+        unit: 1e-2,
+        change: |scene, size, data| {
+            let wave = waves(data, 500.0, scene.phase);
+            for row in 0..data.swivel_rad.rows() {
+                let angle = data.swivel_rad.get(row, scene.cable) + size * wave[row];
+                data.swivel_rad.set(row, scene.cable, angle);
+            }
+        },
+    },
+];
+
+fn has_laser(robot: &Robot) -> bool {
+    robot.laser.is_some()
+}
+
+fn has_forces(robot: &Robot) -> bool {
+    robot.has_force_sensors()
+}
+
+/// A wave in time, per row.
+fn waves(data: &Measurements, period_s: f64, phase: f64) -> Vec<f64> {
+    let times = data.time_s.iter();
+    times.map(|t| (TAU * t / period_s + phase).sin()).collect()
+}
+
+fn one_cable_length(scene: &Scene, data: &mut Measurements, error: impl Fn(usize) -> f64) {
+    let cable = scene.cable;
+    add_length(
+        scene,
+        data,
+        |row, index| {
+            if index == cable { error(row) } else { 0.0 }
+        },
+    );
+}
+
+fn one_cable_tension(scene: &Scene, data: &mut Measurements, error: impl Fn(usize) -> f64) {
+    let cable = scene.cable;
+    add_tension(
+        scene,
+        data,
+        |row, index| {
+            if index == cable { error(row) } else { 0.0 }
+        },
+    );
+}
+
+/// Tension of a cable about its mean, in units of its standard deviation, per row.
+fn relative_loads(scene: &Scene, data: &Measurements, cable: usize) -> Vec<f64> {
+    if !scene.truth.has_force_sensors() {
+        return vec![0.0; data.len()];
+    }
+    let loads: Vec<f64> = (0..data.len())
+        .map(|row| data.truth.tension_n.get(row, cable))
+        .collect();
+    let count = loads.len() as f64;
+    let mean = loads.iter().sum::<f64>() / count;
+    let variance = loads.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / count;
+    let sd = variance.sqrt().max(1e-9);
+    loads.iter().map(|l| (l - mean) / sd).collect()
+}
+
+fn curved_target(scene: &Scene, size: f64, data: &mut Measurements) {
+    let places = scene.relative_positions(data);
+    for (distance, place) in data.laser_m.iter_mut().zip(places) {
+        *distance += size * place.dot(&scene.direction).powi(2);
+    }
+}
+
+fn laser_incidence(scene: &Scene, size: f64, data: &mut Measurements) {
+    let Some(laser) = scene.truth.laser else {
+        return;
+    };
+    let normal = Vec3::from(laser.target_plane.normal);
+    for (distance, pose) in data.laser_m.iter_mut().zip(&data.truth.poses) {
+        let beam = pose.orientation * Vec3::from(laser.direction);
+        *distance += size * beam.cross(&normal).norm_squared();
+    }
+}
+
+fn gear_ripple(scene: &Scene, size: f64, data: &mut Measurements) {
+    let cable = scene.cable;
+    let ratio = scene.truth.cables[cable].winch.gear_ratio;
+    let turns: Vec<f64> = (0..data.revolutions.rows())
+        .map(|row| data.revolutions.get(row, cable) / ratio)
+        .collect();
+    let wave = |row: usize| {
+        let at = turns.get(row).copied().unwrap_or_default();
+        (TAU * 3.37 * at + scene.phase).sin()
+    };
+    if !turns.is_empty() {
+        one_cable_length(scene, data, |row| size * wave(row));
+    }
+}
+
+fn guide_eyelet(scene: &Scene, size: f64, data: &mut Measurements) {
+    let axis = Vec3::from(scene.truth.cables[scene.cable].pulley.swivel_axis);
+    let across = axis.cross(&Vec3::x());
+    let first = across
+        .try_normalize(0.1)
+        .unwrap_or_else(|| axis.cross(&Vec3::y()).normalize());
+    let second = axis.cross(&first);
+    // In a plane the pulley never swivels; there the angle towards the platform turns instead.
+    let planar = scene.truth.platform.free.len() < 6;
+    let angles: Vec<f64> = scene
+        .states(data)
+        .iter()
+        .map(|states| {
+            let pull = states[scene.cable].toward_exit;
+            if planar {
+                pull.y.atan2(pull.x)
+            } else {
+                pull.dot(&second).atan2(pull.dot(&first))
+            }
+        })
+        .collect();
+    one_cable_length(scene, data, |row| {
+        size * (3.0 * angles[row] + scene.phase).sin()
+    });
+}
+
+fn soft_bracket(scene: &Scene, size: f64, data: &mut Measurements) {
+    let states = scene.states(data);
+    let loads = relative_loads(scene, data, scene.cable);
+    let shift = scene.direction * size;
+    let poses = data.truth.poses.clone();
+    one_cable_length(scene, data, |row| {
+        let pull = states[row][scene.cable].toward_exit;
+        -(poses[row].orientation * shift).dot(&pull) * loads[row]
+    });
+}
+
+fn frame_sway(scene: &Scene, size: f64, data: &mut Measurements) {
+    let states = scene.states(data);
+    let wave = waves(data, 170.0, scene.phase);
+    let last = data.time_s.last().copied().unwrap_or(1.0).max(1.0);
+    let shift: Vec<f64> = (data.time_s.iter().zip(&wave))
+        .map(|(t, w)| size * w * t / last)
+        .collect();
+    // Every second pulley: a frame that moves as a whole takes the platform along.
+    add_length(scene, data, |row, cable| {
+        let moves = f64::from(u8::from(cable % 2 == 0));
+        let pull = states[row][cable].toward_exit;
+        moves * shift[row] * pull.dot(&scene.direction)
+    });
+}
+
+fn obstacle(scene: &Scene, size: f64, data: &mut Measurements) {
+    let places = scene.relative_positions(data);
+    let corner = scene.direction * 0.6;
+    one_cable_length(scene, data, |row| {
+        let distance = (places[row] - corner).norm();
+        size * (-0.5 * (distance / 0.35).powi(2)).exp()
+    });
+}

@@ -1,0 +1,276 @@
+//! Tables of a study, as Markdown.
+
+mod drawn;
+mod figures;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use tautline_core::effect::CATALOGUE;
+
+pub use drawn::drawn_markdown;
+pub use figures::{Figure, Figures, Target};
+
+use super::judge::Found;
+use super::{Hidden, OUTSIDE, Outcome, Stratum, Study, Wanted, robots};
+
+/// All tables of a study: figures, effects by robot, confusions, times.
+#[must_use]
+pub fn markdown(study: &Study) -> String {
+    let mut text = figures_table(&Figures::of(study));
+    text.push_str(&counts(study));
+    let ids: Vec<&str> = CATALOGUE.iter().map(|effect| effect.id()).collect();
+    let caption =
+        "Typical sizes: named or listed, of those visible; in brackets those that are not.";
+    text.push_str(&by_robot(study, caption, &ids, |outcome| {
+        typical(outcome).then(|| found(outcome))
+    }));
+    let outside: Vec<&str> = OUTSIDE.iter().map(|effect| effect.id).collect();
+    let caption = "Outside the catalogue: unknown or ambiguous, and nothing named, of those that can be told \
+                   from every single effect in it; in brackets those that cannot.";
+    text.push_str(&by_robot(study, caption, &outside, |outcome| {
+        is_outside(outcome).then(|| is_honest(outcome))
+    }));
+    text.push_str(&confusions(study));
+    text
+}
+
+pub(super) fn typical(outcome: &Outcome) -> bool {
+    outcome.drawn.visible && matches!(outcome.plan.wanted, Wanted::One(_, Stratum::Typical))
+}
+
+pub(super) fn is_outside(outcome: &Outcome) -> bool {
+    outcome.drawn.visible && matches!(outcome.plan.wanted, Wanted::Outside(_))
+}
+
+/// Whether every hidden effect is named or in a short list.
+pub(super) fn found(outcome: &Outcome) -> bool {
+    let right = |found: &Found| matches!(found, Found::Named | Found::Listed);
+    outcome.found.iter().all(right)
+}
+
+/// Whether something is said, but no cause named.
+pub(super) fn is_honest(outcome: &Outcome) -> bool {
+    !outcome.answers.is_empty() && outcome.wrong_names.is_empty()
+}
+
+fn figures_table(figures: &Figures) -> String {
+    let mut text =
+        String::from("| what | of | share | 95 % interval | asked for |\n|---|---|---|---|---|\n");
+    for figure in figures.all.iter().filter(|figure| figure.of > 0) {
+        let [low, high] = figure.interval();
+        let _ = writeln!(
+            text,
+            "| {} | {} | {:.2} % | {:.2} to {:.2} % | {} |",
+            figure.what,
+            figure.of,
+            100.0 * figure.share(),
+            100.0 * low,
+            100.0 * high,
+            figure.target.map_or("-".to_owned(), |t| t.to_string()),
+        );
+    }
+    text.push('\n');
+    text
+}
+
+fn counts(study: &Study) -> String {
+    let mut seconds: Vec<f64> = study.outcomes.iter().map(|o| o.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let median = seconds.get(seconds.len() / 2).copied().unwrap_or(0.0);
+    let largest = seconds.last().copied().unwrap_or(0.0);
+    let redraws: usize = study.outcomes.iter().map(|o| o.drawn.redraws).sum();
+    let mut ratios: Vec<f64> = (study.outcomes.iter())
+        .filter_map(|o| o.held_out_ratio)
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let ratio = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+    format!(
+        "{} data sets; {} more for whose effect the robot has no reading; {redraws} draws thrown away; {} \
+         impossible. Diagnosis: median {median:.3} s, largest {largest:.3} s. Held-out error over that of the \
+         true model: median {ratio:.4}.\n\n",
+        study.outcomes.len(),
+        study.not_applicable,
+        study.impossible.len(),
+    )
+}
+
+/// Data sets of one effect on one robot.
+#[derive(Default)]
+struct Cell {
+    right: usize,
+    of: usize,
+    not_visible: usize,
+}
+
+impl Cell {
+    fn text(&self) -> String {
+        let Self {
+            right,
+            of,
+            not_visible,
+        } = self;
+        match (of, not_visible) {
+            (_, 0) => format!("{right}/{of}"),
+            (0, hidden) => format!("({hidden})"),
+            (_, hidden) => format!("{right}/{of} ({hidden})"),
+        }
+    }
+}
+
+/// A row per effect and a column per robot with what `judge` accepts of what it judges.
+fn by_robot(
+    study: &Study,
+    caption: &str,
+    ids: &[&str],
+    judge: impl Fn(&Outcome) -> Option<bool>,
+) -> String {
+    let mut cells: BTreeMap<(&str, &str), Cell> = BTreeMap::new();
+    for outcome in &study.outcomes {
+        let (Wanted::One(id, _) | Wanted::Outside(id)) = outcome.plan.wanted else {
+            continue;
+        };
+        if !ids.contains(&id) {
+            continue;
+        }
+        let cell = cells.entry((id, outcome.plan.robot)).or_default();
+        cell.not_visible += usize::from(!outcome.drawn.visible);
+        if let Some(right) = judge(outcome) {
+            cell.right += usize::from(right);
+            cell.of += 1;
+        }
+    }
+    let cells = cells.into_iter();
+    effects_by_robot(
+        caption,
+        ids,
+        &cells.map(|(at, cell)| (at, cell.text())).collect(),
+    )
+}
+
+/// A table with a row per effect and a column per robot; nothing without cells.
+fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), String>) -> String {
+    if cells.is_empty() {
+        return String::new();
+    }
+    let names: Vec<&str> = robots().iter().map(|robot| robot.name).collect();
+    let mut text = format!("{caption}\n\n| effect | {} |\n", names.join(" | "));
+    let _ = writeln!(text, "|---|{}", "---|".repeat(names.len()));
+    for id in ids {
+        let cells = names.iter().map(|name| cells.get(&(*id, *name)));
+        let row: Vec<&str> = cells.map(|cell| cell.map_or("-", String::as_str)).collect();
+        let _ = writeln!(text, "| {id} | {} |", row.join(" | "));
+    }
+    text.push('\n');
+    text
+}
+
+/// What was said instead of the truth, or besides it.
+fn confusions(study: &Study) -> String {
+    let mut counts: BTreeMap<(String, String), usize> = BTreeMap::new();
+    for outcome in &study.outcomes {
+        for confusion in confused(outcome) {
+            *counts.entry(confusion).or_default() += 1;
+        }
+    }
+    if counts.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "Confusions; in brackets what was said besides the truth.\n\n| hidden | said | times |\n|---|---|---|\n",
+    );
+    for ((hidden, said), times) in counts {
+        let _ = writeln!(text, "| {hidden} | {said} | {times} |");
+    }
+    text.push('\n');
+    text
+}
+
+/// Hidden effect and what was said instead, without cables.
+fn confused(outcome: &Outcome) -> Vec<(String, String)> {
+    let said = |names: &[String]| {
+        let plain: Vec<String> = names.iter().map(|name| without_cables(name)).collect();
+        if plain.is_empty() {
+            "nothing".to_owned()
+        } else {
+            plain.join(", ")
+        }
+    };
+    let hidden = match &outcome.drawn.case.hidden {
+        Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
+        Hidden::Nothing if outcome.answers.is_empty() => return Vec::new(),
+        Hidden::Nothing => return vec![("nothing".to_owned(), said(&outcome.answers))],
+        Hidden::Outside(..) if is_honest(outcome) || !is_outside(outcome) => return Vec::new(),
+        Hidden::Outside(effect, _) => return vec![(effect.id.to_owned(), said(&outcome.answers))],
+    };
+    let hidden: Vec<String> = hidden;
+    let missed = hidden.iter().zip(&outcome.found).filter(|(_, found)| {
+        let silent = **found == Found::Missed && !outcome.drawn.visible;
+        !silent && !matches!(found, Found::Named | Found::Listed)
+    });
+    let mut confusions: Vec<_> = missed
+        .map(|(hidden, _)| (hidden.clone(), said(&outcome.answers)))
+        .collect();
+    if confusions.is_empty() && !outcome.wrong_names.is_empty() {
+        confusions.push((
+            hidden.join(" and "),
+            format!("({})", said(&outcome.wrong_names)),
+        ));
+    }
+    confusions
+}
+
+/// An answer without its cable numbers: the same effect on several cables is no confusion of effects.
+fn without_cables(answer: &str) -> String {
+    let names = answer.split(" or ");
+    let mut plain: Vec<&str> = names
+        .map(|name| name.split(':').next().unwrap_or(name))
+        .collect();
+    plain.dedup();
+    plain.join(" or ")
+}
+
+/// One line for each data set in which something went wrong, with all that is needed to make it again.
+#[must_use]
+pub fn failures(study: &Study) -> String {
+    let mut text = String::new();
+    for outcome in study.outcomes.iter().filter(|o| !confused(o).is_empty()) {
+        let _ = writeln!(text, "{}", describe(outcome));
+    }
+    for (plan, why) in &study.impossible {
+        let _ = writeln!(
+            text,
+            "{} seed {}: {:?}: {why}",
+            plan.robot, plan.seed, plan.wanted
+        );
+    }
+    text
+}
+
+/// A data set in one line.
+#[must_use]
+pub fn describe(outcome: &Outcome) -> String {
+    let hidden = match &outcome.drawn.case.hidden {
+        Hidden::Nothing => "nothing".to_owned(),
+        Hidden::Effects(settings) => {
+            let each = settings.iter();
+            let text = each.map(|s| format!("{} {:?} {:?}", s.effect, s.targets, s.parameters));
+            text.collect::<Vec<_>>().join(" and ")
+        }
+        Hidden::Outside(effect, size) => format!("{} {size:.3e}", effect.id),
+    };
+    let answers: Vec<String> = (outcome.answers.iter().zip(&outcome.delta_chi2))
+        .map(|(answer, gain)| format!("{answer} ({gain:.1})"))
+        .collect();
+    format!(
+        "{} seed {}: {hidden}, noncentrality {:.1?}: {:?}; said: {}",
+        outcome.plan.robot,
+        outcome.plan.seed,
+        outcome.drawn.noncentralities,
+        outcome.found,
+        answers.join("; "),
+    )
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,217 @@
+//! How well an effect can be seen, decided by fits and without the doctor.
+
+use anyhow::{Result, ensure};
+use tautline_core::effect::{
+    BoundEffect, CATALOGUE, Effect, EffectRequest, EffectSetting, Scope, Search,
+};
+use tautline_core::estimation::{Control, Geometry, Options, Problem, Solution, solve};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+use tautline_core::simulation::{Simulated, simulate};
+
+use super::POSES;
+use super::robots::TestRobot;
+use crate::truth::preset_options;
+
+/// Noncentrality from which an effect counts as visible: about that at which a test corrected for some hundred
+/// questions finds it with probability 0.99.
+pub const VISIBLE: f64 = 40.0;
+/// Noncentralities of effects that are just visible.
+pub const JUST_VISIBLE: [f64; 2] = [25.0, 60.0];
+
+/// Simulates a robot with effects of the catalogue.
+///
+/// # Errors
+/// If the effects break it.
+pub(super) fn simulated(
+    robot: &TestRobot,
+    seed: u64,
+    effects: &[EffectSetting],
+    noise: bool,
+) -> Result<Simulated> {
+    let mut options = preset_options(&robot.preset, POSES, seed);
+    options.effects = effects.to_vec();
+    options.noise = noise;
+    Ok(simulate(&robot.preset.robot, &options)?)
+}
+
+/// Solves a problem.
+pub(super) fn solved(problem: &Problem<'_>) -> Result<Solution> {
+    let options = Options::default();
+    let found = solve(problem, &options, &mut |_| Control::Continue)?;
+    ensure!(found.chi2.is_finite(), "the fit broke down");
+    Ok(found)
+}
+
+/// The true geometry without what is hidden: a description whose priors are centred at the truth, so that
+/// chi-square of noise-free data is 0 but for what the model lacks.
+pub(super) fn without_effects(truth: &Robot) -> Robot {
+    Robot {
+        effects: Vec::new(),
+        ..truth.clone()
+    }
+}
+
+/// The noncentrality of the first effect if the others are estimated: chi-square of noise-free data that a model
+/// without the first leaves, less what the whole truth leaves because predictions are approximate.
+///
+/// # Errors
+/// If the effects break the robot, or the truth itself does not explain the data.
+pub fn noncentrality(
+    robot: &TestRobot,
+    seed: u64,
+    effect: &EffectSetting,
+    others: &[EffectSetting],
+) -> Result<f64> {
+    let all: Vec<EffectSetting> = [effect].into_iter().chain(others).cloned().collect();
+    let exact = simulated(robot, seed, &all, false)?;
+    let without = Dataset {
+        robot: without_effects(&exact.truth),
+        measurements: exact.dataset.measurements,
+    };
+    let mut problem = Problem::new(&without)?;
+    for other in others {
+        let bound = BoundEffect::from_setting(other, &without.robot)?;
+        if bound.effect.is_estimable() {
+            problem.free_effects.push(bound);
+        }
+    }
+    let left = solved(&problem)?.chi2;
+    let by_truth = left_by_truth(&exact.truth, &without)?;
+    ensure!(
+        by_truth < 1.0 + 0.02 * left,
+        "the truth leaves {by_truth} of {left}"
+    );
+    Ok(left)
+}
+
+/// Chi-square that the truth leaves: large where an effect is beyond the validity of its own formula.
+fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
+    let data = Dataset {
+        robot: truth.clone(),
+        measurements: data.measurements.clone(),
+    };
+    let mut problem = Problem::new(&data)?;
+    // What corrupts readings is in no model.
+    if !problem.held_effects.iter().all(|b| b.effect.is_estimable()) {
+        return Ok(0.0);
+    }
+    problem.geometry = Geometry::Held;
+    Ok(solved(&problem)?.chi2)
+}
+
+/// Finds the size at which the noncentrality is `target`, within 5 %, starting at `size` where it is `at_size`.
+/// `None` if it is not found.
+pub(super) fn size_for(
+    target: f64,
+    (size, at_size): (f64, f64),
+    noncentrality: impl Fn(f64) -> Result<f64>,
+) -> Option<f64> {
+    let (mut size, mut value) = (size, at_size);
+    // Quadratic for small effects, until the values tell otherwise.
+    let mut power = 2.0;
+    for _ in 0..20 {
+        if !(value.is_finite() && value > 0.0) {
+            return None;
+        }
+        if (value / target - 1.0).abs() < 0.05 {
+            return Some(size);
+        }
+        let next = size * (target / value).powf(1.0 / power).clamp(0.05, 20.0);
+        let at_next = noncentrality(next).ok()?;
+        let slope = (at_next / value).ln() / (next / size).ln();
+        power = if slope.is_finite() {
+            slope.clamp(1.0, 5.0)
+        } else {
+            2.0
+        };
+        (size, value) = (next, at_next);
+    }
+    None
+}
+
+/// The least chi-square that any one effect of the catalogue, on any one cable or all, leaves of what no effect of
+/// the catalogue made: below [`VISIBLE`] the data cannot tell the two apart. Events and waves are not tried.
+pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
+    let names = dataset.robot.cables.iter().map(|cable| &cable.name);
+    let mut least = f64::INFINITY;
+    let direct = |effect: &&&dyn Effect| effect.search() == Search::Direct;
+    for effect in CATALOGUE.iter().filter(direct) {
+        let mut targets: Vec<Option<String>> = vec![None];
+        if effect.scope() != Scope::Robot {
+            targets.extend(names.clone().cloned().map(Some));
+        }
+        for cable in targets {
+            let request = EffectRequest {
+                effect: effect.id().to_owned(),
+                cable,
+                values: Vec::new(),
+            };
+            let mut problem = Problem::new(dataset)?;
+            problem.free(&[request])?;
+            // One that the readings cannot carry explains nothing.
+            if let Ok(found) = solved(&problem) {
+                least = least.min(found.chi2);
+            }
+        }
+    }
+    Ok(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hidden::robots::robot;
+
+    fn scale(size: f64) -> EffectSetting {
+        EffectSetting {
+            effect: "winch_scale".to_owned(),
+            targets: vec!["cable-3".to_owned()],
+            parameters: [("scale".to_owned(), size)].into(),
+        }
+    }
+
+    #[test]
+    fn noncentrality_is_nothing_without_effect_and_quadratic_in_a_small_one() {
+        let mini = robot("mini").unwrap();
+        let at = |size| noncentrality(&mini, 5, &scale(size), &[]).unwrap();
+        assert!(at(0.0) < 1e-6, "{}", at(0.0));
+        let (one, two) = (at(0.002), at(0.004));
+        assert!(one > 1.0 && (two / one - 4.0).abs() < 0.2, "{one} {two}");
+        let size = size_for(VISIBLE, (0.002, one), |s| {
+            noncentrality(&mini, 5, &scale(s), &[])
+        });
+        let found = at(size.unwrap());
+        assert!((found / VISIBLE - 1.0).abs() < 0.05, "{found}");
+    }
+
+    #[test]
+    fn what_is_estimated_beside_an_effect_takes_from_its_noncentrality() {
+        let mini = robot("mini").unwrap();
+        let alone = noncentrality(&mini, 5, &scale(0.003), &[]).unwrap();
+        let same = noncentrality(&mini, 5, &scale(0.003), &[scale(0.001)]).unwrap();
+        // The other instance of the same effect explains both, but for its prior.
+        assert!(same < 0.05 * alone, "{alone} {same}");
+    }
+
+    /// The chi-square that data with noise gain by the effect is its noncentrality and 1 on average, with a
+    /// standard deviation of twice the root of the noncentrality.
+    #[test]
+    fn noncentrality_is_what_noisy_data_gain() {
+        let mini = robot("mini").unwrap();
+        let effect = scale(0.004);
+        let mut z = 0.0;
+        for seed in 0..20 {
+            let expected = noncentrality(&mini, seed, &effect, &[]).unwrap();
+            let run = simulated(&mini, seed, std::slice::from_ref(&effect), true).unwrap();
+            let base = Problem::new(&run.dataset).unwrap();
+            let mut full = base.clone();
+            full.free_effects
+                .push(BoundEffect::from_setting(&effect, &run.dataset.robot).unwrap());
+            let gain = solved(&base).unwrap().chi2 - solved(&full).unwrap().chi2;
+            z += (gain - expected - 1.0) / (2.0 * expected.sqrt()) / 20.0_f64.sqrt();
+        }
+        // Fixed seeds; the mean of 20 would exceed 4 by chance once in 16,000.
+        assert!(z.abs() < 4.0, "{z}");
+    }
+}
