@@ -148,7 +148,8 @@ fn targets(scope: Scope, robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<String> {
     let other = (first + rng.random_range(1..count)) % count;
     let all = rng.random_range(0.0..1.0) > ONE_CABLE;
     let chosen = match scope {
-        Scope::Robot => vec![],
+        // The structure without a name is no effect to hide.
+        Scope::Robot | Scope::Reading => vec![],
         Scope::CableOrAll if all => vec![],
         Scope::Pair => vec![first, other],
         Scope::Cable | Scope::CableOrAll => vec![first],
