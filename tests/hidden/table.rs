@@ -148,7 +148,7 @@ fn by_robot(
     )
 }
 
-/// A table with a row per effect and a column per robot; nothing without cells.
+/// A table with a column per robot and a row per effect that occurs; nothing without cells.
 fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), String>) -> String {
     if cells.is_empty() {
         return String::new();
@@ -157,6 +157,9 @@ fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), 
     let mut text = format!("{caption}\n\n| effect | {} |\n", names.join(" | "));
     let _ = writeln!(text, "|---|{}", "---|".repeat(names.len()));
     for id in ids {
+        if !cells.keys().any(|(effect, _)| effect == id) {
+            continue;
+        }
         let cells = names.iter().map(|name| cells.get(&(*id, *name)));
         let row: Vec<&str> = cells.map(|cell| cell.map_or("-", String::as_str)).collect();
         let _ = writeln!(text, "| {id} | {} |", row.join(" | "));
