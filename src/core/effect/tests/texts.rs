@@ -43,6 +43,7 @@ fn sizes(effect: &dyn Effect, share: f64, sign: f64) -> Vec<f64> {
 fn targets(effect: &dyn Effect) -> &'static [&'static [usize]] {
     match effect.scope() {
         Scope::Cable | Scope::CableOrAll => &[&[2], &[2, 4], &[0, 3, 4], ALL],
+        Scope::Reading => &[],
         Scope::Pair => &[&[2, 4]],
         Scope::Robot => &[ALL],
     }
