@@ -38,6 +38,10 @@ const CONTROLLED: f64 = 1e-3;
 
 /// The question whether some readings depend on a variable, and its answer.
 #[derive(Debug, Clone)]
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "for searches by their own row functions")
+)]
 pub(crate) struct DependenceTest {
     /// Kind of reading.
     pub quantity: Quantity,

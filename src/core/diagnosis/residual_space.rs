@@ -199,6 +199,10 @@ impl ResidualSpace {
     }
 
     /// `M[:, g] Phi` (`N x k`): how all residuals change with an error `Phi c` of the rows of a group.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "for searches by their own row functions")
+    )]
     pub fn signature(&self, group: &RowGroup, functions: &DMatrix<f64>) -> DMatrix<f64> {
         let mut signature = self.fitted.tr_mul(&(&group.fitted * functions));
         signature.neg_mut();
