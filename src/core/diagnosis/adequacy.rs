@@ -7,7 +7,8 @@
 
 use std::collections::BTreeMap;
 
-use super::residual_space::{ReadingId, ResidualSpace};
+use super::reading_id::ReadingId;
+use super::residual_space::ResidualSpace;
 use super::{Adequacy, GlobalTest, GroupTest, Quantity};
 use crate::estimation::Solution;
 use crate::statistics::{chi_square_survival, chi_square_two_sided};

@@ -6,16 +6,19 @@
 //! freedom if there is no dependence: Rao's score test of an error `Phi c` in these readings, everything
 //! else estimated.
 //!
-//! Where what the functions leave of the residuals is larger than the noise allows, noise or another
-//! error has been taken too lightly, and any function would seem to explain some of it. There the test is
-//! that of the ratio to what is left (Fisher's F).
+//! Where readings scatter more than described, by noise or by an error, any function would seem to explain some
+//! of it, in these readings and in others on which they pull. So readings whose scatter is
+//! significantly too large get weights that fit it ([`super::noise`]), and there the test is that of the ratio
+//! to what the functions leave (Fisher's F).
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::adequacy::classes;
-use super::residual_space::{ReadingId, ResidualSpace, RowGroup, Score};
+use super::noise::excess;
+use super::reading_id::ReadingId;
+use super::residual_space::{ClassSums, ResidualSpace, RowGroup, Score};
 use super::variables::{Variables, varies};
 use super::{Discrepancy, Quantity, Variable};
 use crate::statistics::{chi_square_survival, f_survival};
@@ -26,8 +29,8 @@ const MOST_FUNCTIONS: usize = 5;
 const READINGS_PER_FUNCTION: usize = 4;
 /// Directions of the functions of which less than this shows in the residuals are left out.
 const UNSEEN: f64 = 1e-6;
-/// Level at which the rest of the residuals counts as larger than the noise.
-const REST_TOO_LARGE: f64 = 0.01;
+/// Level at which readings count as scattering more than described.
+const TOO_LARGE: f64 = 0.01;
 /// Variables that are reported for the same readings.
 const VARIABLES_REPORTED: usize = 3;
 /// Readings of which less than this shows in the residual have no residual worth a plot.
@@ -35,6 +38,10 @@ const CONTROLLED: f64 = 1e-3;
 
 /// The question whether some readings depend on a variable, and its answer.
 #[derive(Debug, Clone)]
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "for searches by their own row functions")
+)]
 pub(crate) struct DependenceTest {
     /// Kind of reading.
     pub quantity: Quantity,
@@ -48,7 +55,7 @@ pub(crate) struct DependenceTest {
     pub chi2: f64,
     /// Rank of `I`.
     pub rank: usize,
-    /// Variance of what is left over that of the noise; 1 where the difference is not significant.
+    /// Variance of what is left over that of the noise as described; 1 where the difference is not significant.
     pub noise_factor: f64,
     /// Probability without a dependence, not corrected.
     pub p_value: f64,
@@ -90,63 +97,112 @@ pub(crate) fn dependence_tests(
     space: &ResidualSpace,
     variables: &Variables<'_>,
 ) -> Vec<DependenceTest> {
-    let (ids, class_of) = classes(space, |id| *id);
-    let sums = space.class_sums(&class_of, ids.len());
-    let redundancy = space.redundancy();
+    let fair = Fair::new(space);
     let mut tests = Vec::new();
-    for (class, id) in ids.iter().enumerate() {
+    for (class, id) in fair.ids.iter().enumerate() {
         let rows: Vec<usize> = (0..space.rows())
-            .filter(|row| class_of[*row] == Some(class) && space.measured[*row].is_some())
+            .filter(|row| fair.class_of[*row] == Some(class) && space.measured[*row].is_some())
             .collect();
-        let all = space.group(rows.clone());
+        let all = fair.readings(class, rows);
         for variable in Variable::ALL {
             let Some(by_row) = variables.values(id.quantity, id.cable, variable) else {
                 continue;
             };
-            let value = |row: usize| space.measured[row].map_or(f64::NAN, |at| by_row[at]);
-            let known = rows.iter().copied().filter(|row| value(*row).is_finite());
-            let known: Vec<usize> = known.collect();
-            let values: Vec<f64> = known.iter().map(|row| value(*row)).collect();
-            let some = (known.len() < rows.len()).then(|| space.group(known));
-            let group = some.as_ref().unwrap_or(&all);
-            let readings = Readings {
-                id,
-                group,
-                trace: group.rows.iter().map(|row| redundancy[*row]).sum(),
-                scaled: sums.scaled_chi_square(class).map(|(factor, _)| factor),
-            };
-            tests.extend(readings.test(variable, values));
+            let value = |row: &usize| space.measured[*row].map_or(f64::NAN, |at| by_row[at]);
+            let rows = all.described.rows.iter().copied();
+            let known: Vec<usize> = rows.filter(|row| value(row).is_finite()).collect();
+            let values: Vec<f64> = known.iter().map(value).collect();
+            let some =
+                (known.len() < all.described.rows.len()).then(|| fair.readings(class, known));
+            tests.extend(some.as_ref().unwrap_or(&all).test(variable, values));
         }
     }
     tests
 }
 
+/// Residuals in weights that fit their scatter.
+struct Fair<'a> {
+    /// The residuals in the noise as described.
+    described: &'a ResidualSpace,
+    /// The same in other weights, where there are any.
+    weighted: Option<ResidualSpace>,
+    factors: Vec<f64>,
+    ids: Vec<ReadingId>,
+    class_of: Vec<Option<usize>>,
+    sums: ClassSums,
+    redundancy: Vec<f64>,
+}
+
+impl<'a> Fair<'a> {
+    fn new(described: &'a ResidualSpace) -> Self {
+        let (ids, class_of) = classes(described, |id| *id);
+        let factors = excess(described, TOO_LARGE);
+        let is_other = factors.iter().any(|factor| *factor != 1.0);
+        let weighted = is_other.then(|| described.rescaled(&factors));
+        let fair = weighted.as_ref().unwrap_or(described);
+        Self {
+            sums: fair.class_sums(&class_of, ids.len()),
+            redundancy: fair.redundancy(),
+            described,
+            weighted,
+            factors,
+            ids,
+            class_of,
+        }
+    }
+
+    fn readings(&self, class: usize, rows: Vec<usize>) -> Readings {
+        let scaled = self.sums.scaled_chi_square(class);
+        Readings {
+            id: self.ids[class],
+            trace: rows.iter().map(|row| self.redundancy[*row]).sum(),
+            scaled: scaled.map(|(factor, _)| factor),
+            sd_factor: rows.first().map_or(1.0, |row| self.factors[*row]),
+            weighted: self
+                .weighted
+                .as_ref()
+                .map(|space| space.group(rows.clone())),
+            described: self.described.group(rows),
+        }
+    }
+}
+
 /// The readings that a question is about.
-struct Readings<'a> {
-    id: &'a ReadingId,
-    group: &'a RowGroup,
-    /// Sum of their redundancies.
+struct Readings {
+    id: ReadingId,
+    described: RowGroup,
+    weighted: Option<RowGroup>,
+    /// Standard deviation in the weights over that of the description.
+    sd_factor: f64,
+    /// Sum of the redundancies in the weights.
     trace: f64,
-    /// Factor of the scaled chi-square variable that their squares are.
+    /// Factor of the scaled chi-square variable that the squares of the residuals are, in the weights.
     scaled: Option<f64>,
 }
 
-impl Readings<'_> {
+impl Readings {
     fn test(&self, variable: Variable, values: Vec<f64>) -> Option<DependenceTest> {
         let most = values.len() / READINGS_PER_FUNCTION;
         let functions = smooth_functions(&values, variable, most);
         if functions.is_empty() {
             return None;
         }
-        let score = self.group.score(&functions);
-        let fit = Fit::new(&functions, &score);
-        let rest = self.rest(&score, &fit);
+        let score = self.described.score(&functions);
+        let described = Fit::new(&functions, &score);
+        let fair = self.weighted.as_ref().map(|group| {
+            let score = group.score(&functions);
+            (group, Fit::new(&functions, &score), score)
+        });
+        let (group, fit, score) = match &fair {
+            Some((group, fit, score)) => (*group, fit, score),
+            None => (&self.described, &described, &score),
+        };
         let rank = fit.rank as f64;
-        let (noise_factor, p_value) = match rest {
-            Some((factor, freedom)) => (
-                factor,
-                f_survival(fit.chi2 / rank / factor, [rank, freedom])?,
-            ),
+        let (rest, p_value) = match self.rest(group, score, fit) {
+            Some((rest, freedom)) => {
+                let ratio = fit.chi2 / rank / rest;
+                (rest, f_survival(ratio, [rank, freedom])?)
+            }
             None => (1.0, chi_square_survival(fit.chi2, rank)?),
         };
         Some(DependenceTest {
@@ -154,27 +210,27 @@ impl Readings<'_> {
             cable: self.id.cable,
             component: self.id.component,
             variable,
-            chi2: fit.chi2,
-            rank: fit.rank,
-            noise_factor,
+            chi2: described.chi2,
+            rank: described.rank,
+            noise_factor: rest * self.sd_factor * self.sd_factor,
             p_value,
-            rows: self.group.rows.clone(),
+            rows: self.described.rows.clone(),
             values,
             functions,
         })
     }
 
-    /// Variance of the residuals that the functions leave over that of the noise, and its degrees of freedom, if
-    /// it is significantly larger than 1. The squares that are left are taken as a scaled chi-square
-    /// variable with the factor of all.
-    fn rest(&self, score: &Score, fit: &Fit) -> Option<(f64, f64)> {
-        let left = &self.group.residual - &score.projected * &fit.coefficients;
+    /// Variance of the residuals that the functions leave over that of the weights, and its degrees of freedom;
+    /// `None` where the noise is as described and it is not significantly larger than that. The squares
+    /// that are left are taken as a scaled chi-square variable with the factor of all.
+    fn rest(&self, group: &RowGroup, score: &Score, fit: &Fit) -> Option<(f64, f64)> {
+        let left = &group.residual - &score.projected * &fit.coefficients;
         let squares = score.projected.tr_mul(&score.projected);
         let trace = self.trace - squares.dot(&fit.inverse);
         let freedom = trace / self.scaled?;
         let factor = left.norm_squared() / trace;
         let p = chi_square_survival(factor * freedom, freedom)?;
-        (p < REST_TOO_LARGE).then_some((factor, freedom))
+        (self.sd_factor != 1.0 || p < TOO_LARGE).then_some((factor, freedom))
     }
 }
 
@@ -219,8 +275,9 @@ impl Fit {
     }
 }
 
-/// The dependences that are significant at level `alpha` for all questions together (Bonferroni), the strongest
-/// first; of each reading of each cable at most three variables.
+/// The dependences that are significant at level `alpha` for all questions together (Bonferroni), first those that
+/// explain most of chi-square (less two for each function); of each reading of each cable at most
+/// three variables.
 pub(crate) fn discrepancies(
     space: &ResidualSpace,
     tests: &[DependenceTest],
@@ -231,12 +288,9 @@ pub(crate) fn discrepancies(
         .iter()
         .filter(|test| test.p_value * questions < alpha)
         .collect();
-    // Probabilities too small for a number tie at zero; then the better explanation goes first.
-    let gain = |t: &DependenceTest| t.chi2 / t.noise_factor - 2.0 * t.rank as f64;
-    found.sort_by(|a, b| {
-        let by_p = a.p_value.total_cmp(&b.p_value);
-        by_p.then_with(|| gain(b).total_cmp(&gain(a)))
-    });
+    // All explain the same residuals; where an error is large, the probabilities hardly differ.
+    let gain = |t: &DependenceTest| t.chi2 - 2.0 * t.rank as f64;
+    found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     let redundancy = space.redundancy();
     let mut kept: Vec<Discrepancy> = Vec::new();
     for test in found {

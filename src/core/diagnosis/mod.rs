@@ -18,6 +18,7 @@ mod moments;
 mod noise;
 mod progress;
 mod questions;
+mod reading_id;
 mod report;
 mod residual_space;
 mod scores;

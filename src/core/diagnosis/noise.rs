@@ -12,18 +12,19 @@
 //! All is done in the linearised problem. Readings whose residuals depend on something are not noise: they get a
 //! variance of their own, so that others do not suffer, and nothing is said of it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::adequacy::classes;
-use super::residual_space::{ClassSums, ReadingId, ResidualSpace};
+use super::reading_id::ReadingId;
+use super::residual_space::{ClassSums, ResidualSpace};
 use super::{Discrepancy, NoiseStatement, Quantity};
 use crate::statistics::{chi_square_quantile, chi_square_two_sided};
 
 /// Most steps of the estimation, and the change of all variances that ends it.
 const MOST_STEPS: usize = 8;
-const SETTLED: f64 = 1e-3;
+const SETTLED: f64 = 1e-2;
 /// Variances known from fewer degrees of freedom are not estimated.
 const LEAST_FREEDOM: f64 = 2.0;
 /// A step to less than this share of a variance overshoots.
@@ -33,6 +34,9 @@ const FEWEST_CABLES: usize = 3;
 
 /// Readings with a common variance.
 pub(super) type Class = (Quantity, Option<usize>);
+
+/// Readings with a variance of their own, and where its estimation starts.
+pub(super) type Apart = BTreeMap<Class, f64>;
 
 /// Kinds of readings, and single cables where one differs clearly from the others, whose noise is larger or
 /// smaller than described: at level `alpha` for all of them together, `discrepancies` telling which are no noise.
@@ -46,14 +50,8 @@ pub(crate) fn noise_statements(
         .map(|d| (d.quantity, d.cable))
         .collect();
     let questions = questions(space);
-    let mut apart = structured.clone();
-    let estimate = loop {
-        let estimate = Estimate::new(space, &apart);
-        match estimate.stranger(&apart, alpha / questions) {
-            Some(stranger) => apart.insert(stranger),
-            None => break estimate,
-        };
-    };
+    let apart = scatter(space, &structured);
+    let estimate = Estimate::with_strangers(space, apart, alpha / questions);
     let statements = (0..estimate.classes.len()).filter_map(|class| estimate.statement(class));
     statements
         .map(|statement| NoiseStatement {
@@ -64,14 +62,40 @@ pub(crate) fn noise_statements(
         .collect()
 }
 
+/// How many times larger than described the scatter of each row is, whatever its cause; 1 where that is not
+/// significant at level `level`.
+pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
+    let mut estimate = Estimate::with_strangers(space, Apart::new(), level);
+    for class in 0..estimate.classes.len() {
+        let statement = estimate.statement(class);
+        if !statement.is_some_and(|s| s.ratio > 1.0 && s.p_value < level) {
+            estimate.variance[class] = 1.0;
+        }
+    }
+    estimate.row_factors()
+}
+
 /// The noise of every class whose variance can be estimated, the cables in `apart` on their own;
 /// probabilities are not corrected.
 #[cfg(test)]
-pub(super) fn noise_of_all(space: &ResidualSpace, apart: &BTreeSet<Class>) -> Vec<NoiseStatement> {
+pub(super) fn noise_of_all(space: &ResidualSpace, apart: &Apart) -> Vec<NoiseStatement> {
     let estimate = Estimate::new(space, apart);
     let classes = 0..estimate.classes.len();
     classes
         .filter_map(|class| estimate.statement(class))
+        .collect()
+}
+
+/// Mean squares of some readings, at least those of noise as described. From there estimation starts: from too small
+/// a variance the excess would be taken for noise of others.
+fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
+    let (classes, of_row) = classes(space, |id| (id.quantity, id.cable));
+    let sums = space.class_sums(&of_row, classes.len());
+    let mean_square = |k: usize| (sums.squares[k] / sums.traces[k].max(1e-6)).max(1.0);
+    let places = classes.into_iter().enumerate();
+    places
+        .filter(|(_, class)| chosen.contains(class))
+        .map(|(k, class)| (class, mean_square(k)))
         .collect()
 }
 
@@ -83,9 +107,9 @@ fn questions(space: &ResidualSpace) -> f64 {
 }
 
 /// Class of a reading when the cables in `apart` have a variance of their own.
-fn class_of(id: &ReadingId, apart: &BTreeSet<Class>) -> Class {
+fn class_of(id: &ReadingId, apart: &Apart) -> Class {
     let own = (id.quantity, id.cable);
-    (id.quantity, id.cable.filter(|_| apart.contains(&own)))
+    (id.quantity, id.cable.filter(|_| apart.contains_key(&own)))
 }
 
 /// Variances of classes of readings.
@@ -95,21 +119,32 @@ struct Estimate {
     variance: Vec<f64>,
     /// From how many degrees of freedom each is known; `None` where it was not estimated.
     freedom: Vec<Option<f64>>,
+    /// Class of each row.
+    of_row: Vec<Option<usize>>,
     /// The residuals with these variances.
     space: ResidualSpace,
 }
 
 impl Estimate {
-    fn new(space: &ResidualSpace, apart: &BTreeSet<Class>) -> Self {
+    fn new(space: &ResidualSpace, apart: &Apart) -> Self {
         let (classes, of_row) = classes(space, |id| class_of(id, apart));
         let mut estimate = Self {
-            variance: vec![1.0; classes.len()],
+            variance: classes
+                .iter()
+                .map(|class| apart.get(class).copied().unwrap_or(1.0))
+                .collect(),
             freedom: vec![None; classes.len()],
             classes,
+            of_row,
             space: space.clone(),
         };
+        if !apart.is_empty() {
+            estimate.space = space.rescaled(&estimate.row_factors());
+        }
         for _ in 0..MOST_STEPS {
-            let sums = estimate.space.class_sums(&of_row, estimate.classes.len());
+            let sums = estimate
+                .space
+                .class_sums(&estimate.of_row, estimate.classes.len());
             let step = VarianceStep::new(&sums);
             estimate.freedom.clone_from(&step.freedom);
             let change = step.factors.iter().map(|factor| (factor - 1.0).abs());
@@ -119,10 +154,27 @@ impl Estimate {
             for (variance, factor) in estimate.variance.iter_mut().zip(&step.factors) {
                 *variance *= factor;
             }
-            let sd = |class: &Option<usize>| class.map_or(1.0, |k| estimate.variance[k].sqrt());
-            estimate.space = space.rescaled(&of_row.iter().map(sd).collect::<Vec<_>>());
+            estimate.space = space.rescaled(&estimate.row_factors());
         }
         estimate
+    }
+
+    /// The same with a variance of its own for each cable that differs from the others of its kind at level
+    /// `level`, besides those in `apart`.
+    fn with_strangers(space: &ResidualSpace, mut apart: Apart, level: f64) -> Self {
+        loop {
+            let estimate = Self::new(space, &apart);
+            match estimate.stranger(&apart, level) {
+                Some((stranger, variance)) => apart.insert(stranger, variance),
+                None => return estimate,
+            };
+        }
+    }
+
+    /// Standard deviation of each row over that of the description.
+    fn row_factors(&self) -> Vec<f64> {
+        let sd = |class: &Option<usize>| class.map_or(1.0, |k| self.variance[k].sqrt());
+        self.of_row.iter().map(sd).collect()
     }
 
     /// What is known of a variance, the probability not corrected; `None` where it was not estimated.
@@ -143,12 +195,12 @@ impl Estimate {
         })
     }
 
-    /// The cable that differs most from the others of its kind, if it does at level `level`: the score test of a
-    /// variance of its own.
-    fn stranger(&self, apart: &BTreeSet<Class>, level: f64) -> Option<Class> {
+    /// The cable that differs most from the others of its kind, if it does at level `level`, and its mean square:
+    /// the score test of a variance of its own.
+    fn stranger(&self, apart: &Apart, level: f64) -> Option<(Class, f64)> {
         let (cables, of_row) = classes(&self.space, |id| (id.quantity, id.cable));
         let sums = self.space.class_sums(&of_row, cables.len());
-        let common = |class: &&Class| class.1.is_some() && !apart.contains(*class);
+        let common = |class: &&Class| class.1.is_some() && !apart.contains_key(*class);
         let enough = |quantity: Quantity| {
             let same = cables.iter().filter(common).filter(|c| c.0 == quantity);
             same.count() >= FEWEST_CABLES
@@ -156,16 +208,19 @@ impl Estimate {
         let probability = |(k, class): (usize, &Class)| {
             let (factor, freedom) = sums.scaled_chi_square(k)?;
             let p = chi_square_two_sided(sums.squares[k] / factor, freedom)?;
-            Some((*class, p))
+            Some((*class, p, sums.squares[k] / sums.traces[k]))
         };
-        cables
+        let (class, _, ratio) = cables
             .iter()
             .enumerate()
             .filter(|(_, class)| common(class) && enough(class.0))
             .filter_map(probability)
-            .filter(|(_, p)| *p < level)
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(class, _)| class)
+            .filter(|(_, p, _)| *p < level)
+            // Where probabilities are too small for a number, the ratio decides.
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(b.2.total_cmp(&a.2)))?;
+        let kind = self.classes.iter().position(|c| *c == (class.0, None));
+        let others = kind.map_or(1.0, |k| self.variance[k]);
+        Some((class, others * ratio))
     }
 }
 

@@ -12,53 +12,14 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use super::Quantity;
-use crate::estimation::{LinearRow, Linearisation, ParameterId, ReadingKind, RowKind};
+use super::reading_id::ReadingId;
+use crate::estimation::{LinearRow, Linearisation};
 
 /// Directions of the common parameters with less information than this share of the best determined one are
 /// taken as not estimated; a thousand times the rounding error of the information.
 const UNDETERMINED: f64 = 1e-13;
 /// Eigenvalues of a projector are 0 or 1; this tells them apart.
 const HALF: f64 = 0.5;
-
-/// The reading behind a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct ReadingId {
-    /// Kind of reading.
-    pub quantity: Quantity,
-    /// Cable, if the reading is a cable's.
-    pub cable: Option<usize>,
-    /// Axis or angle of a reading that has several.
-    pub component: Option<usize>,
-}
-
-impl ReadingId {
-    /// The reading behind a row; `None` for equilibrium equations, and for priors other than those that stand
-    /// for the tension readings at home.
-    fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
-        let (quantity, cable, component) = match row.kind {
-            RowKind::Tension(cable) => (Quantity::Tension, Some(cable), None),
-            RowKind::Prior(index) => match linear.parameters[index].id {
-                ParameterId::HomeTension { cable } => (Quantity::Tension, Some(cable), None),
-                _ => return None,
-            },
-            RowKind::Reading(kind) => match kind {
-                ReadingKind::Equilibrium(_) => return None,
-                ReadingKind::Length(cable) => (Quantity::Length, Some(cable), None),
-                ReadingKind::Laser => (Quantity::Laser, None, None),
-                ReadingKind::Swivel(cable) => (Quantity::Swivel, Some(cable), None),
-                ReadingKind::TrackerPosition(k) => (Quantity::TrackerPosition, None, Some(k)),
-                ReadingKind::TrackerOrientation(k) => (Quantity::TrackerOrientation, None, Some(k)),
-                ReadingKind::Inclination(k) => (Quantity::Inclination, None, Some(k)),
-            },
-        };
-        Some(Self {
-            quantity,
-            cable,
-            component,
-        })
-    }
-}
 
 /// The rows of one pose.
 #[derive(Debug, Clone)]
@@ -238,6 +199,10 @@ impl ResidualSpace {
     }
 
     /// `M[:, g] Phi` (`N x k`): how all residuals change with an error `Phi c` of the rows of a group.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "for searches by their own row functions")
+    )]
     pub fn signature(&self, group: &RowGroup, functions: &DMatrix<f64>) -> DMatrix<f64> {
         let mut signature = self.fitted.tr_mul(&(&group.fitted * functions));
         signature.neg_mut();

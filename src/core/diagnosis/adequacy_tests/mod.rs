@@ -3,7 +3,6 @@
 
 mod null;
 mod power;
-mod scratch;
 mod space;
 
 use super::residual_space::ResidualSpace;

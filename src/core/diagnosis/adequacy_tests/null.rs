@@ -6,7 +6,7 @@ use super::super::discrepancy::{DependenceTest, dependence_tests, discrepancies}
 use super::super::noise::{noise_of_all, noise_statements};
 use super::*;
 use crate::robot::{Inclinometer, PerAxis, Tracker};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Data sets per robot.
 const RUNS: u64 = 100;
@@ -77,7 +77,7 @@ impl Tally {
         self.false_alarms += usize::from(!alarms.is_empty());
         let noise = noise_statements(&fitted.space, &[], 0.05);
         self.false_noise += usize::from(!noise.is_empty());
-        let known = noise_of_all(&fitted.space, &BTreeSet::new());
+        let known = noise_of_all(&fitted.space, &BTreeMap::new());
         // Outside of the 95 % interval counts like a probability below 0.05.
         let outside = |n: NoiseStatement| match n.interval {
             [low, high] if low < 1.0 && 1.0 < high => 1.0,

@@ -163,6 +163,7 @@ fn a_dependence_keeps_what_it_asked() {
         assert_eq!(test.functions.nrows(), test.rows.len());
         assert_eq!(test.values.len(), test.rows.len());
         assert!(test.component.is_none() && test.rank <= test.functions.ncols());
+        assert!(test.noise_factor > 0.0 && test.noise_factor < 4.0);
         let score = fitted.space.group(test.rows).score(&test.functions);
         let inverse = score.information.pseudo_inverse(1e-9).unwrap();
         let chi2 = score.score.dot(&(inverse * &score.score));

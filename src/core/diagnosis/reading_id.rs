@@ -1,0 +1,43 @@
+//! Which reading a row of a linearisation belongs to, as reports call it.
+
+use super::Quantity;
+use crate::estimation::{LinearRow, Linearisation, ParameterId, ReadingKind, RowKind};
+
+/// The reading behind a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct ReadingId {
+    /// Kind of reading.
+    pub quantity: Quantity,
+    /// Cable, if the reading is a cable's.
+    pub cable: Option<usize>,
+    /// Axis or angle of a reading that has several.
+    pub component: Option<usize>,
+}
+
+impl ReadingId {
+    /// The reading behind a row; `None` for equilibrium equations, and for priors other than those that stand
+    /// for the tension readings at home.
+    pub fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
+        let (quantity, cable, component) = match row.kind {
+            RowKind::Tension(cable) => (Quantity::Tension, Some(cable), None),
+            RowKind::Prior(index) => match linear.parameters[index].id {
+                ParameterId::HomeTension { cable } => (Quantity::Tension, Some(cable), None),
+                _ => return None,
+            },
+            RowKind::Reading(kind) => match kind {
+                ReadingKind::Equilibrium(_) => return None,
+                ReadingKind::Length(cable) => (Quantity::Length, Some(cable), None),
+                ReadingKind::Laser => (Quantity::Laser, None, None),
+                ReadingKind::Swivel(cable) => (Quantity::Swivel, Some(cable), None),
+                ReadingKind::TrackerPosition(k) => (Quantity::TrackerPosition, None, Some(k)),
+                ReadingKind::TrackerOrientation(k) => (Quantity::TrackerOrientation, None, Some(k)),
+                ReadingKind::Inclination(k) => (Quantity::Inclination, None, Some(k)),
+            },
+        };
+        Some(Self {
+            quantity,
+            cable,
+            component,
+        })
+    }
+}
