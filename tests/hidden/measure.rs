@@ -14,8 +14,10 @@ use super::robots::TestRobot;
 use super::visibility::solved;
 use crate::truth::preset_options;
 
-/// Difference of chi-square from which a cause fits clearly worse: a likelihood ratio of 150.
-const CLEARLY_WORSE: f64 = 10.0;
+/// Difference of chi-square from which a cause fits clearly worse, for the same number of parameters; each
+/// parameter more or less counts for two (Akaike 1974).
+const CLEARLY_WORSE: f64 = 9.0;
+const PER_PARAMETER: f64 = 2.0;
 /// Distance of the seed of held-out data.
 const OTHER_SEED: u64 = 1 << 40;
 
@@ -166,14 +168,20 @@ pub fn rivals_fit(
     };
     let best = solved(&full)?.chi2;
     let mut others = full;
-    others.free_effects.remove(of);
+    let truth = others.free_effects.remove(of);
+    let estimable = |bound: &BoundEffect| {
+        let parameters = bound.effect.parameters().iter();
+        parameters.filter(|p| !p.discrete).count() as f64
+    };
     for cause in listed {
         if !cause.effect().is_estimable() {
             return Ok(false);
         }
         let mut problem = others.clone();
         problem.free_effects.extend(cause.instances.iter().cloned());
-        if solved(&problem)?.chi2 > best + CLEARLY_WORSE {
+        let own: f64 = cause.instances.iter().map(estimable).sum();
+        let allowed = CLEARLY_WORSE + PER_PARAMETER * (estimable(&truth) - own);
+        if solved(&problem)?.chi2 > best + allowed {
             return Ok(false);
         }
     }

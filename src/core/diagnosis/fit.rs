@@ -40,6 +40,13 @@ impl<'a> Fit<'a> {
         })
     }
 
+    /// Number of parameters of all causes.
+    pub fn parameters(&self) -> usize {
+        (0..self.causes.len())
+            .map(|cause| self.parameters_of(cause).len())
+            .sum()
+    }
+
     /// The parameters of one cause: indices in the solution.
     pub fn parameters_of(&self, cause: usize) -> Vec<usize> {
         let before: usize = self.causes[..cause].iter().map(|c| c.instances.len()).sum();

@@ -12,6 +12,7 @@ mod adequacy_tests;
 mod discrepancy;
 mod doctor;
 mod exchange;
+mod family;
 mod fit;
 mod gain;
 mod moments;

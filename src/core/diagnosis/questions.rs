@@ -1,7 +1,7 @@
 //! The questions: which effect on which target could explain the data.
 
 use super::report::Cause;
-use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search};
+use crate::effect::{BoundEffect, CATALOGUE, Effect, EffectParameter, Scope, Search};
 use crate::robot::Robot;
 
 /// One effect with its target, not yet with values.
@@ -42,6 +42,9 @@ impl Question {
                     probes.extend(estimable(at.effect).map(|k| (at.clone(), k)));
                 }
                 Search::Direct | Search::Exchange => {
+                    for (value, parameter) in at.values.iter_mut().zip(at.effect.parameters()) {
+                        *value = parameter.neutral + probe_offset(parameter);
+                    }
                     probes.extend(estimable(at.effect).map(|k| (at.clone(), k)));
                 }
             }
@@ -75,15 +78,39 @@ impl Question {
                     for k in estimable(bound.effect) {
                         let step = numbers.next().copied().unwrap_or(0.0);
                         let parameter = &bound.effect.parameters()[k];
-                        // Away from its neutral value the derivative is no measure of the distance.
-                        if parameter.start == parameter.neutral {
-                            bound.values[k] = parameter.neutral + step;
-                        }
+                        bound.values[k] = parameter.neutral + distance(parameter, step);
                     }
                 }
             }
         }
         cause
+    }
+}
+
+/// Where a parameter is probed, from its neutral value: not far, since all probes act together, but not there where
+/// nothing depends on it at first order.
+fn probe_offset(parameter: &EffectParameter) -> f64 {
+    0.1 * (parameter.start - parameter.neutral)
+}
+
+/// Distance from the neutral value that a linear step from the probe means: what does not depend on a parameter at
+/// first order depends on its square.
+fn distance(parameter: &EffectParameter, step: f64) -> f64 {
+    let probe = probe_offset(parameter);
+    if probe == 0.0 {
+        return step;
+    }
+    let square = (probe * probe + 2.0 * probe * step).max(0.0);
+    square.sqrt().max(parameter.start - parameter.neutral)
+}
+
+/// The prior standard deviation of a linear step from the probe.
+pub(super) fn prior_of(parameter: &EffectParameter) -> f64 {
+    let probe = probe_offset(parameter);
+    if probe == 0.0 {
+        parameter.prior_sd
+    } else {
+        parameter.prior_sd.powi(2) / (2.0 * probe)
     }
 }
 

@@ -13,12 +13,11 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::fit::Fit;
 use super::moments::{Moments, PoseMoments};
-use super::questions::{Question, asked, periods, questions_of};
+use super::questions::{Question, asked, periods, prior_of, questions_of};
 use super::report::Cause;
 use super::space::Space;
 use crate::effect::{BoundEffect, Search};
 use crate::estimation::{Linearisation, ParameterId};
-use crate::statistics::chi_square_survival;
 
 /// Columns that are linearised at once.
 const CHUNK: usize = 48;
@@ -34,10 +33,10 @@ pub(super) struct Scored {
     pub gain: f64,
     /// What its freedom is worth.
     pub freedom: f64,
+    /// The part of it that the choice among poses is worth.
+    pub places: f64,
     /// Number of directions that the data show.
     pub visible: usize,
-    /// Probability of such a gain without the cause, not corrected.
-    pub p_value: f64,
     /// Standard deviation of its first parameter, if the data show it.
     pub sd: Option<f64>,
 }
@@ -64,7 +63,7 @@ pub(super) struct Scan {
 
 impl Scan {
     /// What each direction that the data show is worth: the logarithm of the number of readings.
-    fn price(&self) -> f64 {
+    pub fn price(&self) -> f64 {
         let readings = self.linear.rows.iter().filter(|row| row.row.is_some());
         (readings.count().max(2) as f64).ln()
     }
@@ -140,7 +139,7 @@ impl Chunk {
             let prior: Vec<f64> = uses
                 .iter()
                 .map(|(bound, parameter)| {
-                    self.bounds[*bound].effect.parameters()[*parameter].prior_sd
+                    prior_of(&self.bounds[*bound].effect.parameters()[*parameter])
                 })
                 .collect();
             let (answer, asked) = match question.search() {
@@ -214,7 +213,7 @@ fn answer_direct(
         prior,
     )?;
     let cause = question.estimated(&block.estimate, f64::NAN);
-    Some(block.scored(cause, block.visible as f64 * price))
+    Some(block.scored(cause, block.visible as f64 * price, 0.0))
 }
 
 /// The best pose of an event, and the number of poses at which it was tried.
@@ -249,8 +248,8 @@ fn answer_event(
     let poses = order.len().max(1);
     let answer = best.map(|(block, label)| {
         let cause = question.estimated(&block.estimate, label);
-        let freedom = block.visible as f64 * price + 2.0 * (poses as f64).ln();
-        block.scored(cause, freedom)
+        let freedom = block.visible as f64 * price;
+        block.scored(cause, freedom, 2.0 * (poses as f64).ln())
     });
     (answer, poses)
 }
@@ -293,7 +292,11 @@ fn answer_wave(
     let answer = best.map(|(block, period)| {
         let cause = question.estimated(&block.estimate, period);
         // The period is one parameter more.
-        block.scored(cause, (block.visible + 1) as f64 * price)
+        let visible = block.visible + 1;
+        Scored {
+            visible,
+            ..block.scored(cause, visible as f64 * price, 0.0)
+        }
     });
     (answer, periods.len())
 }
@@ -345,20 +348,14 @@ impl Block {
         self.gain - self.freedom
     }
 
-    /// Bound on the probability of such a gain without a cause: priors only make the gain smaller than what is
-    /// chi-square distributed.
-    pub fn p_value(&self) -> f64 {
-        chi_square_survival(self.gain, self.visible as f64).unwrap_or(1.0)
-    }
-
     /// The answer for a cause whose freedom is worth this much.
-    pub fn scored(&self, cause: Cause, freedom: f64) -> Scored {
+    pub fn scored(&self, cause: Cause, freedom: f64, places: f64) -> Scored {
         Scored {
             cause,
             gain: self.gain,
-            freedom,
+            freedom: freedom + places,
+            places,
             visible: self.visible,
-            p_value: self.p_value(),
             sd: self.sd,
         }
     }

@@ -1,6 +1,7 @@
 //! Which causes the data ask for: added one by one, exchanged where another fits better, taken back where not
 //! needed.
 
+use super::family::{reduced, united};
 use super::fit::Fit;
 use super::progress::Reporter;
 use super::report::Cause;
@@ -134,6 +135,39 @@ impl<'a> Round<'a> {
         })
     }
 
+    /// Makes sure that a cause is among the contenders: one on several cables is no question of its own.
+    fn include(
+        &mut self,
+        base: &Problem<'a>,
+        without: &Fit<'a>,
+        cause: &Cause,
+    ) -> Result<(), EstimationError> {
+        if self.of(cause).is_some() {
+            return Ok(());
+        }
+        let mut causes = without.causes.clone();
+        causes.push(cause.clone());
+        let fit = Fit::new(base, &causes)?;
+        let parameters = fit.parameters_of(causes.len() - 1).len();
+        let gain = without.solution.chi2 - fit.solution.chi2;
+        self.contenders.push(Contender {
+            scored: Scored {
+                cause: cause.clone(),
+                gain,
+                freedom: parameters as f64 * self.scan.price(),
+                places: 0.0,
+                visible: parameters,
+                sd: None,
+            },
+            freedom: parameters as f64 * self.scan.price(),
+            gain,
+            fit,
+        });
+        self.contenders
+            .sort_by(|a, b| b.score().total_cmp(&a.score()));
+        Ok(())
+    }
+
     /// Whether a contender would be found in data without it with a probability below `alpha`.
     pub fn is_significant(&self, contender: &Contender<'_>, alpha: f64) -> bool {
         let level = alpha / self.questions.max(1) as f64;
@@ -165,6 +199,11 @@ pub(super) fn is_alike(one: &Cause, other: &Cause) -> bool {
         && one.instances.len() == other.instances.len()
 }
 
+/// The same effect with values for more cables: it fits better whatever is true.
+pub(super) fn is_extension(cause: &Cause, of: &Cause) -> bool {
+    cause.effect().id() == of.effect().id() && cause.instances.len() > of.instances.len()
+}
+
 /// Adds causes until what is left is noise, then exchanges and takes back.
 pub(super) fn select<'a>(
     base: &Problem<'a>,
@@ -194,11 +233,20 @@ pub(super) fn select<'a>(
         rounds: Vec::new(),
         fit,
     };
+    let price = selection.first.price();
+    selection.fit = reduced(base, selection.fit, price)?;
     if selection.fit.causes.len() == 1 {
         // Nothing else is in the model: what was asked first is the answer.
-        selection.rounds.push(first);
-    } else {
-        selection.exchange(base, options, report)?;
+        let mut round = first;
+        round.include(base, &selection.base, &selection.fit.causes[0])?;
+        selection.rounds.push(round);
+        return Ok(selection);
+    }
+    selection.exchange(base, options, report)?;
+    let causes = selection.fit.causes.len();
+    selection.fit = united(base, selection.fit, price)?;
+    if selection.fit.causes.len() < causes {
+        selection.exchange_each(base, options, report, false)?;
     }
     Ok(selection)
 }
@@ -239,7 +287,8 @@ impl<'a> Selection<'a> {
             let mut others = self.fit.causes.clone();
             let present = others.remove(index);
             let without = Fit::new(base, &others)?;
-            let round = Round::new(base, &without)?;
+            let mut round = Round::new(base, &without)?;
+            round.include(base, &without, &present)?;
             let Some(best) = round.best(options.alpha).filter(|_| changes) else {
                 if changes {
                     self.fit = without;

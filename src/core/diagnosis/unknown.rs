@@ -117,6 +117,6 @@ fn best_function(
         instances: vec![bound],
     };
     // It could have been any variable.
-    let freedom = block.freedom + 2.0 * (Variable::COUNT as f64).ln();
-    Some(block.scored(cause, freedom))
+    let places = 2.0 * (Variable::COUNT as f64).ln();
+    Some(block.scored(cause, block.freedom, places))
 }

@@ -218,7 +218,7 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
         match at.kind {
             // The rows of tensions are the errors of the readings themselves: reading minus tension.
             RowKind::Tension(cable) => {
-                tension.set(row, cable, tension.get(row, cable) - correction);
+                tension.set(row, cable, tension.get(row, cable) + correction);
             }
             RowKind::Reading(ReadingKind::Laser) => laser[row] += correction,
             _ => {}

@@ -6,7 +6,7 @@ use super::DiagnosisOptions;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::report::{Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
-use super::selection::{CLEAR, Contender, Round, Selection, is_alike};
+use super::selection::{CLEAR, Contender, Round, Selection, is_alike, is_extension};
 use super::separation::separation;
 use super::space::cosine;
 use crate::estimation::{Linearisation, ParameterId};
@@ -80,11 +80,14 @@ fn rivals<'r, 'a>(
 ) -> Vec<&'r Contender<'a>> {
     let mut found: Vec<&Contender<'a>> = Vec::new();
     for contender in &round.contenders {
-        let near = own.score() - contender.score() < CLEAR;
+        // A smooth function can imitate every cause: it stands beside a name only if it fits better.
+        let least = if contender.is_unknown() { 0.0 } else { CLEAR };
+        let near = distance(own, contender) < least;
         // Structure without a name is the same on whatever variable.
         let known = |other: &Contender<'_>| {
             is_alike(contender.cause(), other.cause())
                 || contender.is_unknown() && other.is_unknown()
+                || is_extension(contender.cause(), other.cause())
         };
         let is_new = !known(own) && !found.iter().any(|other| known(other));
         if near && is_new && round.is_significant(contender, options.alpha) {
@@ -93,6 +96,17 @@ fn rivals<'r, 'a>(
     }
     found.truncate(ALTERNATIVES);
     found
+}
+
+/// By how much a contender explains the data worse: in chi-square, two allowed for every parameter (Akaike 1974), so
+/// that a simple cause does not hide a richer one that fits better. Structure without a name, whose
+/// freedom is not a number of parameters, is compared by its evidence.
+fn distance(own: &Contender<'_>, other: &Contender<'_>) -> f64 {
+    if own.is_unknown() || other.is_unknown() {
+        return own.score() - other.score();
+    }
+    let worth = |c: &Contender<'_>| c.gain - 2.0 * c.scored.visible as f64 - c.scored.places;
+    worth(own) - worth(other)
 }
 
 /// The cause itself, then all others in their order.

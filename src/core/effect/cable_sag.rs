@@ -21,7 +21,7 @@ impl Effect for CableSag {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("weight", "N/m", 1.0, [0.01, 5.0]).starting_at(0.1)] }
+        const { &[EffectParameter::new("weight", "N/m", 5.0, [0.01, 5.0]).starting_at(0.1)] }
     }
     fn cause(&self, found: &Found<'_>) -> String {
         sentence(&format!(

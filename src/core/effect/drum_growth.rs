@@ -24,7 +24,7 @@ impl Effect for DrumGrowth {
             &[EffectParameter::new(
                 "growth",
                 "1/rev",
-                0.005,
+                0.01,
                 [0.00005, 0.01],
             )]
         }

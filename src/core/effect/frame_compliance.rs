@@ -27,7 +27,7 @@ impl Effect for FrameCompliance {
             &[EffectParameter::new(
                 "compliance",
                 "m/N",
-                0.00001,
+                0.0001,
                 [0.0000001, 0.0001],
             )]
         }

@@ -27,7 +27,7 @@ impl Effect for LaserCyclic {
         const {
             &[
                 EffectParameter::new("amplitude", "m", 0.003, [0.0003, 0.003]),
-                EffectParameter::new("period", "m", 0.1, [0.02, 0.5]).around(0.1),
+                EffectParameter::new("period", "m", 0.5, [0.02, 0.5]).around(0.1),
                 EffectParameter::new(
                     "phase",
                     "rad",

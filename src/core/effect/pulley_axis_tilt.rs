@@ -23,8 +23,8 @@ impl Effect for PulleyAxisTilt {
     fn parameters(&self) -> &'static [EffectParameter] {
         const {
             &[
-                EffectParameter::new("tilt_1", "rad", 0.1, [0.017, 0.17]),
-                EffectParameter::new("tilt_2", "rad", 0.1, [0.017, 0.17]),
+                EffectParameter::new("tilt_1", "rad", 0.17, [0.017, 0.17]),
+                EffectParameter::new("tilt_2", "rad", 0.17, [0.017, 0.17]),
             ]
         }
     }

@@ -26,7 +26,7 @@ impl Effect for PulleyFriction {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("mu", "1", 0.05, [0.005, 0.1])] }
+        const { &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1])] }
     }
     fn cause(&self, found: &Found<'_>) -> String {
         let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();

@@ -18,7 +18,7 @@ impl Effect for PulleyRadius {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("change", "1", 0.3, [0.05, 0.5])] }
+        const { &[EffectParameter::new("change", "1", 0.5, [0.05, 0.5])] }
     }
     fn cause(&self, found: &Found<'_>) -> String {
         let stated = found.common(|index| found.robot().cables[index].pulley.radius_m);

@@ -19,7 +19,7 @@ impl Effect for WinchOffset {
         Scope::CableOrAll
     }
     fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("offset", "m", 0.1, [0.0005, 0.15])] }
+        const { &[EffectParameter::new("offset", "m", 0.15, [0.0005, 0.15])] }
     }
     fn cause(&self, found: &Found<'_>) -> String {
         sentence(&format!(

@@ -234,7 +234,8 @@ impl<'a> Builder<'a> {
             }
             for (k, cable) in tensions.iter().enumerate() {
                 let error = equations.tension_error(*cable, spreads[*cable], &lambda);
-                map[(present.len() + k, column)] = error / spreads[*cable].1.sqrt();
+                // The error is the reading less the truth.
+                map[(present.len() + k, column)] = -error / spreads[*cable].1.sqrt();
             }
         }
         (kinds, map)
