@@ -49,7 +49,7 @@ enum MethodName {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let dataset = input::dataset(&arguments.dataset)?;
+    let dataset = input::as_modelled(input::dataset(&arguments.dataset)?)?;
     if arguments.method == MethodName::Published {
         return super::published::run(arguments, &dataset);
     }

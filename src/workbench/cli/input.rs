@@ -9,17 +9,24 @@ use tautline_session::read_dataset;
 
 use super::BadInput;
 
-/// Reads a dataset folder, prints its notices, and puts the readings on the channels on which the robot's model has
-/// them.
+/// Reads a dataset folder and prints its notices.
 pub fn dataset(folder: &Path) -> Result<Dataset> {
     let read = read_dataset(folder)?;
     for notice in &read.notices {
         eprintln!("{notice}");
     }
-    let robot = read.dataset.robot;
-    let modelled = measurements_as_modelled(&robot, &read.dataset.measurements);
+    Ok(read.dataset)
+}
+
+/// The same with the readings on the channels on which the robot's model has them.
+pub fn as_modelled(dataset: Dataset) -> Result<Dataset> {
+    let Dataset {
+        robot,
+        measurements,
+    } = dataset;
+    let modelled = measurements_as_modelled(&robot, &measurements).map_err(BadInput::new)?;
     Ok(Dataset {
-        measurements: modelled.map_err(BadInput::new)?.into_owned(),
+        measurements: modelled.into_owned(),
         robot,
     })
 }

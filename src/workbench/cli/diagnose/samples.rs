@@ -5,7 +5,7 @@ use tautline_core::diagnosis::{
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
     Variable, Verdict,
 };
-use tautline_core::effect::EffectRequest;
+use tautline_core::effect::{BoundEffect, Effect, EffectRequest, Unknown};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Dataset;
@@ -104,6 +104,18 @@ fn gain() -> Gain {
     }
 }
 
+/// Structure on the length of the third cable.
+fn unknown() -> Cause {
+    Cause {
+        instances: vec![BoundEffect {
+            effect: &Unknown,
+            cables: vec![2],
+            targeted: true,
+            values: Unknown.parameters().iter().map(|p| p.neutral).collect(),
+        }],
+    }
+}
+
 /// A finding of each verdict: a named winch scale, a pulley radius or winch offset, and structure without a name.
 pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
     let scale = cause(robot, "winch_scale:3");
@@ -111,7 +123,7 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
     let (cause, other) = match verdict {
         Verdict::Named => (scale, radius),
         Verdict::Ambiguous => (radius, cause(robot, "winch_offset:3")),
-        Verdict::Unknown => (scale, cause(robot, "laser_scale")),
+        Verdict::Unknown => (unknown(), scale),
     };
     let is_ambiguous = verdict == Verdict::Ambiguous;
     let ranking = vec![rival(cause.clone(), 61.0), rival(other.clone(), 20.0)];

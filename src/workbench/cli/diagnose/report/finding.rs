@@ -2,10 +2,12 @@
 
 use tautline_core::diagnosis::{Finding, FoundParameter, Gain, Separation, Verdict};
 
+use tautline_core::effect::{Effect, Unknown};
+
 use super::Diagnosed;
 use super::words::count;
 use crate::cli::table;
-use crate::cli::units::{quantity, significant, unit_of, with_sd};
+use crate::cli::units::{significant, unit_of, with_sd};
 
 /// What stands before the lines below a heading.
 const INDENT: &str = "   ";
@@ -14,7 +16,7 @@ impl Diagnosed<'_> {
     /// Heading and body of a finding.
     pub fn finding_lines(&self, number: usize, finding: &Finding) -> Vec<String> {
         let mut body = vec![finding.sentence.clone()];
-        if finding.verdict != Verdict::Unknown {
+        if finding.cause.effect().id() != Unknown.id() {
             body.extend(self.size(&finding.parameters));
         }
         body.push(format!("What it gains: {}", gain(&finding.gain)));
@@ -38,7 +40,7 @@ impl Diagnosed<'_> {
                 let others: Vec<_> = finding.alternatives.iter().map(|c| self.title(c)).collect();
                 format!("{title}, cannot be told apart from: {}", others.join("; "))
             }
-            Verdict::Unknown => format!("{title}: the cause is unknown"),
+            Verdict::Unknown => format!("Unknown cause{}", self.on(&finding.cause)),
         }
     }
 
@@ -88,10 +90,7 @@ fn gain(gain: &Gain) -> String {
 
 /// A length in millimetres with as many digits as anyone reads.
 fn short(length_m: f64) -> String {
-    if length_m.abs() < 1e-3 {
-        return format!("{} mm", significant(1e3 * length_m, 1));
-    }
-    quantity(length_m, "m")
+    format!("{} mm", significant(1e3 * length_m, 2))
 }
 
 /// What would tell causes apart.

@@ -6,11 +6,11 @@ use super::Diagnosed;
 use super::words::count;
 use crate::cli::units::{range, unit_of};
 
-/// All that is invisible of one effect, in one unit.
+/// All that is invisible of one effect on cables or on the whole robot, in one unit.
 struct Group<'a> {
-    title: &'static str,
     effect: &'static str,
     unit: &'static str,
+    is_targeted: bool,
     members: Vec<&'a Invisible>,
 }
 
@@ -18,21 +18,18 @@ impl Diagnosed<'_> {
     /// One line per effect, and one for those that no size would show.
     pub fn invisible_lines(&self) -> Vec<String> {
         let groups = groups(&self.diagnosis.invisible);
-        let (sized, never): (Vec<_>, Vec<_>) = groups
-            .iter()
-            .partition(|group| group.sizes().next().is_some());
-        let mut lines = Vec::new();
-        if !groups.is_empty() {
-            lines.push(
-                "These poses do not show the following faults at their usual sizes. Smallest size that would show:"
-                    .to_owned(),
-            );
+        if groups.is_empty() {
+            return Vec::new();
         }
+        let has_size = |group: &&Group<'_>| group.sizes().next().is_some();
+        let (sized, never): (Vec<_>, Vec<_>) = groups.iter().partition(has_size);
+        let heading = "These poses do not show the following faults at their usual sizes. Smallest size that would show:";
+        let mut lines = vec![heading.to_owned()];
         lines.extend(sized.iter().map(|group| self.line(group)));
         if !never.is_empty() {
-            let mut titles: Vec<_> = never.iter().map(|group| group.title).collect();
+            let mut titles: Vec<_> = never.iter().map(|group| group.title()).collect();
             titles.dedup();
-            lines.push(format!("   None would show: {}", titles.join(", ")));
+            lines.push(format!("   No size would show: {}", titles.join(", ")));
         }
         lines
     }
@@ -40,31 +37,39 @@ impl Diagnosed<'_> {
     fn line(&self, group: &Group<'_>) -> String {
         let least = group.sizes().fold(f64::INFINITY, f64::min);
         let most = group.sizes().fold(f64::NEG_INFINITY, f64::max);
-        let mut cables: Vec<String> = Vec::new();
-        for member in &group.members {
-            for name in self.targets(&member.cause) {
-                if !cables.contains(&name) {
-                    cables.push(name);
-                }
-            }
-        }
-        let on = match cables.len() {
-            0 => String::new(),
-            1 => format!(" ({})", cables[0]),
-            all if all == self.robot().cable_count() => " (every cable)".to_owned(),
-            several => format!(" ({})", count(several, "cable")),
-        };
-        let hidden = group.members.len() - group.sizes().count();
-        let never = match hidden {
+        let never = match group.members.len() - group.sizes().count() {
             0 => String::new(),
             some => format!(" ({some} of {} at no size)", group.members.len()),
         };
         let sizes = range([least, most], group.unit);
-        format!("   {}{on}: {sizes}{never}", group.title)
+        format!(
+            "   {}{}: {sizes}{never}",
+            group.title(),
+            self.cables_of(group)
+        )
+    }
+
+    /// The cables of a group in brackets, after a space.
+    fn cables_of(&self, group: &Group<'_>) -> String {
+        let mut cables: Vec<String> = Vec::new();
+        for member in &group.members {
+            cables.extend(self.targets(&member.cause));
+        }
+        cables.sort();
+        cables.dedup();
+        match cables.len() {
+            0 | 1 => self.on(&group.members[0].cause),
+            all if all == self.robot().cable_count() => " (each cable)".to_owned(),
+            several => format!(" ({})", count(several, "cable")),
+        }
     }
 }
 
 impl Group<'_> {
+    fn title(&self) -> &'static str {
+        self.members[0].cause.effect().title()
+    }
+
     /// Smallest visible sizes.
     fn sizes(&self) -> impl Iterator<Item = f64> {
         let sizes = self.members.iter().filter_map(|m| m.smallest_visible);
@@ -75,16 +80,19 @@ impl Group<'_> {
 fn groups(invisible: &[Invisible]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for one in invisible {
-        let effect = one.cause.effect();
+        let effect = one.cause.effect().id();
         let (parameter, unit) = one.parameter;
         let unit = unit_of(parameter, unit);
-        let is_same = |group: &&mut Group<'_>| group.effect == effect.id() && group.unit == unit;
+        let is_targeted = !one.cause.cables().is_empty();
+        let is_same = |group: &&mut Group<'_>| {
+            group.effect == effect && group.unit == unit && group.is_targeted == is_targeted
+        };
         match groups.iter_mut().find(is_same) {
             Some(group) => group.members.push(one),
             None => groups.push(Group {
-                title: effect.title(),
-                effect: effect.id(),
+                effect,
                 unit,
+                is_targeted,
                 members: vec![one],
             }),
         }

@@ -7,7 +7,7 @@ mod tables;
 mod tests;
 mod words;
 
-use tautline_core::diagnosis::{Discrepancy, GlobalTest, NoiseStatement, Quantity};
+use tautline_core::diagnosis::{Adequacy, Discrepancy, GlobalTest, NoiseStatement, Quantity};
 
 use super::Diagnosed;
 use crate::cli::units::significant;
@@ -57,10 +57,16 @@ fn missed(test: &GlobalTest) -> Option<f64> {
 }
 
 /// How well the model fits the readings.
-fn missed_by(test: &GlobalTest) -> String {
+fn missed_by(adequacy: &Adequacy) -> String {
+    let test = &adequacy.global;
     match missed(test) {
+        Some(by) if adequacy.adequate => {
+            format!(
+                "It misses them by {by:.2} times their noise; a right model does so by about 1."
+            )
+        }
         Some(by) if test.p_value.is_finite() => format!(
-            "It misses the readings by {by:.2} times their noise; a right model would do so or worse {}.",
+            "It misses them by {by:.2} times their noise; a right model would do so or worse {}.",
             odds(test.p_value)
         ),
         _ => "The readings are just enough to find the pulleys: they cannot be checked.".to_owned(),
@@ -92,7 +98,7 @@ impl Diagnosed<'_> {
     /// How well the model fits, and what casts doubt on the whole.
     fn fit(&self) -> Vec<String> {
         let diagnosis = &self.diagnosis;
-        let mut lines = vec![missed_by(&diagnosis.base.global)];
+        let mut lines = vec![missed_by(&diagnosis.base)];
         if let Some(after) = missed(&diagnosis.extended.global)
             && !diagnosis.findings.is_empty()
         {

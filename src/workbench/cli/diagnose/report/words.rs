@@ -1,6 +1,7 @@
 //! Causes, readings and probabilities in words.
 
 use tautline_core::diagnosis::{Cause, Quantity};
+use tautline_core::effect::Scope;
 
 use super::Diagnosed;
 
@@ -56,15 +57,22 @@ pub fn readings(quantity: Quantity, cable: Option<&str>) -> String {
 impl Diagnosed<'_> {
     /// Title and cables of a cause: `Winch scale (cable-3)`.
     pub fn title(&self, cause: &Cause) -> String {
-        let title = cause.effect().title();
+        format!("{}{}", cause.effect().title(), self.on(cause))
+    }
+
+    /// The cables of a cause in brackets, after a space: ` (cable-3)`.
+    pub fn on(&self, cause: &Cause) -> String {
         let targets = self.targets(cause);
         if targets.is_empty() {
-            return title.to_owned();
+            return match cause.effect().scope() {
+                Scope::CableOrAll => " (all cables)".to_owned(),
+                _ => String::new(),
+            };
         }
         if targets.len() > 1 && targets.len() == self.robot().cable_count() {
-            return format!("{title} (each cable)");
+            return " (each cable)".to_owned();
         }
-        format!("{title} ({})", list(&targets))
+        format!(" ({})", list(&targets))
     }
 }
 
