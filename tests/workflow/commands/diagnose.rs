@@ -140,6 +140,32 @@ fn clean_data_have_no_findings() {
 }
 
 #[test]
+fn what_the_data_cannot_separate_is_listed() {
+    let folder = Folder::new();
+    // At the last pose, a slip of the cable and a wrong reading are the same.
+    let hidden = ["--effect", "cable_slip:cable-3:step=0.02,pose=25"];
+    let dataset = simulate(&folder, 25, &hidden);
+    let json = folder.join("diagnosis.json");
+    let text = diagnose(&dataset, &["--json", &json]).stdout;
+    assert!(text.contains(", cannot be told apart from: "), "{text}");
+    assert!(text.contains("To tell them apart: "), "{text}");
+    let diagnosis = folder.json("diagnosis.json");
+    assert_contract(&diagnosis);
+    let finding = &diagnosis["findings"][0];
+    assert_finding(finding);
+    assert_eq!(finding["verdict"], "ambiguous");
+    let alternatives = finding["alternatives"].as_array().expect("a list");
+    let mut named: Vec<_> = alternatives.iter().map(|other| &other["effect"]).collect();
+    named.push(&finding["effect"]);
+    for effect in ["cable_slip", "encoder_outlier"] {
+        assert!(
+            named.iter().any(|name| *name == effect),
+            "no {effect} in {named:?}"
+        );
+    }
+}
+
+#[test]
 fn the_level_is_a_probability() {
     let folder = Folder::new();
     let data = folder.join("data");

@@ -5,7 +5,7 @@ use tautline_core::diagnosis::{Finding, FoundParameter, Gain, Separation, Verdic
 use tautline_core::effect::{Effect, Unknown};
 
 use super::Diagnosed;
-use super::words::count;
+use super::words::{count, ratio};
 use crate::cli::table;
 use crate::cli::units::{significant, unit_of, with_sd};
 
@@ -74,7 +74,7 @@ fn gain(gain: &Gain) -> String {
         short(position.rms_m),
         short(position.largest_m)
     );
-    let [before, after] = [gain.before, gain.after].map(|v| format!("{v:.2}"));
+    let [before, after] = [gain.before, gain.after].map(ratio);
     if gain.poses_held_out == 0 || !(gain.before.is_finite() && gain.after.is_finite()) {
         return format!("{moved}. There are too few poses to test it on others.");
     }
@@ -82,6 +82,8 @@ fn gain(gain: &Gain) -> String {
     let readings = format!("the readings at {poses} that were not used for fitting are");
     let change = if before == after {
         format!("still missed by {after} times their noise")
+    } else if gain.after > gain.before {
+        format!("now missed by {after} instead of {before} times their noise, which is no gain")
     } else {
         format!("now missed by {after} instead of {before} times their noise")
     };

@@ -3,7 +3,6 @@
 use tautline_core::diagnosis::Invisible;
 
 use super::Diagnosed;
-use super::words::count;
 use crate::cli::units::{range, unit_of};
 
 /// All that is invisible of one effect on cables or on the whole robot, in one unit.
@@ -52,16 +51,13 @@ impl Diagnosed<'_> {
     /// The cables of a group in brackets, after a space.
     fn cables_of(&self, group: &Group<'_>) -> String {
         let mut cables: Vec<String> = Vec::new();
-        for member in &group.members {
-            cables.extend(self.targets(&member.cause));
+        for cable in group.members.iter().flat_map(|m| self.targets(&m.cause)) {
+            if !cables.contains(&cable) {
+                cables.push(cable);
+            }
         }
-        cables.sort();
-        cables.dedup();
-        match cables.len() {
-            0 | 1 => self.on(&group.members[0].cause),
-            all if all == self.robot().cable_count() => " (each cable)".to_owned(),
-            several => format!(" ({})", count(several, "cable")),
-        }
+        let words = self.cables(&group.members[0].cause, &cables);
+        words.map_or_else(String::new, |words| format!(" ({words})"))
     }
 }
 

@@ -11,7 +11,7 @@ use tautline_core::diagnosis::{Adequacy, Discrepancy, GlobalTest, NoiseStatement
 
 use super::Diagnosed;
 use crate::cli::units::significant;
-use words::{count, odds, readings, sentence};
+use words::{count, odds, ratio, readings, sentence};
 
 /// Most remaining dependences that are listed unless all numbers are asked for.
 const REMAINING_SHOWN: usize = 5;
@@ -62,11 +62,13 @@ fn missed_by(adequacy: &Adequacy) -> String {
     match missed(test) {
         Some(by) if adequacy.adequate => {
             format!(
-                "It misses them by {by:.2} times their noise; a right model does so by about 1."
+                "It misses them by {} times their noise; a right model does so by about 1.",
+                ratio(by)
             )
         }
         Some(by) if test.p_value.is_finite() => format!(
-            "It misses them by {by:.2} times their noise; a right model would do so or worse {}.",
+            "It misses them by {} times their noise; a right model would do so or worse {}.",
+            ratio(by),
             odds(test.p_value)
         ),
         _ => "The readings are just enough to find the pulleys: they cannot be checked.".to_owned(),
@@ -99,14 +101,17 @@ impl Diagnosed<'_> {
     fn fit(&self) -> Vec<String> {
         let diagnosis = &self.diagnosis;
         let mut lines = vec![missed_by(&diagnosis.base)];
-        if let Some(after) = missed(&diagnosis.extended.global)
-            && !diagnosis.findings.is_empty()
-        {
-            lines.push(format!("With what was found: by {after:.2} times."));
+        let is_extended = !diagnosis.findings.is_empty();
+        if is_extended && !diagnosis.base_solution.converged() {
+            lines.push(
+                "Its fit did not converge: by how much it misses them is a guess.".to_owned(),
+            );
         }
-        let solutions = [&diagnosis.base_solution, &diagnosis.extended_solution];
-        if solutions.iter().any(|solution| !solution.converged()) {
-            lines.push("A fit did NOT converge: do not rely on the numbers.".to_owned());
+        if let Some(after) = missed(&diagnosis.extended.global).filter(|_| is_extended) {
+            lines.push(format!("With what was found: by {} times.", ratio(after)));
+        }
+        if !diagnosis.extended_solution.converged() {
+            lines.push("The fit did NOT converge: do not rely on the numbers.".to_owned());
         }
         if diagnosis.cancelled {
             lines.push("The diagnosis was stopped before its end.".to_owned());

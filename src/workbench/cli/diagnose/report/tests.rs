@@ -75,7 +75,7 @@ fn the_invisible_is_condensed() {
     let text = report(&[], false);
     let parts = [
         "These poses do not show",
-        "   Tilted pulley (2 cables): 5.73 to 11.5 degrees (1 of 3 at no size)\n",
+        "   Tilted pulley (cable-1 and cable-2): 5.73 to 11.5 degrees (1 of 3 at no size)\n",
         "   Pulley friction (all cables): 0.2\n",
         "   No size would show: Cable creep",
     ];

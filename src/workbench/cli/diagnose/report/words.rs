@@ -1,7 +1,7 @@
 //! Causes, readings and probabilities in words.
 
 use tautline_core::diagnosis::{Cause, Quantity};
-use tautline_core::effect::Scope;
+use tautline_core::effect::{Scope, Search};
 
 use super::Diagnosed;
 
@@ -37,6 +37,16 @@ pub fn odds(p_value: f64) -> String {
     format!("about once in {:.0} times", 1.0 / p_value)
 }
 
+/// How many times: three digits, or all before the point.
+pub fn ratio(times: f64) -> String {
+    let decimals = match times {
+        _ if times < 9.995 => 2,
+        _ if times < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{times:.decimals$}")
+}
+
 /// Readings of a kind, or of one cable of it: `the length readings of cable-3`.
 pub fn readings(quantity: Quantity, cable: Option<&str>) -> String {
     let readings = match quantity {
@@ -60,19 +70,35 @@ impl Diagnosed<'_> {
         format!("{}{}", cause.effect().title(), self.on(cause))
     }
 
-    /// The cables of a cause in brackets, after a space: ` (cable-3)`.
+    /// Cables and pose of a cause in brackets, after a space: ` (cable-3, from pose 17)`.
     pub fn on(&self, cause: &Cause) -> String {
-        let targets = self.targets(cause);
-        if targets.is_empty() {
-            return match cause.effect().scope() {
-                Scope::CableOrAll => " (all cables)".to_owned(),
-                _ => String::new(),
-            };
+        let cables = self.cables(cause, &self.targets(cause));
+        let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
+        if words.is_empty() {
+            return String::new();
         }
-        if targets.len() > 1 && targets.len() == self.robot().cable_count() {
-            return " (each cable)".to_owned();
+        format!(" ({})", words.join(", "))
+    }
+
+    /// The cables `targets` of a cause; `None` for an effect of the robot or an instrument.
+    pub fn cables(&self, cause: &Cause, targets: &[String]) -> Option<String> {
+        match targets.len() {
+            0 if cause.effect().scope() == Scope::CableOrAll => Some("all cables".to_owned()),
+            0 => None,
+            all if all > 1 && all == self.robot().cable_count() => Some("each cable".to_owned()),
+            1..=4 => Some(list(targets)),
+            several => Some(count(several, "cable")),
         }
-        format!(" ({})", list(&targets))
+    }
+}
+
+/// When a cause acts, if that is not always.
+fn event(cause: &Cause) -> Option<String> {
+    let value = |index: usize| cause.instances[0].values[index];
+    match cause.effect().search() {
+        Search::FromPose(index) => Some(format!("from pose {}", value(index))),
+        Search::AtPose(index) => Some(format!("pose {}", value(index))),
+        Search::Direct | Search::Wave { .. } | Search::Exchange => None,
     }
 }
 
@@ -89,6 +115,14 @@ mod tests {
         ] {
             assert_eq!(odds(p_value), text);
         }
+    }
+
+    #[test]
+    fn large_ratios_have_fewer_decimals() {
+        assert_eq!(
+            [1.0, 9.876, 10.01, 242.57].map(ratio).join(" "),
+            "1.00 9.88 10.0 243"
+        );
     }
 
     #[test]
