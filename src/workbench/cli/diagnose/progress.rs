@@ -50,10 +50,10 @@ impl Drop for Shown {
 fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duration) {
     let started = Instant::now();
     let mut latest = None;
-    let mut is_shown = false;
+    let mut shown = None;
     loop {
         let wait = match quiet.checked_sub(started.elapsed()) {
-            Some(rest) if !is_shown => rest,
+            Some(rest) => rest,
             _ => PATIENCE,
         };
         match news.recv_timeout(wait) {
@@ -61,13 +61,16 @@ fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duratio
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
-        if let Some(progress) = latest.filter(|_| started.elapsed() >= quiet) {
-            is_shown = true;
+        if started.elapsed() < quiet || shown == latest {
+            continue;
+        }
+        shown = latest;
+        if let Some(progress) = latest {
             let _ = write!(out, "\r\x1b[2K{}", words(&progress));
             let _ = out.flush();
         }
     }
-    if is_shown {
+    if shown.is_some() {
         let _ = write!(out, "\r\x1b[2K");
         let _ = out.flush();
     }
