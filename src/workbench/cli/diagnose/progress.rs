@@ -10,7 +10,7 @@ use tautline_core::estimation::Control;
 
 /// A diagnosis that is done sooner shows nothing.
 const QUIET: Duration = Duration::from_secs(1);
-/// How long to wait for news once the line is shown.
+/// How long to wait for news once the latest are shown.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
 /// The line, as long as this value lives; there is none where nobody watches.
@@ -52,9 +52,10 @@ fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duratio
     let mut latest = None;
     let mut shown = None;
     loop {
-        let wait = match quiet.checked_sub(started.elapsed()) {
-            Some(rest) => rest,
-            _ => PATIENCE,
+        let wait = if shown == latest {
+            PATIENCE
+        } else {
+            quiet.saturating_sub(started.elapsed())
         };
         match news.recv_timeout(wait) {
             Ok(progress) => latest = Some(progress),
