@@ -1,6 +1,7 @@
 //! The commands, run as separate programs.
 
 mod accuracy;
+mod diagnose;
 mod errors;
 mod identify;
 mod precalibrate;

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_core::effect::{EffectRequest, measurements_as_modelled};
+use tautline_core::effect::EffectRequest;
 use tautline_core::estimation::{Loss, Method, Problem};
 use tautline_core::measurement::Dataset;
-use tautline_session::{read_dataset, write_robot};
+use tautline_session::write_robot;
 
 use super::BadInput;
 pub use super::fitted::Identification;
 use super::fitted::{self, Fitted};
+use super::input;
 use super::output::{is_readable, write_json};
 
 #[derive(Debug, clap::Args)]
@@ -48,16 +49,7 @@ enum MethodName {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let folder = read_dataset(&arguments.dataset)?;
-    for notice in &folder.notices {
-        eprintln!("{notice}");
-    }
-    let given = &folder.dataset;
-    let modelled = measurements_as_modelled(&given.robot, &given.measurements);
-    let dataset = Dataset {
-        measurements: modelled.map_err(BadInput::new)?.into_owned(),
-        robot: given.robot.clone(),
-    };
+    let dataset = input::as_modelled(input::dataset(&arguments.dataset)?)?;
     if arguments.method == MethodName::Published {
         return super::published::run(arguments, &dataset);
     }

@@ -1,16 +1,19 @@
 //! Headless commands: arguments, exit codes, output.
 
 mod accuracy;
+mod diagnose;
 mod effects;
 mod evaluate;
 mod fitted;
 mod identify;
+mod input;
 mod output;
 mod precalibrate;
 mod published;
 mod schemas;
 mod simulate;
 mod table;
+mod units;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -32,6 +35,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Find the pulleys from a dataset
     Identify(identify::Arguments),
+    /// Say whether the model explains a dataset, what it gets wrong and what to do about it
+    Diagnose(diagnose::Arguments),
     /// Fit poses only, with the geometry and effects of a model held
     Evaluate(evaluate::Arguments),
     /// Accuracy figures of ISO 9283 from a check.csv
@@ -69,6 +74,7 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use super::accuracy::Accuracy;
+use super::diagnose::DiagnosisDocument;
 use super::identify::Identification;
 use super::output::write_json;
 use super::precalibrate::Precalibration;
@@ -14,6 +15,7 @@ pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
     let mut schemas = tautline_session::schemas();
     schemas.push(tautline_session::document_schema::<Identification>());
+    schemas.push(tautline_session::document_schema::<DiagnosisDocument>());
     schemas.push(tautline_session::document_schema::<Accuracy>());
     schemas.push(tautline_session::document_schema::<Precalibration>());
     for schema in schemas {

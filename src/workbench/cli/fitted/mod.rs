@@ -1,17 +1,20 @@
 //! A solved problem in the forms in which it is shown: JSON, model file, report.
 
 mod document;
+mod model;
 mod report;
 mod solving;
 
 use tautline_core::estimation::{
     Analysis, Deficiency, Method, ParameterId, Problem, ReadingKind, Solution,
 };
-use tautline_core::robot::{PerAxis, Robot};
+use tautline_core::robot::Robot;
 
 pub use document::{FittedEffect, FittedPose, Identification, Rms};
+use model::entry_point_sd;
+pub use model::identified;
 pub use report::print_report;
-pub use solving::timed;
+pub use solving::{refuse_extrapolation, timed};
 
 /// A solved problem.
 pub struct Fitted<'a> {
@@ -30,14 +33,6 @@ const SUSPECT_LEVEL: f64 = 0.01;
 impl Fitted<'_> {
     fn robot(&self) -> &Robot {
         &self.problem.dataset.robot
-    }
-
-    fn entry_point_sd(&self, cable: usize, axis: usize) -> Option<f64> {
-        let id = ParameterId::EntryPoint { cable, axis };
-        match self.solution.parameters.iter().position(|p| p.id == id) {
-            Some(index) => self.solution.standard_deviation(index),
-            None => Some(0.0),
-        }
     }
 
     fn effects(&self) -> Vec<FittedEffect> {
@@ -114,7 +109,7 @@ impl Fitted<'_> {
             p_value: self.solution.p_value(),
             entry_points_m: self.solution.globals.entry_points.clone(),
             entry_points_sd_m: (0..cables)
-                .map(|cable| [0, 1, 2].map(|axis| self.entry_point_sd(cable, axis)))
+                .map(|cable| [0, 1, 2].map(|axis| entry_point_sd(&self.solution, cable, axis)))
                 .collect(),
             rms: Rms {
                 length_m: self.analysis.rms(length),
@@ -139,32 +134,6 @@ impl Fitted<'_> {
 
     /// The robot with the identified values; standard deviations become those of the solution.
     pub fn model(&self) -> Robot {
-        let mut model = self.robot().clone();
-        let globals = &self.solution.globals;
-        for (index, cable) in model.cables.iter_mut().enumerate() {
-            cable.pulley.entry_point_m = globals.entry_points[index];
-            let sds = [0, 1, 2].map(|axis| self.entry_point_sd(index, axis));
-            if let [Some(x), Some(y), Some(z)] = sds {
-                cable.pulley.entry_point_sd_m = Some(PerAxis::Each([x, y, z]));
-            }
-        }
-        if let Some(laser) = &mut model.laser {
-            laser.target_plane.offset_m = globals.plane_offset_m;
-            let plane = |id: &ParameterId| *id == ParameterId::PlaneOffset;
-            if let Some(k) = self.solution.parameters.iter().position(|p| plane(&p.id)) {
-                let sd = self.solution.standard_deviation(k);
-                laser.target_plane.offset_sd_m = sd.or(laser.target_plane.offset_sd_m);
-            }
-        }
-        if let Some(home) = &mut model.home {
-            home.position_m = globals.home.position.into();
-            home.orientation_wxyz = globals.home.orientation_wxyz();
-        }
-        model.effects = globals
-            .effects
-            .iter()
-            .map(|b| b.setting(self.robot()))
-            .collect();
-        model
+        identified(self.robot(), &self.solution)
     }
 }

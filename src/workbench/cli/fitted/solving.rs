@@ -6,6 +6,7 @@ use anyhow::Result;
 use tautline_core::estimation::{
     Analysis, Control, Options, Problem, Solution, deficiencies, solve,
 };
+use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
 use super::Fitted;
@@ -57,17 +58,17 @@ fn solve_repeatedly(problem: &Problem<'_>, repeat: usize) -> Result<(Solution, f
     let (solution, seconds) = timed(repeat, || {
         solve(problem, &Options::default(), &mut |_| Control::Continue).map_err(BadInput::new)
     })?;
-    refuse_extrapolation(problem, &solution)?;
+    refuse_extrapolation(problem.dataset, &solution)?;
     Ok((solution, seconds))
 }
 
 /// A measured elongation is never extrapolated.
-fn refuse_extrapolation(problem: &Problem<'_>, solution: &Solution) -> Result<()> {
+pub fn refuse_extrapolation(dataset: &Dataset, solution: &Solution) -> Result<()> {
     let Some(first) = solution.outside_surface.first() else {
         return Ok(());
     };
-    let label = problem.dataset.measurements.labels[first.row];
-    let cable = &problem.dataset.robot.cables[first.cable].name;
+    let label = dataset.measurements.labels[first.row];
+    let cable = &dataset.robot.cables[first.cable].name;
     let more = match solution.outside_surface.len() - 1 {
         0 => String::new(),
         count => format!(" (and {count} more)"),

@@ -1,0 +1,97 @@
+//! What the data cannot show, condensed.
+
+use tautline_core::diagnosis::Invisible;
+
+use super::Diagnosed;
+use crate::cli::units::{range, unit_of};
+
+/// All that is invisible of one effect on cables or on the whole robot, in one unit.
+struct Group<'a> {
+    effect: &'static str,
+    unit: &'static str,
+    is_targeted: bool,
+    members: Vec<&'a Invisible>,
+}
+
+impl Diagnosed<'_> {
+    /// One line per effect, and one for those that no size would show.
+    pub fn invisible_lines(&self) -> Vec<String> {
+        let groups = groups(&self.diagnosis.invisible);
+        if groups.is_empty() {
+            return Vec::new();
+        }
+        let has_size = |group: &&Group<'_>| group.sizes().next().is_some();
+        let (sized, never): (Vec<_>, Vec<_>) = groups.iter().partition(has_size);
+        let heading = "These poses do not show the following faults at their usual sizes. Smallest size that would show:";
+        let mut lines = vec![heading.to_owned()];
+        lines.extend(sized.iter().map(|group| self.line(group)));
+        if !never.is_empty() {
+            let mut titles: Vec<_> = never.iter().map(|group| group.title()).collect();
+            titles.dedup();
+            lines.push(format!("   No size would show: {}", titles.join(", ")));
+        }
+        lines
+    }
+
+    fn line(&self, group: &Group<'_>) -> String {
+        let least = group.sizes().fold(f64::INFINITY, f64::min);
+        let most = group.sizes().fold(f64::NEG_INFINITY, f64::max);
+        let never = match group.members.len() - group.sizes().count() {
+            0 => String::new(),
+            some => format!(" ({some} of {} at no size)", group.members.len()),
+        };
+        let sizes = range([least, most], group.unit);
+        format!(
+            "   {}{}: {sizes}{never}",
+            group.title(),
+            self.cables_of(group)
+        )
+    }
+
+    /// The cables of a group in brackets, after a space.
+    fn cables_of(&self, group: &Group<'_>) -> String {
+        let mut cables: Vec<String> = Vec::new();
+        for cable in group.members.iter().flat_map(|m| self.targets(&m.cause)) {
+            if !cables.contains(&cable) {
+                cables.push(cable);
+            }
+        }
+        let words = self.cables(&group.members[0].cause, &cables);
+        words.map_or_else(String::new, |words| format!(" ({words})"))
+    }
+}
+
+impl Group<'_> {
+    fn title(&self) -> &'static str {
+        self.members[0].cause.effect().title()
+    }
+
+    /// Smallest visible sizes.
+    fn sizes(&self) -> impl Iterator<Item = f64> {
+        let sizes = self.members.iter().filter_map(|m| m.smallest_visible);
+        sizes.map(f64::abs).filter(|size| size.is_finite())
+    }
+}
+
+fn groups(invisible: &[Invisible]) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for one in invisible {
+        let effect = one.cause.effect().id();
+        let (parameter, unit) = one.parameter;
+        let unit = unit_of(parameter, unit);
+        let is_targeted = !one.cause.cables().is_empty();
+        let is_same = |group: &&mut Group<'_>| {
+            group.effect == effect && group.unit == unit && group.is_targeted == is_targeted
+        };
+        match groups.iter_mut().find(is_same) {
+            Some(group) => group.members.push(one),
+            None => groups.push(Group {
+                effect,
+                unit,
+                is_targeted,
+                members: vec![one],
+            }),
+        }
+    }
+    groups
+}

@@ -1,0 +1,136 @@
+//! Causes, readings and probabilities in words.
+
+use tautline_core::diagnosis::{Cause, Quantity};
+use tautline_core::effect::{Scope, Search};
+
+use super::Diagnosed;
+
+/// `a, b and c`.
+pub fn list(items: &[String]) -> String {
+    match items {
+        [before @ .., last] if !before.is_empty() => format!("{} and {last}", before.join(", ")),
+        _ => items.concat(),
+    }
+}
+
+/// A noun with its number: `1 pose`, `2 poses`.
+pub fn count(number: usize, noun: &str) -> String {
+    let ending = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{ending}")
+}
+
+/// The text with a capital at its start.
+pub fn sentence(text: &str) -> String {
+    let mut rest = text.chars();
+    let first = rest.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(rest).collect()
+}
+
+/// How often something of this probability happens.
+pub fn odds(p_value: f64) -> String {
+    if p_value < 1e-6 {
+        return "less than once in a million times".to_owned();
+    }
+    if p_value > 0.05 {
+        return format!("{:.0} times in 100", 100.0 * p_value);
+    }
+    format!("about once in {:.0} times", 1.0 / p_value)
+}
+
+/// How many times: three digits, or all before the point.
+pub fn ratio(times: f64) -> String {
+    let decimals = match times {
+        _ if times < 9.995 => 2,
+        _ if times < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{times:.decimals$}")
+}
+
+/// Readings of a kind, or of one cable of it: `the length readings of cable-3`.
+pub fn readings(quantity: Quantity, cable: Option<&str>) -> String {
+    let readings = match quantity {
+        Quantity::Length => "the length readings",
+        Quantity::Tension => "the tension readings",
+        Quantity::Laser => "the laser's readings",
+        Quantity::Swivel => "the swivel angles",
+        Quantity::Inclination => "the inclinometer's readings",
+        Quantity::TrackerPosition => "the external instrument's positions",
+        Quantity::TrackerOrientation => "the external instrument's orientations",
+    };
+    match cable {
+        Some(cable) => format!("{readings} of {cable}"),
+        None => readings.to_owned(),
+    }
+}
+
+impl Diagnosed<'_> {
+    /// Title and cables of a cause: `Winch scale (cable-3)`.
+    pub fn title(&self, cause: &Cause) -> String {
+        format!("{}{}", cause.effect().title(), self.on(cause))
+    }
+
+    /// Cables and pose of a cause in brackets, after a space: ` (cable-3, from pose 17)`.
+    pub fn on(&self, cause: &Cause) -> String {
+        let cables = self.cables(cause, &self.targets(cause));
+        let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
+        if words.is_empty() {
+            return String::new();
+        }
+        format!(" ({})", words.join(", "))
+    }
+
+    /// The cables `targets` of a cause; `None` for an effect of the robot or an instrument.
+    pub fn cables(&self, cause: &Cause, targets: &[String]) -> Option<String> {
+        match targets.len() {
+            0 if cause.effect().scope() == Scope::CableOrAll => Some("all cables".to_owned()),
+            0 => None,
+            all if all > 1 && all == self.robot().cable_count() => Some("each cable".to_owned()),
+            1..=4 => Some(list(targets)),
+            several => Some(count(several, "cable")),
+        }
+    }
+}
+
+/// When a cause acts, if that is not always.
+fn event(cause: &Cause) -> Option<String> {
+    let value = |index: usize| cause.instances[0].values[index];
+    match cause.effect().search() {
+        Search::FromPose(index) => Some(format!("from pose {}", value(index))),
+        Search::AtPose(index) => Some(format!("pose {}", value(index))),
+        Search::Direct | Search::Wave { .. } | Search::Exchange => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_are_said_as_odds() {
+        for (p_value, text) in [
+            (1e-9, "less than once in a million times"),
+            (0.001, "about once in 1000 times"),
+            (0.3, "30 times in 100"),
+        ] {
+            assert_eq!(odds(p_value), text);
+        }
+    }
+
+    #[test]
+    fn large_ratios_have_fewer_decimals() {
+        assert_eq!(
+            [1.0, 9.876, 10.01, 242.57].map(ratio).join(" "),
+            "1.00 9.88 10.0 243"
+        );
+    }
+
+    #[test]
+    fn readings_have_names() {
+        for quantity in Quantity::ALL {
+            assert!(readings(quantity, None).starts_with("the "));
+        }
+        let text = readings(Quantity::Length, Some("left"));
+        assert_eq!(sentence(&text), "The length readings of left");
+    }
+}

@@ -1,0 +1,121 @@
+//! Quantities in the units in which people read them: millimetres, degrees, percent.
+
+/// Factor from a unit of files, and the unit that people read.
+fn people(unit: &str) -> (f64, &str) {
+    match unit {
+        "m" => (1e3, "mm"),
+        "rad" => (1.0_f64.to_degrees(), "degrees"),
+        "1" => (1e2, "%"),
+        "m/h" => (1e3, "mm/h"),
+        "m/N" => (1e6, "mm/kN"),
+        "1/K" => (1e6, "µm/m per K"),
+        "1/rev" => (1e2, "% per revolution"),
+        other => (1.0, other),
+    }
+}
+
+/// Unit of a parameter: coefficients of friction are ratios, but no percentages.
+pub fn unit_of(parameter: &str, unit: &'static str) -> &'static str {
+    match parameter {
+        "mu" => "",
+        _ => unit,
+    }
+}
+
+/// A number with `digits` that count, without zeros at its end; all digits before the point.
+pub fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let before_point = value.abs().log10().floor() as i32 + 1;
+    let decimals = usize::try_from(digits - before_point).unwrap_or(0);
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// A quantity of files with its unit: `2.3 mm`.
+pub fn quantity(value: f64, unit: &str) -> String {
+    let (factor, name) = people(unit);
+    let size = significant(value * factor, 3);
+    match (name, size.as_str()) {
+        ("degrees", "1" | "-1") => format!("{size} degree"),
+        _ => format!("{size} {name}").trim_end().to_owned(),
+    }
+}
+
+/// A range of quantities: `1.2 to 9 mm`.
+pub fn range([from, to]: [f64; 2], unit: &str) -> String {
+    let (factor, _) = people(unit);
+    let size = significant(from * factor, 3);
+    let to = quantity(to, unit);
+    if to.split(' ').next() == Some(&size) {
+        return to;
+    }
+    format!("{size} to {to}")
+}
+
+/// A quantity with its standard deviation: `0.31 ± 0.04 %`. The digits are those that the deviation leaves sense.
+pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
+    let (factor, name) = people(unit);
+    let (value, sd) = (value * factor, sd * factor);
+    if !(sd.is_finite() && sd > 0.0) {
+        return format!("{} {name}", significant(value, 3))
+            .trim_end()
+            .to_owned();
+    }
+    let leading = sd.log10().floor();
+    // Two digits where the first is a 1: 0.1 could be anything from 0.05 to 0.15.
+    let digits = if sd / 10_f64.powf(leading) < 1.95 {
+        1
+    } else {
+        0
+    };
+    let decimals = usize::try_from(digits - leading as i32).unwrap_or(0);
+    format!("{value:.decimals$} ± {sd:.decimals$} {name}")
+        .trim_end()
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_in_peoples_units() {
+        for (value, unit, text) in [
+            (0.002_346, "m", "2.35 mm"),
+            (-0.03, "m", "-30 mm"),
+            (0.0031, "1", "0.31 %"),
+            (1.0_f64.to_radians(), "rad", "1 degree"),
+            (2.5_f64.to_radians(), "rad", "2.5 degrees"),
+            (1.2e-5, "1/K", "12 µm/m per K"),
+            (3e-6, "m/N", "3 mm/kN"),
+            (0.005, "m/h", "5 mm/h"),
+            (1234.5, "N", "1234 N"),
+            (0.0, "m", "0 mm"),
+            (0.021, unit_of("mu", "1"), "0.021"),
+        ] {
+            assert_eq!(quantity(value, unit), text);
+        }
+        assert_eq!(range([0.0012, 0.009], "m"), "1.2 to 9 mm");
+        assert_eq!(range([0.0012, 0.0012], "m"), "1.2 mm");
+    }
+
+    #[test]
+    fn digits_follow_the_standard_deviation() {
+        for (value, sd, unit, text) in [
+            (0.0031, 0.0004, "1", "0.31 ± 0.04 %"),
+            (0.0031, 0.000_12, "1", "0.310 ± 0.012 %"),
+            (0.0523, 0.0234, "m", "52 ± 23 mm"),
+            (-12.3, 4.6, "N", "-12 ± 5 N"),
+            (1234.5, 150.0, "N", "1234 ± 150 N"),
+            (0.0031, f64::NAN, "1", "0.31 %"),
+        ] {
+            assert_eq!(with_sd(value, sd, unit), text);
+        }
+    }
+}
