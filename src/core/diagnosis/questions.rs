@@ -141,12 +141,11 @@ pub(super) fn questions_of(effect: &'static dyn Effect, robot: &Robot) -> Vec<Qu
         Scope::Robot => causes.push(vec![bound(all.clone(), false)]),
         Scope::Pair | Scope::Reading => {}
         Scope::Cable | Scope::CableOrAll => {
+            causes.extend(each().map(|bound| vec![bound]));
             if effect.scope() == Scope::CableOrAll {
                 causes.push(vec![bound(all.clone(), false)]);
-            }
-            causes.extend(each().map(|bound| vec![bound]));
-            // A family: every cable with values of its own.
-            if effect.search() == Search::Direct && all.len() > 1 {
+            } else if effect.search() == Search::Direct && all.len() > 1 {
+                // Nothing makes these errors alike: every cable with a value of its own.
                 causes.push(each().collect());
             }
         }

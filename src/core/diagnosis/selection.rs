@@ -88,16 +88,17 @@ pub(super) fn contenders<'a>(
     Ok(found)
 }
 
-/// Whether a cause has an instance that the other has already, or that acts on a part of its cables.
+/// Whether a cause has an instance that the other has already, or has for all cables together: what is common to
+/// all is not asked of one again.
 fn is_contained(cause: &Cause, other: &Cause) -> bool {
     let pair = |one: &BoundEffect, other: &BoundEffect| {
         let event = match one.effect.search() {
             Search::FromPose(pose) | Search::AtPose(pose) => Some(pose),
             _ => None,
         };
+        let covered = !other.targeted || one.targeted && one.cables == other.cables;
         one.effect.id() == other.effect.id()
-            && one.targeted == other.targeted
-            && one.cables == other.cables
+            && covered
             && event.is_none_or(|pose| one.values[pose] == other.values[pose])
     };
     let instances = || cause.instances.iter();
