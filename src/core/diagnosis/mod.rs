@@ -23,8 +23,6 @@ mod reading_id;
 mod report;
 mod residual_space;
 mod scores;
-#[cfg(test)]
-mod scratch;
 mod selection;
 mod separation;
 mod space;
