@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Plan, Restriction, Study, clean, describe, draw_all, drawn_markdown, failures, markdown,
-    outside, pairs, run_all, single,
+    Plan, Restriction, Study, clean, coverage, describe, draw_all, drawn_markdown, failures,
+    markdown, outside, pairs, run_all, single,
 };
 
 const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
@@ -44,7 +44,7 @@ pub fn command(arguments: &[String]) -> Result<()> {
             .for_each(|o| println!("{}", describe(o)));
     }
     if arguments.failures {
-        println!("{}", failures(&study));
+        println!("{}\n{}", failures(&study), coverage(&study));
     }
     report_impossible(&study);
     Ok(())

@@ -24,8 +24,8 @@ const OTHER_SEED: u64 = 1 << 40;
 /// Error of one parameter of a named effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterError {
-    /// Name of the parameter.
-    pub name: &'static str,
+    /// Effect and parameter.
+    pub name: (&'static str, &'static str),
     /// Value found minus truth, in standard deviations.
     pub standardised: f64,
 }
@@ -61,24 +61,27 @@ pub fn parameter_errors(
         };
         let mut difference = parameter.value - truth;
         if matches!(effect.search(), Search::Wave { .. }) {
-            let amplitude = value("amplitude", parameter.cable).unwrap_or(1.0);
-            difference = wave_difference(parameter.name, parameter.value, *truth, amplitude);
+            let found = value("amplitude", parameter.cable).unwrap_or(1.0);
+            let hidden = concerned.and_then(|t| t.parameters.get("amplitude"));
+            let turned = found.signum() * hidden.map_or(1.0, |a| a.signum());
+            difference = wave_difference(parameter.name, parameter.value, *truth, turned);
         }
         errors.push(ParameterError {
-            name: parameter.name,
+            name: (effect.id(), parameter.name),
             standardised: difference / sd,
         });
     }
     errors
 }
 
-/// Difference of a parameter of a wave: a negative amplitude is a positive one at the opposite phase.
-fn wave_difference(name: &str, found: f64, truth: f64, amplitude: f64) -> f64 {
+/// Difference of a parameter of a wave: a negative amplitude is a positive one at the opposite phase; `turned` is
+/// negative where one of the amplitudes is.
+fn wave_difference(name: &str, found: f64, truth: f64, turned: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     match name {
         "amplitude" => found.abs() - truth.abs(),
         "phase" => {
-            let opposite = if amplitude < 0.0 { PI } else { 0.0 };
+            let opposite = if turned < 0.0 { PI } else { 0.0 };
             (found + opposite - truth + PI).rem_euclid(TAU) - PI
         }
         _ => found - truth,

@@ -27,7 +27,7 @@ pub use outside::{OUTSIDE, Outside, Scene};
 pub use plans::{Restriction, clean, outside, pairs, single};
 pub use robots::{TestRobot, robot, robots};
 pub use run::{Outcome, Study, draw_all, run, run_all};
-pub use table::{Figure, Figures, Target, describe, drawn_markdown, failures, markdown};
+pub use table::{Figure, Figures, Target, coverage, describe, drawn_markdown, failures, markdown};
 pub use template::Template;
 pub use visibility::{JUST_VISIBLE, VISIBLE, noncentrality};
 

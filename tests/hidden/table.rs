@@ -11,6 +11,8 @@ use tautline_core::effect::CATALOGUE;
 pub use drawn::drawn_markdown;
 pub use figures::{Figure, Figures, Target};
 
+use figures::NORMAL_95;
+
 use super::judge::Found;
 use super::{Hidden, OUTSIDE, Outcome, Stratum, Study, Wanted, robots};
 
@@ -245,6 +247,32 @@ pub fn failures(study: &Study) -> String {
             text,
             "{} seed {}: {:?}: {why}",
             plan.robot, plan.seed, plan.wanted
+        );
+    }
+    text
+}
+
+/// For every parameter: in how many of how many cases the 95 % interval covers the truth, and the root mean square
+/// of the error in standard deviations.
+#[must_use]
+pub fn coverage(study: &Study) -> String {
+    let mut errors: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
+    for error in study.outcomes.iter().flat_map(|o| &o.parameters) {
+        errors
+            .entry(error.name)
+            .or_default()
+            .push(error.standardised);
+    }
+    let mut text =
+        String::from("| effect | parameter | covered | rms error, sd |\n|---|---|---|---|\n");
+    for ((effect, parameter), errors) in errors {
+        let covered = errors.iter().filter(|e| e.abs() < NORMAL_95).count();
+        let squares: f64 = errors.iter().map(|e| e * e).sum();
+        let rms = (squares / errors.len() as f64).sqrt();
+        let _ = writeln!(
+            text,
+            "| {effect} | {parameter} | {covered}/{} | {rms:.2} |",
+            errors.len()
         );
     }
     text

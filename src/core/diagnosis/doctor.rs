@@ -5,14 +5,14 @@ use super::discrepancy::{dependence_tests, discrepancies};
 use super::exchange::exchanged;
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::noise::noise_statements;
+use super::noise::{noise_statements, with_noise};
 use super::progress::Reporter;
 use super::report::{Adequacy, Cause, Diagnosis, Discrepancy, Finding, Invisible, NoiseStatement};
 use super::residual_space::ResidualSpace;
 use super::scores::Scan;
 use super::selection::{Selection, select};
 use super::variables::Variables;
-use super::verdict::finding;
+use super::verdict::{finding, scatter};
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{Search, measurements_as_modelled};
 use crate::estimation::{EstimationError, Linearisation, Problem};
@@ -60,7 +60,7 @@ fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
 fn examine(
     problem: &Problem<'_>,
     first: &Fit<'_>,
-    mut findings: Vec<Finding>,
+    found: Vec<Finding>,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Diagnosis, EstimationError> {
@@ -70,30 +70,62 @@ fn examine(
         ..*options
     };
     let selection = select(problem, &level, report)?;
+    let noise = noise_of(&selection.fit, level.alpha);
+    if !selection.fit.causes.is_empty() && noise.iter().any(|statement| statement.ratio > 1.0) {
+        // Noise that is larger than given makes chance look like causes: ask again with the noise that there is.
+        let louder = with_noise(problem.dataset, &noise);
+        let problem = based_like(problem, &louder)?;
+        let selection = select(&problem, &level, report)?;
+        return conclude(&selection, (first, noise), found, &level, report);
+    }
+    conclude(&selection, (first, noise), found, &level, report)
+}
+
+/// The same problem with another dataset.
+fn based_like<'d>(
+    problem: &Problem<'_>,
+    dataset: &'d Dataset,
+) -> Result<Problem<'d>, EstimationError> {
+    let mut same = based(dataset)?;
+    same.held_effects.clone_from(&problem.held_effects);
+    Ok(same)
+}
+
+/// What a selection means; `first` is the fit of the model as it came, `noise` what is said of the noise.
+fn conclude(
+    selection: &Selection<'_>,
+    (first, noise): (&Fit<'_>, Vec<NoiseStatement>),
+    mut findings: Vec<Finding>,
+    level: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<Diagnosis, EstimationError> {
     report.stage(Stage::HeldOut, selection.fit.causes.len());
     let mut before = Prediction::new(&selection.base);
     for index in 0..selection.fit.causes.len() {
-        let fit = Fit::new(problem, &selection.fit.causes[..=index])?;
+        let fit = Fit::new(&selection.base.problem, &selection.fit.causes[..=index])?;
         let after = Prediction::new(&fit);
         let gain = after.gain_over(&before);
         report.stage(Stage::Separation, findings.len());
-        findings.extend(finding(&selection, index, gain, &level));
+        findings.extend(finding(selection, index, gain, level));
         before = after;
     }
     report.stage(Stage::Discrepancy, findings.len());
-    let (mut base, found) = residuals(first, level.alpha);
+    let (mut base, discrepancies) = residuals(first, level.alpha);
     let (extended, remaining) = residuals(&selection.fit, level.alpha);
+    if findings.is_empty() && !base.adequate {
+        findings.extend(scatter(selection, &noise));
+    }
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {
         base,
-        noise: noise(&selection.fit, &remaining, level.alpha),
+        noise,
         extended,
-        discrepancies: found,
+        discrepancies,
         remaining,
-        invisible: invisible(&selection, &level),
+        invisible: invisible(selection, level),
         findings,
         base_solution: first.solution.clone(),
-        extended_solution: selection.fit.solution,
+        extended_solution: selection.fit.solution.clone(),
         cancelled: report.cancelled,
     })
 }
@@ -107,9 +139,12 @@ fn residuals(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>) {
     (adequacy(&space, &fit.solution, alpha), found)
 }
 
-fn noise(fit: &Fit<'_>, structure: &[Discrepancy], alpha: f64) -> Vec<NoiseStatement> {
+fn noise_of(fit: &Fit<'_>, alpha: f64) -> Vec<NoiseStatement> {
     let linear = Linearisation::new(&fit.problem, &fit.solution);
-    noise_statements(&ResidualSpace::new(&linear), structure, alpha)
+    let space = ResidualSpace::new(&linear);
+    let variables = Variables::new(&fit.problem, &fit.solution, &linear);
+    let tests = dependence_tests(&space, &variables);
+    noise_statements(&space, &discrepancies(&space, &tests, alpha), alpha)
 }
 
 /// The effects that would not be found at their largest typical size.

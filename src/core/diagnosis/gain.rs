@@ -67,15 +67,23 @@ impl Prediction {
         rms(self.held_out.iter().map(|pose| (pose.chi2, pose.freedom)))
     }
 
+    /// The poses held out by both, but for those at which an event acts alone.
+    fn pairs<'p>(&'p self, before: &'p Self) -> Vec<(&'p HeldOut, &'p HeldOut)> {
+        let skipped = |row: usize| self.events.contains(&row) || before.events.contains(&row);
+        let both = before.held_out.iter().zip(&self.held_out);
+        both.filter(|(one, _)| !skipped(one.row)).collect()
+    }
+
+    /// Whether poses held out are predicted better than by `before`.
+    pub fn is_better_than(&self, before: &Self) -> bool {
+        let pairs = self.pairs(before);
+        let squares = |of: &dyn Fn(&(&HeldOut, &HeldOut)) -> f64| pairs.iter().map(of).sum::<f64>();
+        squares(&|(_, after)| after.chi2) < squares(&|(before, _)| before.chi2)
+    }
+
     /// What this fit gains over `before`.
     pub fn gain_over(&self, before: &Self) -> Gain {
-        let skipped = |row: usize| self.events.contains(&row) || before.events.contains(&row);
-        let pairs: Vec<(&HeldOut, &HeldOut)> = before
-            .held_out
-            .iter()
-            .zip(&self.held_out)
-            .filter(|(one, _)| !skipped(one.row))
-            .collect();
+        let pairs = self.pairs(before);
         let was = rms(pairs.iter().map(|(b, _)| (b.chi2, b.freedom)));
         let is = rms(pairs.iter().map(|(_, a)| (a.chi2, a.freedom)));
         Gain {

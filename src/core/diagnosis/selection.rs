@@ -3,6 +3,7 @@
 
 use super::family::{reduced, united};
 use super::fit::Fit;
+use super::gain::Prediction;
 use super::progress::Reporter;
 use super::report::Cause;
 use super::scores::{Scan, Scored, scan};
@@ -175,16 +176,22 @@ impl<'a> Round<'a> {
         contender.p_value() < level && contender.score() > 0.0
     }
 
-    /// The best that is significant; a name comes before structure without one unless it is clearly worse.
-    fn best(&self, alpha: f64) -> Option<&Contender<'a>> {
-        let significant = || {
-            let all = self.contenders.iter();
-            all.filter(|c| self.is_significant(c, alpha))
+    /// The best that is significant and predicts poses held out better; a name comes before structure without one
+    /// unless it is clearly worse.
+    fn best(&self, without: &Fit<'_>, alpha: f64) -> Option<&Contender<'a>> {
+        let before = Prediction::new(without);
+        let accepted = |contender: &&Contender<'a>| {
+            self.is_significant(contender, alpha)
+                && Prediction::new(&contender.fit).is_better_than(&before)
         };
-        let best = significant().next()?;
-        let named = significant().find(|c| !c.is_unknown());
-        let near = |c: &&Contender<'_>| best.score() - c.score() < PREFERRED;
-        Some(named.filter(near).unwrap_or(best))
+        let best = self.contenders.iter().find(accepted)?;
+        if !best.is_unknown() {
+            return Some(best);
+        }
+        let near = |c: &&Contender<'a>| best.score() - c.score() < PREFERRED;
+        let mut names = self.contenders.iter().filter(|c| !c.is_unknown());
+        let named = names.by_ref().take_while(near).find(accepted);
+        Some(named.unwrap_or(best))
     }
 
     /// The contender with the effect and target of a cause, wherever it acts.
@@ -217,7 +224,7 @@ pub(super) fn select<'a>(
     while fit.causes.len() < options.most_findings && report.stage(Stage::Scores, fit.causes.len())
     {
         let round = Round::new(base, &fit)?;
-        let best = round.best(options.alpha).map(|best| best.fit.clone());
+        let best = round.best(&fit, options.alpha).map(|best| best.fit.clone());
         first.get_or_insert(round);
         match best {
             Some(best) => fit = best,
@@ -290,7 +297,8 @@ impl<'a> Selection<'a> {
             let without = Fit::new(base, &others)?;
             let mut round = Round::new(base, &without)?;
             round.include(base, &without, &present)?;
-            let Some(best) = round.best(options.alpha).filter(|_| changes) else {
+            let best = round.best(&without, options.alpha).filter(|_| changes);
+            let Some(best) = best else {
                 if changes {
                     self.fit = without;
                     changed = true;

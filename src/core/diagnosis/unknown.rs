@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::fit::Fit;
 use super::moments::{Moments, PoseMoments};
-use super::report::Cause;
+use super::report::{Cause, Quantity};
 use super::scores::{Block, Design, Scan, Scored};
 use crate::effect::unknown::{FIRST, FROM, FUNCTIONS, READING, SCALE, TO, VARIABLE, functions};
 use crate::effect::{BiasedReading, BoundEffect, Unknown};
@@ -28,6 +28,20 @@ fn bound(reading: usize, cable: Option<usize>) -> BoundEffect {
         targeted: cable.is_some(),
         values,
     }
+}
+
+/// Structure of size zero on a kind of reading; none for kinds on which it is not sought.
+pub(super) fn structure_on(quantity: Quantity, cable: Option<usize>) -> Option<BoundEffect> {
+    let reading = match quantity {
+        Quantity::Length => BiasedReading::Length,
+        Quantity::Tension => BiasedReading::Tension,
+        Quantity::Swivel => BiasedReading::Swivel,
+        Quantity::Laser => BiasedReading::Laser,
+        Quantity::Inclination => BiasedReading::Inclination(0),
+        Quantity::TrackerPosition | Quantity::TrackerOrientation => return None,
+    };
+    let number = BiasedReading::ALL.iter().position(|r| *r == reading)?;
+    Some(bound(number, cable))
 }
 
 /// Every reading on which structure is sought.

@@ -8,7 +8,7 @@ use crate::hidden::judge::Found;
 use crate::hidden::{Outcome, Stratum, Study, Wanted};
 
 /// Size of a 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.959_964;
+pub(super) const NORMAL_95: f64 = 1.959_964;
 /// Held-out error over that of the true model that is asked for.
 const HELD_OUT: f64 = 1.05;
 

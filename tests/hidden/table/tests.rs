@@ -31,7 +31,7 @@ fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) ->
         wrong_names: if wrong { answers.clone() } else { vec![] },
         answers,
         parameters: vec![ParameterError {
-            name: "scale",
+            name: ("winch_scale", "scale"),
             standardised: 1.0,
         }],
         held_out_ratio: Some(1.01),

@@ -282,6 +282,17 @@ impl<T: Real> CableState<T> {
         }
     }
 
+    /// Estimated tension over the tension read; 1 where none was read.
+    #[inline(always)]
+    fn estimate_over_reading(&self) -> T {
+        let one = self.tension.lift(1.0);
+        let square = self.tension * self.tension;
+        square.select_positive(
+            self.expected / square.select_positive(self.tension, one),
+            one,
+        )
+    }
+
     /// Adds the effect derivatives of this cable's rows; those of the equilibrium not yet whitened.
     #[inline(always)]
     pub fn link(
@@ -292,6 +303,11 @@ impl<T: Real> CableState<T> {
         pose: &Attitude<T>,
         equations: &mut Equations<T>,
     ) {
+        let slope = if link.is_proportional {
+            slope * self.estimate_over_reading()
+        } else {
+            slope
+        };
         let change = self.change_by_port(link.port, constants.swivel_zero, pose);
         let present = equations.present[index];
         let length = change.length * slope * present;

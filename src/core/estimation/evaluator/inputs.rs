@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::columns::{Column, ColumnStore};
 use crate::effect::{
-    BoundEffect, CablePort, CablePorts, Circumstances, Dual, PlatformPort, PlatformPorts,
+    BoundEffect, CablePort, CablePorts, Circumstances, Dual, PlatformPort, PlatformPorts, Stage,
 };
 use crate::estimation::problem::{Geometry, Globals, Problem};
 use crate::geometry::Pose;
@@ -18,6 +18,9 @@ pub(super) struct CableLink {
     pub port: CablePort,
     pub parameter: usize,
     pub slope: Column,
+    /// Whether the slope is in proportion to the port, so that it is better known at the port's estimate than at its
+    /// reading: noise in both would bias the parameter.
+    pub is_proportional: bool,
 }
 
 /// A free parameter acts on a port of the platform with this slope.
@@ -327,10 +330,12 @@ fn pack_cable<T: Packet>(
         for (position, port) in CablePort::ALL.iter().enumerate() {
             if scalars.iter().any(|s| s[position].slope != 0.0) {
                 let slope = pack_scalars(store, &scalars, Some(0.0), |s| s[position].slope);
+                let stage = globals.effects[owner].effect.stage();
                 links.push(CableLink {
                     port: *port,
                     parameter,
                     slope,
+                    is_proportional: *port == CablePort::Tension && stage == Stage::Ratio,
                 });
             }
         }
