@@ -5,6 +5,7 @@ use super::discrepancy::{dependence_tests, discrepancies};
 use super::exchange::exchanged;
 use super::fit::Fit;
 use super::gain::Prediction;
+use super::honesty::{Left, temper};
 use super::noise::{noise_statements, with_noise};
 use super::progress::Reporter;
 use super::report::{Adequacy, Cause, Diagnosis, Discrepancy, Finding, Invisible, NoiseStatement};
@@ -12,7 +13,7 @@ use super::residual_space::ResidualSpace;
 use super::scores::Scan;
 use super::selection::{Selection, select};
 use super::variables::Variables;
-use super::verdict::{finding, scatter};
+use super::verdict::finding;
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{Search, measurements_as_modelled};
 use crate::estimation::{EstimationError, Linearisation, Problem};
@@ -74,11 +75,13 @@ fn examine(
     if !selection.fit.causes.is_empty() && noise.iter().any(|statement| statement.ratio > 1.0) {
         // Noise that is larger than given makes chance look like causes: ask again with the noise that there is.
         let louder = with_noise(problem.dataset, &noise);
-        let problem = based_like(problem, &louder)?;
-        let selection = select(&problem, &level, report)?;
-        return conclude(&selection, (first, noise), found, &level, report);
+        let louder = based_like(problem, &louder)?;
+        let selection = select(&louder, &level, report)?;
+        let full = Fit::new(problem, &selection.fit.causes)?;
+        return conclude(&selection, (first, &full, noise), found, &level, report);
     }
-    conclude(&selection, (first, noise), found, &level, report)
+    let full = selection.fit.clone();
+    conclude(&selection, (first, &full, noise), found, &level, report)
 }
 
 /// The same problem with another dataset.
@@ -91,10 +94,11 @@ fn based_like<'d>(
     Ok(same)
 }
 
-/// What a selection means; `first` is the fit of the model as it came, `noise` what is said of the noise.
+/// What a selection means; `first` is the fit of the model as it came, `full` that of the extended one in the noise
+/// given, `noise` what is said of the noise.
 fn conclude(
     selection: &Selection<'_>,
-    (first, noise): (&Fit<'_>, Vec<NoiseStatement>),
+    (first, full, noise): (&Fit<'_>, &Fit<'_>, Vec<NoiseStatement>),
     mut findings: Vec<Finding>,
     level: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
@@ -111,10 +115,14 @@ fn conclude(
     }
     report.stage(Stage::Discrepancy, findings.len());
     let (mut base, discrepancies) = residuals(first, level.alpha);
-    let (extended, remaining) = residuals(&selection.fit, level.alpha);
-    if findings.is_empty() && !base.adequate {
-        findings.extend(scatter(selection, &noise));
-    }
+    let (extended, remaining) = residuals(full, level.alpha);
+    let left = Left {
+        fit: full,
+        alpha: level.alpha,
+        discrepancies: &remaining,
+        noise: &noise,
+    };
+    temper(&mut findings, &left);
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {
         base,

@@ -15,6 +15,7 @@ mod exchange;
 mod family;
 mod fit;
 mod gain;
+mod honesty;
 mod moments;
 mod noise;
 mod progress;

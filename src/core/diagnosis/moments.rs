@@ -22,6 +22,11 @@ impl PoseMoments {
         self.explained += &other.explained;
     }
 
+    /// Information of the first column at this pose alone.
+    pub fn size(&self) -> f64 {
+        self.information[(0, 0)]
+    }
+
     /// The score test of the columns acting at these poses.
     pub fn block(&self, prior: &[f64]) -> Option<Block> {
         let information = &self.information - self.explained.tr_mul(&self.explained);
@@ -33,6 +38,11 @@ impl PoseMoments {
 #[derive(Debug, Clone)]
 pub(super) struct Moments {
     pub poses: Vec<PoseMoments>,
+    /// Those of the first column, pose by pose.
+    scores: DVector<f64>,
+    sizes: Vec<f64>,
+    /// Poses x dimensions.
+    explained: DMatrix<f64>,
 }
 
 impl Moments {
@@ -48,31 +58,25 @@ impl Moments {
                 explained: scan.space.basis().rows(first, count).tr_mul(&columns),
             }
         };
+        let poses: Vec<PoseMoments> = scan.linear.poses.iter().map(of).collect();
+        let taken = scan.space.taken();
         Self {
-            poses: scan.linear.poses.iter().map(of).collect(),
+            scores: DVector::from_iterator(poses.len(), poses.iter().map(|p| p.score[0])),
+            sizes: poses.iter().map(PoseMoments::size).collect(),
+            explained: DMatrix::from_fn(poses.len(), taken, |j, k| poses[j].explained[(k, 0)]),
+            poses,
         }
     }
 
     /// Score and information of a single column times the `weights` of each pose (poses x functions).
     pub fn weighted(&self, weights: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let n = weights.ncols();
-        let taken = self.poses.first().map_or(0, |pose| pose.explained.nrows());
-        let mut score = DVector::zeros(n);
-        let mut information = DMatrix::zeros(n, n);
-        let mut explained = DMatrix::zeros(taken, n);
-        for (j, pose) in self.poses.iter().enumerate() {
+        let score = weights.tr_mul(&self.scores);
+        let mut information = self.explained.tr_mul(weights);
+        information = -information.tr_mul(&information);
+        for (j, size) in self.sizes.iter().enumerate() {
             let row = weights.row(j);
-            for k in 0..n {
-                score[k] += row[k] * pose.score[0];
-                explained
-                    .column_mut(k)
-                    .axpy(row[k], &pose.explained.column(0), 1.0);
-                for q in 0..n {
-                    information[(k, q)] += row[k] * row[q] * pose.information[(0, 0)];
-                }
-            }
+            information.ger(*size, &row.transpose(), &row.transpose(), 1.0);
         }
-        information -= explained.tr_mul(&explained);
         (score, information)
     }
 }

@@ -314,33 +314,7 @@ pub(super) struct Block {
 impl Block {
     /// From the score `C^T r`, the information `C^T C` and the standard deviations of the priors.
     pub fn new(score: &DVector<f64>, information: &DMatrix<f64>, prior: &[f64]) -> Option<Self> {
-        let n = prior.len();
-        let scaled = DMatrix::from_fn(n, n, |i, k| information[(i, k)] * prior[i] * prior[k]);
-        if !scaled.iter().all(|v| v.is_finite()) {
-            return None;
-        }
-        let score = DVector::from_fn(n, |k, _| score[k] * prior[k]);
-        let eigen = SymmetricEigen::new(scaled.clone());
-        let along = eigen.eigenvectors.tr_mul(&score);
-        let (mut gain, mut freedom, mut visible) = (0.0, 0.0, 0);
-        let mut solved = DVector::zeros(n);
-        for k in 0..n {
-            let value = eigen.eigenvalues[k].max(0.0);
-            solved[k] = -along[k] / (1.0 + value);
-            gain += along[k].powi(2) / (1.0 + value);
-            freedom += (1.0 + value).ln();
-            if value > VISIBLE {
-                visible += 1;
-            }
-        }
-        let estimate = &eigen.eigenvectors * solved;
-        Some(Self {
-            gain,
-            freedom,
-            visible,
-            estimate: estimate.iter().zip(prior).map(|(e, sd)| e * sd).collect(),
-            sd: (scaled[(0, 0)] > VISIBLE * VISIBLE).then(|| prior[0] / scaled[(0, 0)].sqrt()),
-        })
+        Some(Directions::new(score, information, prior)?.block(1.0))
     }
 
     /// Twice the logarithm of the evidence.
@@ -357,6 +331,82 @@ impl Block {
             places,
             visible: self.visible,
             sd: self.sd,
+        }
+    }
+}
+
+/// The score along the principal directions of the information in units of the prior.
+pub(super) struct Directions<'p> {
+    prior: &'p [f64],
+    values: DVector<f64>,
+    vectors: DMatrix<f64>,
+    along: DVector<f64>,
+    /// Information of the first parameter.
+    first: f64,
+}
+
+impl<'p> Directions<'p> {
+    pub fn new(score: &DVector<f64>, information: &DMatrix<f64>, prior: &'p [f64]) -> Option<Self> {
+        let n = prior.len();
+        let scaled = DMatrix::from_fn(n, n, |i, k| information[(i, k)] * prior[i] * prior[k]);
+        if !scaled.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let score = DVector::from_fn(n, |k, _| score[k] * prior[k]);
+        let first = information[(0, 0)];
+        let eigen = SymmetricEigen::new(scaled);
+        Some(Self {
+            along: eigen.eigenvectors.tr_mul(&score),
+            values: eigen.eigenvalues,
+            vectors: eigen.eigenvectors,
+            prior,
+            first,
+        })
+    }
+
+    /// Gain, freedom and number of visible directions if all priors are `size` times as wide.
+    fn worth(&self, size: f64) -> (f64, f64, usize) {
+        let (mut gain, mut freedom, mut visible) = (0.0, 0.0, 0);
+        for (along, value) in self.along.iter().zip(&self.values) {
+            let (along, value) = (along * size, value.max(0.0) * size * size);
+            gain += along * along / (1.0 + value);
+            freedom += (1.0 + value).ln();
+            visible += usize::from(value > VISIBLE);
+        }
+        (gain, freedom, visible)
+    }
+
+    /// The size among `sizes` with the largest evidence.
+    pub fn best_size(&self, sizes: &[f64]) -> f64 {
+        let score = |size: f64| {
+            let (gain, freedom, _) = self.worth(size);
+            gain - freedom
+        };
+        let best = sizes
+            .iter()
+            .copied()
+            .max_by(|a, b| score(*a).total_cmp(&score(*b)));
+        best.unwrap_or(1.0)
+    }
+
+    /// The score test with all priors `size` times as wide.
+    pub fn block(&self, size: f64) -> Block {
+        let (gain, freedom, visible) = self.worth(size);
+        let solved = DVector::from_fn(self.along.len(), |k, _| {
+            -self.along[k] * size / (1.0 + self.values[k].max(0.0) * size * size)
+        });
+        let estimate = &self.vectors * solved;
+        let scaled = self.first * (self.prior[0] * size).powi(2);
+        Block {
+            gain,
+            freedom,
+            visible,
+            estimate: estimate
+                .iter()
+                .zip(self.prior)
+                .map(|(e, sd)| e * sd * size)
+                .collect(),
+            sd: (scaled > VISIBLE * VISIBLE).then(|| self.first.sqrt().recip()),
         }
     }
 }

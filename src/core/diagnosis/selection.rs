@@ -7,9 +7,9 @@ use super::gain::Prediction;
 use super::progress::Reporter;
 use super::report::Cause;
 use super::scores::{Scan, Scored, scan};
-use super::unknown::unknowns;
+use super::unknown::{is_unknown, unknowns};
 use super::{DiagnosisOptions, Stage};
-use crate::effect::{BoundEffect, Effect, Search, Unknown};
+use crate::effect::{BoundEffect, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::statistics::chi_square_survival;
 
@@ -49,7 +49,7 @@ impl Contender<'_> {
 
     /// Whether it is structure without a name.
     pub fn is_unknown(&self) -> bool {
-        self.scored.cause.effect().id() == Unknown.id()
+        is_unknown(&self.scored.cause)
     }
 
     /// The cause with the values fitted; it is the last of the fit.
@@ -121,8 +121,8 @@ pub(super) struct Selection<'a> {
 pub(super) struct Round<'a> {
     /// Catalogue and structure without a name.
     pub contenders: Vec<Contender<'a>>,
-    /// Number of questions.
-    pub questions: usize,
+    /// Number of questions: of the catalogue, of structure without a name.
+    pub questions: [usize; 2],
     pub scan: Scan,
 }
 
@@ -131,8 +131,8 @@ impl<'a> Round<'a> {
         let scan = scan(fit);
         let unknown = unknowns(fit, &scan);
         Ok(Self {
-            questions: scan.questions + unknown.len(),
-            contenders: contenders(base, fit, &scan, unknown)?,
+            questions: [scan.questions, unknown.questions],
+            contenders: contenders(base, fit, &scan, unknown.scored)?,
             scan,
         })
     }
@@ -170,10 +170,16 @@ impl<'a> Round<'a> {
         Ok(())
     }
 
+    /// Probability of such a gain without the cause, corrected for the number of questions: names and structure
+    /// without one each have half of the level.
+    pub fn corrected(&self, contender: &Contender<'_>) -> f64 {
+        let asked = self.questions[usize::from(contender.is_unknown())];
+        (2.0 * asked as f64 * contender.p_value()).min(1.0)
+    }
+
     /// Whether a contender would be found in data without it with a probability below `alpha`.
     pub fn is_significant(&self, contender: &Contender<'_>, alpha: f64) -> bool {
-        let level = alpha / self.questions.max(1) as f64;
-        contender.p_value() < level && contender.score() > 0.0
+        self.corrected(contender) < alpha && contender.score() > 0.0
     }
 
     /// The best that is significant and predicts poses held out better; a name comes before structure without one

@@ -5,13 +5,10 @@ use nalgebra::DMatrix;
 use super::DiagnosisOptions;
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::report::{
-    Cause, Evidence, Finding, FoundParameter, Gain, NoiseStatement, Rival, Verdict,
-};
+use super::report::{Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
 use super::selection::{CLEAR, Contender, Round, Selection, is_alike, is_extension};
 use super::separation::separation;
 use super::space::cosine;
-use super::unknown::structure_on;
 use crate::estimation::{Linearisation, ParameterId};
 use crate::robot::Robot;
 
@@ -49,56 +46,14 @@ pub(super) fn finding(
         evidence: Evidence {
             delta_chi2: own.gain,
             parameters: own.fit.parameters_of(own.fit.causes.len() - 1).len(),
-            p_value: (own.p_value() * round.questions as f64).min(1.0),
-            questions: round.questions,
+            p_value: round.corrected(own),
+            questions: round.questions.iter().sum(),
             ranking: ranking(round, own),
         },
         gain,
         separation,
         cause: cause.clone(),
     })
-}
-
-/// Readings that scatter more than they should without any pattern: either their noise is larger than given, or
-/// there is a fault without a name.
-pub(super) fn scatter(selection: &Selection<'_>, noise: &[NoiseStatement]) -> Vec<Finding> {
-    let robot = &selection.fit.problem.dataset.robot;
-    let prediction = Prediction::new(&selection.fit);
-    let large = noise.iter().filter(|statement| statement.ratio > 1.0);
-    let finding = |statement: &NoiseStatement| {
-        let bound = structure_on(statement.quantity, statement.cable)?;
-        let what = match statement.cable {
-            Some(cable) => format!(
-                "{} readings of {}",
-                statement.quantity.name(),
-                robot.cables[cable].name
-            ),
-            None => format!("{} readings", statement.quantity.name()),
-        };
-        Some(Finding {
-            verdict: Verdict::Unknown,
-            sentence: format!(
-                "The {what} scatter {:.1} times as much as given, without a pattern.",
-                statement.ratio
-            ),
-            advice: "Measure one pose many times: if the readings scatter as much there, correct the noise given; else look for a fault that comes and goes.".to_owned(),
-            cause: Cause {
-                instances: vec![bound],
-            },
-            alternatives: Vec::new(),
-            parameters: Vec::new(),
-            evidence: Evidence {
-                delta_chi2: 0.0,
-                parameters: 0,
-                p_value: statement.p_value,
-                questions: selection.first.questions,
-                ranking: Vec::new(),
-            },
-            gain: prediction.gain_over(&prediction),
-            separation: None,
-        })
-    };
-    large.filter_map(finding).collect()
 }
 
 /// The sentences of all instances, each once.

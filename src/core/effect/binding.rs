@@ -131,7 +131,6 @@ impl EffectRequest {
                 Ok(vec![bound(vec![cable], true)])
             }
             (None, Scope::Cable) => Ok(all.iter().map(|i| bound(vec![*i], true)).collect()),
-            (None, Scope::Reading) => Ok(vec![bound(Vec::new(), false)]),
             (None, _) => Ok(vec![bound(all, false)]),
         }
     }
@@ -246,7 +245,7 @@ impl BoundEffect {
             return Err(EffectError::NeedsPair(setting.effect.clone()));
         }
         let targeted = !setting.targets.is_empty();
-        let cables = if targeted || effect.scope() == Scope::Reading {
+        let cables = if targeted {
             named
         } else {
             (0..robot.cable_count()).collect()

@@ -61,7 +61,7 @@ pub use dual::Dual;
 pub use found::{Found, Part};
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
-pub use unknown::{BiasedReading, Unknown};
+pub use unknown::{BiasedReading, Shape, Unknown};
 
 use crate::measurement::Measurements;
 
@@ -76,7 +76,7 @@ pub enum Scope {
     Pair,
     /// All cables, the platform, the frame or an instrument together; takes no target.
     Robot,
-    /// One cable's reading, or without a target an instrument's.
+    /// One cable's reading, or without a target an instrument's or that of all cables.
     Reading,
 }
 

@@ -1,10 +1,13 @@
-//! Structure that no effect of the catalogue explains: a smooth function of one variable added to a reading,
-//! `scale sum_k c_k phi_k(u)`, `u = (v - from)/(to - from)`, with `phi_0 = 1`, `phi_k = cos(k pi u)`; for the fraction
-//! of a drum revolution, which is periodic, sines and cosines of one and two waves; for the direction of
-//! travel, which is a sign, the sign alone.
+//! Structure that no effect of the catalogue explains: a function added to a reading, `scale sum_k c_k phi_k`.
 //!
-//! It names no cause. As a nuisance it keeps the structure out of the geometry. `reading` is the number of a
-//! [`BiasedReading`], `variable` that of a [`Variable`].
+//! - smooth in one variable `v`: `phi_k = cos(k pi u)`, `u = (v - from)/(to - from)`; for the fraction of a drum revolution,
+//!   which is periodic, sines and cosines of one and two waves; for the direction of travel the sign;
+//! - a wave: `phi_1`, `phi_2` the sine and cosine of `2 pi u`;
+//! - a surface over two variables: all terms up to the second order in `2 u - 1` of both.
+//!
+//! Always `phi_0 = 1`. It names no cause. As a nuisance it keeps the structure out of the geometry. `reading` is the
+//! number of a [`BiasedReading`], `variable` and `other` of a [`Variable`], `shape` of a [`Shape`], `terms` how many of the
+//! functions are used.
 
 use super::words::{self, degrees, millimetres};
 use super::{
@@ -63,44 +66,133 @@ impl BiasedReading {
     }
 }
 
-/// The functions of one variable at a value of it, between `from` and `to`.
-#[must_use]
-pub fn functions(variable: Variable, value: f64, [from, to]: [f64; 2]) -> [f64; FUNCTIONS] {
-    if !value.is_finite() {
-        return [0.0; FUNCTIONS];
+/// The form of a function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Smooth in one variable.
+    Smooth,
+    /// Periodic in one variable; the period is `to - from`.
+    Wave,
+    /// Smooth in two variables.
+    Surface,
+}
+
+/// Which functions are added.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Form {
+    pub shape: Shape,
+    pub variable: Variable,
+    pub range: [f64; 2],
+    /// Second variable of a surface with its range.
+    pub other: Variable,
+    pub other_range: [f64; 2],
+    /// How many functions are used.
+    pub terms: usize,
+}
+
+impl Form {
+    /// The form that the parameters of the effect say.
+    fn of(values: &[f64]) -> Option<Self> {
+        let variable = |k: usize| Variable::ALL.get(values[k] as usize).copied();
+        Some(Self {
+            shape: match values[SHAPE] as usize {
+                0 => Shape::Smooth,
+                1 => Shape::Wave,
+                _ => Shape::Surface,
+            },
+            variable: variable(VARIABLE)?,
+            range: [values[FROM], values[TO]],
+            other: variable(OTHER)?,
+            other_range: [values[OTHER_FROM], values[OTHER_TO]],
+            terms: values[TERMS] as usize,
+        })
     }
+
+    /// Writes it into the parameters of the effect.
+    pub fn write(&self, values: &mut [f64]) {
+        values[SHAPE] = match self.shape {
+            Shape::Smooth => 0.0,
+            Shape::Wave => 1.0,
+            Shape::Surface => 2.0,
+        };
+        values[VARIABLE] = self.variable.index() as f64;
+        [values[FROM], values[TO]] = self.range;
+        values[OTHER] = self.other.index() as f64;
+        [values[OTHER_FROM], values[OTHER_TO]] = self.other_range;
+        values[TERMS] = self.terms as f64;
+    }
+
+    /// The functions at given values of the variables.
+    pub fn functions(&self, variables: &[f64; Variable::COUNT]) -> [f64; FUNCTIONS] {
+        let value = variables[self.variable.index()];
+        let other = variables[self.other.index()];
+        let is_known = value.is_finite() && (self.shape != Shape::Surface || other.is_finite());
+        if !is_known {
+            return [0.0; FUNCTIONS];
+        }
+        let share = |v: f64, [from, to]: [f64; 2]| (v - from) / (to - from);
+        let u = share(value, self.range);
+        let mut all = match self.shape {
+            Shape::Smooth => smooth(self.variable, value, u),
+            Shape::Wave => {
+                let (s, c) = (std::f64::consts::TAU * u).sin_cos();
+                [1.0, s, c, 0.0, 0.0, 0.0]
+            }
+            Shape::Surface => {
+                let (a, b) = (2.0 * u - 1.0, 2.0 * share(other, self.other_range) - 1.0);
+                [1.0, a, b, a * a, a * b, b * b]
+            }
+        };
+        all[self.terms.min(FUNCTIONS)..].fill(0.0);
+        all
+    }
+
+    /// The variables in words.
+    fn variables(&self) -> String {
+        match self.shape {
+            Shape::Surface => format!("{} and the {}", self.variable.name(), self.other.name()),
+            Shape::Smooth | Shape::Wave => self.variable.name().to_owned(),
+        }
+    }
+}
+
+fn smooth(variable: Variable, value: f64, u: f64) -> [f64; FUNCTIONS] {
     match variable {
         Variable::Direction => [1.0, value, 0.0, 0.0, 0.0, 0.0],
         Variable::DrumFraction => {
             let (s, c) = (std::f64::consts::TAU * value).sin_cos();
             [1.0, s, c, 2.0 * s * c, c * c - s * s, 0.0]
         }
-        _ => {
-            let angle = std::f64::consts::PI * (value - from) / (to - from);
-            std::array::from_fn(|k| (k as f64 * angle).cos())
-        }
+        _ => std::array::from_fn(|k| (k as f64 * std::f64::consts::PI * u).cos()),
     }
 }
 
 /// Largest less smallest value of the function.
-fn spread(found: &Found<'_>, variable: Variable) -> f64 {
-    let [from, to] = match variable {
+fn spread(found: &Found<'_>, form: &Form) -> f64 {
+    const STEPS: u32 = 40;
+    let at =
+        |[from, to]: [f64; 2], step: u32| from + (to - from) * f64::from(step) / f64::from(STEPS);
+    let range = match form.variable {
         Variable::Direction => [-1.0, 1.0],
         Variable::DrumFraction => [0.0, 1.0],
-        _ => [found.value(FROM), found.value(TO)],
+        _ => form.range,
     };
-    let at = |step: u32| {
-        let value = from + (to - from) * f64::from(step) / 100.0;
-        let terms = functions(variable, value, [from, to]);
-        let terms = terms
-            .iter()
-            .enumerate()
-            .map(|(k, f)| f * found.value(FIRST + k));
-        found.value(SCALE) * terms.sum::<f64>()
-    };
-    let values: Vec<f64> = (0..=100).map(at).collect();
-    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    most - values.iter().copied().fold(f64::INFINITY, f64::min)
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    for step in 0..=STEPS {
+        for second in 0..=STEPS {
+            let mut variables = [f64::NAN; Variable::COUNT];
+            variables[form.other.index()] = at(form.other_range, second);
+            variables[form.variable.index()] = at(range, step);
+            let terms = form.functions(&variables);
+            let terms = terms
+                .iter()
+                .enumerate()
+                .map(|(k, f)| f * found.value(FIRST + k));
+            let value = found.value(SCALE) * terms.sum::<f64>();
+            (least, most) = (least.min(value), most.max(value));
+        }
+    }
+    most - least
 }
 
 /// See the module documentation.
@@ -109,22 +201,25 @@ pub struct Unknown;
 
 /// Indices of the parameters.
 pub(crate) const READING: usize = 0;
-pub(crate) const VARIABLE: usize = 1;
-pub(crate) const FROM: usize = 2;
-pub(crate) const TO: usize = 3;
-pub(crate) const SCALE: usize = 4;
-pub(crate) const FIRST: usize = 5;
+const SHAPE: usize = 1;
+const VARIABLE: usize = 2;
+const FROM: usize = 3;
+const TO: usize = 4;
+const OTHER: usize = 5;
+const OTHER_FROM: usize = 6;
+const OTHER_TO: usize = 7;
+const TERMS: usize = 8;
+pub(crate) const SCALE: usize = 9;
+pub(crate) const FIRST: usize = 10;
 
 fn sum(parameters: &[Dual], variables: &[f64; Variable::COUNT]) -> Dual {
-    let number = |k: usize| parameters[k].value;
-    let Some(variable) = Variable::ALL.get(number(VARIABLE) as usize).copied() else {
-        return Dual::constant(0.0);
-    };
-    let range = [number(FROM), number(TO)];
-    let values = functions(variable, variables[variable.index()], range);
+    let values: [f64; FIRST] = std::array::from_fn(|k| parameters[k].value);
     let mut sum = Dual::constant(0.0);
-    for (c, value) in parameters[FIRST..].iter().zip(values) {
-        sum += *c * (value * number(SCALE));
+    let Some(form) = Form::of(&values) else {
+        return sum;
+    };
+    for (c, value) in parameters[FIRST..].iter().zip(form.functions(variables)) {
+        sum += *c * (value * values[SCALE]);
     }
     sum
 }
@@ -143,9 +238,14 @@ impl Effect for Unknown {
         const {
             &[
                 EffectParameter::given("reading", "1", [0.0, 6.0]),
+                EffectParameter::given("shape", "1", [0.0, 2.0]),
                 EffectParameter::given("variable", "1", [0.0, 15.0]),
                 EffectParameter::given("from", "1", [0.0, 1.0]),
                 EffectParameter::given("to", "1", [0.0, 1.0]),
+                EffectParameter::given("other", "1", [0.0, 15.0]),
+                EffectParameter::given("other_from", "1", [0.0, 1.0]),
+                EffectParameter::given("other_to", "1", [0.0, 1.0]),
+                EffectParameter::given("terms", "1", [1.0, 6.0]),
                 EffectParameter::given("scale", "1", [0.0, 1.0]),
                 EffectParameter::new("c0", "1", 1.0, [0.1, 1.0]),
                 EffectParameter::new("c1", "1", 1.0, [0.1, 1.0]),
@@ -158,8 +258,8 @@ impl Effect for Unknown {
     }
     fn cause(&self, found: &Found<'_>) -> String {
         let reading = BiasedReading::numbered(found.value(READING));
-        let variable = Variable::ALL.get(found.value(VARIABLE) as usize);
-        let (Some(reading), Some(variable)) = (reading, variable) else {
+        let values: [f64; FIRST] = std::array::from_fn(|k| found.value(k));
+        let (Some(reading), Some(form)) = (reading, Form::of(&values)) else {
             return "Something is not explained.".to_owned();
         };
         let what = match reading {
@@ -171,10 +271,14 @@ impl Effect for Unknown {
             BiasedReading::Inclination(1) => "The pitch reading".to_owned(),
             BiasedReading::Inclination(_) => "The heading reading".to_owned(),
         };
-        let size = reading.in_words(spread(found, *variable));
-        let variable = variable.name();
+        let how = match form.shape {
+            Shape::Wave => "swings",
+            Shape::Smooth | Shape::Surface => "changes",
+        };
+        let size = reading.in_words(spread(found, &form));
+        let variables = form.variables();
         format!(
-            "{what} has an error that changes with the {variable} by up to {size}; no known cause explains it."
+            "{what} has an error that {how} with the {variables} by up to {size}; no known cause explains it."
         )
     }
     fn workshop(&self, _found: &Found<'_>) -> String {
