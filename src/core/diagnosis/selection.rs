@@ -20,7 +20,7 @@ const UNKNOWNS: usize = 3;
 /// Most rounds of exchanges.
 const MOST_ROUNDS: usize = 4;
 /// Difference of the evidence up to which a name is preferred to structure without one.
-const PREFERRED: f64 = 4.5;
+pub(super) const PREFERRED: f64 = 4.5;
 /// Difference of the evidence from which a cause takes another's place.
 const BETTER: f64 = 0.5;
 /// Difference of the evidence (twice its logarithm) at which one cause stands out from another.

@@ -6,7 +6,7 @@ use super::DiagnosisOptions;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::report::{Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
-use super::selection::{CLEAR, Contender, Round, Selection, is_alike, is_extension};
+use super::selection::{CLEAR, Contender, PREFERRED, Round, Selection, is_alike, is_extension};
 use super::separation::separation;
 use super::space::cosine;
 use crate::estimation::{Linearisation, ParameterId};
@@ -81,7 +81,8 @@ fn rivals<'r, 'a>(
     let mut found: Vec<&Contender<'a>> = Vec::new();
     for contender in &round.contenders {
         // A smooth function can imitate every cause: it stands beside a name only if it fits better.
-        let least = if contender.is_unknown() { 0.0 } else { CLEAR };
+        let beside_name = contender.is_unknown() && !own.is_unknown();
+        let least = if beside_name { -PREFERRED } else { CLEAR };
         let near = distance(own, contender) < least;
         // Structure without a name is the same on whatever variable.
         let known = |other: &Contender<'_>| {

@@ -19,6 +19,8 @@ use crate::measurement::Variable;
 /// Functions of one variable.
 pub const FUNCTIONS: usize = 6;
 
+const CONSTANT: [f64; FUNCTIONS] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+
 /// The reading to which a function is added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BiasedReading {
@@ -130,6 +132,9 @@ impl Form {
         if !is_known {
             return [0.0; FUNCTIONS];
         }
+        if self.terms == 1 {
+            return CONSTANT;
+        }
         let share = |v: f64, [from, to]: [f64; 2]| (v - from) / (to - from);
         let u = share(value, self.range);
         let mut all = match self.shape {
@@ -163,7 +168,15 @@ fn smooth(variable: Variable, value: f64, u: f64) -> [f64; FUNCTIONS] {
             let (s, c) = (std::f64::consts::TAU * value).sin_cos();
             [1.0, s, c, 2.0 * s * c, c * c - s * s, 0.0]
         }
-        _ => std::array::from_fn(|k| (k as f64 * std::f64::consts::PI * u).cos()),
+        _ => {
+            // cos(k a) by its recurrence.
+            let mut all = CONSTANT;
+            all[1] = (std::f64::consts::PI * u).cos();
+            for k in 2..FUNCTIONS {
+                all[k] = 2.0 * all[1] * all[k - 1] - all[k - 2];
+            }
+            all
+        }
     }
 }
 
