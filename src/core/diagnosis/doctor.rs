@@ -6,7 +6,7 @@ use super::exchange::exchanged;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::honesty::{Left, temper};
-use super::noise::{noise_statements, with_noise};
+use super::noise::{freedom_of, noise_statements, with_noise};
 use super::progress::Reporter;
 use super::report::{Adequacy, Cause, Diagnosis, Discrepancy, Finding, Invisible, NoiseStatement};
 use super::residual_space::ResidualSpace;
@@ -71,17 +71,56 @@ fn examine(
         ..*options
     };
     let selection = select(problem, &level, report)?;
-    let noise = noise_of(&selection.fit, level.alpha);
-    if !selection.fit.causes.is_empty() && noise.iter().any(|statement| statement.ratio > 1.0) {
-        // Noise that is larger than given makes chance look like causes: ask again with the noise that there is.
-        let louder = with_noise(problem.dataset, &noise);
-        let louder = based_like(problem, &louder)?;
-        let selection = select(&louder, &level, report)?;
-        let full = Fit::new(problem, &selection.fit.causes)?;
+    let Some(noise) = louder_noise(problem, &selection, level.alpha)? else {
+        let noise = noise_of(&selection.fit, level.alpha).1;
+        let full = selection.fit.clone();
         return conclude(&selection, (first, &full, noise), found, &level, report);
-    }
-    let full = selection.fit.clone();
+    };
+    // Noise that is larger than given makes chance look like causes: ask again with the noise that there is.
+    let louder = with_noise(problem.dataset, &noise);
+    let louder = based_like(problem, &louder)?;
+    let selection = select(&louder, &level, report)?;
+    let full = Fit::new(problem, &selection.fit.causes)?;
     conclude(&selection, (first, &full, noise), found, &level, report)
+}
+
+/// The noise that explains the data better than the weaker ones of the selected causes do: what is compared is the
+/// restricted likelihood, chi-square and the logarithms of the variances, for the strongest causes alone, the
+/// strongest two, and so on, each with the noise that it leaves.
+fn louder_noise(
+    problem: &Problem<'_>,
+    selection: &Selection<'_>,
+    alpha: f64,
+) -> Result<Option<Vec<NoiseStatement>>, EstimationError> {
+    let causes = selection.by_strength();
+    let mut best: Option<(f64, Vec<NoiseStatement>)> = None;
+    let mut freedom = 0.0;
+    for count in 0..=causes.len() {
+        let chosen: Vec<Cause> = causes[..count]
+            .iter()
+            .map(|(cause, _)| cause.clone())
+            .collect();
+        freedom += count.checked_sub(1).map_or(0.0, |last| causes[last].1);
+        let fit = Fit::new(problem, &chosen)?;
+        let (space, mut noise) = noise_of(&fit, alpha);
+        noise.retain(|statement| statement.ratio > 1.0);
+        let mut loss = fit.solution.chi2 + freedom;
+        if !noise.is_empty() {
+            let louder = with_noise(problem.dataset, &noise);
+            let fit = Fit::new(&based_like(problem, &louder)?, &chosen)?;
+            let price = selection.first.price() * noise.len() as f64;
+            let variances = noise
+                .iter()
+                .map(|s| freedom_of(&space, s) * 2.0 * s.ratio.ln());
+            loss = fit.solution.chi2 + freedom + price + variances.sum::<f64>();
+        }
+        if best.as_ref().is_none_or(|(least, _)| loss < *least) {
+            best = Some((loss, noise));
+        }
+    }
+    let noise = best.map(|(_, noise)| noise).unwrap_or_default();
+    // Without causes there is nothing to ask again.
+    Ok((!noise.is_empty() && !causes.is_empty()).then_some(noise))
 }
 
 /// The same problem with another dataset.
@@ -147,12 +186,14 @@ fn residuals(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>) {
     (adequacy(&space, &fit.solution, alpha), found)
 }
 
-fn noise_of(fit: &Fit<'_>, alpha: f64) -> Vec<NoiseStatement> {
+/// The residuals of a fit, and what they say of the noise.
+fn noise_of(fit: &Fit<'_>, alpha: f64) -> (ResidualSpace, Vec<NoiseStatement>) {
     let linear = Linearisation::new(&fit.problem, &fit.solution);
     let space = ResidualSpace::new(&linear);
     let variables = Variables::new(&fit.problem, &fit.solution, &linear);
     let tests = dependence_tests(&space, &variables);
-    noise_statements(&space, &discrepancies(&space, &tests, alpha), alpha)
+    let noise = noise_statements(&space, &discrepancies(&space, &tests, alpha), alpha);
+    (space, noise)
 }
 
 /// The effects that would not be found at their largest typical size.

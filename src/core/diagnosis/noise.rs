@@ -77,6 +77,18 @@ pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
     estimate.row_factors()
 }
 
+/// Degrees of freedom of the readings of which a statement is made.
+pub(super) fn freedom_of(space: &ResidualSpace, statement: &NoiseStatement) -> f64 {
+    let concerned = |id: &ReadingId| {
+        id.quantity == statement.quantity
+            && statement.cable.is_none_or(|cable| id.cable == Some(cable))
+    };
+    let ids = space.readings.iter().zip(space.redundancy());
+    ids.filter(|(id, _)| id.as_ref().is_some_and(concerned))
+        .map(|(_, redundancy)| redundancy)
+        .sum()
+}
+
 /// The dataset with the standard deviations that were found too small enlarged.
 pub(super) fn with_noise(dataset: &Dataset, statements: &[NoiseStatement]) -> Dataset {
     let mut louder = dataset.clone();

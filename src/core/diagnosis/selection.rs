@@ -266,6 +266,18 @@ pub(super) fn select<'a>(
 }
 
 impl<'a> Selection<'a> {
+    /// The causes with what their freedom is worth, those that gain most first.
+    pub fn by_strength(&self) -> Vec<(Cause, f64)> {
+        let pairs = self.fit.causes.iter().zip(&self.rounds);
+        let mut found: Vec<(&Contender<'a>, &Cause)> = pairs
+            .filter_map(|(cause, round)| Some((round.of(cause)?, cause)))
+            .collect();
+        found.sort_by(|a, b| b.0.gain.total_cmp(&a.0.gain));
+        let pair =
+            |(contender, cause): (&Contender<'a>, &Cause)| (cause.clone(), contender.freedom);
+        found.into_iter().map(pair).collect()
+    }
+
     /// Puts in the place of each cause whatever fits best there, and takes back what is not needed, until
     /// nothing changes.
     fn exchange(
