@@ -28,26 +28,22 @@ fn check(study: &Study) {
 }
 
 #[test]
-#[ignore = "figures not yet checked against the doctor"]
 fn hidden_effects_are_named() {
     // 11 is prime to the numbers of robots and effects: all of them take part.
     check(&run_all(&some(single(3, &Restriction::default()), 11)));
 }
 
 #[test]
-#[ignore = "figures not yet checked against the doctor"]
 fn two_hidden_effects_are_both_named() {
     check(&run_all(&pairs(2, &Restriction::default())));
 }
 
 #[test]
-#[ignore = "figures not yet checked against the doctor"]
 fn nothing_is_found_in_clean_data() {
     check(&run_all(&clean(60, &Restriction::default())));
 }
 
 #[test]
-#[ignore = "figures not yet checked against the doctor"]
 fn effects_outside_the_catalogue_are_not_forced_into_it() {
     check(&run_all(&some(outside(1, &Restriction::default()), 5)));
 }
