@@ -7,6 +7,7 @@ mod held_out;
 mod names;
 mod odd_inputs;
 mod score_test;
+mod separation;
 mod unknown;
 
 use super::adequacy_tests::{run_of, run_with, setting};
