@@ -10,7 +10,7 @@ use super::noise::{freedom_of, noise_statements, with_noise};
 use super::progress::Reporter;
 use super::report::{Adequacy, Cause, Diagnosis, Discrepancy, Finding, Invisible, NoiseStatement};
 use super::residual_space::ResidualSpace;
-use super::scores::Scan;
+use super::scores::{Scan, Scored};
 use super::selection::{Selection, select};
 use super::variables::Variables;
 use super::verdict::finding;
@@ -196,12 +196,16 @@ fn noise_of(fit: &Fit<'_>, alpha: f64) -> (ResidualSpace, Vec<NoiseStatement>) {
     (space, noise)
 }
 
-/// The effects that would not be found at their largest typical size.
+/// The effects that would not be found at their largest typical size, of those on which a reading depends at all: what an
+/// instrument shows that was not there is nobody's question.
 fn invisible(selection: &Selection<'_>, options: &DiagnosisOptions) -> Vec<Invisible> {
     let scan: &Scan = &selection.first;
     let tail = options.alpha / (2.0 * scan.questions.max(1) as f64);
     let needed = normal_quantile(1.0 - tail) + normal_quantile(POWER);
-    let asked = scan.scored.iter().filter(|s| s.cause.instances.len() == 1);
+    let single = |s: &&Scored| s.cause.instances.len() == 1;
+    // Only columns of zeros gain exactly nothing.
+    let is_read = |s: &&Scored| s.gain != 0.0;
+    let asked = scan.scored.iter().filter(single).filter(is_read);
     let mut found = Vec::new();
     for scored in asked {
         let effect = scored.cause.effect();

@@ -72,6 +72,29 @@ fn without_laser() {
     check_clean(&dataset);
 }
 
+/// What no instrument could show is not listed as invisible; what these poses do not show is.
+#[test]
+fn the_invisible_is_what_instruments_could_show() {
+    let mut dataset = clean("mini", 25);
+    let ids = |dataset: &Dataset| -> Vec<_> {
+        let invisible = diagnosed(dataset).invisible;
+        invisible.iter().map(|i| i.cause.effect().id()).collect()
+    };
+    let with_all = ids(&dataset);
+    for id in ["swivel_offset", "heading_offset", "inclinometer_tilt"] {
+        assert!(!with_all.contains(&id), "{id}");
+    }
+    assert!(with_all.contains(&"laser_bias"), "{with_all:?}");
+    dataset.measurements.laser_m.clear();
+    dataset.measurements.force_n = Grid::default();
+    let without = ids(&dataset);
+    let prefixes = ["laser", "target", "force", "payload", "pulley_friction"];
+    for id in &without {
+        assert!(!prefixes.iter().any(|p| id.starts_with(p)), "{id}");
+    }
+    assert!(!without.is_empty());
+}
+
 #[test]
 fn without_force_sensors() {
     let mut preset = presets::find("mini").unwrap();
