@@ -124,6 +124,33 @@ fn a_hidden_winch_scale_is_named() {
     assert!(number(&evaluation, "/p_value") > 1e-4);
 }
 
+/// A model explains the data with which it was found as well as it did then, also where its effects depend on where
+/// the platform is.
+#[test]
+fn a_model_that_was_found_evaluates_as_it_was_found() {
+    let hidden = [
+        "winch_scale:cable-3:scale=0.02",
+        "pulley_friction:mu=0.06",
+        "frame_compliance:compliance=0.00003",
+        "cable_stiffness:cable-2:change=0.5",
+        "unknown:reading=3,variable=10,from=-0.3,to=0.3,scale=0.002,c3=1",
+    ];
+    for effect in hidden {
+        let folder = Folder::new();
+        let dataset = simulate(&folder, 60, &["--effect", effect]);
+        let model = folder.join("model.json");
+        let diagnosis = diagnose(&dataset, &["--json", "-", "--model-out", &model]).json();
+        let findings = diagnosis["findings"].as_array().expect("a list");
+        assert!(!findings.is_empty(), "{effect}");
+        let arguments = ["evaluate", &dataset, "--model", &model, "--json", "-"];
+        let evaluation = tautline(&arguments).succeeded().json();
+        let found = number(&diagnosis, "/extended/global_test/chi2");
+        let again = number(&evaluation, "/chi2");
+        println!("{effect}: found {found}, evaluated {again}");
+        assert!(again <= found + 1.0, "{effect}: {found} {again}");
+    }
+}
+
 #[test]
 fn clean_data_have_no_findings() {
     let folder = Folder::new();
