@@ -36,7 +36,8 @@ pub fn run() {
     let readings = numbered(BiasedReading::ALL.iter().map(|reading| reading.name()));
     let variables = numbered(Variable::ALL.iter().map(|variable| variable.name()));
     say!("unknown: reading is {readings}");
-    say!("unknown: variable is {variables}");
+    say!("unknown: variable and other are {variables}");
+    say!("unknown: shape is 0 smooth, 1 wave, 2 surface over variable and other");
 }
 
 fn on(effect: &dyn Effect) -> &'static str {

@@ -133,7 +133,7 @@ fn a_model_that_was_found_evaluates_as_it_was_found() {
         "pulley_friction:mu=0.06",
         "frame_compliance:compliance=0.00003",
         "cable_stiffness:cable-2:change=0.5",
-        "unknown:reading=3,variable=10,from=-0.3,to=0.3,scale=0.002,c3=1",
+        "unknown:reading=3,shape=0,variable=10,from=-0.3,to=0.3,other=0,other_from=0,other_to=1,terms=6,scale=0.002,c3=1",
     ];
     for effect in hidden {
         let folder = Folder::new();
