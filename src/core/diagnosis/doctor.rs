@@ -10,12 +10,12 @@ use super::noise::{freedom_of, noise_statements, with_noise};
 use super::progress::Reporter;
 use super::report::{Adequacy, Cause, Diagnosis, Discrepancy, Finding, Invisible, NoiseStatement};
 use super::residual_space::ResidualSpace;
-use super::scores::Scan;
+use super::scores::{Scan, Scored};
 use super::selection::{Selection, select};
 use super::variables::Variables;
 use super::verdict::finding;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{Search, measurements_as_modelled};
+use crate::effect::{CablePorts, Dual, Search, measurements_as_modelled};
 use crate::estimation::{EstimationError, Linearisation, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
@@ -196,12 +196,18 @@ fn noise_of(fit: &Fit<'_>, alpha: f64) -> (ResidualSpace, Vec<NoiseStatement>) {
     (space, noise)
 }
 
-/// The effects that would not be found at their largest typical size.
+/// The effects that would not be found at their largest typical size, of those on which a reading depends at all: what an
+/// instrument shows that was not there is nobody's question.
 fn invisible(selection: &Selection<'_>, options: &DiagnosisOptions) -> Vec<Invisible> {
     let scan: &Scan = &selection.first;
     let tail = options.alpha / (2.0 * scan.questions.max(1) as f64);
     let needed = normal_quantile(1.0 - tail) + normal_quantile(POWER);
-    let asked = scan.scored.iter().filter(|s| s.cause.instances.len() == 1);
+    let single = |s: &&Scored| s.cause.instances.len() == 1;
+    let problem = &selection.fit.problem;
+    // Only columns of zeros gain exactly nothing.
+    let is_read =
+        |s: &&Scored| s.gain != 0.0 && (has_forces(problem) || !acts_on_tension(s, problem));
+    let asked = scan.scored.iter().filter(single).filter(is_read);
     let mut found = Vec::new();
     for scored in asked {
         let effect = scored.cause.effect();
@@ -224,4 +230,25 @@ fn invisible(selection: &Selection<'_>, options: &DiagnosisOptions) -> Vec<Invis
         }
     }
     found
+}
+
+fn has_forces(problem: &Problem<'_>) -> bool {
+    let forces = &problem.dataset.measurements.force_n;
+    !forces.is_empty() && problem.dataset.robot.has_force_sensors()
+}
+
+/// Whether it changes the tensions that force sensors tell.
+fn acts_on_tension(scored: &Scored, problem: &Problem<'_>) -> bool {
+    let bound = &scored.cause.instances[0];
+    let (Some(cable), Some(circumstances)) = (bound.cables.first(), &problem.circumstances) else {
+        return false;
+    };
+    let robot = &problem.dataset.robot;
+    let values: Vec<Dual> = bound.values.iter().map(|v| Dual::variable(*v)).collect();
+    (0..problem.dataset.measurements.len()).any(|row| {
+        let mut ports = CablePorts::nominal(&robot.cables[*cable], 0.0, 1.0);
+        let at = circumstances.cable(row, *cable);
+        bound.effect.change_cable(&values, at, &mut ports);
+        ports.tension.slope != 0.0
+    })
 }

@@ -87,3 +87,6 @@ pub struct DiagnosisProgress {
 
 /// Observer of a running diagnosis.
 pub type Observer<'a> = dyn FnMut(&DiagnosisProgress) -> Control + 'a;
+
+#[cfg(test)]
+mod tests;

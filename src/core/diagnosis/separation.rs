@@ -1,23 +1,30 @@
-//! Poses that would separate two causes: where the models that fit these data differ most.
+//! What would separate two causes: poses at which the models that fit these data still differ once the second has adapted
+//! all its parameters to them, and checks in the workshop.
+
+use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fit;
 use super::report::Separation;
-use crate::estimation::{Control, Geometry, Linearisation, Options, Problem, solve};
+use crate::effect::Search;
+use crate::estimation::{Control, Geometry, Linearisation, Options, Problem, Solution, solve};
 use crate::geometry::Pose;
-use crate::measurement::Dataset;
+use crate::measurement::{Dataset, Grid, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate};
 
-/// Poses that are tried, and those that are proposed.
+/// Poses that are tried at least and at most, and those that are proposed.
 const TRIED: usize = 80;
+const MOST_TRIED: usize = 500;
 const PROPOSED: usize = 5;
 /// Seed of the poses tried.
 const SEED: u64 = 41;
 /// Difference of chi-square that decides.
 const DECISIVE: f64 = 9.0;
+/// Most times that a pose is to be measured.
+const MOST_TIMES: usize = 40;
 
-/// The robot as a fit has it.
-pub(super) fn robot_of(fit: &Fit<'_>) -> Robot {
+/// The robot as a fit has it, its readings on their own channels.
+fn robot_of(fit: &Fit<'_>) -> Robot {
     let globals = &fit.solution.globals;
     let mut robot = fit.problem.dataset.robot.clone();
     for (cable, entry) in robot.cables.iter_mut().zip(&globals.entry_points) {
@@ -30,40 +37,129 @@ pub(super) fn robot_of(fit: &Fit<'_>) -> Robot {
         home.position_m = globals.home.position.into();
         home.orientation_wxyz = globals.home.orientation_wxyz();
     }
-    robot.effects = globals
-        .effects
-        .iter()
+    let effects = globals.effects.iter();
+    robot.effects = effects
+        .filter(|bound| bound.effect.search() != Search::Exchange)
         .map(|bound| bound.setting(&robot))
         .collect();
     robot
 }
 
-/// Poses at which the two fits predict different readings; `None` where the robot cannot be simulated.
+/// What separates the last causes of two fits; `None` where the robot cannot be simulated and no check is known.
 pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
-    let robot = robot_of(one);
+    let checks = checks(one, other);
+    let candidates = candidates(one, other);
+    if candidates.is_none() && checks.is_empty() {
+        return None;
+    }
+    let mut candidates = candidates.unwrap_or_default();
+    let information = &other.solution.information;
+    let alone = |candidate: &Candidate| difference(&[candidate], 1.0, information);
+    candidates.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
+    candidates.truncate(PROPOSED);
+    let chosen: Vec<&Candidate> = candidates.iter().collect();
+    let Some(needed) = needed(&chosen, information) else {
+        return Some(Separation {
+            poses: Vec::new(),
+            expected_delta_chi2: 0.0,
+            advice: without_poses(&checks),
+        });
+    };
+    Some(Separation {
+        advice: advice(needed, &checks),
+        expected_delta_chi2: difference(&chosen, 1.0, information),
+        poses: chosen.iter().map(|candidate| candidate.pose).collect(),
+    })
+}
+
+/// A pose, with what the second model predicts there if the first is right.
+struct Candidate {
+    pose: Pose,
+    /// Prediction less reading, without noise.
+    residual: DVector<f64>,
+    /// Its derivative with respect to the parameters of the second model.
+    design: DMatrix<f64>,
+}
+
+fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
+    let (measurements, poses) = further(one)?;
+    let dataset = Dataset {
+        robot: robot_of(other),
+        measurements,
+    };
+    let mut held = Problem::new(&dataset).ok()?;
+    held.geometry = Geometry::Held;
+    let quiet = &mut |_: &_| Control::Continue;
+    let fitted = solve(&held, &Options::default(), quiet).ok()?;
+    let described = Dataset {
+        robot: other.problem.dataset.robot.clone(),
+        measurements: dataset.measurements.clone(),
+    };
+    let mut problem = other.problem.clone();
+    problem.dataset = &described;
+    let problem = problem.at_poses_of(&fitted);
+    if problem.parameters().len() != other.solution.parameters.len() {
+        return None;
+    }
+    let mut solution = Solution {
+        poses: fitted.poses,
+        ..other.solution.clone()
+    };
+    solution.globals.home_tension_error_n = fitted.globals.home_tension_error_n;
+    let linear = Linearisation::new(&problem, &solution);
+    let of = |block: &crate::estimation::PoseBlock| {
+        let (first, count) = (block.rows.start, block.rows.len());
+        Candidate {
+            pose: poses[block.row],
+            residual: linear.residual.rows(first, count).into_owned(),
+            design: linear.design.rows(first, count).into_owned(),
+        }
+    };
+    Some(linear.poses.iter().map(of).collect())
+}
+
+/// Readings at further poses without noise, as a fit predicts them, of what was read in its data; and the poses.
+fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
+    let events = fit.causes.iter().flat_map(|cause| &cause.instances);
+    let labels = events.filter_map(|bound| Some(bound.values[bound.effect.pose_parameter()?]));
+    // Events are before some of the poses.
+    let last = labels.fold(0.0, f64::max) as usize;
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         noise: false,
-        workspace: Workspace::around(one.solution.poses.iter().map(|(_, pose)| pose)),
-        tension: tension_of(one),
-        ..SimulationOptions::new(TRIED, SEED)
+        workspace: Workspace::around(fit.solution.poses.iter().map(|(_, pose)| pose)),
+        tension: tension_of(fit),
+        ..SimulationOptions::new((last + PROPOSED).clamp(TRIED, MOST_TRIED), SEED)
     };
-    let mut run = simulate(&robot, &options).ok()?;
-    let poses = std::mem::take(&mut run.dataset.measurements.truth.poses);
-    let dataset = Dataset {
-        robot: robot_of(other),
-        measurements: run.dataset.measurements,
-    };
-    let mut differences = differences(&dataset)?;
-    differences.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let best = &differences[..PROPOSED.min(differences.len())];
-    let each = best.iter().map(|(_, d)| d).sum::<f64>() / best.len().max(1) as f64;
-    let chosen: Vec<Pose> = best.iter().map(|(row, _)| poses[*row]).collect();
-    Some(Separation {
-        advice: advice(each),
-        expected_delta_chi2: each * chosen.len() as f64,
-        poses: chosen,
-    })
+    let run = simulate(&robot_of(fit), &options).ok()?;
+    let mut further = run.dataset.measurements;
+    let poses = std::mem::take(&mut further.truth.poses);
+    leave_out_unread(&mut further, &fit.problem.dataset.measurements);
+    Some((further, poses))
+}
+
+/// Leaves out the columns that the data do not have.
+fn leave_out_unread(further: &mut Measurements, data: &Measurements) {
+    fn column<T>(further: &mut Vec<T>, data: &[T]) {
+        if data.is_empty() {
+            further.clear();
+        }
+    }
+    for (grid, read) in [
+        (&mut further.force_n, &data.force_n),
+        (&mut further.swivel_rad, &data.swivel_rad),
+    ] {
+        if read.is_empty() {
+            *grid = Grid::default();
+        }
+    }
+    column(&mut further.time_s, &data.time_s);
+    column(&mut further.temperature_c, &data.temperature_c);
+    column(&mut further.laser_m, &data.laser_m);
+    column(&mut further.inclination_rad, &data.inclination_rad);
+    column(&mut further.tracked_position_m, &data.tracked_position_m);
+    let turned = &data.tracked_orientation_wxyz;
+    column(&mut further.tracked_orientation_wxyz, turned);
 }
 
 /// The tensions at which the data were taken.
@@ -86,28 +182,61 @@ fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
     })
 }
 
-fn advice(each: f64) -> String {
-    let needed = (DECISIVE / each.max(1e-12)).ceil();
-    if needed <= 200.0 {
-        format!(
-            "Measure the platform at the poses listed, about {needed:.0} times in all: there these causes differ most."
-        )
-    } else {
-        "No pose of this workspace tells these causes apart; a reading of another kind would."
-            .to_owned()
+/// Chi-square that the second model has more than the first, once every one of these poses was measured so many times
+/// besides the present data, whose information it has: the least over all that it can adapt.
+fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> f64 {
+    let mut squares = 0.0;
+    let mut pull = DVector::zeros(information.nrows());
+    let mut total = information.clone();
+    for candidate in chosen {
+        squares += candidate.residual.norm_squared();
+        pull += candidate.design.tr_mul(&candidate.residual);
+        total += candidate.design.tr_mul(&candidate.design) * times;
+    }
+    // Where the data leave a parameter open, nothing can be promised.
+    let solved = total.cholesky().map(|factor| factor.solve(&pull));
+    let explained = solved.map_or(f64::INFINITY, |solved| times * pull.dot(&solved));
+    (times * (squares - explained)).max(0.0)
+}
+
+/// How many measurements decide: the first poses once each, or all of them several times.
+fn needed(chosen: &[&Candidate], information: &DMatrix<f64>) -> Option<usize> {
+    let decides = |poses: usize, times: usize| {
+        difference(&chosen[..poses], times as f64, information) >= DECISIVE
+    };
+    let few = (1..=chosen.len()).find(|poses| decides(*poses, 1));
+    let often = || (2..=MOST_TIMES).find(|times| decides(chosen.len(), *times));
+    few.or_else(|| Some(chosen.len() * often()?))
+}
+
+/// The checks of both causes, each once.
+fn checks(one: &Fit<'_>, other: &Fit<'_>) -> Vec<&'static str> {
+    let causes = [one, other].map(|fit| fit.causes.last());
+    let mut checks: Vec<&str> = causes
+        .into_iter()
+        .flatten()
+        .filter_map(|cause| cause.effect().check())
+        .collect();
+    checks.dedup();
+    checks
+}
+
+fn advice(needed: usize, checks: &[&str]) -> String {
+    let often = match needed {
+        1 => "once, at the first of the poses listed".to_owned(),
+        _ => format!("about {needed} times in all, at the poses listed"),
+    };
+    let poses = format!("Measure the platform {often}: there these causes differ most.");
+    match checks {
+        [] => poses,
+        _ => format!("{poses} Or check without: {}", checks.join(" ")),
     }
 }
 
-/// Chi-square of each pose with the geometry held: row of the measurements, value.
-fn differences(dataset: &Dataset) -> Option<Vec<(usize, f64)>> {
-    let mut problem = Problem::new(dataset).ok()?;
-    problem.geometry = Geometry::Held;
-    let quiet = &mut |_: &_| Control::Continue;
-    let solution = solve(&problem, &Options::default(), quiet).ok()?;
-    let linear = Linearisation::new(&problem, &solution);
-    let of = |block: &crate::estimation::PoseBlock| {
-        let residual = linear.residual.rows(block.rows.start, block.rows.len());
-        (block.row, residual.norm_squared())
-    };
-    Some(linear.poses.iter().map(of).collect())
+fn without_poses(checks: &[&str]) -> String {
+    let none = "No poses of this workspace tell these causes apart";
+    match checks {
+        [] => format!("{none}; a reading of another kind would."),
+        _ => format!("{none}, but a check does: {}", checks.join(" ")),
+    }
 }

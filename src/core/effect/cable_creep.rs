@@ -1,7 +1,7 @@
 //! Strain that grows with the logarithm of time: `strain += c ln(1 + t / 600 s)`, `t` since home. Assumes that
 //! the load is about constant. Typical 1e-4 to 1e-2: logarithmic creep of fibre ropes.
 
-use super::words::{millimetres, sentence};
+use super::words::{self, millimetres, sentence};
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
@@ -45,6 +45,9 @@ impl Effect for CableCreep {
                 ""
             },
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_BACK)
     }
     fn source(&self) -> &'static str {
         "Logarithmic creep of fibre ropes"

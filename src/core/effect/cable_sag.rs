@@ -36,6 +36,9 @@ impl Effect for CableSag {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Weigh a piece of the cable of known length and enter its weight per metre. Higher tensions make the sag smaller.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Weigh a few metres of the cable.")
+    }
     fn source(&self) -> &'static str {
         "Irvine, Cable Structures, 1981: parabola, first order"
     }

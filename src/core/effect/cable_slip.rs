@@ -1,7 +1,7 @@
 //! A step in the cable paid out: `paid += step` at the pose labelled `pose` and at all later labels; metres.
 //! Assumes that the cable slipped once. Typical 1 to 20 mm.
 
-use super::words::sentence;
+use super::words::{self, sentence};
 use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
 };
@@ -51,6 +51,9 @@ impl Effect for CableSlip {
                 ""
             },
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_BACK)
     }
     fn source(&self) -> &'static str {
         "Geometry: one step in the cable paid out"

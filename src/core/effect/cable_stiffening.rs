@@ -43,6 +43,11 @@ impl Effect for CableStiffening {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some(
+            "Pull a piece of the cable with several known forces and measure by how much it gets longer.",
+        )
+    }
     fn source(&self) -> &'static str {
         "First-order term of a stiffness that depends on tension, as measured on fibre ropes"
     }

@@ -32,6 +32,9 @@ impl Effect for CableStiffness {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Stretch a piece of the same cable with known weights, measure by how much, and enter that stiffness.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Pull a piece of the cable with a known force and measure by how much it gets longer.")
+    }
     fn source(&self) -> &'static str {
         "Hooke's law; sizes from stiffnesses reported for ropes"
     }

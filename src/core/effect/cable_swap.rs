@@ -48,6 +48,9 @@ impl Effect for CableSwap {
             )
         }
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Turn one winch by hand and look which channel counts.")
+    }
     fn source(&self) -> &'static str {
         "Wiring: two channels exchanged"
     }

@@ -2,7 +2,7 @@
 //! the cable has the temperature measured. Typical -1e-5 (aramid, polyethylene: shorter when warm) to 5e-5 per
 //! kelvin; steel 12e-6.
 
-use super::words::sentence;
+use super::words::{self, sentence};
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
@@ -40,6 +40,9 @@ impl Effect for CableThermal {
     }
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Measure at a steady temperature, or correct the cable lengths for temperature in the controller.".to_owned()
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::REPEAT_WARMER)
     }
     fn source(&self) -> &'static str {
         "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm"

@@ -48,6 +48,9 @@ impl Effect for DrumEccentricity {
             found.name(Part::Winch),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Turn the drum once under a dial gauge.")
+    }
     fn source(&self) -> &'static str {
         "Geometry of an eccentric drum; sizes from ovalisation reported for winches of cable robots"
     }

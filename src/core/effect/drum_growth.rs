@@ -46,6 +46,9 @@ impl Effect for DrumGrowth {
             found.name(Part::Winch),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure the drum with calipers where it is bare and where it is full of cable.")
+    }
     fn source(&self) -> &'static str {
         "Geometry of a winding whose diameter changes in proportion to the turns, first order"
     }

@@ -2,7 +2,7 @@
 //! rate in metres per hour. Assumes a constant rate. Typical 1 to 10 mm/h: slip that adds up, or a
 //! reference that wanders.
 
-use super::words::size;
+use super::words::{self, size};
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
@@ -40,6 +40,9 @@ impl Effect for EncoderDrift {
             found.name(Part::Winch),
             found.either("cable", "cables"),
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_BACK)
     }
     fn source(&self) -> &'static str {
         "Constant rate, first order in time"

@@ -1,6 +1,7 @@
 //! A length reading that is wrong: `error` (m) is contained in the cable paid out, or in the length, that was read
 //! at the pose labelled `pose`.
 
+use super::words;
 use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
 };
@@ -46,6 +47,9 @@ impl Effect for EncoderOutlier {
             found.name(Part::Cable),
             found.name(Part::Winch),
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_THERE_AGAIN)
     }
     fn source(&self) -> &'static str {
         "A single wrong reading"

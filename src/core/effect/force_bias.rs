@@ -39,6 +39,9 @@ impl Effect for ForceBias {
             found.name(Part::ForceSensor),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Slacken the cable and read its force sensor.")
+    }
     fn source(&self) -> &'static str {
         "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2"
     }

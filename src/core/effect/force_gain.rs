@@ -38,6 +38,9 @@ impl Effect for ForceGain {
             found.name(Part::ForceSensor),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Hang a known weight at the cable and read its force sensor.")
+    }
     fn source(&self) -> &'static str {
         "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2"
     }

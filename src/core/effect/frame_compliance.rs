@@ -42,6 +42,9 @@ impl Effect for FrameCompliance {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Put a dial gauge at a pulley and pull its cable with a known force.")
+    }
     fn source(&self) -> &'static str {
         "Linear elasticity, one compliance for all pulleys"
     }

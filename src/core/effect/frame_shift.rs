@@ -1,7 +1,7 @@
 //! An entry point that jumps, as after a knock: `a += (x, y, z)`, base frame, metres, at the pose labelled `pose`
 //! and at all later labels. Typical 1 to 20 mm.
 
-use super::words::displacement;
+use super::words::{self, displacement};
 use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
 };
@@ -46,6 +46,9 @@ impl Effect for FrameShift {
             found.either("the bracket", "the brackets"),
             found.name(Part::Pulley),
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_BACK)
     }
     fn source(&self) -> &'static str {
         "Geometry"

@@ -2,6 +2,7 @@
 //! `dT` (K), about the origin of the base frame. Approximation: `a` is the nominal entry point. Typical 12e-6
 //! (steel) to 24e-6 (aluminium) per kelvin.
 
+use super::words;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
 
 /// See the module documentation.
@@ -37,6 +38,9 @@ impl Effect for FrameThermal {
     }
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.".to_owned()
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::REPEAT_WARMER)
     }
     fn source(&self) -> &'static str {
         "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin"

@@ -38,6 +38,9 @@ impl Effect for HeadingOffset {
         "Zero the heading at the home pose again. Keep a compass away from motors and steel."
             .to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Align the platform with the frame and read its heading.")
+    }
     fn source(&self) -> &'static str {
         "Zero error of an attitude sensor"
     }

@@ -47,6 +47,9 @@ impl Effect for InclinometerTilt {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Check how the inclinometer is fastened, and zero it on the levelled platform.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Read the inclinometer, turn it by half a turn about the vertical, and read it again.")
+    }
     fn source(&self) -> &'static str {
         "Geometry"
     }

@@ -38,6 +38,11 @@ impl Effect for LaserBeamTilt {
         "Check the screws of the laser's mount, and align the beam with a square on the platform."
             .to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some(
+            "Move the platform straight up and look whether the spot of the laser wanders on its target.",
+        )
+    }
     fn source(&self) -> &'static str {
         "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree"
     }

@@ -30,6 +30,9 @@ impl Effect for LaserBias {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Check where the laser sits on the platform, and where the target is: a displaced target looks the same.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure one distance from the laser to its target with a steel tape.")
+    }
     fn source(&self) -> &'static str {
         "Zero error of distance meters"
     }

@@ -47,6 +47,9 @@ impl Effect for LaserCyclic {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Clean the optics of the laser and use a matt target without reflections. If the error stays, have the laser checked or replace it.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Move the target of the laser along a steel ruler in steps of a few millimetres.")
+    }
     fn source(&self) -> &'static str {
         "Cyclic error of distance meters that compare phases"
     }

@@ -30,6 +30,11 @@ impl Effect for LaserDrift {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Switch the laser on an hour before measuring.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some(
+            "Switch the laser on and watch its reading for half an hour while the platform stands still.",
+        )
+    }
     fn source(&self) -> &'static str {
         "Exponential warm-up of first order"
     }

@@ -1,6 +1,7 @@
 //! A laser reading that is wrong: `error` (m) is added at the pose labelled `pose`, as by a reflection elsewhere.
 //! For several poses name the effect several times.
 
+use super::words;
 use super::{
     Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
 };
@@ -40,6 +41,9 @@ impl Effect for LaserOutliers {
             "Check whether something stood in the beam at {pose} or the spot missed the target. Measure that pose again or leave its laser reading out.",
             pose = found.pose(0),
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_THERE_AGAIN)
     }
     fn source(&self) -> &'static str {
         "A single wrong reading"

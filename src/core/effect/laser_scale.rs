@@ -30,6 +30,9 @@ impl Effect for LaserScale {
         "Compare the laser with a tape measure at two distances far apart, and correct its scale."
             .to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure one distance from the laser to its target with a steel tape.")
+    }
     fn source(&self) -> &'static str {
         "Scale error of distance meters"
     }

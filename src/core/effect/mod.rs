@@ -190,6 +190,10 @@ pub trait Effect: Sync {
     fn cause(&self, found: &Found<'_>) -> String;
     /// What to do about it in the workshop, in one sentence or two.
     fn workshop(&self, found: &Found<'_>) -> String;
+    /// An independent check in the workshop that confirms or rules it out, in one sentence; none if none is known.
+    fn check(&self) -> Option<&'static str> {
+        None
+    }
     /// Where the model comes from.
     fn source(&self) -> &'static str;
     /// When it acts.

@@ -37,6 +37,9 @@ impl Effect for PayloadCom {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Balance the platform on an edge to find its centre of mass.")
+    }
     fn source(&self) -> &'static str {
         "Static equilibrium"
     }

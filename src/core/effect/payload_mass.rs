@@ -37,6 +37,9 @@ impl Effect for PayloadMass {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Weigh the platform with everything that it carries, and enter that mass.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Weigh the platform on a scale, with everything that it carries.")
+    }
     fn source(&self) -> &'static str {
         "Static equilibrium"
     }

@@ -44,6 +44,9 @@ impl Effect for PlatformAnchor {
             found.either("is", "are"),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure with calipers where the cable is attached to the platform.")
+    }
     fn source(&self) -> &'static str {
         "Geometry"
     }

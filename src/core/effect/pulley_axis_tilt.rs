@@ -46,6 +46,9 @@ impl Effect for PulleyAxisTilt {
             found.name(Part::Pulley),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Hold a spirit level against the swivel axis of the pulley.")
+    }
     fn source(&self) -> &'static str {
         "Geometry"
     }

@@ -6,7 +6,7 @@
 //! home pose); the direction is that of the readings. Typical 0.005 to 0.1; 3 % of the tension for 90
 //! degrees at 0.02. Source: belt friction (Euler, Eytelwein).
 
-use super::words::{percent, sentence};
+use super::words::{self, percent, sentence};
 use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
 };
@@ -47,6 +47,9 @@ impl Effect for PulleyFriction {
             found.either("bearing", "bearings"),
             found.name(Part::Pulley),
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_FROM_EITHER_SIDE)
     }
     fn source(&self) -> &'static str {
         "Belt friction (Euler, Eytelwein)"

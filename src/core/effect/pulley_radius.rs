@@ -41,6 +41,9 @@ impl Effect for PulleyRadius {
             found.name(Part::Pulley),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure the groove of the pulley with calipers.")
+    }
     fn source(&self) -> &'static str {
         "Geometry of a swivelling pulley: Jin et al., Sensors 18 (2018) 2392, equations 3 and 4"
     }

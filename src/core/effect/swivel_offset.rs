@@ -37,6 +37,9 @@ impl Effect for SwivelOffset {
             found.either("encoder", "encoders"),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Turn the pulley to its zero mark and read its angle.")
+    }
     fn source(&self) -> &'static str {
         "Zero error of an angle encoder"
     }

@@ -37,6 +37,9 @@ impl Effect for TargetTilt {
     fn workshop(&self, _found: &Found<'_>) -> String {
         "Check the target with a spirit level or a square, and align it.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Put a spirit level on the target of the laser.")
+    }
     fn source(&self) -> &'static str {
         "Geometry"
     }

@@ -48,6 +48,20 @@ impl BiasedReading {
         Self::Inclination(2),
     ];
 
+    /// Name in lists.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::Tension => "tension",
+            Self::Swivel => "swivel",
+            Self::Laser => "laser",
+            Self::Inclination(0) => "roll",
+            Self::Inclination(1) => "pitch",
+            Self::Inclination(_) => "yaw",
+        }
+    }
+
     /// Whether it is the reading of a cable.
     #[must_use]
     pub fn is_of_cable(self) -> bool {

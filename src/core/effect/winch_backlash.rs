@@ -5,7 +5,7 @@
 //! it is wrong where a cable moved by less than the play; a simulation knows the true direction.
 //! Typical 0.2 to 2 mm. Source: dead band of half the play to either side, as in any drive with play.
 
-use super::words::sentence;
+use super::words::{self, sentence};
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
 /// See the module documentation.
@@ -40,6 +40,9 @@ impl Effect for WinchBacklash {
             "Check the coupling, the set screws and the gearbox of {} for play. Until it is mended, approach poses always from the same side.",
             found.name(Part::Winch),
         )
+    }
+    fn check(&self) -> Option<&'static str> {
+        Some(words::GO_FROM_EITHER_SIDE)
     }
     fn source(&self) -> &'static str {
         "Dead band of half the play to either side, as in any drive with play"

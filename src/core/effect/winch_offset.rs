@@ -52,6 +52,9 @@ impl Effect for WinchOffset {
             found.name(Part::Winch),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure the length of the cable at one pose with a steel tape.")
+    }
     fn source(&self) -> &'static str {
         "Geometry: a zero set at another length; sizes from length errors reported for cable robots"
     }

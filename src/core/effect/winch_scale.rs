@@ -57,6 +57,11 @@ impl Effect for WinchScale {
             found.either("diameter", "diameters"),
         )
     }
+    fn check(&self) -> Option<&'static str> {
+        Some(
+            "Pay out a few metres of cable and compare what the controller counts with a steel tape.",
+        )
+    }
     fn source(&self) -> &'static str {
         "Geometry of a drum; sizes from winch ratio errors reported for cable robots"
     }

@@ -30,6 +30,9 @@ impl Effect for WinchScaleCommon {
         }
         "Measure the drum and the cable of one winch with calipers and correct the drum diameter of all in the controller: it counts to the middle of the cable. Check the gear ratio there, too.".to_owned()
     }
+    fn check(&self) -> Option<&'static str> {
+        Some("Measure one distance between two poses of the platform with a steel tape.")
+    }
     fn source(&self) -> &'static str {
         "Geometry of a drum; sizes from winch ratio errors reported for cable robots"
     }

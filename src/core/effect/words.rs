@@ -3,6 +3,15 @@
 use super::Dual;
 use super::direction::tilted;
 
+/// Checks that several effects share: what comes on in time is seen at a pose that is measured again.
+pub(super) const GO_BACK: &str =
+    "Go back to the first pose half-way and at the end, and compare the readings.";
+pub(super) const GO_FROM_EITHER_SIDE: &str =
+    "Go to one pose from either side and compare the readings.";
+pub(super) const GO_THERE_AGAIN: &str = "Go to that pose again and compare the readings.";
+pub(super) const REPEAT_WARMER: &str =
+    "Repeat the run when it is warmer, and compare the readings at the same poses.";
+
 /// A size with three digits that count, or all digits before the point.
 pub(super) fn size(value: f64) -> String {
     let value = value.abs();

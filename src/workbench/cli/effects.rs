@@ -1,51 +1,84 @@
 //! `tautline effects`.
 
-use tautline_core::effect::{CATALOGUE, Scope};
+use tautline_core::effect::{
+    BiasedReading, CATALOGUE, Effect, EffectParameter, Scope, Search, Unknown,
+};
+use tautline_core::measurement::Variable;
 
 use super::output::say;
 use super::table;
 
-/// Lists the effects that `simulate` can hide, and says which of them `identify` can free.
+/// Lists the effects that `simulate` can hide, says which of them `identify` can free, and how `diagnose` looks for them.
 pub fn run() {
     let mut rows = table::texts(&[
         "Effect",
         "title",
         "on",
         "can be freed",
+        "diagnose tries it",
         "parameters (typical size)",
     ]);
-    for effect in CATALOGUE {
-        let on = match effect.scope() {
-            Scope::Cable => "each cable",
-            Scope::CableOrAll => "one cable or all",
-            Scope::Pair => "two cables",
-            Scope::Robot => "the robot",
-            Scope::Reading => "one reading",
-        };
-        let parameter = |p: &tautline_core::effect::EffectParameter| {
-            if p.discrete {
-                return format!("{} (given)", p.name);
-            }
-            let [least, most] = p.typical.map(short);
-            let unit = if p.unit == "1" {
-                String::new()
-            } else {
-                format!(" {}", p.unit)
-            };
-            format!("{} ({least} to {most}{unit})", p.name)
-        };
+    let unknown: &dyn Effect = &Unknown;
+    for effect in CATALOGUE.iter().copied().chain([unknown]) {
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
         let freed = if effect.is_estimable() { "yes" } else { "no" };
         let cells = [
             effect.id(),
             effect.title(),
-            on,
+            on(effect),
             freed,
+            tried(effect),
             &parameters.join(", "),
         ];
         rows.add_row(cells);
     }
     say!("{rows}");
+    let readings = numbered(BiasedReading::ALL.iter().map(|reading| reading.name()));
+    let variables = numbered(Variable::ALL.iter().map(|variable| variable.name()));
+    say!("unknown: reading is {readings}");
+    say!("unknown: variable and other are {variables}");
+    say!("unknown: shape is 0 smooth, 1 wave, 2 surface over variable and other");
+}
+
+fn on(effect: &dyn Effect) -> &'static str {
+    match effect.scope() {
+        Scope::Cable => "each cable",
+        Scope::CableOrAll => "one cable or all",
+        Scope::Pair => "two cables",
+        Scope::Robot => "the robot",
+        Scope::Reading => "one reading",
+    }
+}
+
+fn tried(effect: &dyn Effect) -> &'static str {
+    match effect.search() {
+        _ if effect.scope() == Scope::Reading => "along every variable",
+        Search::Direct => "always",
+        Search::Wave { period: None, .. } => "at any phase",
+        Search::Wave { .. } => "at any phase and period",
+        Search::FromPose(_) => "from every pose on",
+        Search::AtPose(_) => "at every pose",
+        Search::Exchange => "if residuals are huge",
+    }
+}
+
+fn parameter(p: &EffectParameter) -> String {
+    if p.discrete {
+        return format!("{} (given)", p.name);
+    }
+    let [least, most] = p.typical.map(short);
+    let unit = if p.unit == "1" {
+        String::new()
+    } else {
+        format!(" {}", p.unit)
+    };
+    format!("{} ({least} to {most}{unit})", p.name)
+}
+
+/// `0 a, 1 b`.
+fn numbered(names: impl Iterator<Item = &'static str>) -> String {
+    let words: Vec<_> = names.enumerate().map(|(k, n)| format!("{k} {n}")).collect();
+    words.join(", ")
 }
 
 /// A typical size without digits that say nothing.

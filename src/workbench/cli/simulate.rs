@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::robot::{Robot, presets};
-use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_core::simulation::{SimulationError, SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{PhaseData, read_robot, write_dataset, write_robot};
 
 use super::BadInput;
@@ -74,7 +74,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         tension: preset.as_ref().map(|p| p.tension),
         ..SimulationOptions::new(arguments.poses, arguments.seed)
     };
-    let run = simulate(&robot, &options)?;
+    let run = simulate(&robot, &options).map_err(|error| match error {
+        // What an effect names is not there.
+        SimulationError::Effect(error) => BadInput::new(format!("--effect: {error}")),
+        other => other.into(),
+    })?;
     write_dataset(&arguments.out, &run.dataset, &PhaseData::default())?;
     write_robot(&arguments.out.join("truth.json"), &run.truth)?;
     say!(

@@ -124,6 +124,40 @@ fn a_hidden_winch_scale_is_named() {
     assert!(number(&evaluation, "/p_value") > 1e-4);
 }
 
+/// A model explains the data with which it was found as well as it did then, also where its effects depend on where
+/// the platform is.
+#[test]
+fn a_model_that_was_found_evaluates_as_it_was_found() {
+    let hidden = [
+        "winch_scale:cable-3:scale=0.02",
+        "pulley_friction:mu=0.06",
+        "frame_compliance:compliance=0.00003",
+        "cable_stiffness:cable-2:change=0.5",
+        "unknown:reading=3,shape=0,variable=10,from=-0.3,to=0.3,other=0,other_from=0,other_to=1,terms=6,scale=0.002,c3=1",
+    ];
+    // Of the geometry: `diagnose` counts them, `evaluate` does not. They are those of the first effect, which depends on no
+    // pose; the geometry of all runs is the same.
+    let mut priors = None;
+    for effect in hidden {
+        let folder = Folder::new();
+        let dataset = simulate(&folder, 60, &["--effect", effect]);
+        let model = folder.join("model.json");
+        let diagnosis = diagnose(&dataset, &["--json", "-", "--model-out", &model]).json();
+        let findings = diagnosis["findings"].as_array().expect("a list");
+        assert!(!findings.is_empty(), "{effect}");
+        let arguments = ["evaluate", &dataset, "--model", &model, "--json", "-"];
+        let evaluation = tautline(&arguments).succeeded().json();
+        let found = number(&diagnosis, "/extended/global_test/chi2");
+        let again = number(&evaluation, "/chi2");
+        println!("{effect}: found {found}, evaluated {again}");
+        let priors = *priors.get_or_insert(found - again);
+        assert!(
+            priors > 0.0 && again <= found - priors + 1.0,
+            "{effect}: {found} {again}"
+        );
+    }
+}
+
 #[test]
 fn clean_data_have_no_findings() {
     let folder = Folder::new();

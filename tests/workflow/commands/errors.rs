@@ -60,6 +60,10 @@ fn what_does_not_exist_is_named() {
         ("winch_scale:cable-9:scale=0.01", "cable-9"),
         ("winch_scale:cable-1:scale=x", "scale=x"),
         ("winch_scale:cable-1:size=1", "size"),
+        (
+            "cable_slip:cable-3:step=0.01,pose=99",
+            "no pose labelled 99",
+        ),
     ] {
         let arguments = ["simulate", "--robot", "mini", "--effect", effect];
         tautline(&[&arguments[..], &["--out", &out]].concat()).refused(&["--effect", part]);

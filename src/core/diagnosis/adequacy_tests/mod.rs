@@ -15,11 +15,21 @@ use crate::robot::presets::{self, Preset};
 use crate::simulation::{Simulated, SimulationOptions, simulate};
 
 /// A simulated run of a preset with hidden effects.
-fn run_with(name: &str, poses: usize, seed: u64, effects: &[EffectSetting]) -> Simulated {
+pub(super) fn run_with(
+    name: &str,
+    poses: usize,
+    seed: u64,
+    effects: &[EffectSetting],
+) -> Simulated {
     run_of(&presets::find(name).unwrap(), poses, seed, effects)
 }
 
-fn run_of(preset: &Preset, poses: usize, seed: u64, effects: &[EffectSetting]) -> Simulated {
+pub(super) fn run_of(
+    preset: &Preset,
+    poses: usize,
+    seed: u64,
+    effects: &[EffectSetting],
+) -> Simulated {
     let options = SimulationOptions {
         workspace: Some(preset.workspace),
         tension: Some(preset.tension),
@@ -30,7 +40,7 @@ fn run_of(preset: &Preset, poses: usize, seed: u64, effects: &[EffectSetting]) -
 }
 
 /// An effect with its targets and parameters.
-fn setting(effect: &str, targets: &[&str], parameters: &[(&str, f64)]) -> EffectSetting {
+pub(super) fn setting(effect: &str, targets: &[&str], parameters: &[(&str, f64)]) -> EffectSetting {
     EffectSetting {
         effect: effect.to_owned(),
         targets: targets.iter().map(|t| (*t).to_owned()).collect(),

@@ -6,6 +6,7 @@ mod formulas;
 mod recovery;
 mod slopes;
 mod texts;
+mod unknown;
 
 use super::CATALOGUE;
 

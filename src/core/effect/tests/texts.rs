@@ -89,6 +89,21 @@ fn every_effect_says_whole_sentences() {
 }
 
 #[test]
+fn every_effect_has_a_check_in_the_workshop() {
+    for effect in CATALOGUE {
+        let check = effect.check().unwrap_or_else(|| panic!("{}", effect.id()));
+        assert!(check.starts_with(char::is_uppercase), "{check}");
+        assert!(check.ends_with('.') && !check.contains(". "), "{check}");
+        assert!(!check.contains("  "), "{check}");
+        // What to do about it is another thing than how to be sure of it.
+        let other = bound(*effect, targets(*effect)[0], sizes(*effect, 0.3, 1.0));
+        assert_ne!(check, other.workshop(&mini()));
+    }
+    let unknown: &dyn Effect = &crate::effect::Unknown;
+    assert_eq!(unknown.check(), None);
+}
+
+#[test]
 fn ratios_are_not_told_as_bare_numbers() {
     everywhere(|robot, bound| {
         let cause = bound.cause(robot);

@@ -18,7 +18,7 @@ pub use solving::{refuse_extrapolation, timed};
 
 /// A solved problem.
 pub struct Fitted<'a> {
-    problem: &'a Problem<'a>,
+    problem: Problem<'a>,
     solution: Solution,
     analysis: Analysis,
     open: Vec<Deficiency>,

@@ -1,0 +1,62 @@
+//! What would separate causes.
+
+use super::super::report::Cause;
+use super::super::separation::separation;
+use super::{Fit, based, run_with, setting};
+use crate::effect::{BoundEffect, EffectRequest};
+use crate::robot::Robot;
+
+fn cause(robot: &Robot, request: &str) -> Cause {
+    let instances = EffectRequest::parse(request).bind(robot).unwrap();
+    Cause { instances }
+}
+
+/// The last pose only: a slip of the cable and a wrong reading are the same until another pose is measured.
+#[test]
+fn one_pose_tells_a_slip_from_a_wrong_reading() {
+    let hidden = setting(
+        "cable_slip",
+        &["cable-2"],
+        &[("step", 0.02), ("pose", 20.0)],
+    );
+    let run = run_with("mini", 20, 95, &[hidden]);
+    let base = based(&run.dataset);
+    let [slip, reading] = [
+        "cable_slip:cable-2:pose=20",
+        "encoder_outlier:cable-2:pose=20",
+    ]
+    .map(|request| Fit::new(&base, &[cause(&run.dataset.robot, request)]).unwrap());
+    let apart = (slip.solution.chi2 - reading.solution.chi2).abs();
+    assert!(apart < 1.0, "{apart}");
+    let found = separation(&slip, &reading).unwrap();
+    assert_eq!(found.poses.len(), 5);
+    assert!(found.expected_delta_chi2 > 100.0);
+    let expected = "Measure the platform once, at the first of the poses listed: there these causes differ most. \
+        Or check without: Go back to the first pose half-way and at the end, and compare the readings. \
+        Go to that pose again and compare the readings.";
+    assert_eq!(found.advice, expected);
+}
+
+/// What is the same under two names is not separated by any pose.
+#[test]
+fn nothing_is_promised_where_no_pose_separates() {
+    let hidden = setting("winch_scale_common", &[], &[("scale", 0.01)]);
+    let run = run_with("mini", 20, 96, &[hidden]);
+    let base = based(&run.dataset);
+    let common = cause(&run.dataset.robot, "winch_scale_common");
+    let each = cause(&run.dataset.robot, "winch_scale:cable-1");
+    let same = Cause {
+        instances: vec![BoundEffect {
+            cables: (0..8).collect(),
+            ..each.instances[0].clone()
+        }],
+    };
+    let [one, other] = [common, same].map(|cause| Fit::new(&base, &[cause]).unwrap());
+    let found = separation(&one, &other).unwrap();
+    assert!(found.poses.is_empty());
+    assert_eq!(found.expected_delta_chi2, 0.0);
+    let expected = "No poses of this workspace tell these causes apart, but a check does: \
+        Measure one distance between two poses of the platform with a steel tape. \
+        Pay out a few metres of cable and compare what the controller counts with a steel tape.";
+    assert_eq!(found.advice, expected);
+}
