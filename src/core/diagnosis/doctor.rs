@@ -161,7 +161,9 @@ fn conclude(
         discrepancies: &remaining,
         noise: &noise,
     };
-    temper(&mut findings, &left);
+    if !report.cancelled {
+        temper(&mut findings, &left);
+    }
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {
         base,

@@ -165,7 +165,7 @@ fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
     let step = left
         .cholesky()
         .map_or_else(|| DVector::zeros(n), |factor| factor.solve(&pull));
-    let error = residual + &basis * &step;
+    let error = residual + basis * &step;
     let own: Vec<f64> = block
         .remainder
         .row_iter()

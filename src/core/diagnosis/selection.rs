@@ -237,30 +237,23 @@ pub(super) fn select<'a>(
             None => break,
         }
     }
-    let first = match first {
-        Some(round) => round,
-        None => Round::new(base, &start)?,
-    };
     let mut selection = Selection {
-        first: first.scan.clone(),
+        first: first
+            .as_ref()
+            .map_or_else(|| scan(&start), |round| round.scan.clone()),
         base: start,
         rounds: Vec::new(),
         fit,
     };
     let price = selection.first.price();
     selection.fit = reduced(base, selection.fit, price)?;
-    if selection.fit.causes.len() == 1 {
-        // Nothing else is in the model: what was asked first is the answer.
-        let mut round = first;
-        round.include(base, &selection.base, &selection.fit.causes[0])?;
-        selection.rounds.push(round);
-        return Ok(selection);
-    }
-    selection.exchange(base, options, report)?;
-    let causes = selection.fit.causes.len();
-    selection.fit = united(base, selection.fit, price)?;
-    if selection.fit.causes.len() < causes {
-        selection.exchange_each(base, options, report, false)?;
+    match (first, selection.fit.causes.as_slice()) {
+        (Some(mut round), [only]) => {
+            // Nothing else is in the model: what was asked first is the answer.
+            round.include(base, &selection.base, only)?;
+            selection.rounds.push(round);
+        }
+        _ => selection.settle(base, options, report, price)?,
     }
     Ok(selection)
 }
@@ -276,6 +269,27 @@ impl<'a> Selection<'a> {
         let pair =
             |(contender, cause): (&Contender<'a>, &Cause)| (cause.clone(), contender.freedom);
         found.into_iter().map(pair).collect()
+    }
+
+    /// Exchanges, unites, and compares what has changed. A cause that was not compared, since the diagnosis was
+    /// cancelled, is left out.
+    fn settle(
+        &mut self,
+        base: &Problem<'a>,
+        options: &DiagnosisOptions,
+        report: &mut Reporter<'_, '_>,
+        price: f64,
+    ) -> Result<(), EstimationError> {
+        self.exchange(base, options, report)?;
+        let causes = self.fit.causes.len();
+        self.fit = united(base, self.fit.clone(), price)?;
+        if self.fit.causes.len() < causes {
+            self.exchange_each(base, options, report, false)?;
+        }
+        if self.rounds.len() < self.fit.causes.len() {
+            self.fit = Fit::new(base, &self.fit.causes[..self.rounds.len()])?;
+        }
+        Ok(())
     }
 
     /// Puts in the place of each cause whatever fits best there, and takes back what is not needed, until

@@ -54,6 +54,9 @@ impl Space {
 /// Matrix that makes the columns of `design` orthonormal, by the eigenvectors of its scaled normal matrix: a
 /// Cholesky factor fails where the data leave a parameter open.
 fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
+    if design.is_empty() {
+        return DMatrix::zeros(design.ncols(), 0);
+    }
     let normal = design.tr_mul(design);
     let scale = normal
         .diagonal()
@@ -62,9 +65,6 @@ fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
         normal[(i, k)] * scale[i] * scale[k]
     });
     let eigen = SymmetricEigen::new(scaled);
-    if eigen.eigenvalues.is_empty() {
-        return DMatrix::zeros(0, 0);
-    }
     let largest = eigen.eigenvalues.max();
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > SINGULAR * largest)
