@@ -52,8 +52,8 @@ pub(super) fn exchanged(
             values: Vec::new(),
         };
         let exchanged = undone(dataset, &bound);
-        let chi2 = Fit::new(&Problem::new(&exchanged)?, &[])?.solution.chi2;
-        tried.push((bound, chi2));
+        let fit = Fit::below(LEFT * solution.chi2, &Problem::new(&exchanged)?, &[])?;
+        tried.push((bound, fit.solution.chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
     let found = tried

@@ -1,7 +1,15 @@
 //! A model fitted to the data: the nominal one, extended by causes.
 
 use super::report::Cause;
-use crate::estimation::{Control, EstimationError, Options, ParameterId, Problem, Solution, solve};
+use crate::estimation::{
+    Control, EstimationError, Options, ParameterId, Problem, Progress, Solution, solve,
+};
+
+/// Steps tried after which a fit that is still worse than it must become is given up: one that gets there needs
+/// half as many.
+const PATIENCE: usize = 15;
+/// Most steps of a fit with causes: those that creep on are no explanation.
+const MOST_STEPS: usize = 40;
 
 /// A problem with its solution.
 #[derive(Debug, Clone)]
@@ -13,15 +21,42 @@ pub(super) struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    /// Fits the problem `base` with `causes` freed, starting from their values.
+    /// Fits the problem `base` with `causes` freed, starting from their values. What does not become better than
+    /// without them is not fitted to the end.
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
+        let known = base.known.as_ref().filter(|_| !causes.is_empty());
+        Self::below(
+            known.map_or(f64::INFINITY, |known| known.chi2),
+            base,
+            causes,
+        )
+    }
+
+    /// The same, given up where chi-square does not soon fall below a bound.
+    pub fn below(
+        bound: f64,
+        base: &Problem<'a>,
+        causes: &[Cause],
+    ) -> Result<Self, EstimationError> {
         let mut problem = base.clone();
         problem.free_effects = causes
             .iter()
             .flat_map(|cause| cause.instances.iter().cloned())
             .collect();
-        let quiet = &mut |_: &_| Control::Continue;
-        let solution = solve(&problem, &Options::default(), quiet)?;
+        let mut tried = 0;
+        let watch = &mut |progress: &Progress| {
+            tried += 1;
+            if tried > PATIENCE && progress.loss > bound {
+                Control::Cancel
+            } else {
+                Control::Continue
+            }
+        };
+        let mut options = Options::default();
+        if bound.is_finite() {
+            options.max_iterations = MOST_STEPS;
+        }
+        let solution = solve(&problem, &options, watch)?;
         let mut fitted = solution.globals.effects[problem.held_effects.len()..].iter();
         let causes = causes
             .iter()

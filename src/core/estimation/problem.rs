@@ -9,6 +9,10 @@ use crate::effect::{BoundEffect, Circumstances, EffectRequest};
 use crate::geometry::Pose;
 use crate::measurement::Dataset;
 
+/// Chi-square per degree of freedom up to which a solution is a good place to start from: beyond, what it lacks may
+/// have led it into a minimum of its own.
+const SOUND: f64 = 20.0;
+
 /// How tensions enter the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
@@ -65,6 +69,8 @@ pub struct Problem<'a> {
     pub free_effects: Vec<BoundEffect>,
     /// What effects depend on, where it is known better than from the commanded poses.
     pub(crate) circumstances: Option<Arc<Circumstances>>,
+    /// A solution of the problem without its free effects, where one is known.
+    pub(crate) known: Option<Arc<Solution>>,
 }
 
 impl<'a> Problem<'a> {
@@ -89,6 +95,7 @@ impl<'a> Problem<'a> {
             held_effects: held?,
             free_effects: Vec::new(),
             circumstances: None,
+            known: None,
         })
     }
 
@@ -104,7 +111,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The same problem with what effects depend on taken at the poses of a solution, which are better known
-    /// than those commanded.
+    /// than those commanded; there it starts, too.
     #[must_use]
     pub fn at_poses_of(mut self, solution: &Solution) -> Self {
         let data = &self.dataset.measurements;
@@ -117,7 +124,15 @@ impl<'a> Problem<'a> {
         self.circumstances = Some(Arc::new(Circumstances::new(
             robot, data, home, &poses, None,
         )));
+        self.known = Some(Arc::new(solution.clone()));
         self
+    }
+
+    /// The solution at which solving starts instead of at nominal values and given poses.
+    pub(super) fn start(&self) -> Option<&Solution> {
+        let same = self.geometry == Geometry::Estimated && self.poses == Poses::Estimated;
+        let sound = |s: &&Solution| s.converged() && s.chi2 < SOUND * s.degrees_of_freedom;
+        self.known.as_deref().filter(|_| same).filter(sound)
     }
 
     /// The same problem with another method.
@@ -203,6 +218,18 @@ impl Globals {
             home: robot.home.map_or_else(Pose::identity, |home| home.pose()),
             home_tension_error_n: vec![0.0; robot.cable_count()],
             effects,
+        }
+    }
+
+    /// The values at which solving starts: those of the solution that is known, effects as they are bound.
+    pub(super) fn start(problem: &Problem<'_>) -> Self {
+        let nominal = Self::nominal(problem);
+        match problem.start() {
+            Some(known) => Self {
+                effects: nominal.effects,
+                ..known.globals.clone()
+            },
+            None => nominal,
         }
     }
 }

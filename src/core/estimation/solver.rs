@@ -24,7 +24,7 @@ const LEAST_DAMPING: f64 = 1e-7;
 /// Damping at which the solver gives up.
 const MOST_DAMPING: f64 = 1e12;
 
-/// Solves an estimation problem from the nominal values.
+/// Solves an estimation problem from the nominal values, or from a solution that is known.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all. Non-convergence is no error.
@@ -107,7 +107,10 @@ pub(super) struct Descent<'a, T: Packet> {
 
 impl<'a, T: Packet> Descent<'a, T> {
     pub(super) fn from(token: T::Token, problem: &'a Problem<'a>, start: Start) -> Self {
-        let globals = Globals::nominal(problem);
+        let globals = match start {
+            Start::Given => Globals::start(problem),
+            Start::Lengths => Globals::nominal(problem),
+        };
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
         let start = start_poses(problem, &globals, &rows, start);
@@ -164,6 +167,10 @@ impl<'a, T: Packet> Descent<'a, T> {
         observer: &mut dyn FnMut(&Progress) -> Control,
     ) -> Solution {
         let mut search = Search::default();
+        if self.problem.start().is_some() {
+            // Close to the solution: this pass finds the tensions at which the next one linearises.
+            self.poses.assemble(None, self.huber, search.damping);
+        }
         self.poses.assemble(None, self.huber, search.damping);
         let termination = loop {
             if let Some(end) = self.iterate(&mut search, options, observer) {

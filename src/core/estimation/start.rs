@@ -18,7 +18,7 @@ const LOST: f64 = 1e3;
 /// Where poses start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Start {
-    /// Where they were commanded or tracked.
+    /// Where a solution is known to be, else where they were commanded or tracked.
     Given,
     /// Where forward kinematics puts them.
     Lengths,
@@ -34,7 +34,7 @@ pub(super) fn is_lost(problem: &Problem<'_>, solution: &Solution) -> bool {
     given && movable && bad && solution.termination != Termination::Cancelled
 }
 
-/// Start pose of every row: the commanded one, else the external instrument's, else by forward
+/// Start pose of every row: that of the solution that is known, else the commanded one, else the external instrument's, else by forward
 /// kinematics from the nominal geometry, else home.
 pub(super) fn start_poses(
     problem: &Problem<'_>,
@@ -42,6 +42,11 @@ pub(super) fn start_poses(
     rows: &[usize],
     from: Start,
 ) -> Vec<Pose> {
+    if let Some(known) = problem.start().filter(|_| from == Start::Given) {
+        let home = problem.home_row();
+        let fitted = known.poses.iter().filter(|(row, _)| Some(*row) != home);
+        return fitted.map(|(_, pose)| *pose).collect();
+    }
     let data = &problem.dataset.measurements;
     let mut search = None;
     let mut start = |row: &usize| {

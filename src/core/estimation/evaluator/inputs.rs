@@ -200,16 +200,23 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-/// The effect, by its number in `Globals::effects`, to which each free parameter belongs.
-fn owners(problem: &Problem<'_>) -> Vec<usize> {
+/// The free parameters by number, those that are given and not estimated left out, and the effect, by its number
+/// in `Globals::effects`, to which each belongs.
+fn owners(problem: &Problem<'_>) -> Vec<(usize, usize)> {
     if problem.geometry == Geometry::Held {
         return Vec::new();
     }
     let held = problem.held_effects.len();
-    let owned =
-        |(k, bound): (usize, &BoundEffect)| std::iter::repeat_n(held + k, bound.values.len());
+    let owned = |(k, bound): (usize, &BoundEffect)| {
+        let parameters = bound.effect.parameters().iter();
+        parameters.map(move |parameter| (held + k, parameter.discrete))
+    };
     let free = problem.free_effects.iter().enumerate();
-    free.flat_map(owned).collect()
+    let numbered = free.flat_map(owned).enumerate();
+    numbered
+        .filter(|(_, (_, discrete))| !discrete)
+        .map(|(parameter, (owner, _))| (parameter, owner))
+        .collect()
 }
 
 /// The effects that satisfy a condition, in the order in which they act.
@@ -252,7 +259,7 @@ fn pack_platform<T: Packet>(
     };
     let plain = scalars(None);
     let columns = std::array::from_fn(|port| pack_scalars(store, &plain, None, |s| s[port].value));
-    for (parameter, owner) in owners(problem).into_iter().enumerate() {
+    for (parameter, owner) in owners(problem) {
         if !concerned.contains(&owner) {
             continue;
         }
@@ -317,7 +324,7 @@ fn pack_cable<T: Packet>(
         })
     };
     let mut links = Vec::new();
-    for (parameter, owner) in owners(problem).into_iter().enumerate() {
+    for (parameter, owner) in owners(problem) {
         if !concerned.contains(&owner) {
             continue;
         }
