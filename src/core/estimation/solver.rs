@@ -24,6 +24,9 @@ const LEAST_DAMPING: f64 = 1e-7;
 /// Damping at which the solver gives up.
 const MOST_DAMPING: f64 = 1e12;
 
+/// Passes in which latent tensions settle; far from the solution steps need more.
+const SETTLING: usize = 3;
+
 /// Solves an estimation problem from the nominal values, or from a solution that is known.
 ///
 /// # Errors
@@ -166,11 +169,10 @@ impl<'a, T: Packet> Descent<'a, T> {
         options: &Options,
         observer: &mut dyn FnMut(&Progress) -> Control,
     ) -> Solution {
-        let mut search = Search::default();
-        if self.problem.start().is_some() {
-            // Close to the solution: this pass finds the tensions at which the next one linearises.
-            self.poses.assemble(None, self.huber, search.damping);
-        }
+        let mut search = Search {
+            unsettled: self.problem.start().map_or(0, |_| SETTLING),
+            ..Search::default()
+        };
         self.poses.assemble(None, self.huber, search.damping);
         let termination = loop {
             if let Some(end) = self.iterate(&mut search, options, observer) {
@@ -205,7 +207,7 @@ impl<'a, T: Packet> Descent<'a, T> {
         if promised <= enough {
             // Strong damping makes every promise small: that alone is no convergence.
             if search.damping <= FIRST_DAMPING {
-                return Some(Termination::Converged);
+                return self.settle(search);
             }
             if search.rejected {
                 return Some(Termination::Stalled);
@@ -213,7 +215,7 @@ impl<'a, T: Packet> Descent<'a, T> {
             self.damp(search, lowered(search.damping));
             return None;
         }
-        if search.left_after(promised) <= enough {
+        if search.unsettled == 0 && search.left_after(promised) <= enough {
             self.take_last_step(step.as_slice(), promised, search);
             return Some(Termination::Converged);
         }
@@ -240,6 +242,16 @@ impl<'a, T: Packet> Descent<'a, T> {
         self.poses.assemble(None, self.huber, damping);
     }
 
+    /// Ends once the tensions have settled at which the equilibrium is linearised; each pass brings them closer.
+    fn settle(&mut self, search: &mut Search) -> Option<Termination> {
+        if search.unsettled == 0 {
+            return Some(Termination::Converged);
+        }
+        search.unsettled -= 1;
+        self.damp(search, search.damping);
+        None
+    }
+
     /// Takes a step if it lowers the loss, else goes back and damps.
     fn try_step(&mut self, step: &[f64], promised: f64, search: &mut Search) {
         // The weights of latent tensions follow the linearisation, so the loss need not fall
@@ -259,6 +271,7 @@ impl<'a, T: Packet> Descent<'a, T> {
             search.promised_before = (search.damping == 0.0).then_some(promised);
             search.damping = next;
             search.iterations += 1;
+            search.unsettled = search.unsettled.saturating_sub(1);
             search.rejected = false;
             return;
         }
@@ -329,6 +342,8 @@ struct Search {
     rejected: bool,
     /// What the step before promised, if it was undamped and taken.
     promised_before: Option<f64>,
+    /// Passes until the latent tensions have settled.
+    unsettled: usize,
     /// What the last step gained that was taken without evaluation.
     gained: f64,
 }
