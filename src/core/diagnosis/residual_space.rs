@@ -342,6 +342,9 @@ fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// Orthonormal basis of the rows of `wide` (`n x N`, one row per parameter), at most `n` of them.
 fn row_basis(wide: &DMatrix<f64>) -> DMatrix<f64> {
+    if wide.is_empty() {
+        return DMatrix::zeros(0, wide.ncols());
+    }
     let mut scaled = wide.clone();
     for mut row in scaled.row_iter_mut() {
         let norm = row.norm();
