@@ -11,9 +11,9 @@ const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 6;
-const PAIRS: usize = 60;
+const PAIRS: usize = 12;
 const CLEAN: usize = 900;
-const OUTSIDE: usize = 6;
+const OUTSIDE: usize = 3;
 
 struct Arguments {
     kind: String,

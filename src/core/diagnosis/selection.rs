@@ -77,7 +77,7 @@ pub(super) fn contenders<'a>(
     for scored in promising.into_iter().take(REFITS).chain(unknown) {
         let mut causes = fit.causes.clone();
         causes.push(scored.cause.clone());
-        let refit = Fit::new(base, &causes)?;
+        let refit = Fit::below(fit.solution.chi2, base, &causes)?;
         found.push(Contender {
             gain: fit.solution.chi2 - refit.solution.chi2,
             freedom: scored.freedom,
