@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use anyhow::Result;
+use tautline_core::diagnosis::{Cause, DiagnosisOptions, Finding, Verdict, diagnose};
 use tautline_core::effect::EffectRequest;
 use tautline_core::estimation::{
     Analysis, Control, Geometry, Globals, Options, Poses, Problem, ReadingKind, Solution, solve,
@@ -36,6 +37,76 @@ pub struct ModelRow {
     pub other_dof: f64,
     /// Length residual of series 1, poses held at the camera's values, model held (m).
     pub other_rms_m: f64,
+}
+
+/// Effect and cables of a cause.
+pub type Name = (&'static str, Vec<usize>);
+
+/// What the doctor says of series 2 by itself.
+#[derive(Debug, Clone)]
+pub struct Opinion {
+    /// Verdict, effect and targets of each finding, its alternatives after it.
+    pub findings: Vec<(Verdict, Vec<Name>)>,
+    /// Sentence, held-out error before and after of each finding.
+    pub lines: Vec<(String, f64, f64)>,
+    /// Common build-up of line with its standard deviation (1/rev), if there is one.
+    pub growth: Option<(f64, f64)>,
+    /// Length residual of series 1, poses held at the camera's values, the extended model held (m).
+    pub other_rms_m: f64,
+}
+
+/// Asks the doctor.
+///
+/// # Errors
+/// If the data are absent or cannot be used.
+pub fn opinion(folder: &Path) -> Result<Opinion> {
+    let series2 = read_dataset(&folder.join("series2"))?.dataset;
+    let series1 = read_dataset(&folder.join("series1"))?.dataset;
+    let options = DiagnosisOptions::default();
+    let diagnosis = diagnose(&series2, &options, &mut |_| Control::Continue)?;
+    let model = model_of(&series2.robot, &diagnosis.extended_solution.globals);
+    let of = |cause: &Cause| (cause.effect().id(), cause.cables());
+    let common = |f: &&Finding| of(&f.cause) == ("drum_growth", Vec::new());
+    let growth = diagnosis.findings.iter().find(common);
+    let growth = growth.and_then(|f| f.parameters.first());
+    let all = diagnosis.findings.iter();
+    Ok(Opinion {
+        findings: all
+            .clone()
+            .map(|f| {
+                (
+                    f.verdict,
+                    std::iter::once(&f.cause)
+                        .chain(&f.alternatives)
+                        .map(of)
+                        .collect(),
+                )
+            })
+            .collect(),
+        lines: all
+            .map(|f| (f.sentence.clone(), f.gain.before, f.gain.after))
+            .collect(),
+        growth: growth.and_then(|p| Some((p.value, p.sd?))),
+        other_rms_m: length_rms(&with_robot(&series1, &model), None)?,
+    })
+}
+
+/// What the doctor says, as Markdown.
+#[must_use]
+pub fn opinion_markdown(opinion: &Opinion) -> String {
+    let mut text = String::from(
+        "The model doctor, asked about series 2 without a hint:\n\n| verdict | held out, rms over sd | sentence |\n|---|---|---|\n",
+    );
+    for ((verdict, _), (sentence, before, after)) in opinion.findings.iter().zip(&opinion.lines) {
+        text.push_str(&format!(
+            "| {verdict:?} | {before:.2} to {after:.2} | {sentence} |\n"
+        ));
+    }
+    text.push_str(&format!(
+        "\nIts model predicts the lengths of series 1, poses held at the camera's values, to {:.2} mm rms.\n",
+        opinion.other_rms_m * 1e3
+    ));
+    text
 }
 
 /// The models that are compared.

@@ -41,7 +41,12 @@ fn truth_table(data_sets: Option<&str>) -> Result<String> {
 
 fn hangprinter_table(folder: Option<&str>) -> Result<String> {
     let folder = folder.unwrap_or("../shared/data/hangprinter");
-    Ok(hangprinter::markdown(&hangprinter::study(folder.as_ref())?))
+    let table = hangprinter::markdown(&hangprinter::study(folder.as_ref())?);
+    let opinion = hangprinter::opinion(folder.as_ref())?;
+    Ok(format!(
+        "{table}\n{}",
+        hangprinter::opinion_markdown(&opinion)
+    ))
 }
 
 /// Puts every table between its marks in docs/VALIDATION.md. The Hangprinter's stays as it is where

@@ -5,6 +5,7 @@ mod algebra;
 mod cancelling;
 mod held_out;
 mod names;
+mod noise;
 mod odd_inputs;
 mod score_test;
 mod separation;
