@@ -124,7 +124,7 @@ impl Diagnosed<'_> {
             },
             effect,
             targets,
-            cause: finding.sentence.clone(),
+            cause: text(finding),
             advice: finding.advice.clone(),
             alternatives: finding.alternatives.iter().map(|c| self.cause(c)).collect(),
             parameters: finding
@@ -179,6 +179,22 @@ fn global_test(test: &GlobalTest) -> GlobalTestDocument {
         dof: test.degrees_of_freedom,
         p_value: finite(test.p_value),
     }
+}
+
+/// The sentence; where the cause is ambiguous with what it could be as well, and what would tell them apart.
+fn text(finding: &Finding) -> String {
+    if finding.verdict != Verdict::Ambiguous {
+        return finding.sentence.clone();
+    }
+    let others = finding.alternatives.iter().map(|c| c.effect().title());
+    let others: Vec<_> = others.collect();
+    let advice = finding.separation.as_ref().map_or("", |s| &s.advice);
+    let text = format!(
+        "{} These data cannot tell it apart from: {}. {advice}",
+        finding.sentence,
+        others.join("; ")
+    );
+    text.trim_end().to_owned()
 }
 
 fn gain(gain: &Gain) -> GainDocument {
