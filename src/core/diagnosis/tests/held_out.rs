@@ -49,7 +49,6 @@ fn compare(problem: &Problem<'_>, causes: &[Cause], tolerance: f64) {
             continue;
         };
         let explicit = (squares / freedom).sqrt();
-        println!("{quantity:?}: formula {}, refits {explicit}", kind.after);
         assert!((kind.after - explicit).abs() < tolerance, "{quantity:?}");
         compared += 1;
     }
