@@ -41,7 +41,6 @@ impl Counts {
         // At least that of independent answers: few counts can agree by chance.
         let variance = (spread / (runs - 1.0)).max(0.95 * expected) / runs;
         let away = (mean - expected) / variance.sqrt();
-        println!("{what}: {:.4}, {away:.1} sd", 0.05 * mean / expected);
         assert!(away.abs() < LIMIT, "{what}: {away} sd");
     }
 }
@@ -100,15 +99,10 @@ impl Tally {
         self.dependences.check(&format!("{name}, dependences"));
         self.coverage
             .check(&format!("{name}, outside of the interval"));
-        println!(
-            "{name}: alarms {} noise {}",
-            self.false_alarms, self.false_noise
-        );
         // Bonferroni: 5 of 100 or less; more than 14 with probability 4e-4.
         assert!(self.false_alarms <= 14 && self.false_noise <= 14);
         let [squares, expected] = self.squares;
         let away = (squares - expected) / (2.0 * expected).sqrt();
-        println!("{name}: squares of the lengths {away:.2} sd");
         assert!(away.abs() < LIMIT, "{name}: {away}");
     }
 }

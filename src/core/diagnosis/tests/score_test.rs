@@ -49,7 +49,6 @@ fn the_linear_gain_is_that_of_a_refit() {
         let linear = answer(&scan, &effect.effect, cables);
         let with = refit(&base, &linear.cause);
         let gain = without.solution.chi2 - with.solution.chi2;
-        println!("{}: linear {}, refit {gain}", effect.effect, linear.gain);
         assert!(
             (linear.gain - gain).abs() < 0.01 * gain,
             "{}",

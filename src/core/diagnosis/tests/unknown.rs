@@ -55,6 +55,5 @@ fn a_smooth_error_is_named_unknown_with_its_variable() {
     assert!(diagnosis.extended.global.chi2 < 0.8 * diagnosis.base.global.chi2);
     let errors = [&diagnosis.base_solution, &diagnosis.extended_solution]
         .map(|solution| geometry_error(solution, &run.truth));
-    println!("error of the geometry: {errors:?} m");
     assert!(errors[1] < errors[0], "{errors:?}");
 }
