@@ -115,40 +115,29 @@ fn nominal_cable_ports(
     CablePorts::nominal(cable, paid, tension)
 }
 
-/// Cable paid out and tension per what their sensors tell, at the first selected row: noise is the sensor's, and
-/// an effect that scales a reading scales its noise. Without this, tensions that shrink would seem to fit
-/// better.
-pub(super) fn noise_gains(
+/// Tension per what its sensor tells, at the first selected row: noise is the sensor's, and an effect that scales a
+/// reading scales its noise. Without this, tensions that shrink would seem to fit better. Lengths have their
+/// noise in metres, whatever the winch's scale.
+pub(super) fn tension_noise_gain(
     problem: &Problem<'_>,
     globals: &Globals,
     selection: Selection<'_>,
     index: usize,
-) -> (f64, f64) {
+) -> f64 {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
     let (Some(circumstances), Some(row)) = (selection.circumstances, selection.rows.first()) else {
-        return (1.0, 1.0);
+        return 1.0;
     };
     let data = &problem.dataset.measurements;
     let cable = &problem.dataset.robot.cables[index];
     let values = seeded(problem, globals, None);
-    let nominal = nominal_cable_ports(cable, data, (*row, index), selection.is_home);
-    let changed = |ports: CablePorts| {
-        let mut ports = ports;
-        for k in &concerned {
-            let effect = globals.effects[*k].effect;
-            effect.change_cable(&values[*k], circumstances.cable(*row, index), &mut ports);
-        }
-        ports
-    };
-    let by_paid = changed(CablePorts {
-        paid: Dual::variable(nominal.paid.value),
-        ..nominal
-    });
-    let by_tension = changed(CablePorts {
-        tension: Dual::variable(nominal.tension.value),
-        ..nominal
-    });
-    (by_paid.paid.slope, by_tension.tension.slope)
+    let mut ports = nominal_cable_ports(cable, data, (*row, index), selection.is_home);
+    ports.tension = Dual::variable(ports.tension.value);
+    for k in &concerned {
+        let effect = globals.effects[*k].effect;
+        effect.change_cable(&values[*k], circumstances.cable(*row, index), &mut ports);
+    }
+    ports.tension.slope
 }
 
 /// Values of all effects, with the `chosen` free parameter as the variable of differentiation.

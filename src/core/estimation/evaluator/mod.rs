@@ -13,7 +13,7 @@ mod span;
 
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
-use inputs::{PortInputs, Selection, circumstances_of, noise_gains};
+use inputs::{PortInputs, Selection, circumstances_of, tension_noise_gain};
 use packing::{InstrumentInputs, constants_of, pack_attitudes, pack_instruments};
 
 pub(super) use equations::{Attitude, Equations};
@@ -213,10 +213,9 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         };
         let nominal = constants_of(self.problem, false);
         for (index, (constants, nominal)) in self.constants.iter_mut().zip(&nominal).enumerate() {
-            let (paid, tension) = noise_gains(self.problem, globals, selection, index);
-            constants.length_sd = nominal.length_sd * paid.abs();
-            constants.tension_sd = nominal.tension_sd * tension.abs();
-            self.spreads[index] = (constants.length_sd.powi(2), constants.tension_sd.powi(2));
+            let gain = tension_noise_gain(self.problem, globals, selection, index);
+            constants.tension_sd = nominal.tension_sd * gain.abs();
+            self.spreads[index].1 = constants.tension_sd.powi(2);
         }
     }
 
