@@ -64,7 +64,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
     let series1 = read_dataset(&folder.join("series1"))?.dataset;
     let options = DiagnosisOptions::default();
     let diagnosis = diagnose(&series2, &options, &mut |_| Control::Continue)?;
-    let model = model_of(&series2.robot, &diagnosis.extended_solution.globals);
+    let model = diagnosis.extended_solution.globals.model(&series2.robot);
     let of = |cause: &Cause| (cause.effect().id(), cause.cables());
     let common = |f: &&Finding| of(&f.cause) == ("drum_growth", Vec::new());
     let growth = diagnosis.findings.iter().find(common);
@@ -128,8 +128,8 @@ pub fn study(folder: &Path) -> Result<Vec<ModelRow>> {
 fn row(effects: &'static [&'static str], series2: &Dataset, series1: &Dataset) -> Result<ModelRow> {
     let whole = fit(series2, effects, Poses::Estimated)?;
     let held = fit(series2, effects, Poses::HeldAtTracker)?;
-    let model = model_of(&series2.robot, &held.globals);
-    let whole_model = model_of(&series2.robot, &whole.globals);
+    let model = held.globals.model(&series2.robot);
+    let whole_model = whole.globals.model(&series2.robot);
     let other = with_robot(series1, &whole_model);
     let mut problem = Problem::new(&other)?;
     problem.geometry = Geometry::Held;
@@ -171,23 +171,6 @@ fn fit(dataset: &Dataset, effects: &[&str], poses: Poses) -> Result<Solution> {
     run(&problem)
 }
 
-/// The robot with the common parameters of a fit.
-fn model_of(robot: &Robot, globals: &Globals) -> Robot {
-    let mut model = robot.clone();
-    for (cable, point) in model.cables.iter_mut().zip(&globals.entry_points) {
-        cable.pulley.entry_point_m = *point;
-    }
-    if let Some(home) = &mut model.home {
-        home.position_m = globals.home.position.into();
-    }
-    model.effects = globals
-        .effects
-        .iter()
-        .map(|bound| bound.setting(robot))
-        .collect();
-    model
-}
-
 fn with_robot(dataset: &Dataset, robot: &Robot) -> Dataset {
     Dataset {
         robot: robot.clone(),
@@ -227,7 +210,7 @@ fn held_out(dataset: &Dataset, effects: &[&str]) -> Result<f64> {
             .filter(out)
             .filter(|row| dataset.measurements.tracked_position_at(*row).is_some())
             .collect();
-        let model = model_of(&dataset.robot, &fitted.globals);
+        let model = fitted.globals.model(&dataset.robot);
         let rms = length_rms(&with_robot(dataset, &model), Some(&rows))?;
         sum += rms * rms * rows.len() as f64;
         number += rows.len() as f64;

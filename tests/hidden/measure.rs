@@ -88,23 +88,6 @@ fn wave_difference(name: &str, found: f64, truth: f64, turned: f64) -> f64 {
     }
 }
 
-/// The robot with the values of a solution.
-fn model(robot: &Robot, globals: &Globals) -> Robot {
-    let mut model = robot.clone();
-    for (cable, entry) in model.cables.iter_mut().zip(&globals.entry_points) {
-        cable.pulley.entry_point_m = *entry;
-    }
-    if let Some(laser) = &mut model.laser {
-        laser.target_plane.offset_m = globals.plane_offset_m;
-    }
-    if let Some(home) = &mut model.home {
-        home.position_m = globals.home.position.into();
-        home.orientation_wxyz = globals.home.orientation_wxyz();
-    }
-    model.effects = globals.effects.iter().map(|b| b.setting(robot)).collect();
-    model
-}
-
 /// Held-out error of a model over that of the true model fitted to the same data: root of the ratio of the
 /// chi-squares with which each, its parameters held, explains another run of the true robot. `None` where an
 /// effect changes readings in a way that no model has.
@@ -121,7 +104,7 @@ pub fn held_out_ratio(
     let Some(problem) = with_effects(&run.dataset, &run.truth.effects)? else {
         return Ok(None);
     };
-    let true_model = model(description, &solved(&problem)?.globals);
+    let true_model = solved(&problem)?.globals.model(description);
     let again = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         ..preset_options(&robot.preset, POSES, seed + OTHER_SEED)
@@ -136,7 +119,7 @@ pub fn held_out_ratio(
         problem.geometry = Geometry::Held;
         Ok(solved(&problem)?.chi2)
     };
-    let ratio = left(model(description, extended))? / left(true_model)?;
+    let ratio = left(extended.model(description))? / left(true_model)?;
     Ok(Some(ratio.sqrt()))
 }
 

@@ -25,24 +25,11 @@ const MOST_TIMES: usize = 40;
 
 /// The robot as a fit has it, its readings on their own channels.
 fn robot_of(fit: &Fit<'_>) -> Robot {
-    let globals = &fit.solution.globals;
-    let mut robot = fit.problem.dataset.robot.clone();
-    for (cable, entry) in robot.cables.iter_mut().zip(&globals.entry_points) {
-        cable.pulley.entry_point_m = *entry;
-    }
-    if let Some(laser) = &mut robot.laser {
-        laser.target_plane.offset_m = globals.plane_offset_m;
-    }
-    if let Some(home) = &mut robot.home {
-        home.position_m = globals.home.position.into();
-        home.orientation_wxyz = globals.home.orientation_wxyz();
-    }
-    let effects = globals.effects.iter();
-    robot.effects = effects
-        .filter(|bound| bound.effect.search() != Search::Exchange)
-        .map(|bound| bound.setting(&robot))
-        .collect();
-    robot
+    let mut globals = fit.solution.globals.clone();
+    globals
+        .effects
+        .retain(|bound| bound.effect.search() != Search::Exchange);
+    globals.model(&fit.problem.dataset.robot)
 }
 
 /// What separates the last causes of two fits; `None` where the robot cannot be simulated and no check is known.

@@ -8,6 +8,7 @@ use super::solution::Solution;
 use crate::effect::{BoundEffect, Circumstances, EffectRequest};
 use crate::geometry::Pose;
 use crate::measurement::Dataset;
+use crate::robot::Robot;
 
 /// Chi-square per degree of freedom up to which a solution is a good place to start from: beyond, what it lacks may
 /// have led it into a minimum of its own.
@@ -231,5 +232,27 @@ impl Globals {
             },
             None => nominal,
         }
+    }
+
+    /// `robot` with these values: entry points, target plane, home pose and effects.
+    #[must_use]
+    pub fn model(&self, robot: &Robot) -> Robot {
+        let mut model = robot.clone();
+        for (cable, entry) in model.cables.iter_mut().zip(&self.entry_points) {
+            cable.pulley.entry_point_m = *entry;
+        }
+        if let Some(laser) = &mut model.laser {
+            laser.target_plane.offset_m = self.plane_offset_m;
+        }
+        if let Some(home) = &mut model.home {
+            home.position_m = self.home.position.into();
+            home.orientation_wxyz = self.home.orientation_wxyz();
+        }
+        model.effects = self
+            .effects
+            .iter()
+            .map(|bound| bound.setting(robot))
+            .collect();
+        model
     }
 }

@@ -15,27 +15,19 @@ pub fn entry_point_sd(solution: &Solution, cable: usize, axis: usize) -> Option<
 
 /// `robot` with the values of the solution; standard deviations become those of the solution.
 pub fn identified(robot: &Robot, solution: &Solution) -> Robot {
-    let mut model = robot.clone();
-    let globals = &solution.globals;
+    let mut model = solution.globals.model(robot);
     for (index, cable) in model.cables.iter_mut().enumerate() {
-        cable.pulley.entry_point_m = globals.entry_points[index];
         let sds = [0, 1, 2].map(|axis| entry_point_sd(solution, index, axis));
         if let [Some(x), Some(y), Some(z)] = sds {
             cable.pulley.entry_point_sd_m = Some(PerAxis::Each([x, y, z]));
         }
     }
     if let Some(laser) = &mut model.laser {
-        laser.target_plane.offset_m = globals.plane_offset_m;
         let plane = |id: &ParameterId| *id == ParameterId::PlaneOffset;
         if let Some(k) = solution.parameters.iter().position(|p| plane(&p.id)) {
             let sd = solution.standard_deviation(k);
             laser.target_plane.offset_sd_m = sd.or(laser.target_plane.offset_sd_m);
         }
     }
-    if let Some(home) = &mut model.home {
-        home.position_m = globals.home.position.into();
-        home.orientation_wxyz = globals.home.orientation_wxyz();
-    }
-    model.effects = globals.effects.iter().map(|b| b.setting(robot)).collect();
     model
 }
