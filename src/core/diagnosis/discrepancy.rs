@@ -40,7 +40,7 @@ const CONTROLLED: f64 = 1e-3;
 #[derive(Debug, Clone)]
 #[cfg_attr(
     not(test),
-    expect(dead_code, reason = "for searches by their own row functions")
+    expect(dead_code, reason = "tests compare all of it with dense algebra")
 )]
 pub(crate) struct DependenceTest {
     /// Kind of reading.

@@ -153,8 +153,8 @@ fn conclude(
         before = after;
     }
     report.stage(Stage::Discrepancy, findings.len());
-    let (mut base, discrepancies) = residuals(first, level.alpha);
-    let (extended, remaining) = residuals(full, level.alpha);
+    let (mut base, discrepancies) = judged(first, level.alpha);
+    let (extended, remaining) = judged(full, level.alpha);
     let left = Left {
         fit: full,
         alpha: level.alpha,
@@ -179,22 +179,26 @@ fn conclude(
     })
 }
 
-fn residuals(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>) {
+/// The residuals of a fit, and on what they depend.
+fn residuals(fit: &Fit<'_>, alpha: f64) -> (ResidualSpace, Vec<Discrepancy>) {
     let linear = Linearisation::new(&fit.problem, &fit.solution);
     let space = ResidualSpace::new(&linear);
     let variables = Variables::new(&fit.problem, &fit.solution, &linear);
     let tests = dependence_tests(&space, &variables);
     let found = discrepancies(&space, &tests, alpha);
+    (space, found)
+}
+
+/// Whether a fit explains the data, and if not, on what its residuals depend.
+fn judged(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>) {
+    let (space, found) = residuals(fit, alpha);
     (adequacy(&space, &fit.solution, alpha), found)
 }
 
 /// The residuals of a fit, and what they say of the noise.
 fn noise_of(fit: &Fit<'_>, alpha: f64) -> (ResidualSpace, Vec<NoiseStatement>) {
-    let linear = Linearisation::new(&fit.problem, &fit.solution);
-    let space = ResidualSpace::new(&linear);
-    let variables = Variables::new(&fit.problem, &fit.solution, &linear);
-    let tests = dependence_tests(&space, &variables);
-    let noise = noise_statements(&space, &discrepancies(&space, &tests, alpha), alpha);
+    let (space, structure) = residuals(fit, alpha);
+    let noise = noise_statements(&space, &structure, alpha);
     (space, noise)
 }
 

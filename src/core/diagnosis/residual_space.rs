@@ -174,7 +174,7 @@ impl ResidualSpace {
     pub fn group(&self, rows: Vec<usize>) -> RowGroup {
         let mut parts = Vec::new();
         let mut first = 0;
-        for (index, block) in self.blocks.iter().enumerate() {
+        for block in &self.blocks {
             let inside = rows[first..].iter();
             let count = inside.take_while(|row| **row < block.rows.end).count();
             if count > 0 {
@@ -182,10 +182,8 @@ impl ResidualSpace {
                 let local: Vec<usize> = local.map(|row| row - block.rows.start).collect();
                 let basis = block.remainder.select_columns(&local);
                 parts.push(GroupPart {
-                    block: index,
                     rows: first..first + count,
                     covariance: basis.tr_mul(&basis),
-                    basis,
                 });
             }
             first += count;
@@ -196,28 +194,6 @@ impl ResidualSpace {
             rows,
             parts,
         }
-    }
-
-    /// `M[:, g] Phi` (`N x k`): how all residuals change with an error `Phi c` of the rows of a group.
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "for searches by their own row functions")
-    )]
-    pub fn signature(&self, group: &RowGroup, functions: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut signature = self.fitted.tr_mul(&(&group.fitted * functions));
-        signature.neg_mut();
-        for part in &group.parts {
-            let block = &self.blocks[part.block];
-            let change = &part.basis * functions.rows(part.rows.start, part.rows.len());
-            let mut at = signature.rows_mut(block.rows.start, block.rows.len());
-            at.gemm_tr(1.0, &block.remainder, &change, 1.0);
-        }
-        let of_poses = group.parts.last().map_or(0, |part| part.rows.end);
-        for k in of_poses..group.rows.len() {
-            let mut at = signature.row_mut(group.rows[k]);
-            at += functions.row(k);
-        }
-        signature
     }
 
     /// The residuals and their covariance if the noise of each row were `factors` times as large: the linearised
@@ -271,11 +247,8 @@ impl ResidualSpace {
 /// Rows of a group that belong to one pose.
 #[derive(Debug, Clone)]
 struct GroupPart {
-    block: usize,
     /// Which rows of the group.
     rows: std::ops::Range<usize>,
-    /// `Q^T` of these rows.
-    basis: DMatrix<f64>,
     /// `Q Q^T`.
     covariance: DMatrix<f64>,
 }
