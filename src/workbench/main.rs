@@ -1,9 +1,7 @@
-//! The Tautline program: headless commands.
-
-mod cli;
+//! The `tautline` program.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run()
+    tautline_workbench::cli::run()
 }

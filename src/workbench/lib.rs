@@ -1,0 +1,3 @@
+//! The Tautline program: workbench and headless commands.
+
+pub mod cli;
