@@ -1,3 +1,7 @@
 //! The Tautline program: workbench and headless commands.
 
+pub mod app;
 pub mod cli;
+mod screens;
+mod views;
+mod widgets;

@@ -23,10 +23,18 @@ use tautline_session::ReadError;
 
 /// Calibrate cable-driven parallel robots.
 #[derive(Debug, Parser)]
-#[command(name = "tautline", version, about, arg_required_else_help = true)]
+#[command(
+    name = "tautline",
+    version,
+    about,
+    args_conflicts_with_subcommands = true
+)]
 struct Arguments {
+    /// Session, robot.json or dataset folder to open in the workbench
+    #[arg(value_name = "PATH")]
+    path: Option<PathBuf>,
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -71,7 +79,10 @@ impl BadInput {
 /// Runs the command line.
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    let result = match arguments.command {
+    let Some(command) = arguments.command else {
+        return report(workbench(arguments.path));
+    };
+    report(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
@@ -83,7 +94,15 @@ pub fn run() -> ExitCode {
             Ok(())
         }
         Command::Schemas { out } => schemas::run(&out),
-    };
+    })
+}
+
+fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
+    crate::app::run(path).map_err(|error| anyhow::anyhow!("cannot open a window: {error}"))
+}
+
+/// Prints what went wrong, in one line, and gives the exit code.
+fn report(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else {
         return ExitCode::SUCCESS;
     };

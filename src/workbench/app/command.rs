@@ -1,0 +1,73 @@
+//! Everything the operator can make the program do, in one place: menus, shortcuts, the command palette and buttons
+//! all send these, and each kind has one handler in `commands/`.
+
+use super::commands::{FileCommand, FileOutcome, ModelCommand, ModelOutcome, ViewCommand};
+use super::edit::Edit;
+
+/// What is to be done.
+#[derive(Debug, Clone)]
+pub enum Command {
+    /// Opening, saving, closing.
+    File(FileCommand),
+    /// A change that can be undone.
+    Edit(Edit),
+    /// Undoes the last edit.
+    Undo,
+    /// Does the last undone edit again.
+    Redo,
+    /// What is shown.
+    View(ViewCommand),
+    /// Identification and diagnosis.
+    Model(ModelCommand),
+}
+
+/// What a task came to.
+#[derive(Debug)]
+pub enum Outcome {
+    /// Of a task with files.
+    File(FileOutcome),
+    /// Of identification or diagnosis.
+    Model(ModelOutcome),
+    /// The task broke down.
+    Panicked {
+        /// Its title.
+        task: String,
+    },
+}
+
+macro_rules! from {
+    ($($kind:ident => $whole:ident::$variant:ident),* $(,)?) => {
+        $(impl From<$kind> for $whole {
+            fn from(value: $kind) -> Self {
+                Self::$variant(value)
+            }
+        })*
+    };
+}
+
+from!(
+    FileCommand => Command::File,
+    Edit => Command::Edit,
+    ViewCommand => Command::View,
+    ModelCommand => Command::Model,
+    FileOutcome => Outcome::File,
+    ModelOutcome => Outcome::Model,
+);
+
+/// Commands that were given in this frame; they are carried out after it was drawn.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    commands: Vec<Command>,
+}
+
+impl Outbox {
+    /// Gives a command.
+    pub fn send(&mut self, command: impl Into<Command>) {
+        self.commands.push(command.into());
+    }
+
+    /// Takes all that were given.
+    pub fn take(&mut self) -> Vec<Command> {
+        std::mem::take(&mut self.commands)
+    }
+}

@@ -1,0 +1,38 @@
+//! The log window: all messages.
+
+use egui::{ScrollArea, Ui, Window};
+
+use crate::app::messages::Severity;
+use crate::app::state::State;
+use crate::app::theme;
+use crate::widgets::muted;
+
+/// Draws the log while it is open.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let mut open = state.windows.log;
+    Window::new("Log")
+        .open(&mut open)
+        .default_size([640.0, 360.0])
+        .show(ui.ctx(), |ui| {
+            if state.messages.all().is_empty() {
+                muted(ui, "Nothing has happened yet.");
+            }
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .stick_to_bottom(true)
+                .show(ui, |ui| {
+                    for message in state.messages.all() {
+                        let colour = match message.severity {
+                            Severity::Info => theme::of(ui).text,
+                            Severity::Warning => theme::of(ui).warning,
+                            Severity::Error => theme::of(ui).bad,
+                        };
+                        ui.horizontal_wrapped(|ui| {
+                            muted(ui, &message.time.to_string());
+                            ui.colored_label(colour, &message.text);
+                        });
+                    }
+                });
+        });
+    state.windows.log = open;
+}

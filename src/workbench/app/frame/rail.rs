@@ -1,0 +1,72 @@
+//! The rail of the five phases at the left.
+
+use egui::{Align, Layout, RichText, Sense, Ui, UiBuilder, Vec2};
+
+use crate::app::commands::ViewCommand;
+use crate::app::screen::{Progress, Screen, Standing, Step};
+use crate::app::standing;
+use crate::app::state::State;
+use crate::app::theme::{self, GRID, Palette};
+
+/// Draws the rail.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    ui.spacing_mut().item_spacing.y = GRID;
+    for step in Step::ALL {
+        let Some(document) = &state.document else {
+            return;
+        };
+        let standing = standing::of(document, step);
+        if entry(ui, step, &standing, state.screen == Screen::Phase(step)) {
+            state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
+        }
+    }
+}
+
+fn colour(progress: Progress, palette: &Palette) -> egui::Color32 {
+    match progress {
+        Progress::NotStarted => palette.muted,
+        Progress::InProgress => palette.accent,
+        Progress::Done => palette.good,
+        Progress::Attention | Progress::OutOfDate => palette.warning,
+    }
+}
+
+fn entry(ui: &mut Ui, step: Step, standing: &Standing, selected: bool) -> bool {
+    let palette = theme::of(ui);
+    let width = ui.available_width();
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 15.0 * GRID), Sense::click());
+    let title = format!("{}. {}", step.number(), step.title());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &title));
+    if selected || response.hovered() || response.has_focus() {
+        let fill = if selected {
+            palette.raised
+        } else {
+            palette.hovered.gamma_multiply(0.5)
+        };
+        ui.painter().rect_filled(rect, 4.0, fill);
+    }
+    if selected {
+        let edge = rect.with_max_x(rect.min.x + 3.0);
+        ui.painter().rect_filled(edge, 1.0, palette.accent);
+    }
+    let inside = rect.shrink2(Vec2::new(3.0 * GRID, 2.0 * GRID));
+    let builder = UiBuilder::new()
+        .max_rect(inside)
+        .layout(Layout::top_down(Align::Min));
+    words(&mut ui.new_child(builder), &title, standing);
+    response
+        .on_hover_text(format!("{}: {}", standing.progress.words(), standing.line))
+        .clicked()
+}
+
+fn words(ui: &mut Ui, title: &str, standing: &Standing) {
+    let palette = theme::of(ui);
+    ui.spacing_mut().item_spacing = Vec2::new(1.5 * GRID, 0.5 * GRID);
+    ui.horizontal(|ui| {
+        let icon = standing.progress.icon().rich_text().size(16.0);
+        ui.label(icon.color(colour(standing.progress, palette)));
+        ui.label(RichText::new(title).font(theme::strong(13.0)));
+    });
+    let line = RichText::new(&standing.line).small().color(palette.muted);
+    ui.add(egui::Label::new(line).truncate());
+}

@@ -1,0 +1,114 @@
+//! The bar at the top: menus, name of the session, undo and redo.
+
+use egui::{MenuBar, Ui};
+use egui_material_icons::icons;
+
+use crate::app::command::Command;
+use crate::app::commands::ViewCommand;
+use crate::app::menu::{self, Item, Menu};
+use crate::app::state::State;
+use crate::app::theme;
+use crate::widgets::{icon_only, muted};
+
+/// Gives the commands whose keys were pressed.
+pub fn shortcuts(ui: &Ui, state: &mut State) {
+    for item in menu::items(state) {
+        let Some(shortcut) = item.shortcut else {
+            continue;
+        };
+        if item.enabled && ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
+            state.outbox.send(item.command);
+        }
+    }
+}
+
+/// Draws the bar.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let items = menu::items(state);
+    MenuBar::new().ui(ui, |ui| {
+        for menu in Menu::ALL {
+            ui.menu_button(menu.title(), |ui| {
+                items
+                    .iter()
+                    .filter(|item| item.menu == menu)
+                    .for_each(|item| line(ui, state, item));
+            });
+        }
+        ui.separator();
+        title(ui, state);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            right(ui, state)
+        });
+    });
+}
+
+fn line(ui: &mut Ui, state: &mut State, item: &Item) {
+    let mut button = egui::Button::new(&item.title);
+    if let Some(shortcut) = item.shortcut {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
+    }
+    if ui.add_enabled(item.enabled, button).clicked() {
+        state.outbox.send(item.command.clone());
+        ui.close();
+    }
+}
+
+fn title(ui: &mut Ui, state: &State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    ui.label(egui::RichText::new(&document.session().name).font(theme::strong(13.0)));
+    if document.is_unsaved() {
+        muted(ui, "not saved");
+    }
+}
+
+fn right(ui: &mut Ui, state: &mut State) {
+    if icon_only(ui, icons::ICON_SEARCH, "Command palette", true).clicked() {
+        state.outbox.send(ViewCommand::Palette(true));
+    }
+    let dark = ui.theme() == egui::Theme::Dark;
+    let (icon, name, theme) = if dark {
+        (
+            icons::ICON_LIGHT_MODE,
+            "Switch to the light theme",
+            egui::ThemePreference::Light,
+        )
+    } else {
+        (
+            icons::ICON_DARK_MODE,
+            "Switch to the dark theme",
+            egui::ThemePreference::Dark,
+        )
+    };
+    if icon_only(ui, icon, name, true).clicked() {
+        state.outbox.send(ViewCommand::Theme(theme));
+    }
+    let history = state.document.as_ref().map(crate::app::Document::history);
+    let redo = history
+        .and_then(|history| history.next_redo())
+        .map(|name| format!("Redo: {name}"));
+    let undo = history
+        .and_then(|history| history.next_undo())
+        .map(|name| format!("Undo: {name}"));
+    if icon_only(
+        ui,
+        icons::ICON_REDO,
+        redo.as_deref().unwrap_or("Redo"),
+        redo.is_some(),
+    )
+    .clicked()
+    {
+        state.outbox.send(Command::Redo);
+    }
+    if icon_only(
+        ui,
+        icons::ICON_UNDO,
+        undo.as_deref().unwrap_or("Undo"),
+        undo.is_some(),
+    )
+    .clicked()
+    {
+        state.outbox.send(Command::Undo);
+    }
+}

@@ -1,0 +1,78 @@
+//! What the program has to say: the last line at the bottom, all of it in the log.
+
+use tautline_session::Timestamp;
+
+use super::clock;
+
+/// How much a message matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Good to know.
+    Info,
+    /// Something is not as expected.
+    Warning,
+    /// Something did not work.
+    Error,
+}
+
+/// One message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// When.
+    pub time: Timestamp,
+    /// How much it matters.
+    pub severity: Severity,
+    /// One sentence.
+    pub text: String,
+}
+
+/// Messages since the program began, the oldest first.
+#[derive(Debug, Default)]
+pub struct Messages {
+    all: Vec<Message>,
+}
+
+/// Older messages are dropped beyond this number.
+const MOST: usize = 2000;
+
+impl Messages {
+    /// Adds a message.
+    pub fn add(&mut self, severity: Severity, text: impl Into<String>) {
+        if self.all.len() == MOST {
+            self.all.remove(0);
+        }
+        let text = text.into();
+        self.all.push(Message {
+            time: clock::now(),
+            severity,
+            text,
+        });
+    }
+
+    /// Adds a message of severity info.
+    pub fn info(&mut self, text: impl Into<String>) {
+        self.add(Severity::Info, text);
+    }
+
+    /// Adds a warning.
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.add(Severity::Warning, text);
+    }
+
+    /// Adds an error.
+    pub fn error(&mut self, text: impl Into<String>) {
+        self.add(Severity::Error, text);
+    }
+
+    /// All messages, the oldest first.
+    #[must_use]
+    pub fn all(&self) -> &[Message] {
+        &self.all
+    }
+
+    /// The newest message.
+    #[must_use]
+    pub fn last(&self) -> Option<&Message> {
+        self.all.last()
+    }
+}

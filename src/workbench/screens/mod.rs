@@ -1,0 +1,35 @@
+//! The screens: a panel for each phase, the start screen, the comparison.
+
+mod adjustment;
+pub mod compare;
+mod identification;
+mod measuring;
+mod modeling;
+mod precalibration;
+pub mod start;
+
+use egui::{ScrollArea, Ui};
+
+use crate::app::State;
+use crate::app::screen::Step;
+
+/// What the screens remember.
+#[derive(Debug, Default)]
+pub struct Screens {
+    /// Of the start screen.
+    pub start: start::Remembered,
+}
+
+/// Draws the panel of a phase.
+pub fn phase(ui: &mut Ui, state: &mut State, step: Step) {
+    ScrollArea::vertical()
+        .id_salt(step)
+        .auto_shrink(false)
+        .show(ui, |ui| match step {
+            Step::Precalibration => precalibration::show(ui, state),
+            Step::Modeling => modeling::show(ui, state),
+            Step::Measuring => measuring::show(ui, state),
+            Step::Identification => identification::show(ui, state),
+            Step::Adjustment => adjustment::show(ui, state),
+        });
+}

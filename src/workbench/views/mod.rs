@@ -1,0 +1,13 @@
+//! What is drawn beside the panels: the robot in 3D, plots.
+
+pub mod plots;
+pub mod robot_3d;
+
+/// What the views remember.
+#[derive(Default)]
+pub struct Views {}
+
+impl Views {
+    /// Frees what lies on the graphics card, while its context is current.
+    pub fn destroy(&mut self) {}
+}

@@ -1,0 +1,37 @@
+//! Buttons.
+
+use egui::{Button, Response, RichText, Role, Ui, WidgetInfo};
+use egui_material_icons::MaterialIcon;
+
+use crate::app::theme;
+
+/// The one next step of a panel.
+pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
+    let palette = theme::of(ui);
+    let label = RichText::new(text)
+        .font(theme::strong(13.0))
+        .color(palette.on_accent);
+    ui.add_enabled(
+        enabled,
+        Button::new(label)
+            .fill(palette.accent)
+            .min_size(egui::vec2(0.0, 28.0)),
+    )
+}
+
+/// A button with icon and text; its accessible name is the text.
+pub fn icon_button(ui: &mut Ui, icon: MaterialIcon, text: &str, enabled: bool) -> Response {
+    let response = ui.add_enabled(enabled, Button::new((icon.rich_text().size(16.0), text)));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
+    response
+}
+
+/// A button with an icon alone; the name is its tooltip and its accessible name.
+pub fn icon_only(ui: &mut Ui, icon: MaterialIcon, name: &str, enabled: bool) -> Response {
+    let button = Button::new(icon.rich_text().size(18.0))
+        .frame_when_inactive(false)
+        .min_size(egui::vec2(28.0, 24.0));
+    let response = ui.add_enabled(enabled, button);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    response.on_hover_text(name).on_disabled_hover_text(name)
+}

@@ -1,0 +1,81 @@
+//! Texts: headings, values with units, verdicts.
+
+use egui::{Align, Layout, Response, RichText, Ui};
+use egui_material_icons::{MaterialIcon, icons};
+
+use crate::app::theme::{self, GRID};
+
+/// Title of a panel.
+pub fn heading(ui: &mut Ui, text: &str) -> Response {
+    ui.heading(text)
+}
+
+/// Title of a part of a panel.
+pub fn section(ui: &mut Ui, text: &str) -> Response {
+    ui.add_space(2.0 * GRID);
+    ui.label(RichText::new(text).font(theme::strong(13.0)))
+}
+
+/// What is less important.
+pub fn muted(ui: &mut Ui, text: &str) -> Response {
+    let colour = theme::of(ui).muted;
+    ui.label(RichText::new(text).color(colour))
+}
+
+/// A line with a name at the left and a number with its unit at the right.
+pub fn value(ui: &mut Ui, name: &str, number: &str, unit: &str) {
+    ui.horizontal(|ui| {
+        ui.label(name);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            muted(ui, unit);
+            ui.label(number);
+        });
+    });
+}
+
+/// How something turned out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// As it should be.
+    Good,
+    /// Doubtful.
+    Doubtful,
+    /// Not as it should be.
+    Bad,
+    /// Neither good nor bad.
+    Neutral,
+}
+
+impl Verdict {
+    fn icon(self) -> MaterialIcon {
+        match self {
+            Self::Good => icons::ICON_CHECK_CIRCLE,
+            Self::Doubtful => icons::ICON_WARNING,
+            Self::Bad => icons::ICON_ERROR,
+            Self::Neutral => icons::ICON_INFO,
+        }
+    }
+}
+
+/// A verdict: words first, colour and sign second.
+pub fn verdict(ui: &mut Ui, verdict: Verdict, text: &str) {
+    let palette = theme::of(ui);
+    let colour = match verdict {
+        Verdict::Good => palette.good,
+        Verdict::Doubtful => palette.warning,
+        Verdict::Bad => palette.bad,
+        Verdict::Neutral => palette.muted,
+    };
+    ui.horizontal_top(|ui| {
+        ui.label(verdict.icon().rich_text().size(18.0).color(colour));
+        ui.add(egui::Label::new(text).wrap());
+    });
+}
+
+/// What an empty part says: what will be here and how to get it.
+pub fn empty(ui: &mut Ui, text: &str) {
+    let colour = theme::of(ui).muted;
+    ui.centered_and_justified(|ui| {
+        ui.add(egui::Label::new(RichText::new(text).color(colour)).wrap())
+    });
+}

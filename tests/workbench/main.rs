@@ -1,0 +1,4 @@
+//! The workbench, driven by accessible names.
+
+mod start;
+mod support;

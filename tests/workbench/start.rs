@@ -1,0 +1,27 @@
+//! The start screen.
+
+use egui_kittest::kittest::Queryable;
+use tautline_workbench::app::Severity;
+
+use crate::support::{settle, workbench};
+
+#[test]
+fn a_path_that_does_not_exist_is_named() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    harness
+        .get_by_role_and_label(egui::Role::TextInput, "Path")
+        .focus();
+    harness.run();
+    harness
+        .get_by_role_and_label(egui::Role::TextInput, "Path")
+        .type_text("nowhere.json");
+    harness.run();
+    harness.get_by_label("Open").click();
+    settle(&mut harness);
+    let shown = harness.get_by_label_contains("nowhere.json");
+    assert!(shown.rect().is_positive(), "the status bar tells it");
+    let last = harness.state().state.messages.last();
+    assert!(last.is_some_and(|message| message.severity == Severity::Error));
+    assert!(harness.state().state.document.is_none());
+}

@@ -1,0 +1,31 @@
+//! Harness of the workbench.
+
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use tautline_workbench::app::App;
+
+/// A workbench without a graphics card, of the size of a small notebook's screen.
+pub fn workbench() -> Harness<'static, App> {
+    Harness::builder()
+        .with_size(egui::vec2(1280.0, 800.0))
+        .with_max_steps(60)
+        .build_eframe(|creation| App::new(creation, None))
+}
+
+/// Lets the workbench run until no task is running and nothing changes any more.
+pub fn settle(harness: &mut Harness<'_, App>) {
+    let start = Instant::now();
+    loop {
+        harness.step();
+        if harness.state().state.tasks.running().is_empty() {
+            break;
+        }
+        assert!(
+            start.elapsed() < Duration::from_secs(120),
+            "a task does not end"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    harness.run_ok();
+}
