@@ -7,6 +7,7 @@
 mod atomic;
 mod dataset;
 mod error;
+mod fingerprint;
 mod json;
 mod phases;
 mod poses;
@@ -31,8 +32,10 @@ pub use phases::{
 pub use poses::{read_poses, write_poses};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
-    DiagnosisSettings, FreeEffect, IdentificationSettings, LogEntry, Method, NotATimestamp, Phase,
-    ResultRecord, Session, Settings, Timestamp, parse_session, read_session, write_session,
+    Adjustment, DiagnosisSettings, IdentificationSettings, LogEntry, MeasuredPose, Method,
+    NamedValue, NotATimestamp, Outcome, Phase, PlannedPose, ResultRecord, Session, Settings,
+    Simulator, Stage, Timestamp, ValueChange, Verification, parse_session, read_session,
+    write_session,
 };
 
 /// The schemas of all documents that are read.
