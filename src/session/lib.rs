@@ -11,6 +11,7 @@ mod fingerprint;
 mod json;
 mod phases;
 mod poses;
+mod recovery;
 mod robot_file;
 mod session;
 mod table;
@@ -30,6 +31,7 @@ pub use phases::{
     write_force, write_home, write_winch,
 };
 pub use poses::{read_poses, write_poses};
+pub use recovery::{Keeper, LeftBehind, Recovered, left_behind};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
     Adjustment, DiagnosisSettings, IdentificationSettings, LogEntry, MeasuredPose, Method,
