@@ -8,6 +8,7 @@ use tautline_session::{Loaded, Session, read_dataset, read_robot, read_session, 
 use crate::app::Document;
 use crate::app::clock;
 use crate::app::command::Outcome;
+use crate::app::frame::Answer;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
 use crate::samples;
@@ -31,6 +32,12 @@ pub enum FileCommand {
     Close,
     /// Ends the program.
     Quit,
+    /// Answers what to do about unsaved changes.
+    Answer(Answer),
+    /// Opens what a crash has left behind, by its place in the list.
+    Recover(usize),
+    /// Sets aside what a crash has left behind, by its place in the list.
+    SetAside(usize),
 }
 
 /// What a file dialog is for.
@@ -70,7 +77,17 @@ pub enum FileOutcome {
     },
 }
 
+/// Whether a command takes the open session away.
+fn leaves(command: &FileCommand) -> bool {
+    use FileCommand::{Close, Open, Quit, Recover, TryDemo};
+    matches!(command, TryDemo | Open(_) | Close | Quit | Recover(_))
+}
+
 pub(super) fn perform(state: &mut State, command: FileCommand) {
+    if leaves(&command) && state.document.as_ref().is_some_and(Document::is_unsaved) {
+        state.windows.unsaved = Some(command);
+        return;
+    }
     match command {
         FileCommand::TryDemo => try_demo(state),
         FileCommand::AskOpen => ask(state, Purpose::Open),
@@ -88,6 +105,54 @@ pub(super) fn perform(state: &mut State, command: FileCommand) {
             state.screen = Screen::Start;
         }
         FileCommand::Quit => state.context.send_viewport_cmd(ViewportCommand::Close),
+        FileCommand::Answer(answer) => answered(state, answer),
+        FileCommand::Recover(place) => recover(state, place),
+        FileCommand::SetAside(place) => set_aside(state, place),
+    }
+}
+
+fn answered(state: &mut State, answer: Answer) {
+    match answer {
+        // What was to be done is done once the file is written.
+        Answer::Save => perform(state, FileCommand::Save),
+        Answer::Cancel => state.windows.unsaved = None,
+        Answer::Discard => {
+            state.document = None;
+            go_on(state);
+        }
+    }
+}
+
+/// Does what had to wait for an answer.
+fn go_on(state: &mut State) {
+    if let Some(command) = state.windows.unsaved.take() {
+        perform(state, command);
+    }
+}
+
+fn recover(state: &mut State, place: usize) {
+    if place >= state.left_behind.len() {
+        return;
+    }
+    let left = state.left_behind.remove(place);
+    match left.recover() {
+        Ok(Loaded { value, notices }) => {
+            open(state, Loaded { value: value.session, notices }, value.origin, true);
+            // Kept again before what was left behind is set aside.
+            state.keeping.follow(state.document.as_ref());
+            state.keeping.set_aside(left);
+        }
+        Err(error) => {
+            state.messages.error(format!("{} cannot be recovered: {error}.", left.name));
+            state.left_behind.insert(place, left);
+        }
+    }
+}
+
+fn set_aside(state: &mut State, place: usize) {
+    if place < state.left_behind.len() {
+        let left = state.left_behind.remove(place);
+        state.keeping.set_aside(left);
     }
 }
 
@@ -177,7 +242,7 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
         FileOutcome::Opened {
             path,
             result: Ok(loaded),
-        } => open(state, *loaded, path),
+        } => open(state, *loaded, path, false),
         FileOutcome::Opened {
             result: Err(error), ..
         } => state.messages.error(error),
@@ -190,10 +255,14 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
             if let Some(document) = &mut state.document {
                 document.saved_as(path, revision);
             }
+            go_on(state);
         }
         FileOutcome::Saved {
             result: Err(error), ..
-        } => state.messages.error(error),
+        } => {
+            state.windows.unsaved = None;
+            state.messages.error(error);
+        }
         FileOutcome::Picked {
             purpose: Purpose::Open,
             path: Some(path),
@@ -203,12 +272,13 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
             path: Some(path),
         } => save(state, path),
         FileOutcome::Picked { path: None, .. } => {
+            state.windows.unsaved = None;
             state.messages.info("No file was chosen. If no dialog appeared, type the path or drop the file on the window.");
         }
     }
 }
 
-fn open(state: &mut State, loaded: Loaded<Session>, path: Option<PathBuf>) {
+fn open(state: &mut State, loaded: Loaded<Session>, path: Option<PathBuf>, is_recovered: bool) {
     for notice in loaded.notices {
         state.messages.warning(notice);
     }
@@ -216,7 +286,11 @@ fn open(state: &mut State, loaded: Loaded<Session>, path: Option<PathBuf>) {
         .messages
         .info(format!("Opened {}.", loaded.value.name));
     let measured = !loaded.value.measurements.is_empty();
-    state.document = Some(Document::new(loaded.value, path));
+    state.document = Some(if is_recovered {
+        Document::recovered(loaded.value, path)
+    } else {
+        Document::new(loaded.value, path)
+    });
     state.selection = Default::default();
     state.screen = Screen::Phase(if measured {
         Step::Identification
