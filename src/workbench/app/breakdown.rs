@@ -31,14 +31,19 @@ pub fn listen() {
 /// # Errors
 /// The panic.
 pub fn guard<T>(work: impl FnOnce() -> T) -> Result<T, Breakdown> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| Breakdown { what: told(&*payload) })
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| Breakdown {
+        what: told(&*payload),
+    })
 }
 
 fn told(payload: &(dyn Any + Send)) -> String {
     let heard = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
     heard.unwrap_or_else(|| {
-        let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-        text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no reason was given".into())
+        let text = payload
+            .downcast_ref::<&str>()
+            .map(|text| (*text).to_owned());
+        text.or_else(|| payload.downcast_ref::<String>().cloned())
+            .unwrap_or_else(|| "no reason was given".into())
     })
 }
 

@@ -41,6 +41,7 @@ impl App {
         breakdown::listen();
         theme::install(&creation.egui_ctx);
         let mut state = State::new(&creation.egui_ctx, options);
+        commands::restore(&state);
         if let Some(path) = state.options.path.clone() {
             state.outbox.send(FileCommand::Open(path));
         }
@@ -51,7 +52,11 @@ impl App {
 impl App {
     /// The window's own close button asks about unsaved changes, too.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
-        let unsaved = self.state.document.as_ref().is_some_and(Document::is_unsaved);
+        let unsaved = self
+            .state
+            .document
+            .as_ref()
+            .is_some_and(Document::is_unsaved);
         let broken = self.state.breakdown.is_some();
         if unsaved && !broken && ctx.input(|input| input.viewport().close_requested()) {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);

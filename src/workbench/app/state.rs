@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use tautline_session::{Folders, LeftBehind, left_behind};
+use tautline_session::{Folders, LeftBehind, Preferences, left_behind};
 
 use super::breakdown::Breakdown;
 use super::command::Outbox;
-use super::commands::FileCommand;
+use super::commands::Leaving;
 use super::document::Document;
 use super::keeping::Keeping;
 use super::messages::Messages;
@@ -33,7 +33,7 @@ pub struct Options {
 #[derive(Debug, Default)]
 pub struct Windows {
     /// What waits for an answer about unsaved changes.
-    pub unsaved: Option<FileCommand>,
+    pub leaving: Option<Leaving>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
     /// Whether the log is open.
@@ -65,6 +65,8 @@ pub struct State {
     pub keeping: Keeping,
     /// Where preferences and what is not saved yet lie.
     pub folders: Folders,
+    /// Choices of the user.
+    pub preferences: Preferences,
     /// What programs that ended without saving have left behind.
     pub left_behind: Vec<LeftBehind>,
     /// A panic that was caught, until the operator has seen it.
@@ -88,7 +90,14 @@ impl State {
     #[must_use]
     pub fn new(context: &egui::Context, options: Options) -> Self {
         let mut messages = Messages::default();
-        let folders = options.folders.clone().unwrap_or_else(|| folders(&mut messages));
+        let folders = options
+            .folders
+            .clone()
+            .unwrap_or_else(|| folders(&mut messages));
+        let preferences = Preferences::load(&folders.preferences());
+        for notice in preferences.notices {
+            messages.warning(notice);
+        }
         let recovery = folders.recovery();
         let left_behind = left_behind(&recovery).unwrap_or_else(|error| {
             messages.error(error.to_string());
@@ -97,6 +106,7 @@ impl State {
         Self {
             keeping: Keeping::new(recovery, context.clone()),
             folders,
+            preferences: preferences.value,
             left_behind,
             breakdown: None,
             options,
@@ -115,10 +125,22 @@ impl State {
     }
 }
 
+impl State {
+    /// Changes the choices of the user and writes them down.
+    pub fn change_preferences(&mut self, change: impl FnOnce(&mut Preferences)) {
+        change(&mut self.preferences);
+        if let Err(error) = self.preferences.save(&self.folders.preferences()) {
+            self.messages.warning(error.to_string());
+        }
+    }
+}
+
 /// Those of the user, or a temporary place where the system has none.
 fn folders(messages: &mut Messages) -> Folders {
     Folders::of_user().unwrap_or_else(|error| {
-        messages.warning(format!("{error}; what is not saved is kept in a temporary folder."));
+        messages.warning(format!(
+            "{error}; what is not saved is kept in a temporary folder."
+        ));
         Folders::below(&std::env::temp_dir().join("tautline"))
     })
 }

@@ -1,12 +1,13 @@
 //! What the commands do; one file for each kind.
 
 mod file;
+mod import;
 mod model;
 mod view;
 
-pub use file::{FileCommand, FileOutcome, Purpose};
+pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
-pub use view::ViewCommand;
+pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
 use super::keeping::Kept;

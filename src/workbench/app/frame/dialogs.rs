@@ -9,14 +9,17 @@ use crate::widgets::{heading, muted, primary};
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    if state.windows.unsaved.is_some() {
+    if state.windows.leaving.is_some() {
         unsaved(ui, state);
     }
 }
 
 /// Save the changes first?
 fn unsaved(ui: &mut Ui, state: &mut State) {
-    let name = state.document.as_ref().map_or_else(String::new, |document| document.session().name.clone());
+    let name = state
+        .document
+        .as_ref()
+        .map_or_else(String::new, |document| document.session().name.clone());
     let modal = Modal::new(Id::unique("unsaved changes")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
         heading(ui, "Save the changes?");
