@@ -10,6 +10,8 @@ pub mod limits;
 pub mod measuring;
 pub mod parameters;
 pub mod simulated;
+#[cfg(test)]
+mod testing;
 pub mod verifying;
 
 pub use clock::{Clock, ManualClock, SystemClock};
