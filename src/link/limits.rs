@@ -164,3 +164,47 @@ impl<C: Controller> Controller for Limited<C> {
         self.inner.write(values)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::Fault;
+    use crate::testing::{armed, limits, preset};
+
+    #[test]
+    fn poses_that_cannot_be_held_are_refused() {
+        let preset = preset("mini");
+        let mut limits = limits(&preset);
+        let centre = preset.workspace.centre;
+        limits.check_pose(&centre).unwrap();
+        limits.tension.upper_n = 11.0;
+        limits.tension.reference_n = 10.5;
+        let held = limits.check_pose(&centre).unwrap_err().to_string();
+        assert!(held.contains("no tensions between 10 N and 11 N"), "{held}");
+        let mut nowhere = centre;
+        nowhere.position.x = f64::NAN;
+        assert!(limits.check_pose(&nowhere).is_err());
+    }
+
+    #[test]
+    fn an_overloaded_cable_stops_the_motion_and_is_told_once() {
+        let preset = preset("mini");
+        let (mut robot, clock) = armed(&preset, |_| ());
+        let mut target = preset.workspace.centre;
+        target.position.x += 0.15;
+        robot.command(&target).unwrap();
+        clock.advance(0.5);
+        let overload = Fault::Tension {
+            cable: 1,
+            reading_n: 400.0,
+        };
+        robot.inner_mut().set_faults(vec![overload]);
+        let told = robot.sample().unwrap_err().to_string();
+        assert!(
+            told.contains("cable-2 pulls with 200 N, at most 150 N"),
+            "{told}"
+        );
+        assert_eq!(robot.state().activity, crate::Activity::Still);
+        assert!(robot.sample().is_ok());
+    }
+}

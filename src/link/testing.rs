@@ -90,7 +90,7 @@ pub(crate) fn drive(
 
 pub(crate) fn accepted(events: &[MeasuringEvent]) -> Vec<Accepted> {
     let measured = events.iter().filter_map(|event| match event {
-        MeasuringEvent::Measured(accepted) => Some(accepted.clone()),
+        MeasuringEvent::Measured(accepted) => Some((**accepted).clone()),
         _ => None,
     });
     measured.collect()

@@ -53,7 +53,7 @@ pub enum MeasuringEvent {
         of: usize,
     },
     /// A pose was measured: store it and call [`MeasuringRun::confirm_stored`].
-    Measured(Accepted),
+    Measured(Box<Accepted>),
     /// Something does not look right.
     Warning(Warning),
     /// A pose was left out.
@@ -461,7 +461,8 @@ impl MeasuringRun {
             self.compare_channels();
         }
         self.stage = Stage::Storing;
-        self.pending.push(MeasuringEvent::Measured(accepted));
+        self.pending
+            .push(MeasuringEvent::Measured(Box::new(accepted)));
     }
 
     fn compare_channels(&mut self) {

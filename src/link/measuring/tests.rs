@@ -33,10 +33,6 @@ fn readings_have_the_statistics_of_a_simulated_run() {
         let solution = identified(&data);
         let dof = solution.degrees_of_freedom;
         let off = (solution.chi2 - dof) / (2.0 * dof).sqrt();
-        println!(
-            "{name}: {took_s:.0} s, chi-square {:.1}, dof {dof}",
-            solution.chi2
-        );
         assert!(off.abs() < 5.0, "{name}: {} of {dof}", solution.chi2);
         assert!((60.0..150.0).contains(&took_s), "{name}: {took_s} s");
     }
@@ -71,10 +67,6 @@ fn a_hidden_effect_shows_and_is_found() {
         let sd = solution.standard_deviation(index.unwrap()).unwrap();
         let found = solution.globals.effects[0].values[0];
         let dof = solution.degrees_of_freedom;
-        println!(
-            "{effect}: blind {:.0}, {:.0} of {dof}, {found} +- {sd}",
-            blind.chi2, solution.chi2
-        );
         // 5 standard deviations: a false failure has probability below 1e-5.
         assert!((found - size).abs() < 5.0 * sd, "{effect}: {found} +- {sd}");
         assert!((solution.chi2 - dof).abs() < 5.0 * (2.0 * dof).sqrt());
@@ -134,6 +126,8 @@ fn a_pause_under_way_approaches_the_pose_anew() {
     run.tick(&mut robot, clock.now_s());
     assert_eq!(run.stage(), Stage::Approaching);
     run.pause();
+    let events = drive(&mut run, &mut robot, &clock);
+    assert_eq!(reason(&events), "paused by the operator");
     run.resume();
     let events = drive(&mut run, &mut robot, &clock);
     assert_eq!(labels(&events), vec![1, 2]);
@@ -307,10 +301,12 @@ fn a_jump_at_rest_is_settled_anew() {
     };
     robot.inner_mut().set_faults(vec![jump]);
     clock.advance(0.05);
-    run.tick(&mut robot, clock.now_s());
-    clock.advance(0.05);
     let events = run.tick(&mut robot, clock.now_s());
-    let _ = events;
+    let text = warnings(&events).concat();
+    assert!(
+        text.starts_with("cable-2: its encoder jumped by 12."),
+        "{text}"
+    );
     assert_eq!(run.stage(), Stage::Approaching);
 }
 

@@ -7,7 +7,7 @@ use tautline_core::simulation::{
 };
 
 /// Fastest platform by default (m/s).
-const FASTEST_M_S: f64 = 1.0;
+const FASTEST_M_S: f64 = 2.0;
 
 /// Everything that makes a simulated robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,11 +25,11 @@ pub struct SimulatedSetup {
     pub tension: TensionRange,
     /// Simulated seconds per second of the clock.
     pub speed: f64,
-    /// Fastest motion (m/s, rad/s) and strongest acceleration (m/s^2).
+    /// Fastest motion (m/s).
     pub velocity_m_s: f64,
-    /// See above.
+    /// Fastest rotation (rad/s).
     pub turning_rad_s: f64,
-    /// See above.
+    /// Strongest acceleration (m/s^2).
     pub acceleration_m_s2: f64,
     /// Whether readings have noise.
     pub noise: bool,
