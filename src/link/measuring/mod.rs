@@ -38,8 +38,8 @@ pub enum MeasuringEvent {
     },
     /// The platform has arrived and is waited for to stand still.
     Settling {
-        /// How fast readings change.
-        rates: Rates,
+        /// How fast readings change; `None` until enough samples tell it.
+        rates: Option<Rates>,
         /// How fast they may.
         limits: Rates,
         /// At least this much time is left (s).
@@ -399,7 +399,7 @@ impl MeasuringRun {
             ));
         }
         self.pending.push(MeasuringEvent::Settling {
-            rates: settled.map(|s| s.rates).unwrap_or_default(),
+            rates: settled.map(|s| s.rates),
             limits,
             remaining_s: self.window.missing_s(span_s),
         });

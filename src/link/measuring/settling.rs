@@ -25,6 +25,22 @@ pub(super) struct Settled {
     pub restless: Option<String>,
 }
 
+/// The reading that exceeds its limit most.
+#[derive(Default)]
+struct Worst {
+    excess: f64,
+    reading: Option<String>,
+}
+
+impl Worst {
+    fn note(&mut self, excess: f64, reading: impl FnOnce() -> String) {
+        if excess > self.excess.max(1.0) {
+            self.excess = excess;
+            self.reading = Some(reading());
+        }
+    }
+}
+
 impl Window {
     pub fn clear(&mut self) {
         self.samples.clear();
@@ -65,50 +81,43 @@ impl Window {
         if self.samples.len() < FEWEST || self.missing_s(span_s) > 0.0 {
             return None;
         }
-        let mut rates = Rates::default();
-        let mut worst = (1.0, None);
-        let mut note = |excess: f64, reading: String| {
-            if excess > worst.0 {
-                worst = (excess, Some(reading));
-            }
+        let mut rates = Rates {
+            laser_m_per_s: self.slope(|s| s.laser_m),
+            ..Rates::default()
         };
+        let mut worst = Worst::default();
+        worst.note(rates.laser_m_per_s / limits.laser_m_per_s, || {
+            let rate_mm = rates.laser_m_per_s * 1e3;
+            format!("the laser distance still changes by {rate_mm:.2} mm/s")
+        });
         for (index, cable) in robot.cables.iter().enumerate() {
             let turning = self.slope(|s| s.revolutions.get(index).copied());
             let rate = turning * cable.winch.cable_per_revolution_m();
             rates.length_m_per_s = rates.length_m_per_s.max(rate);
-            note(
-                rate / limits.length_m_per_s,
+            worst.note(rate / limits.length_m_per_s, || {
+                let rate_mm = rate * 1e3;
                 format!(
-                    "the winch of {} still turns by {:.2} mm/s",
-                    cable.name,
-                    rate * 1e3
-                ),
-            );
-            if let Some(sensor) = cable.force_sensor {
-                let pulling = self.slope(|s| s.force_n.get(index).copied());
-                let rate = pulling / sensor.tension_gain.abs();
-                rates.tension_n_per_s = rates.tension_n_per_s.max(rate);
-                note(
-                    rate / limits.tension_n_per_s,
-                    format!(
-                        "the tension of {} still changes by {rate:.1} N/s",
-                        cable.name
-                    ),
-                );
-            }
+                    "the winch of {} still turns by {rate_mm:.2} mm/s",
+                    cable.name
+                )
+            });
+            let Some(sensor) = cable.force_sensor else {
+                continue;
+            };
+            let pulling = self.slope(|s| s.force_n.get(index).copied());
+            let rate = pulling / sensor.tension_gain.abs();
+            rates.tension_n_per_s = rates.tension_n_per_s.max(rate);
+            worst.note(rate / limits.tension_n_per_s, || {
+                format!(
+                    "the tension of {} still changes by {rate:.1} N/s",
+                    cable.name
+                )
+            });
         }
-        rates.laser_m_per_s = self.slope(|s| s.laser_m);
-        note(
-            rates.laser_m_per_s / limits.laser_m_per_s,
-            format!(
-                "the laser distance still changes by {:.2} mm/s",
-                rates.laser_m_per_s * 1e3
-            ),
-        );
         Some(Settled {
             rates,
-            still: worst.1.is_none(),
-            restless: worst.1,
+            still: worst.reading.is_none(),
+            restless: worst.reading,
         })
     }
 

@@ -321,3 +321,11 @@ fn a_silent_controller_ends_the_run() {
         .collect();
     assert_eq!(reason(&events), "The controller sends no new readings.");
 }
+
+#[test]
+fn a_fast_simulation_needs_few_ticks() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |setup| setup.speed = 20.0);
+    measured(&preset, 25, &mut robot, &clock);
+    assert!(clock.now_s() < 30.0, "{} s", clock.now_s());
+}

@@ -99,12 +99,10 @@ impl SimulatedRobot {
     /// A robot at home with zeroed encoders, not connected.
     ///
     /// # Errors
-    /// If the robot has no home pose, cannot be held there, or an effect or parameter does not exist.
+    /// If the robot has no home pose, cannot be held there, an effect or parameter does not exist, or a speed is
+    /// not positive.
     pub fn new(setup: SimulatedSetup, clock: Arc<dyn Clock>) -> Result<Self, LinkError> {
-        if setup.truth.cable_count() != setup.nominal.cable_count() {
-            let text = "the true robot has another number of cables than the description";
-            return Err(LinkError::Setup(text.to_owned()));
-        }
+        setup.check()?;
         let mut parameters = parameters_of(&setup.nominal);
         for (name, value) in &setup.parameters {
             set_parameter(&mut setup.nominal.clone(), name, *value)?;

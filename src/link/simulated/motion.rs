@@ -41,7 +41,7 @@ impl Place {
 pub(super) struct Motion {
     pub start_s: f64,
     pub duration_s: f64,
-    /// Places at equal parts of the way: straight pieces between them.
+    /// Places at equal parts of the way, at least one: straight pieces between them.
     pub places: Vec<Place>,
     /// The last place some time (s) after arriving, where readings drift.
     pub later: Option<(f64, Place)>,

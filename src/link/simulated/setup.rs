@@ -6,6 +6,8 @@ use tautline_core::simulation::{
     SimulationOptions, TensionRange, TrueGeometry, Workspace, true_robot,
 };
 
+use crate::controller::LinkError;
+
 /// Fastest platform by default (m/s).
 const FASTEST_M_S: f64 = 2.0;
 
@@ -64,6 +66,25 @@ impl SimulatedSetup {
             averaged_samples: 10,
             repeating_share: 0.5,
             laser_range_m: [0.0, f64::INFINITY],
+        }
+    }
+
+    /// Whether such a robot can be simulated.
+    pub(super) fn check(&self) -> Result<(), LinkError> {
+        let refuse = |text: &str| Err(LinkError::Setup(text.to_owned()));
+        if self.truth.cable_count() != self.nominal.cable_count() {
+            return refuse("the true robot has another number of cables than the description");
+        }
+        let paces = [
+            self.speed,
+            self.velocity_m_s,
+            self.turning_rad_s,
+            self.acceleration_m_s2,
+        ];
+        if paces.iter().all(|pace| pace.is_finite() && *pace > 0.0) {
+            Ok(())
+        } else {
+            refuse("a speed or acceleration of the simulated robot is not a positive number")
         }
     }
 
