@@ -14,6 +14,7 @@ pub mod geometry;
 pub mod instrument;
 pub mod kinematics;
 pub mod measurement;
+pub mod planning;
 pub mod real;
 pub mod robot;
 pub mod simulation;

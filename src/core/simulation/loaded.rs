@@ -19,9 +19,18 @@ impl Schedule {
     /// Up to and including a row.
     pub fn of(robot: &Robot, last: usize) -> Self {
         let first = i64::from(robot.home.is_none());
-        let time_s: Vec<f64> = (0..=last).map(|k| SECONDS_PER_POSE * k as f64).collect();
+        Self::at((first..).take(last + 1).collect())
+    }
+
+    /// Poses with these labels, the time following them.
+    pub fn at(labels: Vec<i64>) -> Self {
+        let first = labels.first().copied().unwrap_or_default();
+        let time_s: Vec<f64> = labels
+            .iter()
+            .map(|label| SECONDS_PER_POSE * (label - first) as f64)
+            .collect();
         Self {
-            labels: (first..).take(last + 1).collect(),
+            labels,
             temperature_c: time_s
                 .iter()
                 .map(|t| 20.0 + 2.0 * (t / 3600.0).sin())
