@@ -6,6 +6,7 @@
 
 pub mod accuracy;
 pub mod cable;
+pub mod comparison;
 pub mod diagnosis;
 pub mod effect;
 pub mod estimation;

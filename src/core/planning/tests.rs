@@ -42,7 +42,12 @@ fn measured(preset: &Preset, poses: Vec<Pose>, noise: bool, seed: u64) -> Datase
 
 fn identified(dataset: &Dataset) -> Solution {
     let problem = Problem::new(dataset).unwrap();
-    let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue).unwrap();
+    // To rounding: the information is that of the last state evaluated.
+    let options = Options {
+        negligible: 0.0,
+        ..Options::default()
+    };
+    let solution = solve(&problem, &options, &mut |_| Control::Continue).unwrap();
     assert!(solution.converged());
     solution
 }
@@ -69,7 +74,7 @@ fn information_before_measuring_is_that_of_the_solution() {
             for k in 0..sum.ncols() {
                 let scale = (sum[(i, i)] * sum[(k, k)]).sqrt();
                 let off = (sum[(i, k)] - solution.information[(i, k)]).abs();
-                assert!(off < 1e-4 * scale, "{name} {i} {k}: {off} of {scale}");
+                assert!(off < 1e-6 * scale, "{name} {i} {k}: {off} of {scale}");
             }
         }
         // As few rows as readings more than coordinates.
@@ -228,8 +233,8 @@ fn a_plan_completes_what_was_measured() {
     let solution = identified(&run.dataset);
     for k in 0..solution.parameters.len() {
         let now = solution.standard_deviation(k).unwrap();
-        assert!((plan.after(0).sd[k].unwrap() / now - 1.0).abs() < 1e-6);
-        assert!(plan.expected.sd[k].unwrap() <= now * (1.0 + 1e-9));
+        assert!((plan.after(0).sd[k].unwrap() / now - 1.0).abs() < 1e-3);
+        assert!(plan.expected.sd[k].unwrap() < now * 1.001);
     }
     assert_eq!(plan.poses[0].label, 11);
 }
