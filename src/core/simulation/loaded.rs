@@ -1,6 +1,6 @@
 //! The robot as effects make it at one pose: what holds the platform there.
 
-use crate::effect::{BoundEffect, CablePorts, Circumstances, Dual, PlatformPorts};
+use crate::effect::{BoundEffect, Circumstances, Dual, PlatformPorts};
 use crate::geometry::Pose;
 use crate::measurement::Measurements;
 use crate::robot::Robot;
@@ -73,22 +73,9 @@ pub(super) fn loaded_robot(
         values.iter().map(|value| Dual::constant(*value)).collect()
     };
     let mut platform = PlatformPorts::nominal(truth);
-    for (index, cable) in robot.cables.iter_mut().enumerate() {
-        let mut at = *circumstances.cable(row, index);
-        at.tension_n = tensions[index];
-        let mut ports = CablePorts::nominal(cable, 0.0, tensions[index]);
-        for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
-            let values = constants(&bound.values);
-            bound.effect.change_cable(&values, &at, &mut ports);
-        }
-        let values = |port: [Dual; 3]| port.map(|dual| dual.value);
-        let shift = values(ports.entry_shift);
-        for k in 0..3 {
-            cable.pulley.entry_point_m[k] += shift[k];
-        }
-        cable.pulley.swivel_axis = values(ports.axis);
-        cable.pulley.radius_m = ports.radius.value;
-        cable.platform_anchor_m = values(ports.anchor);
+    let ports = circumstances.cable_ports(row, truth, effects, tensions);
+    for (cable, ports) in robot.cables.iter_mut().zip(ports) {
+        ports.change_geometry(cable);
     }
     for bound in effects {
         let values = constants(&bound.values);
