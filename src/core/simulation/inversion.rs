@@ -17,8 +17,18 @@ pub(super) fn invert(
     (poses, tensions): (&[Pose], &Grid),
     directions: &Grid,
 ) -> Result<(), EstimationError> {
+    invert_within(INVERSION_STEPS, exact, (poses, tensions), directions)
+}
+
+/// The same with other least and most steps.
+pub(super) fn invert_within(
+    [least, most]: [usize; 2],
+    exact: &mut Dataset,
+    (poses, tensions): (&[Pose], &Grid),
+    directions: &Grid,
+) -> Result<(), EstimationError> {
     let rows: Vec<usize> = (0..poses.len()).collect();
-    for step in 0..INVERSION_STEPS[1] {
+    for step in 0..most {
         let residuals = {
             let problem = Problem::new(exact)?.with_method(Method::Simple);
             let (robot, data) = (&exact.robot, &exact.measurements);
@@ -34,7 +44,7 @@ pub(super) fn invert(
             let changes = correct(exact, row, residual, tensions, Some(row) == home);
             largest = largest.max(changes);
         }
-        if step + 1 >= INVERSION_STEPS[0] && largest < SETTLED_READING {
+        if step + 1 >= least && largest < SETTLED_READING {
             break;
         }
     }

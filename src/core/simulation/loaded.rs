@@ -1,7 +1,7 @@
 //! The robot as effects make it at one pose: what holds the platform there.
 
 use super::workspace::TensionRange;
-use crate::effect::{BoundEffect, CablePorts, Circumstances, Dual, PlatformPorts};
+use crate::effect::{BoundEffect, Circumstances, Dual, PlatformPorts};
 use crate::geometry::Pose;
 use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
@@ -25,9 +25,18 @@ impl Schedule {
     /// Up to and including a row.
     pub fn of(robot: &Robot, last: usize) -> Self {
         let first = i64::from(robot.home.is_none());
-        let time_s: Vec<f64> = (0..=last).map(|k| SECONDS_PER_POSE * k as f64).collect();
+        Self::at((first..).take(last + 1).collect())
+    }
+
+    /// Poses with these labels, the time following them.
+    pub fn at(labels: Vec<i64>) -> Self {
+        let first = labels.first().copied().unwrap_or_default();
+        let time_s: Vec<f64> = labels
+            .iter()
+            .map(|label| SECONDS_PER_POSE * (label - first) as f64)
+            .collect();
         Self {
-            labels: (first..).take(last + 1).collect(),
+            labels,
             temperature_c: time_s.iter().map(|t| ambient_temperature_c(*t)).collect(),
             time_s,
         }
@@ -94,22 +103,9 @@ fn loaded_robot(
         values.iter().map(|value| Dual::constant(*value)).collect()
     };
     let mut platform = PlatformPorts::nominal(truth);
-    for (index, cable) in robot.cables.iter_mut().enumerate() {
-        let mut at = *circumstances.cable(row, index);
-        at.tension_n = tensions[index];
-        let mut ports = CablePorts::nominal(cable, 0.0, tensions[index]);
-        for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
-            let values = constants(&bound.values);
-            bound.effect.change_cable(&values, &at, &mut ports);
-        }
-        let values = |port: [Dual; 3]| port.map(|dual| dual.value);
-        let shift = values(ports.entry_shift);
-        for k in 0..3 {
-            cable.pulley.entry_point_m[k] += shift[k];
-        }
-        cable.pulley.swivel_axis = values(ports.axis);
-        cable.pulley.radius_m = ports.radius.value;
-        cable.platform_anchor_m = values(ports.anchor);
+    let ports = circumstances.cable_ports(row, truth, effects, tensions);
+    for (cable, ports) in robot.cables.iter_mut().zip(ports) {
+        ports.change_geometry(cable);
     }
     for bound in effects {
         let values = constants(&bound.values);
@@ -153,4 +149,22 @@ pub(super) fn hold(
         }
     }
     Ok(tensions)
+}
+
+/// Tensions that hold the platform at a pose visited right after home, if the robot has one; as [`hold`].
+pub(crate) fn hold_after_home(
+    robot: &Robot,
+    effects: &[BoundEffect],
+    pose: &Pose,
+    range: &TensionRange,
+) -> Result<Option<Vec<f64>>, KinematicsError> {
+    let home = robot.home.map(|home| home.pose());
+    let visited = usize::from(home.is_some());
+    let schedule = Schedule::of(robot, visited);
+    let rows = Rows {
+        first: home.as_ref().map(|home| (schedule.moment(0), home)),
+        moment: schedule.moment(visited),
+        pose,
+    };
+    hold(robot, effects, &rows, range)
 }

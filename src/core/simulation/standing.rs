@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::inversion::invert;
 use super::loaded::{Moment, Rows, Schedule, hold};
-use super::virtual_robot::{SimulationError, bind, blank, true_directions};
+use super::readings::{blank, true_directions};
+use super::virtual_robot::{SimulationError, bind};
 use super::workspace::TensionRange;
 use crate::effect::BoundEffect;
 use crate::estimation::EstimationError;

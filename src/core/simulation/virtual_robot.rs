@@ -1,17 +1,17 @@
 //! A robot whose true geometry differs from its description, and what is measured on it.
 
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use super::inversion::invert;
 use super::loaded::{Rows, Schedule, hold};
+use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
-use crate::effect::{BoundEffect, EffectError, EffectSetting, sign};
+use crate::effect::{BoundEffect, EffectError, EffectSetting};
 use crate::estimation::EstimationError;
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::{KinematicsError, inverse_kinematics};
-use crate::measurement::{Dataset, Grid, Measurements, Truth};
+use crate::measurement::{Dataset, Grid};
 use crate::robot::Robot;
 
 /// Where the true geometry comes from.
@@ -42,6 +42,8 @@ pub struct SimulationOptions {
     pub workspace: Option<Workspace>,
     /// How cables are tensioned; by default as suits the weight.
     pub tension: Option<TensionRange>,
+    /// Poses to command, in this order, instead of `poses` drawn from the workspace.
+    pub at: Option<Vec<Pose>>,
 }
 
 impl SimulationOptions {
@@ -56,6 +58,17 @@ impl SimulationOptions {
             noise: true,
             workspace: None,
             tension: None,
+            at: None,
+        }
+    }
+
+    /// The same run at given commanded poses.
+    #[must_use]
+    pub fn commanding(self, poses: Vec<Pose>) -> Self {
+        Self {
+            poses: poses.len(),
+            at: Some(poses),
+            ..self
         }
     }
 }
@@ -105,14 +118,10 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
     let truth = draw_truth(robot, options, &mut rng);
     let effects = bind(&truth)?;
     let (poses, commanded, tensions) = visit_poses(robot, (&truth, &effects), options, &mut rng)?;
+    let schedule = Schedule::of(robot, poses.len() - 1);
     let mut exact = Dataset {
         robot: truth.clone(),
-        measurements: blank(
-            robot,
-            Schedule::of(robot, poses.len() - 1),
-            (&poses, &commanded),
-            &tensions,
-        ),
+        measurements: blank(robot, schedule, (&poses, &commanded), &tensions),
     };
     for effect in &effects {
         let checked = effect.check_poses(&exact.measurements);
@@ -141,10 +150,6 @@ pub(super) fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
         .map(|setting| BoundEffect::from_setting(setting, truth))
         .collect();
     Ok(bound.map_err(EstimationError::Effect)?)
-}
-
-fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
-    sd * rng.sample::<f64, _>(StandardNormal)
 }
 
 /// The true robot behind the description `robot`: that of [`simulate`] with the same options.
@@ -235,11 +240,16 @@ fn visit_poses(
         commanded.push(nominal.pose());
     }
     let first = poses.len();
-    for _ in 0..TRIES_PER_POSE * options.poses {
-        if poses.len() == first + options.poses {
+    let wanted = options.at.as_ref().map_or(options.poses, Vec::len);
+    for _ in 0..TRIES_PER_POSE * wanted {
+        let done = poses.len() - first;
+        if done == wanted {
             break;
         }
-        let target = workspace.draw(robot, rng);
+        let target = match &options.at {
+            Some(commanded) => commanded[done],
+            None => workspace.draw(robot, rng),
+        };
         let pose = misplaced(robot, &target, rng);
         // A pose that nobody could command is no pose of a plan.
         if inverse_kinematics(truth, &pose).is_err() || inverse_kinematics(robot, &target).is_err()
@@ -252,8 +262,11 @@ fn visit_poses(
             commanded.push(target);
         }
     }
-    if poses.len() < first + options.poses {
-        return Err(infeasible("enough poses of its workspace"));
+    if poses.len() < first + wanted {
+        return Err(infeasible(match options.at {
+            Some(_) => "a commanded pose",
+            None => "enough poses of its workspace",
+        }));
     }
     Ok((poses, commanded, tensions))
 }
@@ -276,153 +289,4 @@ fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
         twist[k] = normal(rng, size);
     }
     target.perturbed(&twist)
-}
-
-/// Rows with everything known but the readings.
-pub(super) fn blank(
-    robot: &Robot,
-    schedule: Schedule,
-    (poses, commanded): (&[Pose], &[Pose]),
-    tensions: &Grid,
-) -> Measurements {
-    let rows = poses.len();
-    let cables = robot.cable_count();
-    let zeros = || {
-        let mut grid = Grid::new(cables);
-        (0..rows).for_each(|_| grid.push_row(&vec![0.0; cables]));
-        grid
-    };
-    let when = |present: bool| if present { zeros() } else { Grid::default() };
-    let swivels = robot
-        .cables
-        .iter()
-        .all(|c| c.pulley.swivel_sd_rad.is_some() && c.pulley.swivel_zero.is_some());
-    Measurements {
-        labels: schedule.labels,
-        temperature_c: schedule.temperature_c,
-        time_s: schedule.time_s,
-        commanded: commanded.iter().copied().map(Some).collect(),
-        revolutions: when(robot.home.is_some()),
-        length_m: when(robot.home.is_none()),
-        force_n: nominal_forces(robot, tensions),
-        laser_m: robot.laser.map_or_else(Vec::new, |_| vec![0.0; rows]),
-        swivel_rad: when(swivels),
-        inclination_rad: robot
-            .inclinometer
-            .map_or_else(Vec::new, |_| vec![[0.0; 3]; rows]),
-        tracked_position_m: robot.tracker.map_or_else(Vec::new, |_| {
-            poses.iter().map(|p| p.position.into()).collect()
-        }),
-        tracked_orientation_wxyz: match robot.tracker.and_then(|t| t.orientation_sd_rad) {
-            Some(_) => poses.iter().map(Pose::orientation_wxyz).collect(),
-            None => Vec::new(),
-        },
-        truth: Truth {
-            poses: poses.to_vec(),
-            tension_n: tensions.clone(),
-        },
-        ..Measurements::default()
-    }
-}
-
-/// Raw readings at the true tensions by the nominal sensors.
-fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
-    let mut forces = Grid::default();
-    if robot.has_force_sensors() && robot.platform.mass_kg.is_some() {
-        forces = tensions.clone();
-        for row in 0..tensions.rows() {
-            for (index, cable) in robot.cables.iter().enumerate() {
-                let tension = tensions.get(row, index);
-                let reading = cable
-                    .force_sensor
-                    .map_or(f64::NAN, |s| s.reading_n(tension));
-                forces.set(row, index, reading);
-            }
-        }
-    }
-    forces
-}
-
-/// Direction of travel of every cable to every pose: the sign of the change of its geometric length.
-pub(super) fn true_directions(robot: &Robot, poses: &[Pose]) -> Result<Grid, SimulationError> {
-    let mut directions = Grid::new(robot.cable_count());
-    let mut before: Option<Vec<f64>> = None;
-    for pose in poses {
-        let states = inverse_kinematics(robot, pose)?;
-        let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();
-        let from = before.as_ref().unwrap_or(&lengths);
-        let signs: Vec<f64> = lengths.iter().zip(from).map(|(l, f)| sign(l - f)).collect();
-        directions.push_row(&signs);
-        before = Some(lengths);
-    }
-    Ok(directions)
-}
-
-fn add_noise(robot: &Robot, data: &mut Measurements, rng: &mut ChaCha8Rng) {
-    let home = robot.home.and(data.home_row());
-    for row in 0..data.len() {
-        for (index, cable) in robot.cables.iter().enumerate() {
-            let mut add = |grid: &mut Grid, sd: f64| {
-                if !grid.is_empty() {
-                    grid.set(row, index, grid.get(row, index) + normal(rng, sd));
-                }
-            };
-            let sd = cable.winch.length_sd_m;
-            if Some(row) != home {
-                add(
-                    &mut data.revolutions,
-                    sd / cable.winch.cable_per_revolution_m(),
-                );
-            }
-            add(&mut data.length_m, sd);
-            if let Some(sensor) = cable.force_sensor {
-                add(
-                    &mut data.force_n,
-                    sensor.tension_gain.abs() * sensor.tension_sd_n,
-                );
-            }
-            add(
-                &mut data.swivel_rad,
-                cable.pulley.swivel_sd_rad.unwrap_or(0.0),
-            );
-        }
-        if let (Some(laser), Some(reading)) = (&robot.laser, data.laser_m.get_mut(row)) {
-            *reading += normal(rng, laser.sd_m);
-        }
-        if let (Some(sensor), Some(angles)) =
-            (&robot.inclinometer, data.inclination_rad.get_mut(row))
-        {
-            for angle in angles {
-                *angle += normal(rng, sensor.sd_rad);
-            }
-        }
-        add_tracker_noise(robot, data, row, rng);
-    }
-}
-
-fn add_tracker_noise(robot: &Robot, data: &mut Measurements, row: usize, rng: &mut ChaCha8Rng) {
-    let Some(tracker) = &robot.tracker else {
-        return;
-    };
-    if let Some(position) = data.tracked_position_m.get_mut(row) {
-        for (value, sd) in position.iter_mut().zip(tracker.position_sd_m.each()) {
-            *value += normal(rng, sd);
-        }
-    }
-    if let (Some(sd), Some(q)) = (
-        tracker.orientation_sd_rad,
-        data.tracked_orientation_wxyz.get_mut(row),
-    ) {
-        let twist = Twist::new(
-            0.0,
-            0.0,
-            0.0,
-            normal(rng, sd),
-            normal(rng, sd),
-            normal(rng, sd),
-        );
-        *q = Pose::from_parts([0.0; 3], *q)
-            .perturbed(&twist)
-            .orientation_wxyz();
-    }
 }

@@ -102,7 +102,8 @@ impl Workspace {
     }
 }
 
-fn bounds(robot: &Robot) -> (Vec3, Vec3) {
+/// The smallest box around the entry points (m).
+pub(crate) fn bounds(robot: &Robot) -> (Vec3, Vec3) {
     let points = robot
         .cables
         .iter()

@@ -5,9 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use super::accuracy::Accuracy;
+use super::compare::ComparisonDocument;
 use super::diagnose::DiagnosisDocument;
 use super::identify::Identification;
 use super::output::write_json;
+use super::plan::PlanDocument;
 use super::precalibrate::Precalibration;
 use crate::cli::output::say;
 
@@ -18,6 +20,8 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::document_schema::<DiagnosisDocument>());
     schemas.push(tautline_session::document_schema::<Accuracy>());
     schemas.push(tautline_session::document_schema::<Precalibration>());
+    schemas.push(tautline_session::document_schema::<PlanDocument>());
+    schemas.push(tautline_session::document_schema::<ComparisonDocument>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;
