@@ -114,7 +114,8 @@ pub(super) fn modelled(
         .map(|((cable, ports), tension_n)| {
             let mut cable = cable.clone();
             ports.change_geometry(&mut cable);
-            if ports.weight.value != 0.0 && !(*tension_n > 0.0) {
+            let is_taut = *tension_n > 0.0;
+            if ports.weight.value != 0.0 && !is_taut {
                 return Err(BudgetError::Slack {
                     cable: cable.name,
                     tension_n: *tension_n,

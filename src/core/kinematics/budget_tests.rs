@@ -106,7 +106,7 @@ fn payout_is_what_a_simulated_winch_counts() {
     robot.effects.push(EffectSetting {
         effect: "pulley_radius".into(),
         targets: vec!["cable-2".into()],
-        parameters: [("radius".to_owned(), 0.004)].into(),
+        parameters: [("change".to_owned(), 0.004)].into(),
     });
     let options = crate::simulation::SimulationOptions {
         geometry: crate::simulation::TrueGeometry::Nominal,
