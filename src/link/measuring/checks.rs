@@ -160,9 +160,7 @@ impl Checks<'_> {
                 return Some(self.warning(Some(index), false, text));
             }
             let large = should_m.abs() > 2.0 * self.options.plausible_m;
-            if large && did_m < -0.5 * should_m.abs() && should_m > 0.0
-                || large && did_m > 0.5 * should_m.abs() && should_m < 0.0
-            {
+            if large && did_m * should_m.signum() < -0.5 * should_m.abs() {
                 let text =
                     "its encoder counts against the expected direction: is its sign reversed?";
                 return Some(self.warning(Some(index), false, text));

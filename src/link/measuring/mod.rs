@@ -113,12 +113,12 @@ pub struct MeasuringRun {
 }
 
 impl MeasuringRun {
-    /// A run over labelled poses; what is expected follows from the geometry of `robot` unless
+    /// A run over labelled poses; what is expected follows from `robot` unless
     /// [`Self::predicting`] says otherwise.
     #[must_use]
     pub fn new(plan: Vec<(i64, Pose)>, robot: &Robot, options: MeasuringOptions) -> Self {
         Self {
-            predictor: predict_by(robot),
+            predictor: predict_by(robot, options.tension),
             robot: robot.clone(),
             queue: plan.iter().copied().collect(),
             plan,

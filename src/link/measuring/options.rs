@@ -1,14 +1,13 @@
 //! How a run measures.
 
-use tautline_core::geometry::{Pose, Vec3};
-use tautline_core::kinematics::inverse_kinematics;
+use tautline_core::geometry::Pose;
 use tautline_core::robot::{PerAxis, Robot};
-use tautline_core::simulation::TensionRange;
+use tautline_core::simulation::{Moment, StandingRobot, TensionRange, ambient_temperature_c};
 
 /// A single sample's standard deviations that a rate may show while the platform stands still, per settling time.
 const STILL: f64 = 6.5;
 /// Prior standard deviations by which a reading may miss its prediction.
-const PLAUSIBLE: f64 = 8.0;
+const PLAUSIBLE: f64 = 4.0;
 
 /// Rates of change, of the fastest channel of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -87,27 +86,23 @@ pub struct Prediction {
 /// Predicts the readings at a commanded pose; `None` where it cannot.
 pub type Predictor = Box<dyn Fn(&Pose) -> Option<Prediction> + Send>;
 
-/// Predicts by the geometry of a robot alone, cables inelastic.
+/// Predicts by a robot or model as its cables are tensioned within a range, elasticity and sag included; effects
+/// as they are when the run begins. Nothing is predicted for a robot without a home pose.
 #[must_use]
-pub fn predict_by(robot: &Robot) -> Predictor {
-    let robot = robot.clone();
+pub fn predict_by(robot: &Robot, tension: TensionRange) -> Predictor {
+    let begin = Moment {
+        label: 0,
+        time_s: 0.0,
+        temperature_c: ambient_temperature_c(0.0),
+    };
+    let standing = StandingRobot::new(robot.clone(), tension, begin).ok();
     Box::new(move |pose| {
-        let home = inverse_kinematics(&robot, &robot.home?.pose()).ok()?;
-        let here = inverse_kinematics(&robot, pose).ok()?;
-        let turned = robot.cables.iter().zip(here.iter().zip(&home));
+        let robot = standing.as_ref()?;
+        let at = Moment { label: 1, ..begin };
+        let readings = robot.at(at, pose, pose).ok()?.readings;
         Some(Prediction {
-            revolutions: turned
-                .map(|(cable, (here, home))| {
-                    (here.length_m - home.length_m) / cable.winch.cable_per_revolution_m()
-                })
-                .collect(),
-            laser_m: robot.laser.map(|laser| {
-                let plane = laser.target_plane;
-                let normal = Vec3::from(plane.normal);
-                let origin = pose.transform(&Vec3::from(laser.origin_m));
-                let direction = pose.orientation * Vec3::from(laser.direction);
-                (plane.offset_m - normal.dot(&origin)) / normal.dot(&direction)
-            }),
+            revolutions: readings.revolutions.row(0).to_vec(),
+            laser_m: readings.laser_m.first().copied(),
         })
     })
 }
