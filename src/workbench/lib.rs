@@ -2,6 +2,7 @@
 
 pub mod app;
 pub mod cli;
+pub mod offscreen;
 mod screens;
-mod views;
+pub mod views;
 mod widgets;
