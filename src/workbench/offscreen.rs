@@ -1,5 +1,8 @@
 //! Pictures without a window: for reports and tests, through EGL.
-#![expect(unsafe_code, reason = "glutin marks everything that talks to a driver as unsafe")]
+#![expect(
+    unsafe_code,
+    reason = "glutin marks everything that talks to a driver as unsafe"
+)]
 
 use std::sync::Arc;
 
@@ -25,7 +28,9 @@ use crate::views::robot_3d::{Canvas, paint_picture};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OffscreenError {
     /// No driver.
-    #[error("no picture can be drawn without a window, because there is no OpenGL by way of EGL: {0}")]
+    #[error(
+        "no picture can be drawn without a window, because there is no OpenGL by way of EGL: {0}"
+    )]
     NoGl(String),
     /// The driver refused.
     #[error("the picture could not be drawn: {0}")]
@@ -189,7 +194,8 @@ pub fn render_scene(
     theme::install(&context);
     context.set_theme(theme);
     let side = |side: u32| side.max(1) as f32;
-    let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side(size[0]), side(size[1])));
+    let rect =
+        egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side(size[0]), side(size[1])));
     let input = egui::RawInput {
         screen_rect: Some(rect),
         ..Default::default()

@@ -167,7 +167,9 @@ impl Camera {
         }
         let middle: [f64; 3] = std::array::from_fn(|k| (low[k] + high[k]) / 2.0);
         self.target = axes[0] * middle[0] + axes[1] * middle[1] + axes[2] * middle[2];
-        let size = (0..3).fold(0.0_f64, |most, k| most.max(high[k] - low[k])).max(1e-3);
+        let size = (0..3)
+            .fold(0.0_f64, |most, k| most.max(high[k] - low[k]))
+            .max(1e-3);
         (self.nearest_m, self.farthest_m) = (0.01 * size, 20.0 * size);
         // Perspective moves the middle of what is seen; a few rounds settle it.
         for _ in 0..6 {
@@ -190,12 +192,17 @@ impl Camera {
     }
 
     fn centre(&mut self, points: &[Vec3], aspect: f64) {
-        let seen: Vec<Seen> = points.iter().filter_map(|p| self.project(p, aspect)).collect();
+        let seen: Vec<Seen> = points
+            .iter()
+            .filter_map(|p| self.project(p, aspect))
+            .collect();
         let range = |value: fn(&Seen) -> f64| {
-            let (low, high) = seen.iter().map(value).fold(
-                (f64::INFINITY, f64::NEG_INFINITY),
-                |(low, high), v| (low.min(v), high.max(v)),
-            );
+            let (low, high) = seen
+                .iter()
+                .map(value)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+                    (low.min(v), high.max(v))
+                });
             (low + high) / 2.0 - 0.5
         };
         if seen.is_empty() {
@@ -267,15 +274,19 @@ impl Camera {
         let middle = (centre - eye).dot(&forward);
         let far = (middle + radius_m).max(2.0 * self.nearest_m);
         let near = (middle - radius_m).max(2e-3 * far);
-        let row = |axis: Vec3, scale: f64| {
-            Vector4::new(axis.x, axis.y, axis.z, -axis.dot(&eye)) * scale
-        };
+        let row =
+            |axis: Vec3, scale: f64| Vector4::new(axis.x, axis.y, axis.z, -axis.dot(&eye)) * scale;
         let x = row(right, 1.0 / (HALF_OPENING * aspect));
         let y = row(up, 1.0 / HALF_OPENING);
         let depth = row(forward, 1.0);
         let z = depth * ((far + near) / (far - near))
             - Vector4::w() * (2.0 * far * near / (far - near));
-        Matrix4::from_rows(&[x.transpose(), y.transpose(), z.transpose(), depth.transpose()])
+        Matrix4::from_rows(&[
+            x.transpose(),
+            y.transpose(),
+            z.transpose(),
+            depth.transpose(),
+        ])
     }
 }
 

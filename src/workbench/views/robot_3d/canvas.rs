@@ -141,7 +141,11 @@ fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
             camera.orbit(right, down);
         }
     }
-    for (key, factor) in [(Key::Plus, 1.2), (Key::Equals, 1.2), (Key::Minus, 1.0 / 1.2)] {
+    for (key, factor) in [
+        (Key::Plus, 1.2),
+        (Key::Equals, 1.2),
+        (Key::Minus, 1.0 / 1.2),
+    ] {
         if pressed(key) {
             camera.zoom(factor, (0.5, 0.5), aspect);
         }
@@ -172,7 +176,9 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
     ];
     ui.input(|input| {
         let pressed = |key| input.modifiers.is_none() && input.key_pressed(key);
-        aims.into_iter().find(|(key, _)| pressed(*key)).map(|(_, aim)| aim)
+        aims.into_iter()
+            .find(|(key, _)| pressed(*key))
+            .map(|(_, aim)| aim)
     })
 }
 

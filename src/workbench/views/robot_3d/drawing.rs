@@ -322,7 +322,9 @@ pub fn cable_colour(
 /// Colour at a share of the range of tensions.
 #[must_use]
 pub fn tension_colour(share: f32, palette: &Palette) -> Color32 {
-    palette.ghost.lerp_to_gamma(palette.warning, share.clamp(0.0, 1.0))
+    palette
+        .ghost
+        .lerp_to_gamma(palette.warning, share.clamp(0.0, 1.0))
 }
 
 /// Smallest and largest tension (N), if any is known.

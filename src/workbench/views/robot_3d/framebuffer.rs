@@ -56,7 +56,11 @@ impl Attached {
             gl.bind_framebuffer(gl::FRAMEBUFFER, Some(attached.framebuffer));
             let colour = (gl::RGBA8, gl::COLOR_ATTACHMENT0);
             let depth = (gl::DEPTH_COMPONENT24, gl::DEPTH_ATTACHMENT);
-            let parts = if samples > 0 { vec![colour, depth] } else { vec![colour] };
+            let parts = if samples > 0 {
+                vec![colour, depth]
+            } else {
+                vec![colour]
+            };
             for (format, place) in parts {
                 let buffer = gl.create_renderbuffer()?;
                 attached.renderbuffers.push(buffer);
@@ -77,7 +81,9 @@ impl Attached {
                 return Ok(attached);
             }
             attached.delete(gl);
-            Err(format!("the graphics card refuses a picture of {width} x {height}"))
+            Err(format!(
+                "the graphics card refuses a picture of {width} x {height}"
+            ))
         }
     }
 
@@ -122,14 +128,17 @@ impl Framebuffer {
         let [w, h] = self.size.map(|side| side as i32);
         // SAFETY: the context is current; the framebuffers are this value's own, and the binding found is put back.
         unsafe {
-            let before = self.gl.get_parameter_framebuffer(gl::DRAW_FRAMEBUFFER_BINDING);
+            let before = self
+                .gl
+                .get_parameter_framebuffer(gl::DRAW_FRAMEBUFFER_BINDING);
             let framebuffer = self.samples.framebuffer;
             let target = RenderTarget::from_framebuffer(context, width, height, framebuffer);
             draw(&target);
             // Dropping the target would delete the framebuffer.
             target.into_framebuffer();
             self.gl.disable(gl::SCISSOR_TEST);
-            self.gl.bind_framebuffer(gl::READ_FRAMEBUFFER, Some(framebuffer));
+            self.gl
+                .bind_framebuffer(gl::READ_FRAMEBUFFER, Some(framebuffer));
             self.gl
                 .bind_framebuffer(gl::DRAW_FRAMEBUFFER, Some(self.resolved.framebuffer));
             let whole = [0, 0, w, h];
@@ -143,7 +152,9 @@ impl Framebuffer {
         let [w, h] = self.size.map(|side| side as i32);
         // SAFETY: as in `draw`; the copy stays within the scissor, which egui sets anew for what it draws next.
         unsafe {
-            let before = self.gl.get_parameter_framebuffer(gl::DRAW_FRAMEBUFFER_BINDING);
+            let before = self
+                .gl
+                .get_parameter_framebuffer(gl::DRAW_FRAMEBUFFER_BINDING);
             self.gl.enable(gl::SCISSOR_TEST);
             self.gl
                 .scissor(clip.left, clip.bottom, clip.width, clip.height);

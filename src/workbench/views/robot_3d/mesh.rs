@@ -143,7 +143,10 @@ impl Triangles {
             Vec3::new(sin_ring * cos, sin_ring * sin, cos_ring)
         };
         // Normals of the image go with the inverse transpose: the cofactors.
-        let turned = shape.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+        let turned = shape
+            .transpose()
+            .try_inverse()
+            .unwrap_or_else(Matrix3::identity);
         for ring in 0..rings {
             for segment in 0..SEGMENTS {
                 let points = [
@@ -152,8 +155,7 @@ impl Triangles {
                     on_sphere(ring + 1, segment + 1),
                     on_sphere(ring, segment + 1),
                 ];
-                let normals =
-                    points.map(|p| (turned * p).try_normalize(0.0).unwrap_or_default());
+                let normals = points.map(|p| (turned * p).try_normalize(0.0).unwrap_or_default());
                 self.patch(points.map(|p| centre + shape * p), normals, colour);
             }
         }

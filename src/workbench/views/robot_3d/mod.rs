@@ -167,7 +167,11 @@ impl Robot3d {
             planned: &self.planned,
         };
         let scene = Arc::new(subject.scene());
-        if !self.scene.as_ref().is_some_and(|(key, _)| key.session.is_of(document)) {
+        if !self
+            .scene
+            .as_ref()
+            .is_some_and(|(key, _)| key.session.is_of(document))
+        {
             self.camera = None;
         }
         let key = SceneKey {
@@ -246,7 +250,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     view.canvas
         .paint(ui, rect, &drawing, view.drawings, &picture, state.hovered);
     if let Some(thing) = thing {
-        response.clone().on_hover_text_at_pointer(words::describe(&scene, thing));
+        response
+            .clone()
+            .on_hover_text_at_pointer(words::describe(&scene, thing));
     }
     let picked = thing.map(canvas::selection_of).unwrap_or_default();
     if thing.is_some() || view.hovers {

@@ -45,7 +45,10 @@ fn highlight(
     hovered: Selection,
     palette: &Palette,
 ) {
-    if let Some(cable) = hovered.cable.and_then(|index| picture.scene.cables.get(index)) {
+    if let Some(cable) = hovered
+        .cable
+        .and_then(|index| picture.scene.cables.get(index))
+    {
         let points: Option<Vec<Pos2>> = cable
             .path
             .iter()
@@ -76,18 +79,27 @@ fn numbers(
             continue;
         };
         let is_hovered = hovered.cable == Some(index);
-        let colour = if is_hovered { palette.text } else { palette.cable(index) };
+        let colour = if is_hovered {
+            palette.text
+        } else {
+            palette.cable(index)
+        };
         let label = (index + 1).to_string();
         let galley = painter.layout_no_wrap(label, theme::strong(13.0), colour);
         let radius = cable.wheel.radius_m * picture.scale_at(seen.depth_m);
         let reach = (radius as f32).clamp(5.0, 0.2 * rect.height()) + 2.0;
-        let from_cable = cable.path.last().and_then(|anchor| picture.on_screen(anchor));
+        let from_cable = cable
+            .path
+            .last()
+            .and_then(|anchor| picture.on_screen(anchor));
         let at = place(rect, &seen);
         let away = from_cable.map_or(vec2(0.0, -1.0), |anchor| {
             (at - place(rect, &anchor)).normalized()
         });
         if let Some(found) = free_place(at, away, reach, galley.size(), rect, &taken) {
             taken.push(found);
+            let ground = palette.ground.gamma_multiply(0.72);
+            painter.rect_filled(found.expand2(vec2(2.0, 0.0)), 3.0, ground);
             painter.galley(found.min, galley, colour);
         }
     }
@@ -185,7 +197,13 @@ fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         painter.line_segment([end - vec2(0.0, 3.0), end + vec2(0.0, 3.0)], stroke);
     }
     let above = pos2((left.x + right.x) / 2.0, left.y - 5.0);
-    text(painter, above, Align2::CENTER_BOTTOM, metres(length), palette.muted);
+    text(
+        painter,
+        above,
+        Align2::CENTER_BOTTOM,
+        metres(length),
+        palette.muted,
+    );
     let grid = format!("Grid {}", metres(picture.scene.frame.floor.spacing_m));
     let beside = right + vec2(4.0 * GRID, 4.0);
     text(painter, beside, Align2::LEFT_BOTTOM, grid, palette.muted);

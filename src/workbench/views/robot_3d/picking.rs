@@ -163,9 +163,9 @@ impl Picture<'_> {
     fn pick_poses(&self, at: [f64; 2]) -> Option<Hit> {
         let poses = &self.scene.measured;
         let radius = f64::from(pose_size(poses.len())) / 2.0;
-        let hits = poses
-            .iter()
-            .filter_map(|pose| self.pick_point(&pose.position, radius, Thing::Pose(pose.label), at));
+        let hits = poses.iter().filter_map(|pose| {
+            self.pick_point(&pose.position, radius, Thing::Pose(pose.label), at)
+        });
         hits.min_by(|a, b| {
             let beside = a.beside.total_cmp(&b.beside);
             beside.then(a.depth_m.total_cmp(&b.depth_m))
@@ -251,7 +251,11 @@ mod tests {
                     // In views along an axis cables cover each other; what is picked must be drawn there, too.
                     let covers = match thing {
                         Thing::Cable(other) => picture
-                            .pick_path(&picture.scene.cables[other].path, other, [middle.x, middle.y])
+                            .pick_path(
+                                &picture.scene.cables[other].path,
+                                other,
+                                [middle.x, middle.y],
+                            )
                             .is_some_and(|hit| hit.beside == 0.0),
                         Thing::Platform | Thing::LaserSpot | Thing::Pulley(_) => true,
                         Thing::Pose(_) => false,

@@ -80,6 +80,8 @@ fn exaggeration(ui: &mut Ui, options: &mut Options) {
     let response = ui.add(slider);
     let value = options.exaggeration;
     response.widget_info(|| WidgetInfo::slider(true, value, "Exaggeration"));
-    response.on_hover_text("How many times larger than they are displacements and ellipsoids are drawn");
+    response.on_hover_text(
+        "How many times larger than they are displacements and ellipsoids are drawn",
+    );
     ui.label(format!("{value:.0} times"));
 }

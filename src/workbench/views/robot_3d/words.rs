@@ -84,7 +84,11 @@ fn pose(scene: &Scene, label: i64) -> String {
         return String::new();
     };
     let [x, y, z] = (pose.position * 1e3).into();
-    let name = if label == 0 { "Home pose".to_owned() } else { format!("Pose {label}") };
+    let name = if label == 0 {
+        "Home pose".to_owned()
+    } else {
+        format!("Pose {label}")
+    };
     let text = format!("{name}: ({x:.1}, {y:.1}, {z:.1}) mm");
     match pose.residual {
         Some(value) => format!("{text}, residual {value:+.1} standard deviations"),
@@ -125,6 +129,9 @@ mod tests {
             "Cable 3: 1.2034 m free, 41.3 N, residual +2.1 standard deviations"
         );
         assert_eq!(describe(&scene, Thing::Cable(99)), "");
-        assert_eq!(describe(&scene, Thing::LaserSpot), "Laser: 0.4450 m to its target");
+        assert_eq!(
+            describe(&scene, Thing::LaserSpot),
+            "Laser: 0.4450 m to its target"
+        );
     }
 }

@@ -32,7 +32,7 @@ pub struct FrameBox {
 }
 
 /// Share of the diagonal that a member is wide.
-const MEMBER: f64 = 0.008;
+const MEMBER: f64 = 0.006;
 
 impl FrameBox {
     /// The frame of a robot whose pulleys the drawing has right.
@@ -42,19 +42,26 @@ impl FrameBox {
         let entries = robot.cables.iter();
         let entries = entries.map(|cable| local * Vec3::from(cable.pulley.entry_point_m));
         let infinite = Vec3::repeat(f64::INFINITY);
-        let (mut low, mut high) =
-            entries.fold((infinite, -infinite), |(low, high), p| (low.inf(&p), high.sup(&p)));
+        let (mut low, mut high) = entries.fold((infinite, -infinite), |(low, high), p| {
+            (low.inf(&p), high.sup(&p))
+        });
         if !(low.iter().all(|v| v.is_finite()) && high.iter().all(|v| v.is_finite())) {
             (low, high) = (Vec3::repeat(-0.5), Vec3::repeat(0.5));
         }
         let extent = high - low;
         let member_m = (MEMBER * extent.norm()).max(1e-3);
-        let radius = robot.cables.iter().fold(0.0, |r: f64, c| r.max(c.pulley.radius_m));
+        let radius = robot
+            .cables
+            .iter()
+            .fold(0.0, |r: f64, c| r.max(c.pulley.radius_m));
+        let clear = 2.2 * radius + member_m;
         for axis in 0..3 {
-            // A planar robot has a frame without depth.
             if extent[axis] > 1e-3 * extent.norm() {
-                let clear = 2.2 * radius + member_m;
                 low[axis] -= clear;
+                high[axis] += clear;
+            } else if axis == 1 {
+                // The frame of a planar robot has no depth; it stands behind the pulleys.
+                low[axis] += clear;
                 high[axis] += clear;
             }
         }
@@ -82,7 +89,11 @@ fn floor_height(robot: &Robot, directions: &Directions) -> Option<f64> {
 fn corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
     std::array::from_fn(|k| {
         let pick = |axis: usize| {
-            if k >> axis & 1 == 0 { low[axis] } else { high[axis] }
+            if k >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
         };
         Vec3::new(pick(0), pick(1), pick(2))
     })
@@ -115,9 +126,8 @@ fn floor(low: &Vec3, high: &Vec3, directions: &Directions) -> Floor {
         (from as i64, to as i64)
     };
     let ((x0, x1), (y0, y1)) = (reach(0), reach(1));
-    let at = |x: i64, y: i64| {
-        directions * Vec3::new(x as f64 * spacing_m, y as f64 * spacing_m, low.z)
-    };
+    let at =
+        |x: i64, y: i64| directions * Vec3::new(x as f64 * spacing_m, y as f64 * spacing_m, low.z);
     let along = (x0..=x1).map(|x| [at(x, y0), at(x, y1)]);
     let across = (y0..=y1).map(|y| [at(x0, y), at(x1, y)]);
     Floor {
@@ -131,6 +141,8 @@ fn floor(low: &Vec3, high: &Vec3, directions: &Directions) -> Floor {
 #[must_use]
 pub fn round_length(length: f64) -> f64 {
     let power = 10_f64.powf(length.log10().floor());
-    let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= length * (1.0 + 1e-12));
+    let digit = [5.0, 2.0, 1.0]
+        .into_iter()
+        .find(|d| d * power <= length * (1.0 + 1e-12));
     digit.unwrap_or(1.0) * power
 }

@@ -20,8 +20,9 @@ impl PlatformBox {
     pub fn of(robot: &Robot, size_m: f64) -> Self {
         let infinite = Vec3::repeat(f64::INFINITY);
         let anchors = robot.cables.iter().map(|c| Vec3::from(c.platform_anchor_m));
-        let (low, high) =
-            anchors.fold((infinite, -infinite), |(low, high), p| (low.inf(&p), high.sup(&p)));
+        let (low, high) = anchors.fold((infinite, -infinite), |(low, high), p| {
+            (low.inf(&p), high.sup(&p))
+        });
         if !(low.iter().all(|v| v.is_finite()) && high.iter().all(|v| v.is_finite())) {
             let half = Vec3::repeat(0.01 * size_m);
             return Self {
@@ -43,7 +44,11 @@ impl PlatformBox {
     pub fn corners(&self, pose: &Pose) -> [Vec3; 8] {
         std::array::from_fn(|k| {
             let pick = |axis: usize| {
-                if k >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] }
+                if k >> axis & 1 == 0 {
+                    self.low[axis]
+                } else {
+                    self.high[axis]
+                }
             };
             pose.transform(&Vec3::new(pick(0), pick(1), pick(2)))
         })

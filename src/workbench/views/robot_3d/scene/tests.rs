@@ -25,10 +25,16 @@ fn the_cable_runs_from_the_entry_over_the_rim_in_the_plane_of_its_wheel() {
             assert!((exit - state.exit_point).norm() < 1e-12, "{name}");
             assert_eq!(cable.path.last(), Some(&state.anchor_in_base));
             let arc = &cable.path[1..cable.path.len() - 1];
-            assert!((arc[0] - wheel.entry).norm() < 1e-12, "{name}: from the entry");
+            assert!(
+                (arc[0] - wheel.entry).norm() < 1e-12,
+                "{name}: from the entry"
+            );
             for point in arc {
                 let distance = (point - wheel.centre).norm();
-                assert!((distance - wheel.radius_m).abs() < 1e-12, "{name}: on the rim");
+                assert!(
+                    (distance - wheel.radius_m).abs() < 1e-12,
+                    "{name}: on the rim"
+                );
             }
         }
     }
@@ -51,7 +57,10 @@ fn sag_adds_the_length_that_the_model_has() {
         let free = cable.free_m.unwrap();
         let pieces = cable.path.windows(2).rev().take(24);
         let drawn: f64 = pieces.map(|ends| (ends[1] - ends[0]).norm()).sum();
-        let [exit, anchor] = [cable.path[cable.path.len() - 25], *cable.path.last().unwrap()];
+        let [exit, anchor] = [
+            cable.path[cable.path.len() - 25],
+            *cable.path.last().unwrap(),
+        ];
         let horizontal = (anchor - exit).xy().norm();
         let weight = description.cable.weight_n_per_m;
         let modelled = (weight * horizontal / tension_n).powi(2) * free / 24.0;
@@ -71,13 +80,22 @@ fn the_frame_holds_the_pulleys_and_stands_on_the_floor() {
         let heights = scene.frame.corners.iter().map(|c| (local * c).z);
         let lowest = heights.fold(f64::INFINITY, f64::min);
         let floor = &scene.frame.floor;
-        assert!(floor.corners.iter().all(|c| ((local * c).z - lowest).abs() < 1e-9));
+        assert!(
+            floor
+                .corners
+                .iter()
+                .all(|c| ((local * c).z - lowest).abs() < 1e-9)
+        );
         let target = scene.laser.unwrap().spot.unwrap();
         assert!((local * target).z >= lowest - 1e-9, "{name}");
         let expected = if name == "planar" { 4 } else { 12 };
         assert_eq!(scene.frame.members.len(), expected, "{name}");
         let (centre, radius) = scene.bounds();
-        let far = scene.extent().iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let far = scene
+            .extent()
+            .iter()
+            .map(|p| (p - centre).norm())
+            .fold(0.0, f64::max);
         assert!(far < radius);
     }
 }
@@ -109,7 +127,16 @@ fn the_selected_pose_is_shown_with_its_own_tensions() {
 
 #[test]
 fn round_lengths() {
-    for (length, round) in [(0.14, 0.1), (0.2, 0.2), (4.9, 2.0), (5.0, 5.0), (73.0, 50.0)] {
-        assert!((round_length(length) / round - 1.0_f64).abs() < 1e-12, "{length}");
+    for (length, round) in [
+        (0.14, 0.1),
+        (0.2, 0.2),
+        (4.9, 2.0),
+        (5.0, 5.0),
+        (73.0, 50.0),
+    ] {
+        assert!(
+            (round_length(length) / round - 1.0_f64).abs() < 1e-12,
+            "{length}"
+        );
     }
 }
