@@ -2,7 +2,8 @@
 
 pub mod app;
 pub mod cli;
+pub mod offscreen;
 pub mod samples;
 mod screens;
-mod views;
+pub mod views;
 mod widgets;

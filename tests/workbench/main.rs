@@ -1,4 +1,7 @@
 //! The workbench, driven by accessible names.
 
+mod gl;
+mod renderer;
+mod robot_3d;
 mod start;
 mod support;
