@@ -7,9 +7,11 @@
 mod atomic;
 mod dataset;
 mod error;
+mod fingerprint;
 mod json;
 mod phases;
 mod poses;
+mod recovery;
 mod robot_file;
 mod session;
 mod table;
@@ -29,10 +31,13 @@ pub use phases::{
     write_force, write_home, write_winch,
 };
 pub use poses::{read_poses, write_poses};
+pub use recovery::{Keeper, LeftBehind, Recovered, left_behind};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
-    DiagnosisSettings, FreeEffect, IdentificationSettings, LogEntry, Method, NotATimestamp, Phase,
-    ResultRecord, Session, Settings, Timestamp, parse_session, read_session, write_session,
+    Adjustment, DiagnosisSettings, IdentificationSettings, LogEntry, MeasuredPose, Method,
+    NamedValue, NotATimestamp, Outcome, Phase, PlannedPose, ResultRecord, Session, Settings,
+    Simulator, Stage, Timestamp, ValueChange, Verification, parse_session, read_session,
+    write_session,
 };
 
 /// The schemas of all documents that are read.

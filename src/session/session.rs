@@ -1,11 +1,19 @@
 //! Sessions: one calibration of one robot, with everything that was measured and concluded.
 
+mod adjustment;
+mod basis;
+mod check;
 mod document;
 mod log;
+mod measured_pose;
 mod measurement_table;
+mod plan;
 mod settings;
+mod simulator;
 mod timestamp;
+mod verification;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use tautline_core::measurement::{Dataset, Measurements};
@@ -14,10 +22,16 @@ use tautline_core::robot::{FieldError, Robot};
 use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
+pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub(crate) use document::SessionDocument;
 pub use log::{LogEntry, Phase, ResultRecord};
-pub use settings::{DiagnosisSettings, FreeEffect, IdentificationSettings, Method, Settings};
+pub use measured_pose::MeasuredPose;
+pub(crate) use measurement_table::MeasurementTable;
+pub use plan::PlannedPose;
+pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings};
+pub use simulator::Simulator;
 pub use timestamp::{NotATimestamp, Timestamp};
+pub use verification::{Stage, Verification};
 
 /// One calibration of one robot.
 ///
@@ -35,11 +49,20 @@ pub struct Session {
     pub robot: Robot,
     /// Measured poses.
     pub measurements: Measurements,
+    /// Poses that are to be measured.
+    pub plan: Vec<PlannedPose>,
     /// Raw data of the phases around the poses.
     pub phases: PhaseData,
     /// How identification and diagnosis are to work.
     pub settings: Settings,
+    /// The virtual robot of a demonstration.
+    pub simulator: Option<Simulator>,
+    /// The parameters that the controller holds, so that a simulated one goes on where it was.
+    pub controller: Vec<NamedValue>,
+    excluded: BTreeSet<i64>,
     results: Vec<ResultRecord>,
+    adjustments: Vec<Adjustment>,
+    verifications: Vec<Verification>,
     log: Vec<LogEntry>,
 }
 
@@ -53,26 +76,87 @@ impl Session {
             modified: now,
             robot,
             measurements: Measurements::default(),
+            plan: Vec::new(),
             phases: PhaseData::default(),
             settings: Settings::default(),
+            simulator: None,
+            controller: Vec::new(),
+            excluded: BTreeSet::new(),
             results: Vec::new(),
+            adjustments: Vec::new(),
+            verifications: Vec::new(),
             log: Vec::new(),
         }
     }
 
-    /// The robot and its measurements as identification takes them.
+    /// The robot and its measurements as identification takes them: without the poses that the
+    /// operator left out.
     #[must_use]
     pub fn dataset(&self) -> Dataset {
+        let labels = self.measurements.labels.iter().enumerate();
+        let kept: Vec<usize> = labels
+            .filter(|(_, label)| !self.excluded.contains(label))
+            .map(|(row, _)| row)
+            .collect();
+        if kept.len() == self.measurements.len() {
+            return self.whole_dataset();
+        }
+        Dataset {
+            robot: self.robot.clone(),
+            measurements: self.measurements.select(&kept),
+        }
+    }
+
+    /// The robot and all its measurements, those left out as well.
+    #[must_use]
+    pub fn whole_dataset(&self) -> Dataset {
         Dataset {
             robot: self.robot.clone(),
             measurements: self.measurements.clone(),
         }
     }
 
+    /// Labels of the poses that the operator left out.
+    #[must_use]
+    pub fn excluded(&self) -> &BTreeSet<i64> {
+        &self.excluded
+    }
+
+    /// Leaves a pose out.
+    ///
+    /// # Errors
+    /// If it is the home pose, to which all revolutions refer, or not measured.
+    pub fn exclude(&mut self, label: i64) -> Result<(), FieldError> {
+        check::excludable(label)?;
+        if !self.measurements.labels.contains(&label) {
+            let message = format!("found {label}, expected the label of a measured pose");
+            return fail("/excluded", message);
+        }
+        self.excluded.insert(label);
+        Ok(())
+    }
+
+    /// Takes a pose back in; whether it was left out.
+    pub fn include(&mut self, label: i64) -> bool {
+        self.excluded.remove(&label)
+    }
+
     /// Results so far, the oldest first.
     #[must_use]
     pub fn results(&self) -> &[ResultRecord] {
         &self.results
+    }
+
+    /// Adjustments of the controller so far, the oldest first.
+    #[must_use]
+    pub fn adjustments(&self) -> &[Adjustment] {
+        &self.adjustments
+    }
+
+    /// Runs with an external instrument so far, the oldest first.
+    #[must_use]
+    pub fn verifications(&self) -> &[Verification] {
+        &self.verifications
     }
 
     /// What the operator did so far, the oldest first.
@@ -85,6 +169,18 @@ impl Session {
     pub fn add_result(&mut self, result: ResultRecord) {
         self.modified = self.modified.max(result.time);
         self.results.push(result);
+    }
+
+    /// Adds an adjustment; adjustments are never changed afterwards.
+    pub fn add_adjustment(&mut self, adjustment: Adjustment) {
+        self.modified = self.modified.max(adjustment.time);
+        self.adjustments.push(adjustment);
+    }
+
+    /// Adds a run with an external instrument; runs are never changed afterwards.
+    pub fn add_verification(&mut self, verification: Verification) {
+        self.modified = self.modified.max(verification.time);
+        self.verifications.push(verification);
     }
 
     /// Adds an operator step; the log is never changed afterwards.
@@ -110,7 +206,7 @@ pub fn parse_session(bytes: &[u8], file: &str) -> Result<Loaded<Session>, ReadEr
     from_document(parse_document(bytes, file)?, file)
 }
 
-fn from_document(
+pub(crate) fn from_document(
     loaded: Loaded<SessionDocument>,
     file: &str,
 ) -> Result<Loaded<Session>, ReadError> {
@@ -140,5 +236,19 @@ pub fn write_session(path: &Path, session: &Session) -> Result<(), WriteError> {
     write_document(path, &document)
 }
 
+fn below(parent: &str, error: FieldError) -> FieldError {
+    FieldError {
+        pointer: format!("{parent}{}", error.pointer),
+        ..error
+    }
+}
+
+fn fail<T>(pointer: impl Into<String>, message: impl Into<String>) -> Result<T, FieldError> {
+    Err(FieldError {
+        pointer: pointer.into(),
+        message: message.into(),
+    })
+}
+
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

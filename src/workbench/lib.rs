@@ -2,6 +2,7 @@
 
 pub mod app;
 pub mod cli;
+pub mod samples;
 mod screens;
 mod views;
 mod widgets;

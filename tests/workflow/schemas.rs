@@ -2,7 +2,9 @@
 
 use jsonschema::Validator;
 use serde_json::{Value, json};
-use tautline_session::{parse_robot, parse_session, read_robot, schemas, write_robot};
+use tautline_session::{
+    parse_robot, parse_session, read_robot, schemas, write_robot, write_session,
+};
 use tautline_validation::bad_input_cases::GOOD_ROBOT;
 
 const PLANAR: &str = include_str!("../fuzz/seeds/robot_json/planar.json");
@@ -130,7 +132,13 @@ fn sessions_satisfy_schema_and_reader() {
         .map(|e| e.to_string())
         .collect();
     assert!(errors.is_empty(), "{errors:?}");
-    parse_session(SESSION.as_bytes(), "small.json").expect("a session");
+    let loaded = parse_session(SESSION.as_bytes(), "small.json").expect("a session");
+    assert!(loaded.notices.is_empty(), "{:?}", loaded.notices);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.json");
+    write_session(&path, &loaded.value).expect("written");
+    let written = parsed(&std::fs::read_to_string(&path).expect("a file"));
+    assert!(validator.is_valid(&written), "{written}");
     for (pointer, value) in [
         ("/format", json!("tautline-robot")),
         ("/created", json!("yesterday")),
@@ -138,6 +146,19 @@ fn sessions_satisfy_schema_and_reader() {
         ("/measurements/columns/rev_1/0", json!("x")),
         ("/settings/identification/method", json!("guess")),
         ("/log/0/phase", json!("lunch")),
+        ("/excluded/0", json!("1")),
+        ("/plan/0/position_m", json!([0, 0])),
+        (
+            "/settings/identification/effects/0/targets",
+            json!("cable-1"),
+        ),
+        ("/simulator/seed", json!(-1)),
+        ("/simulator/truth/cables", json!([])),
+        ("/controller/0/value", Value::Null),
+        ("/adjustments/0/outcome", json!("maybe")),
+        ("/adjustments/1/outcome/failed", json!(7)),
+        ("/verifications/0/stage", json!("during")),
+        ("/results/0/basis", json!(7)),
     ] {
         let mut broken = session.clone();
         *broken.pointer_mut(pointer).expect("there") = value;

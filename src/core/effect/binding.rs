@@ -219,11 +219,27 @@ impl BoundEffect {
         }
     }
 
-    /// Attaches the effect of a model file to the cables of `robot`.
+    /// Attaches the effect of a model file to the cables of `robot`; parameters not given are neutral.
     ///
     /// # Errors
     /// If effect, cable or parameter are unknown.
     pub fn from_setting(setting: &EffectSetting, robot: &Robot) -> Result<Self, EffectError> {
+        Self::attach(setting, robot, |p| p.neutral)
+    }
+
+    /// Attaches an effect that is to be estimated; parameters not given have their start values.
+    ///
+    /// # Errors
+    /// If effect, cable or parameter are unknown.
+    pub fn to_estimate(setting: &EffectSetting, robot: &Robot) -> Result<Self, EffectError> {
+        Self::attach(setting, robot, |p| p.start)
+    }
+
+    fn attach(
+        setting: &EffectSetting,
+        robot: &Robot,
+        default: impl Fn(&EffectParameter) -> f64,
+    ) -> Result<Self, EffectError> {
         let effect = find(&setting.effect)
             .ok_or_else(|| EffectError::UnknownEffect(setting.effect.clone()))?;
         if effect.scope() == Scope::Robot && !setting.targets.is_empty() {
@@ -233,7 +249,7 @@ impl BoundEffect {
             .parameters
             .iter()
             .map(|(name, value)| (name, *value));
-        let values = values_of(effect, given, |p| p.neutral)?;
+        let values = values_of(effect, given, default)?;
         let named: Result<Vec<usize>, _> = setting
             .targets
             .iter()

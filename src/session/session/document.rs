@@ -1,11 +1,15 @@
 //! The session file.
 
+use std::collections::BTreeSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::{FieldError, Robot};
 
-use super::measurement_table::MeasurementTable;
-use super::{LogEntry, ResultRecord, Session, Settings, Timestamp};
+use super::{
+    Adjustment, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord, Session,
+    Settings, Simulator, Timestamp, Verification, below, check, fail,
+};
 use crate::json::Document;
 use crate::phases::PhaseData;
 
@@ -24,6 +28,12 @@ pub(crate) struct SessionDocument {
     /// Measured poses.
     #[serde(default)]
     measurements: MeasurementTable,
+    /// Labels of measured poses that are left out.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    excluded: BTreeSet<i64>,
+    /// Poses that are to be measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    plan: Vec<PlannedPose>,
     /// Raw data of the phases around the poses.
     #[serde(default)]
     phases: PhaseData,
@@ -33,6 +43,18 @@ pub(crate) struct SessionDocument {
     /// Results, the oldest first.
     #[serde(default)]
     results: Vec<ResultRecord>,
+    /// The virtual robot of a demonstration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    simulator: Option<Simulator>,
+    /// The parameters that the controller holds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    controller: Vec<NamedValue>,
+    /// Adjustments of the controller, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    adjustments: Vec<Adjustment>,
+    /// Runs with an external instrument, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    verifications: Vec<Verification>,
     /// Steps of the operator, the oldest first.
     #[serde(default)]
     log: Vec<LogEntry>,
@@ -45,14 +67,14 @@ impl Document for SessionDocument {
 
     fn check(&self) -> Result<(), FieldError> {
         if self.name.trim().is_empty() {
-            return fail("/name".into(), "found an empty text, expected a name");
+            return fail("/name", "found an empty text, expected a name");
         }
         if self.modified < self.created {
             let message = format!(
                 "found {}, expected a time not before {}",
                 self.modified, self.created
             );
-            return fail("/modified".into(), message);
+            return fail("/modified", message);
         }
         self.robot.check().map_err(|error| below("/robot", error))?;
         self.measurements
@@ -61,9 +83,21 @@ impl Document for SessionDocument {
         let alpha = self.settings.diagnosis.alpha;
         if !(alpha > 0.0 && alpha < 1.0) {
             let message = format!("found {alpha}, expected a probability between 0 and 1");
-            return fail("/settings/diagnosis/alpha".into(), message);
+            return fail("/settings/diagnosis/alpha", message);
         }
-        self.check_cables()
+        check::phases(&self.phases, &self.robot)?;
+        check::effects(&self.settings.identification.effects, &self.robot)?;
+        self.excluded
+            .iter()
+            .try_for_each(|label| check::excludable(*label))?;
+        check::plan(&self.plan)?;
+        if let Some(simulator) = &self.simulator {
+            let truth = simulator.truth.check();
+            truth.map_err(|error| below("/simulator/truth", error))?;
+        }
+        check::controller(&self.controller)?;
+        check::adjustments(&self.adjustments)?;
+        check::verifications(&self.verifications)
     }
 }
 
@@ -76,9 +110,15 @@ impl SessionDocument {
             modified: session.modified,
             robot: session.robot.clone(),
             measurements: MeasurementTable::of(&session.measurements),
+            excluded: session.excluded.clone(),
+            plan: session.plan.clone(),
             phases: session.phases.clone(),
             settings: session.settings.clone(),
             results: session.results.clone(),
+            simulator: session.simulator.clone(),
+            controller: session.controller.clone(),
+            adjustments: session.adjustments.clone(),
+            verifications: session.verifications.clone(),
             log: session.log.clone(),
         }
     }
@@ -95,65 +135,16 @@ impl SessionDocument {
             modified: self.modified,
             robot: self.robot,
             measurements,
+            excluded: self.excluded,
+            plan: self.plan,
             phases: self.phases,
             settings: self.settings,
             results: self.results,
+            simulator: self.simulator,
+            controller: self.controller,
+            adjustments: self.adjustments,
+            verifications: self.verifications,
             log: self.log,
         })
     }
-
-    /// Raw data and settings name cables and sensors that exist.
-    fn check_cables(&self) -> Result<(), FieldError> {
-        let cables = self.robot.cable_count();
-        let winches = self.phases.winch.iter().map(|pair| pair.cable);
-        let forces = self.phases.force.iter().map(|pair| pair.cable);
-        let sensors = self.phases.home.iter().map(|reading| reading.sensor);
-        check_below("/phases/winch", "cable", winches, cables)?;
-        check_below("/phases/force", "cable", forces, cables)?;
-        check_below("/phases/home", "sensor", sensors, 6)?;
-        for (k, free) in self.settings.identification.effects.iter().enumerate() {
-            if let Some(name) = &free.cable
-                && self.robot.cable_index(name).is_none()
-            {
-                let pointer = format!("/settings/identification/effects/{k}/cable");
-                return fail(
-                    pointer,
-                    format!("found {name:?}, expected the name of a cable"),
-                );
-            }
-        }
-        Ok(())
-    }
-}
-
-fn check_below(
-    list: &str,
-    key: &str,
-    mut indices: impl Iterator<Item = usize>,
-    count: usize,
-) -> Result<(), FieldError> {
-    match indices.position(|index| index >= count) {
-        Some(k) => fail(
-            format!("{list}/{k}/{key}"),
-            format!(
-                "found a {key} that is not there, expected 0 to {}",
-                count - 1
-            ),
-        ),
-        None => Ok(()),
-    }
-}
-
-fn below(parent: &str, error: FieldError) -> FieldError {
-    FieldError {
-        pointer: format!("{parent}{}", error.pointer),
-        ..error
-    }
-}
-
-fn fail(pointer: String, message: impl Into<String>) -> Result<(), FieldError> {
-    Err(FieldError {
-        pointer,
-        message: message.into(),
-    })
 }

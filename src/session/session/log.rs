@@ -50,6 +50,9 @@ pub struct ResultRecord {
     pub title: String,
     /// The document, such as a `tautline-identification` or a `tautline-robot` (a model).
     pub document: Value,
+    /// Fingerprint of the inputs that it was computed from ([`super::Session::basis`]).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub basis: Option<String>,
 }
 
 impl ResultRecord {

@@ -12,7 +12,7 @@ use crate::poses::{Column, Columns, Fault, LABEL, assemble, check_plausible};
 
 /// Measurements by column; all columns have as many values as there are labels.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub(super) struct MeasurementTable {
+pub(crate) struct MeasurementTable {
     /// Labels of the poses, 0 for the home pose.
     #[serde(default)]
     pose: Vec<i64>,
@@ -86,8 +86,38 @@ impl MeasurementTable {
         Ok(())
     }
 
+    /// Labels of the poses.
+    pub fn labels(&self) -> &[i64] {
+        &self.pose
+    }
+
+    /// Whether `other` has all numbers that are here.
+    pub fn is_contained_in(&self, other: &Self) -> bool {
+        let mut columns = self.columns.iter();
+        columns.all(|(name, values)| {
+            let missing = values.iter().all(Option::is_none);
+            missing || other.columns.get(name) == Some(values)
+        })
+    }
+
     /// The measurements, checked against the robot.
     pub fn into_measurements(self, robot: &Robot) -> Result<Measurements, FieldError> {
+        self.build(robot).map_err(place_fault)
+    }
+
+    /// The measurements of one pose, checked against the robot, which come to stand in row `row`
+    /// of a larger table.
+    pub fn into_row(self, robot: &Robot, row: usize) -> Result<Measurements, FieldError> {
+        self.check()?;
+        self.build(robot).map_err(|fault| {
+            place_fault(Fault {
+                row: fault.row.map(|_| row),
+                ..fault
+            })
+        })
+    }
+
+    fn build(self, robot: &Robot) -> Result<Measurements, Fault> {
         let numbers = self.columns.into_iter().filter_map(|(name, values)| {
             let values = values.into_iter().map(|v| v.unwrap_or(f64::NAN));
             Some((Column::parse(&name)?, values.collect()))
@@ -100,14 +130,10 @@ impl MeasurementTable {
         if columns.labels.is_empty() {
             return Ok(Measurements::default());
         }
-        columns
-            .check_header(robot)
-            .and_then(|()| assemble(columns, robot))
-            .and_then(|measurements| {
-                check_plausible(&measurements, robot)?;
-                Ok(measurements)
-            })
-            .map_err(place_fault)
+        columns.check_header(robot)?;
+        let measurements = assemble(columns, robot)?;
+        check_plausible(&measurements, robot)?;
+        Ok(measurements)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::effect::EffectSetting;
 
 /// The choices of the operator.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -19,8 +20,10 @@ pub struct Settings {
 pub struct IdentificationSettings {
     /// Which problem is solved.
     pub method: Method,
-    /// Effects whose parameters are free.
-    pub effects: Vec<FreeEffect>,
+    /// Effects that the operator added to the model; their parameters are identified, from the
+    /// values given here or else from their start values.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<EffectSetting>,
 }
 
 /// The problem that identification solves.
@@ -34,16 +37,6 @@ pub enum Method {
     Simple,
     /// The method of Jin et al. 2018.
     Published,
-}
-
-/// An effect to be identified.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct FreeEffect {
-    /// Identifier in the catalogue.
-    pub effect: String,
-    /// Name of the cable; absent: all that the effect can have.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cable: Option<String>,
 }
 
 /// How hidden effects are looked for.

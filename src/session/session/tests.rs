@@ -1,8 +1,11 @@
 use super::*;
-use crate::phases::WinchPair;
+use crate::phases::{CheckKind, CheckPose, CheckRow, WinchPair};
 use serde_json::{Value, json};
+use tautline_core::effect::EffectSetting;
 
-fn session() -> Session {
+mod poses;
+
+pub(crate) fn session() -> Session {
     let cable = |name: &str, x: f64| {
         json!({"name": name, "platform_anchor_m": [0, 0, 0],
             "pulley": {"entry_point_m": [x, 0, 1], "swivel_axis": [0, 0, 1], "radius_m": 0},
@@ -23,9 +26,10 @@ fn session() -> Session {
         length_m: 0.2,
         tension_n: None,
     }];
-    session.settings.identification.effects = vec![FreeEffect {
+    session.settings.identification.effects = vec![EffectSetting {
         effect: "winch_scale".into(),
-        cable: Some("b".into()),
+        targets: vec!["b".into()],
+        parameters: [("scale".into(), 1e-3)].into(),
     }];
     session.record(LogEntry {
         time: Timestamp::from_unix_seconds(1_532_336_800),
@@ -36,6 +40,57 @@ fn session() -> Session {
         time: Timestamp::from_unix_seconds(1_532_336_900),
         title: "First try".into(),
         document: json!({"format": "tautline-identification", "version": 9, "chi2": 0.1}),
+        basis: Some("85944171f73967e8".into()),
+    });
+    session.exclude(3).expect("a measured pose");
+    with_the_later_steps(session)
+}
+
+/// The plan, the demonstration behind it, and what adjustment left.
+fn with_the_later_steps(mut session: Session) -> Session {
+    session.plan = vec![PlannedPose {
+        label: 4,
+        position_m: [0.1, 0.2, 0.0],
+        orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+    }];
+    session.simulator = Some(Simulator {
+        truth: session.robot.clone(),
+        seed: u64::MAX,
+        revealed: true,
+    });
+    session.controller = vec![NamedValue {
+        name: "a.drum".into(),
+        value: 0.1,
+    }];
+    session.add_adjustment(Adjustment {
+        time: Timestamp::from_unix_seconds(1_532_336_850),
+        operator: "B. Smith".into(),
+        controller: "simulated".into(),
+        changes: vec![ValueChange {
+            name: "a.drum".into(),
+            unit: "m".into(),
+            before: 0.1,
+            after: 0.101,
+        }],
+        outcome: Outcome::Failed("The controller did not answer.".into()),
+    });
+    let at_origin = CheckPose {
+        position_m: [0.0; 3],
+        orientation_wxyz: None,
+    };
+    session.add_verification(Verification {
+        time: Timestamp::from_unix_seconds(1_532_336_860),
+        title: "Circle".into(),
+        stage: Stage::Before,
+        rows: vec![CheckRow {
+            kind: CheckKind::Path,
+            target: "circle".into(),
+            cycle: 1,
+            sample: 0,
+            time_s: None,
+            commanded: at_origin,
+            attained: at_origin,
+        }],
     });
     session
 }
@@ -81,6 +136,52 @@ fn a_session_without_measurements_reads_back() {
 }
 
 #[test]
+fn what_is_empty_is_not_written_and_older_files_read() {
+    let session = session();
+    let empty = Session::new("Monday", session.robot, session.created);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.json");
+    write_session(&path, &empty).expect("written");
+    let text = std::fs::read_to_string(&path).expect("a file");
+    for key in [
+        "excluded",
+        "plan",
+        "effects",
+        "simulator",
+        "controller",
+        "adjustments",
+        "verifications",
+    ] {
+        assert!(!text.contains(&format!("\"{key}\"")), "{key}");
+    }
+    assert_eq!(read_session(&path).expect("a session").value, empty);
+}
+
+#[test]
+fn the_basis_changes_with_the_inputs_and_with_nothing_else() {
+    let basis = session().basis();
+    assert_eq!(
+        basis, "194776c4327b378b",
+        "the same in every version of the program"
+    );
+    let same = |change: fn(&mut Session)| {
+        let mut changed = session();
+        change(&mut changed);
+        changed.basis() == basis
+    };
+    assert!(same(|s| s.name = "Tuesday".into()));
+    assert!(same(|s| s.plan.clear()));
+    assert!(same(|s| s.settings.diagnosis.alpha = 0.05));
+    assert!(!same(|s| s.robot.cables[0].pulley.radius_m = 1e-3));
+    assert!(!same(|s| s.measurements.length_m.set(1, 0, 0.91)));
+    assert!(!same(|s| assert!(s.include(3))));
+    assert!(!same(|s| s.settings.identification.method = Method::Simple));
+    assert!(!same(|s| s.settings.identification.effects.clear()));
+    let read = parse_session(saved().to_string().as_bytes(), "s.json").expect("a session");
+    assert_eq!(read.value.basis(), basis);
+}
+
+#[test]
 fn broken_sessions_are_refused_with_a_pointer() {
     let newer = error(|s| s["version"] = json!(2));
     assert!(
@@ -109,6 +210,27 @@ fn broken_sessions_are_refused_with_a_pointer() {
     );
     let cable = error(|s| s["phases"]["winch"][0]["cable"] = json!(2));
     assert!(cable.contains("/phases/winch/0/cable"), "{cable}");
+    let zero = error(|s| s["excluded"] = json!([0]));
+    assert!(zero.contains("/excluded: found 0, the home pose"), "{zero}");
+    let twice = error(|s| s["plan"] = json!([s["plan"][0], s["plan"][0]]));
+    assert!(
+        twice.contains("/plan/1/label: found 4 again, expected each label once"),
+        "{twice}"
+    );
+    let effect = error(|s| s["settings"]["identification"]["effects"][0]["targets"] = json!(["c"]));
+    assert!(
+        effect.contains("/settings/identification/effects/0/targets/0: found \"c\", expected"),
+        "{effect}"
+    );
+    let truth = error(|s| s["simulator"]["truth"]["name"] = json!(""));
+    assert!(truth.contains("s.json, /simulator/truth/name"), "{truth}");
+    let outcome = error(|s| s["adjustments"][0]["outcome"] = json!("lost"));
+    assert!(outcome.contains("/adjustments/0/outcome"), "{outcome}");
+    let attained = "/verifications/0/rows/0/attained/orientation_wxyz";
+    let turned = error(|s| {
+        s["verifications"][0]["rows"][0]["attained"]["orientation_wxyz"] = json!([2, 0, 0, 0]);
+    });
+    assert!(turned.contains(attained), "{turned}");
     let time = error(|s| s["log"][0]["time"] = json!("yesterday"));
     assert!(
         time.contains("/log/0/time: found \"yesterday\", expected a time"),
@@ -121,9 +243,20 @@ fn a_session_that_cannot_be_read_is_not_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("s.json");
     std::fs::write(&path, "kept").expect("written");
-    let mut broken = session();
-    broken.measurements.time_s = vec![f64::INFINITY, 0.0];
-    assert!(write_session(&path, &broken).is_err());
+    let mut infinite = session();
+    infinite.measurements.time_s = vec![f64::INFINITY, 0.0];
+    let mut unknown = session();
+    unknown.controller[0].value = f64::NAN;
+    let mut without_length = session();
+    without_length.phases.winch[0].length_m = f64::NAN;
+    for (broken, pointer) in [
+        (infinite, "/measurements/columns/time_s"),
+        (unknown, "/controller/0/value"),
+        (without_length, "/phases/winch/0/length_m"),
+    ] {
+        let error = write_session(&path, &broken).expect_err("cannot be read again");
+        assert!(error.to_string().contains(pointer), "{error}");
+    }
     assert_eq!(std::fs::read_to_string(&path).expect("a file"), "kept");
     let left: Vec<_> = std::fs::read_dir(folder.path())
         .expect("a folder")

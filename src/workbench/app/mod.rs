@@ -17,13 +17,11 @@ pub mod state;
 pub mod tasks;
 pub mod theme;
 
-use std::path::PathBuf;
-
 pub use document::Document;
 pub use memo::Memo;
 pub use messages::{Message, Messages, Severity};
 pub use selection::Selection;
-pub use state::State;
+pub use state::{Options, State};
 
 use commands::FileCommand;
 
@@ -34,12 +32,12 @@ pub struct App {
 }
 
 impl App {
-    /// The workbench in a window; opens `path` if one is given.
+    /// The workbench in a window; opens what the options name.
     #[must_use]
-    pub fn new(creation: &eframe::CreationContext<'_>, path: Option<PathBuf>) -> Self {
+    pub fn new(creation: &eframe::CreationContext<'_>, options: Options) -> Self {
         theme::install(&creation.egui_ctx);
-        let mut state = State::new(&creation.egui_ctx);
-        if let Some(path) = path {
+        let mut state = State::new(&creation.egui_ctx, options);
+        if let Some(path) = state.options.path.clone() {
             state.outbox.send(FileCommand::Open(path));
         }
         Self { state }
@@ -75,7 +73,7 @@ impl eframe::App for App {
 ///
 /// # Errors
 /// If no window can be opened, as without a display.
-pub fn run(path: Option<PathBuf>) -> Result<(), eframe::Error> {
+pub fn run(start: Options) -> Result<(), eframe::Error> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Tautline")
         .with_app_id("tautline")
@@ -88,6 +86,6 @@ pub fn run(path: Option<PathBuf>) -> Result<(), eframe::Error> {
     eframe::run_native(
         "tautline",
         options,
-        Box::new(|creation| Ok(Box::new(App::new(creation, path)))),
+        Box::new(|creation| Ok(Box::new(App::new(creation, start)))),
     )
 }

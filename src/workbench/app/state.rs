@@ -1,5 +1,7 @@
 //! Everything the program knows; screens and views are functions of it.
 
+use std::path::PathBuf;
+
 use super::command::Outbox;
 use super::document::Document;
 use super::messages::Messages;
@@ -8,6 +10,17 @@ use super::selection::Selection;
 use super::tasks::Tasks;
 use crate::screens::Screens;
 use crate::views::Views;
+
+/// How the program was started.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// What to open: a session, a robot or a dataset folder.
+    pub path: Option<PathBuf>,
+    /// Seed of the demonstration, to have the same one again; by default the time.
+    pub demo_seed: Option<u64>,
+    /// How many times faster than real the simulated robot moves; by default 1.
+    pub robot_speed: Option<f64>,
+}
 
 /// Windows above the screen.
 #[derive(Debug, Default)]
@@ -27,6 +40,8 @@ impl Windows {
 
 /// Everything the program knows.
 pub struct State {
+    /// How the program was started.
+    pub options: Options,
     /// Where fonts, theme and the window are set.
     pub context: egui::Context,
     /// The open session.
@@ -54,8 +69,9 @@ pub struct State {
 impl State {
     /// The state at the start of the program.
     #[must_use]
-    pub fn new(context: &egui::Context) -> Self {
+    pub fn new(context: &egui::Context, options: Options) -> Self {
         Self {
+            options,
             context: context.clone(),
             document: None,
             screen: Screen::default(),

@@ -61,6 +61,21 @@ fn what_makes_no_sense_is_refused() {
 }
 
 #[test]
+fn parameters_not_given_are_neutral_in_a_model_and_start_where_they_can_be_estimated() {
+    let robot = presets::find("mini").unwrap().robot;
+    let sag = setting("cable_sag", &["cable-1"], &[]);
+    let model = BoundEffect::from_setting(&sag, &robot).unwrap();
+    let free = BoundEffect::to_estimate(&sag, &robot).unwrap();
+    let parameters = model.effect.parameters();
+    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+    assert_eq!(model.values, model.effect.neutral_values());
+    assert_eq!(free.values, start);
+    assert_ne!(free.values, model.values);
+    let slip = setting("cable_slip", &["cable-2"], &[("step", 0.01)]);
+    assert!(BoundEffect::to_estimate(&slip, &robot).is_err());
+}
+
+#[test]
 fn given_parameters_keep_their_value() {
     let preset = presets::find("mini").unwrap();
     let run = simulate(&preset.robot, &SimulationOptions::new(3, 1)).unwrap();

@@ -10,6 +10,7 @@ use crate::app::clock;
 use crate::app::command::Outcome;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
+use crate::samples;
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
@@ -71,7 +72,7 @@ pub enum FileOutcome {
 
 pub(super) fn perform(state: &mut State, command: FileCommand) {
     match command {
-        FileCommand::TryDemo => {}
+        FileCommand::TryDemo => try_demo(state),
         FileCommand::AskOpen => ask(state, Purpose::Open),
         FileCommand::AskSaveAs => ask(state, Purpose::SaveAs),
         FileCommand::Open(path) => {
@@ -88,6 +89,22 @@ pub(super) fn perform(state: &mut State, command: FileCommand) {
         }
         FileCommand::Quit => state.context.send_viewport_cmd(ViewportCommand::Close),
     }
+}
+
+fn try_demo(state: &mut State) {
+    let now = clock::now();
+    let seed = state
+        .options
+        .demo_seed
+        .unwrap_or(now.unix_seconds().unsigned_abs());
+    state.tasks.start("Preparing the demo robot", move |_| {
+        let session = samples::demo(seed, now).map(|value| Loaded {
+            value,
+            notices: Vec::new(),
+        });
+        let result = session.map(Box::new).map_err(|error| error.to_string());
+        FileOutcome::Opened { path: None, result }.into()
+    });
 }
 
 fn ask(state: &mut State, purpose: Purpose) {

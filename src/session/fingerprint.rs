@@ -1,0 +1,99 @@
+//! Fingerprints that stay the same from one version of the program to the next.
+
+use serde_json::Value;
+
+/// FNV-1a of 64 bits (Fowler, Noll and Vo): recognises accidents, not forgeries.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fingerprint(u64);
+
+impl Fingerprint {
+    /// The fingerprint of nothing.
+    pub fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    /// The fingerprint of bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self::new().and(bytes)
+    }
+
+    /// Takes more bytes in.
+    #[must_use]
+    pub fn and(self, bytes: &[u8]) -> Self {
+        let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
+        Self(bytes.iter().fold(self.0, step))
+    }
+
+    /// Takes a JSON value in. Neither the order of keys nor the way in which a number is written
+    /// matters, and a key without a value counts as absent.
+    #[must_use]
+    pub fn and_value(self, value: &Value) -> Self {
+        let length = |count: usize| (count as u64).to_le_bytes();
+        match value {
+            Value::Null => self.and(b"n"),
+            Value::Bool(value) => self.and(if *value { b"t" } else { b"f" }),
+            Value::Number(number) => {
+                // The sum makes -0 to 0.
+                let number = number.as_f64().unwrap_or(f64::NAN) + 0.0;
+                self.and(b"d").and(&number.to_bits().to_le_bytes())
+            }
+            Value::String(text) => self.and(b"s").and(&length(text.len())).and(text.as_bytes()),
+            Value::Array(values) => {
+                let start = self.and(b"a").and(&length(values.len()));
+                values.iter().fold(start, Self::and_value)
+            }
+            Value::Object(map) => {
+                let mut entries: Vec<_> = map.iter().filter(|(_, v)| !v.is_null()).collect();
+                entries.sort_by_key(|(key, _)| *key);
+                let start = self.and(b"o").and(&length(entries.len()));
+                entries.into_iter().fold(start, |hash, (key, value)| {
+                    hash.and(&length(key.len()))
+                        .and(key.as_bytes())
+                        .and_value(value)
+                })
+            }
+        }
+    }
+
+    /// As 16 hexadecimal digits.
+    pub fn to_hex(self) -> String {
+        format!("{:016x}", self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn published_values() {
+        for (text, hex) in [
+            ("", "cbf29ce484222325"),
+            ("a", "af63dc4c8601ec8c"),
+            ("foobar", "85944171f73967e8"),
+        ] {
+            assert_eq!(Fingerprint::of(text.as_bytes()).to_hex(), hex, "{text}");
+        }
+    }
+
+    #[test]
+    fn only_what_a_value_means_counts() {
+        let hex = |text: &str| {
+            let value = serde_json::from_str(text).expect("JSON");
+            Fingerprint::new().and_value(&value).to_hex()
+        };
+        let value = hex(r#"{"a": 1, "b": [0.1, "x"]}"#);
+        assert_eq!(value, hex(r#"{"b": [1e-1, "x"], "a": 1.0, "c": null}"#));
+        for other in [
+            r#"{"a": 1, "b": [0.1], "c": "x"}"#,
+            r#"{"a": 1, "b": [0.10000000000000002, "x"]}"#,
+            r#"{"a": true, "b": [0.1, "x"]}"#,
+            r#"{"a": 1, "b": ["x", 0.1]}"#,
+        ] {
+            assert_ne!(value, hex(other), "{other}");
+        }
+        let nested = Fingerprint::new().and_value(&json!([[1], 2])).to_hex();
+        assert_ne!(nested, hex("[[1, 2]]"));
+    }
+}

@@ -1,0 +1,36 @@
+//! What results are computed from, as a fingerprint: it tells whether a result is out of date.
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+use serde_json::Value;
+use tautline_core::robot::Robot;
+
+use super::{IdentificationSettings, MeasurementTable, Session};
+use crate::fingerprint::Fingerprint;
+
+/// The inputs of identification and diagnosis.
+#[derive(Serialize)]
+struct Inputs<'a> {
+    robot: &'a Robot,
+    measurements: MeasurementTable,
+    excluded: &'a BTreeSet<i64>,
+    identification: &'a IdentificationSettings,
+}
+
+impl Session {
+    /// Fingerprint of robot, measurements, poses left out and settings of identification: 16
+    /// hexadecimal digits that are the same as long as these are, in every version of the program.
+    #[must_use]
+    pub fn basis(&self) -> String {
+        let inputs = Inputs {
+            robot: &self.robot,
+            measurements: MeasurementTable::of(&self.measurements),
+            excluded: &self.excluded,
+            identification: &self.settings.identification,
+        };
+        // Only keys that are no texts could fail, and there are none.
+        let value = serde_json::to_value(inputs).unwrap_or(Value::Null);
+        Fingerprint::new().and_value(&value).to_hex()
+    }
+}

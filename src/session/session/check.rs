@@ -1,0 +1,172 @@
+//! What has to hold in the parts of a session beside the robot and its measurements.
+//!
+//! Every number that JSON cannot carry is refused here, before a file is written that could not be
+//! read again.
+
+use std::collections::HashSet;
+
+use tautline_core::effect::EffectSetting;
+use tautline_core::robot::{FieldError, Robot};
+
+use super::{Adjustment, NamedValue, PlannedPose, Verification, below, fail};
+use crate::phases::{CheckPose, CheckRow, PhaseData};
+use crate::table::quaternion_fault;
+
+type Checked = Result<(), FieldError>;
+
+/// A pose that can be left out: not the home pose.
+pub(super) fn excludable(label: i64) -> Checked {
+    if label == 0 {
+        let message = "found 0, the home pose, which all revolutions count from, \
+                       expected the label of another pose";
+        return fail("/excluded", message);
+    }
+    Ok(())
+}
+
+/// Raw data name cables and sensors that exist, and all their numbers are finite.
+pub(super) fn phases(phases: &PhaseData, robot: &Robot) -> Checked {
+    let cables = robot.cable_count();
+    for (k, pair) in phases.winch.iter().enumerate() {
+        let at = format!("/phases/winch/{k}");
+        index(&at, "cable", pair.cable, cables)?;
+        finite(&at, "revolutions", pair.revolutions)?;
+        finite(&at, "length_m", pair.length_m)?;
+        optional(&at, "tension_n", pair.tension_n)?;
+    }
+    for (k, pair) in phases.force.iter().enumerate() {
+        let at = format!("/phases/force/{k}");
+        index(&at, "cable", pair.cable, cables)?;
+        finite(&at, "reading_n", pair.reading_n)?;
+        finite(&at, "load_n", pair.load_n)?;
+    }
+    for (k, reading) in phases.home.iter().enumerate() {
+        let at = format!("/phases/home/{k}");
+        index(&at, "sensor", reading.sensor, 6)?;
+        finite(&at, "reading", reading.reading)?;
+    }
+    for (k, point) in phases.elongation.iter().enumerate() {
+        let at = format!("/phases/elongation/{k}");
+        finite(&at, "length_m", point.length_m)?;
+        finite(&at, "tension_n", point.tension_n)?;
+        finite(&at, "elongation_m", point.elongation_m)?;
+    }
+    check_rows("/phases/check", &phases.check)
+}
+
+/// Effects that are to be identified can be attached to the robot.
+pub(super) fn effects(effects: &[EffectSetting], robot: &Robot) -> Checked {
+    if effects.is_empty() {
+        return Ok(());
+    }
+    let model = Robot {
+        effects: effects.to_vec(),
+        ..robot.clone()
+    };
+    let checked = model.check();
+    checked.map_err(|error| below("/settings/identification", error))
+}
+
+/// Planned poses have labels of their own, and are poses.
+pub(super) fn plan(plan: &[PlannedPose]) -> Checked {
+    let mut labels = HashSet::with_capacity(plan.len());
+    for (k, planned) in plan.iter().enumerate() {
+        let at = format!("/plan/{k}");
+        if !labels.insert(planned.label) {
+            let message = format!("found {} again, expected each label once", planned.label);
+            return fail(format!("{at}/label"), message);
+        }
+        numbers(&at, "position_m", &planned.position_m)?;
+        quaternion(&at, &planned.orientation_wxyz)?;
+    }
+    Ok(())
+}
+
+/// Parameters of the controller have names of their own and values.
+pub(super) fn controller(values: &[NamedValue]) -> Checked {
+    let mut names = HashSet::with_capacity(values.len());
+    for (k, value) in values.iter().enumerate() {
+        let at = format!("/controller/{k}");
+        if !names.insert(&value.name) {
+            let message = format!("found {:?} again, expected each name once", value.name);
+            return fail(format!("{at}/name"), message);
+        }
+        finite(&at, "value", value.value)?;
+    }
+    Ok(())
+}
+
+/// Adjustments have values before and after.
+pub(super) fn adjustments(adjustments: &[Adjustment]) -> Checked {
+    for (k, adjustment) in adjustments.iter().enumerate() {
+        for (j, change) in adjustment.changes.iter().enumerate() {
+            let at = format!("/adjustments/{k}/changes/{j}");
+            finite(&at, "before", change.before)?;
+            finite(&at, "after", change.after)?;
+        }
+    }
+    Ok(())
+}
+
+/// Verification runs hold poses.
+pub(super) fn verifications(runs: &[Verification]) -> Checked {
+    for (k, run) in runs.iter().enumerate() {
+        check_rows(&format!("/verifications/{k}/rows"), &run.rows)?;
+    }
+    Ok(())
+}
+
+fn check_rows(list: &str, rows: &[CheckRow]) -> Checked {
+    for (k, row) in rows.iter().enumerate() {
+        let at = format!("{list}/{k}");
+        optional(&at, "time_s", row.time_s)?;
+        check_pose(&format!("{at}/commanded"), &row.commanded)?;
+        check_pose(&format!("{at}/attained"), &row.attained)?;
+    }
+    Ok(())
+}
+
+fn check_pose(at: &str, pose: &CheckPose) -> Checked {
+    numbers(at, "position_m", &pose.position_m)?;
+    match &pose.orientation_wxyz {
+        Some(wxyz) => quaternion(at, wxyz),
+        None => Ok(()),
+    }
+}
+
+fn index(at: &str, key: &str, index: usize, count: usize) -> Checked {
+    if index < count {
+        return Ok(());
+    }
+    let message = format!(
+        "found a {key} that is not there, expected 0 to {}",
+        count - 1
+    );
+    fail(format!("{at}/{key}"), message)
+}
+
+fn finite(at: &str, key: &str, value: f64) -> Checked {
+    if value.is_finite() {
+        return Ok(());
+    }
+    let message = format!("found {value}, expected a finite number");
+    fail(format!("{at}/{key}"), message)
+}
+
+fn optional(at: &str, key: &str, value: Option<f64>) -> Checked {
+    value.map_or(Ok(()), |value| finite(at, key, value))
+}
+
+fn numbers(at: &str, key: &str, values: &[f64]) -> Checked {
+    let at = format!("{at}/{key}");
+    let mut numbered = values.iter().enumerate();
+    numbered.try_for_each(|(k, value)| finite(&at, &k.to_string(), *value))
+}
+
+fn quaternion(at: &str, wxyz: &[f64; 4]) -> Checked {
+    numbers(at, "orientation_wxyz", wxyz)?;
+    match quaternion_fault(wxyz) {
+        Some((_, message)) => fail(format!("{at}/orientation_wxyz"), message),
+        None => Ok(()),
+    }
+}
