@@ -5,7 +5,10 @@ pub mod robot_3d;
 
 /// What the views remember.
 #[derive(Default)]
-pub struct Views {}
+pub struct Views {
+    /// Of the plots.
+    pub plots: plots::Remembered,
+}
 
 impl Views {
     /// Frees what lies on the graphics card, while its context is current.
