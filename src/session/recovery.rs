@@ -2,11 +2,13 @@
 //!
 //! For each open session the recovery folder has a folder of its own:
 //!
-//!     session-a1b2c3.lock     locked while the program that keeps the session lives
-//!     session-a1b2c3/
-//!       snapshot.json         the session as it was at some time
-//!       journal.jsonl         poses measured since, one per line
-//!       origin.json           the file that the session belongs to
+//! ```text
+//! session-a1b2c3.lock     locked while the program that keeps the session lives
+//! session-a1b2c3/
+//!   snapshot.json         the session as it was at some time
+//!   journal.jsonl         poses measured since, one per line
+//!   origin.json           the file that the session belongs to
+//! ```
 //!
 //! A snapshot is complete before the journal is shortened, so that at any moment both together hold
 //! every measured pose. A pose that is in both is recognised by its label.
