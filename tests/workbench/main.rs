@@ -1,4 +1,5 @@
 //! The workbench, driven by accessible names.
 
+mod plots;
 mod start;
 mod support;

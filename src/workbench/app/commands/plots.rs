@@ -10,7 +10,7 @@ use tautline_session::{write_bytes, write_text};
 
 use crate::app::command::Outcome;
 use crate::app::state::State;
-use crate::views::plots::{Format, Prepared};
+use crate::views::plots::{Format, Preparation};
 
 /// Title of the task that prepares plots.
 const PREPARING: &str = "Preparing plots";
@@ -34,7 +34,7 @@ pub enum PlotCommand {
 #[derive(Debug)]
 pub enum PlotOutcome {
     /// Of preparing.
-    Prepared(Result<Box<Prepared>, String>),
+    Prepared(Box<Preparation>),
     /// A file dialog was closed.
     Picked(Option<PathBuf>),
     /// Of saving.
@@ -70,8 +70,8 @@ fn prepare(state: &mut State) {
     let (fit, diagnosed) = (document.fit().cloned(), document.diagnosis().cloned());
     let method = super::model::method(document);
     state.tasks.start(PREPARING, move |task| {
-        let prepared = Prepared::new(fit, diagnosed, method, &|| task.cancelled());
-        PlotOutcome::Prepared(prepared.map(Box::new)).into()
+        let prepared = Preparation::new(fit, diagnosed, method, &|| task.cancelled());
+        PlotOutcome::Prepared(Box::new(prepared)).into()
     });
 }
 
@@ -111,14 +111,7 @@ fn save_part(path: &Path, image: &ColorImage, part: Rect, scale: f32) -> Result<
 
 pub(super) fn receive(state: &mut State, outcome: PlotOutcome) {
     match outcome {
-        PlotOutcome::Prepared(Ok(prepared)) => {
-            state.views.plots.prepared = Some(Arc::new(*prepared))
-        }
-        PlotOutcome::Prepared(Err(error)) => {
-            state
-                .messages
-                .error(format!("The plot cannot be prepared: {error}."));
-        }
+        PlotOutcome::Prepared(preparation) => state.views.plots.preparation = Some(*preparation),
         PlotOutcome::Picked(Some(path)) => state.views.plots.picked(path),
         PlotOutcome::Picked(None) => {
             state

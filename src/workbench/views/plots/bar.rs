@@ -73,7 +73,7 @@ fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {
             }
         }
         Tab::Variable => {
-            if let (Some(prepared), Some(choice)) = (plots.prepared.clone(), plots.choice) {
+            if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.choice) {
                 plots.choice = Some(along(ui, &prepared, choice));
             }
         }

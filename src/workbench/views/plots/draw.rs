@@ -117,14 +117,10 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
     for band in figure.bands.iter().filter(|band| !band.name.is_empty()) {
         signs.push((Sign::Band, &band.name, None));
     }
-    let only_one = signs.len() == 1;
     let line = TEXT + GRID;
     let (mut x, mut y) = (left, 0.0);
     let mut entries = Vec::new();
     for (sign, text, cable) in signs {
-        if only_one && matches!(sign, Sign::Marker(..)) && text.is_empty() {
-            continue;
-        }
         let size = vec2(width(text) + 5.0 * GRID, line);
         if x > left && x + size.x > whole.width() {
             (x, y) = (left, y + line);

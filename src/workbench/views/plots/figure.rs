@@ -83,6 +83,8 @@ pub struct Axis {
     pub unit: &'static str,
     /// Values are logarithms to base 10; ticks show the numbers themselves.
     pub is_logarithmic: bool,
+    /// Values are whole numbers, such as poses.
+    pub is_whole: bool,
     /// Names at places, instead of numbers.
     pub names: Vec<(f64, String)>,
 }
@@ -95,6 +97,15 @@ impl Axis {
             label: label.into(),
             unit,
             ..Self::default()
+        }
+    }
+
+    /// An axis with whole numbers that have no unit.
+    #[must_use]
+    pub fn whole(label: impl Into<String>) -> Self {
+        Self {
+            is_whole: true,
+            ..Self::new(label, "")
         }
     }
 
@@ -288,12 +299,6 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Number of points of all series.
-    #[must_use]
-    pub fn point_count(&self) -> usize {
-        self.series.iter().map(|series| series.points.len()).sum()
-    }
-
     /// The view that shows everything: `[x, y]` with least and greatest value each, with a margin.
     #[must_use]
     pub fn whole(&self) -> [[f64; 2]; 2] {

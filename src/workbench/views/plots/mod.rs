@@ -27,11 +27,11 @@ use crate::app::document::Diagnosed;
 use crate::app::edit::Edit;
 use crate::app::fit::Fit;
 use crate::app::{Document, Selection, State};
-use crate::widgets::empty;
+use crate::widgets::{Verdict, empty, verdict};
 pub use export::Format;
 use figure::Figure;
 use panel::{Done, Panel, Shown};
-pub use prepare::Prepared;
+pub use prepare::{Preparation, Prepared};
 use sources::residuals::Unit;
 use sources::tensions::Shown as Tensions;
 use sources::variable::Choice;
@@ -59,7 +59,7 @@ pub struct Remembered {
     figure: Option<(FigureOf, Arc<Figure>)>,
     generation: u64,
     /// What a task computed for the plots.
-    pub prepared: Option<Arc<Prepared>>,
+    pub preparation: Option<Preparation>,
     saving: Option<Saving>,
     is_hovered: bool,
 }
@@ -105,6 +105,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     match plots.figure(document) {
         Ok(figure) => plot(ui, state, &mut plots, &figure),
         Err(Lack::Nothing(why)) => empty(ui, why),
+        Err(Lack::Failed(why)) => failed(ui, &mut plots, &why),
         Err(Lack::Prepared) => {
             state.outbox.send(PlotCommand::Prepare);
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
@@ -119,6 +120,19 @@ enum Lack {
     Nothing(&'static str),
     /// A task has to prepare it first.
     Prepared,
+    /// The task could not.
+    Failed(String),
+}
+
+fn failed(ui: &mut Ui, plots: &mut Remembered, why: &str) {
+    verdict(
+        ui,
+        Verdict::Bad,
+        &format!("The plot cannot be prepared: {why}."),
+    );
+    if ui.button("Try again").clicked() {
+        plots.preparation = None;
+    }
 }
 
 fn plot(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
@@ -154,19 +168,23 @@ fn toggled(document: Option<&Document>, pose: i64) -> Edit {
 }
 
 impl Remembered {
+    /// What a task prepared, if it did.
+    fn prepared(&self) -> Option<&Arc<Prepared>> {
+        self.preparation.as_ref()?.result.as_ref().ok()
+    }
+
     /// Forgets what belongs to other results.
     fn settle(&mut self, document: &Document) {
-        let is_old =
-            |prepared: &Arc<Prepared>| !prepared.is_of(document.fit(), document.diagnosis());
-        if self.prepared.as_ref().is_some_and(is_old) {
-            self.prepared = None;
+        let (fit, diagnosed) = (document.fit(), document.diagnosis());
+        let is_old = |preparation: &Preparation| !preparation.is_of(fit, diagnosed);
+        if self.preparation.as_ref().is_some_and(is_old) {
+            self.preparation = None;
         }
-        if let Some(prepared) = &self.prepared {
-            let diagnosed = document.diagnosis().map(Arc::as_ref);
+        if let Some(prepared) = self.prepared() {
             let known = self
                 .choice
                 .filter(|choice| choice.values(prepared).is_some());
-            self.choice = known.or_else(|| Choice::first(prepared, diagnosed));
+            self.choice = known.or_else(|| Choice::first(prepared, diagnosed.map(Arc::as_ref)));
         }
     }
 
@@ -186,7 +204,7 @@ impl Remembered {
             ),
             fit: document.fit().cloned(),
             diagnosed: document.diagnosis().cloned(),
-            prepared: self.prepared.clone(),
+            prepared: self.prepared().cloned(),
         };
         if let Some((of, figure)) = &self.figure
             && *of == key
@@ -195,10 +213,11 @@ impl Remembered {
         }
         let figure = Arc::new(self.compute(document)?);
         self.generation += 1;
+        // The same plot of something else has another range.
         let is_other = self
             .figure
             .as_ref()
-            .is_some_and(|(of, _)| of.options != key.options);
+            .is_some_and(|(of, _)| of.options.0 == key.options.0 && of.options != key.options);
         if is_other && let Some(panel) = self.panels.get_mut(&self.tab) {
             panel.reset();
         }
@@ -209,17 +228,21 @@ impl Remembered {
     fn compute(&self, document: &Document) -> Result<Figure, Lack> {
         let excluded = document.session().excluded();
         let nothing = Lack::Nothing("Nothing is identified.");
-        let prepared = self.prepared.as_ref();
+        let prepared = || match self.preparation.as_ref().map(|p| &p.result) {
+            Some(Ok(prepared)) => Ok(prepared),
+            Some(Err(why)) => Err(Lack::Failed(why.clone())),
+            None => Err(Lack::Prepared),
+        };
         Ok(match self.tab {
             Tab::Variable => {
-                let prepared = prepared.ok_or(Lack::Prepared)?;
+                let prepared = prepared()?;
                 let choice = self.choice.ok_or(Lack::Nothing(
                     "No variable changes over the poses, so that residuals could depend on it.",
                 ))?;
                 let diagnosed = document.diagnosis().map(Arc::as_ref);
                 sources::variable::figure(prepared, diagnosed, choice, excluded)
             }
-            Tab::BeforeAfter => sources::before_after::figure(prepared.ok_or(Lack::Prepared)?),
+            Tab::BeforeAfter => sources::before_after::figure(prepared()?),
             Tab::Elongation => sources::elongation::figure(document.session(), self.elongation),
             Tab::Residuals => {
                 sources::residuals::lengths(document.fit().ok_or(nothing)?, self.unit, excluded)

@@ -318,3 +318,102 @@ fn closest(series: &super::figure::Series, x: f64) -> Option<f64> {
         .min_by(|a, b| away(a).total_cmp(&away(b)))
         .map(|point| point.y)
 }
+
+#[cfg(test)]
+mod tests {
+    use egui::{Pos2, vec2};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+    use crate::views::plots::figure::{Axis, Point, Series};
+
+    fn figure() -> Figure {
+        let point = |pose: i64| Point {
+            pose: Some(pose),
+            ..Point::new(pose as f64, (pose % 3) as f64)
+        };
+        Figure {
+            x: Axis::new("Pose", ""),
+            y: Axis::new("Residual", "mm"),
+            series: vec![Series::of_cable(1, "cable-2", (1..=9).map(point).collect())],
+            ..Figure::default()
+        }
+    }
+
+    type Seen = (Panel, Vec<Done>);
+
+    fn harness() -> Harness<'static, Seen> {
+        let show = |ui: &mut Ui, (panel, done): &mut Seen| {
+            let shown = Shown {
+                name: "Plot",
+                figure: &figure(),
+                generation: 1,
+                selection: Selection::default(),
+            };
+            done.extend(panel.show(ui, &shown).done);
+        };
+        let mut harness = Harness::builder()
+            .with_size(vec2(640.0, 240.0))
+            .build_ui_state(show, Seen::default());
+        theme::install(&harness.ctx);
+        harness.run();
+        harness
+    }
+
+    fn scale(harness: &Harness<'_, Seen>) -> Scale {
+        harness.state().0.drawn.as_ref().expect("drawn").1
+    }
+
+    fn drag(harness: &mut Harness<'_, Seen>, from: Pos2, to: Pos2) {
+        harness.hover_at(from);
+        harness.drag_at(from);
+        harness.run_ok();
+        harness.hover_at(to);
+        harness.run_ok();
+        harness.drop_at(to);
+        harness.run_ok();
+    }
+
+    #[test]
+    fn a_click_selects_the_point_and_dragging_moves_the_view() {
+        let mut harness = harness();
+        assert!(harness.get_by_label("Plot").rect().is_positive());
+        let before = scale(&harness);
+        let at = before.place(4.0, 1.0);
+        harness.hover_at(at);
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.run_ok();
+        let expected = Selection {
+            cable: Some(1),
+            pose: Some(4),
+        };
+        assert_eq!(harness.state().1, [Done::Selected(expected)]);
+        drag(&mut harness, at, at + vec2(60.0, 0.0));
+        let after = scale(&harness);
+        assert!(after.view[0][0] < before.view[0][0] - 0.5);
+        assert!((after.view[1][0] - before.view[1][0]).abs() < 1e-9);
+        harness.state_mut().0.reset();
+        harness.run_ok();
+        assert_eq!(scale(&harness).view, before.view);
+    }
+
+    #[test]
+    fn a_cursor_is_dragged_instead_of_the_view() {
+        let mut harness = harness();
+        harness.state_mut().0.cursors = Some([0.25, 0.75]);
+        harness.run_ok();
+        let before = scale(&harness);
+        let at = Pos2::new(
+            before.rect.min.x + 0.25 * before.rect.width(),
+            before.rect.center().y,
+        );
+        drag(&mut harness, at, at + vec2(0.25 * before.rect.width(), 0.0));
+        let [a, b] = harness.state().0.cursors.expect("cursors");
+        assert!((a - 0.5).abs() < 0.02 && b == 0.75, "{a} {b}");
+        assert_eq!(scale(&harness).view, before.view);
+        let text = harness.state().0.reading(&figure(), Selection::default());
+        assert!(text.is_some_and(|text| text.contains("difference") && text.contains("mm")));
+    }
+}

@@ -22,10 +22,9 @@ pub struct Along {
     pub variables: Vec<(Variable, Vec<f64>)>,
 }
 
-/// What was prepared, with what it was prepared from.
+/// What was prepared.
 #[derive(Debug)]
 pub struct Prepared {
-    from: (Option<Arc<Fit>>, Option<Arc<Diagnosed>>),
     /// The fit of the model as it is.
     pub base: Arc<Fit>,
     /// The fit of the model with what was found.
@@ -34,73 +33,85 @@ pub struct Prepared {
     pub along: Vec<Along>,
 }
 
-impl Prepared {
+/// What is to be prepared, and what it came to.
+#[derive(Debug, Clone)]
+pub struct Preparation {
+    /// The last identification.
+    pub fit: Option<Arc<Fit>>,
+    /// The last diagnosis.
+    pub diagnosed: Option<Arc<Diagnosed>>,
+    /// What was prepared, or why it could not be.
+    pub result: Result<Arc<Prepared>, String>,
+}
+
+impl Preparation {
     /// Computes it; a diagnosis comes first, since it is what the plots are about. `method` is that of the
     /// identification; a diagnosis always is of the joint problem.
-    ///
-    /// # Errors
-    /// If there is nothing to prepare, it was cancelled, or the measurements cannot be used.
+    #[must_use]
     pub fn new(
-        identified: Option<Arc<Fit>>,
+        fit: Option<Arc<Fit>>,
         diagnosed: Option<Arc<Diagnosed>>,
         method: Method,
         cancelled: &dyn Fn() -> bool,
-    ) -> Result<Self, String> {
-        let again = |robot: &Robot, found: &Diagnosed| -> Result<Fit, String> {
-            let text = |error: &dyn std::fmt::Display| error.to_string();
-            let read = &found.dataset.measurements;
-            let measurements =
-                measurements_as_modelled(robot, read).map_err(|error| text(&error))?;
-            let order = FitOrder {
-                dataset: Arc::new(Dataset {
-                    robot: robot.clone(),
-                    measurements: measurements.into_owned(),
-                }),
-                method: Method::Joint,
-                effects: Vec::new(),
-            };
-            let mut control = |_: &_| match cancelled() {
-                true => Control::Cancel,
-                false => Control::Continue,
-            };
-            let done = fit(order, &mut control).map_err(|error| text(&error))?;
-            if cancelled() {
-                return Err("it was cancelled".to_owned());
-            }
-            Ok(done)
+    ) -> Self {
+        let result = match (&diagnosed, &fit) {
+            (Some(found), _) => before_and_after(found, cancelled),
+            (None, Some(fit)) => along(fit, method).map(|along| Prepared {
+                base: Arc::clone(fit),
+                extended: None,
+                along,
+            }),
+            (None, None) => Err("nothing is identified".to_owned()),
         };
-        let method = if diagnosed.is_some() {
-            Method::Joint
-        } else {
-            method
-        };
-        let (base, extended) = match (&diagnosed, &identified) {
-            (Some(found), _) => {
-                let base = again(&found.dataset.robot, found)?;
-                let globals = &found.diagnosis.extended_solution.globals;
-                let model = globals.model(&found.dataset.robot);
-                let extended = (!found.diagnosis.findings.is_empty())
-                    .then(|| again(&model, found))
-                    .transpose()?;
-                (Arc::new(base), extended)
-            }
-            (None, Some(fit)) => (Arc::clone(fit), None),
-            (None, None) => return Err("nothing is identified".to_owned()),
-        };
-        let along = along(&base, method)?;
-        Ok(Self {
-            from: (identified, diagnosed),
-            base,
-            extended,
-            along,
-        })
+        Self {
+            fit,
+            diagnosed,
+            result: result.map(Arc::new),
+        }
     }
 
     /// Whether it was prepared from these.
     #[must_use]
     pub fn is_of(&self, fit: Option<&Arc<Fit>>, diagnosed: Option<&Arc<Diagnosed>>) -> bool {
-        same(self.from.0.as_ref(), fit) && same(self.from.1.as_ref(), diagnosed)
+        same(self.fit.as_ref(), fit) && same(self.diagnosed.as_ref(), diagnosed)
     }
+}
+
+/// The fits of a diagnosis' model as it was and with what was found.
+fn before_and_after(found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<Prepared, String> {
+    let robot = &found.dataset.robot;
+    let base = again(robot, found, cancelled)?;
+    let model = found.diagnosis.extended_solution.globals.model(robot);
+    let extended = (!found.diagnosis.findings.is_empty())
+        .then(|| again(&model, found, cancelled))
+        .transpose()?;
+    Ok(Prepared {
+        along: along(&base, Method::Joint)?,
+        base: Arc::new(base),
+        extended,
+    })
+}
+
+/// Fits the measurements of a diagnosis with a model, its effects held.
+fn again(model: &Robot, found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<Fit, String> {
+    let measurements = measurements_as_modelled(model, &found.dataset.measurements)
+        .map_err(|error| error.to_string())?;
+    let order = FitOrder {
+        dataset: Arc::new(Dataset {
+            robot: model.clone(),
+            measurements: measurements.into_owned(),
+        }),
+        method: Method::Joint,
+        effects: Vec::new(),
+    };
+    let done = fit(order, &mut |_| match cancelled() {
+        true => Control::Cancel,
+        false => Control::Continue,
+    });
+    if cancelled() {
+        return Err("it was cancelled".to_owned());
+    }
+    done.map_err(|error| error.to_string())
 }
 
 /// Whether two are the same object, not only equal.
@@ -116,7 +127,8 @@ fn along(fit: &Fit, method: Method) -> Result<Vec<Along>, String> {
     let problem = Problem::new(&fit.dataset).map_err(|error| error.to_string())?;
     let mut problem = problem.with_method(method);
     // Those that are not the model's own were identified.
-    problem.free_effects = fit.solution.globals.effects[problem.held_effects.len()..].to_vec();
+    let effects = fit.solution.globals.effects.iter();
+    problem.free_effects = effects.skip(problem.held_effects.len()).cloned().collect();
     let linear = Linearisation::new(&problem, &fit.solution);
     let variables = Variables::new(&problem, &fit.solution, &linear);
     let known = |(quantity, cable): (Quantity, Option<usize>)| {

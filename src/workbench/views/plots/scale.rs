@@ -88,7 +88,7 @@ pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
             .filter(|(at, _)| (low..=high).contains(at));
         return seen.cloned().collect();
     }
-    let step = step([low, high], most, axis.is_logarithmic);
+    let step = step([low, high], most, axis.is_logarithmic || axis.is_whole);
     if !(step.is_finite() && step > 0.0) {
         return Vec::new();
     }
@@ -103,14 +103,14 @@ pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that gives at most `most` ticks; whole for logarithms.
-fn step([low, high]: [f64; 2], most: usize, is_logarithmic: bool) -> f64 {
+/// The smallest of 1, 2, 5 times a power of ten that gives at most `most` ticks; a whole number where asked.
+fn step([low, high]: [f64; 2], most: usize, is_whole: bool) -> f64 {
     let raw = (high - low) / most.max(1) as f64;
     let power = 10_f64.powf(raw.log10().floor());
     let nice = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
     let step = nice.into_iter().find(|step| *step >= raw * (1.0 - 1e-9));
     let step = step.unwrap_or(10.0 * power);
-    if is_logarithmic {
+    if is_whole {
         step.max(1.0).round()
     } else {
         step

@@ -68,9 +68,8 @@ impl Tab {
             ),
             Self::Laser => (
                 fit.is_some_and(|fit| {
-                    fit.analysis.readings.iter().any(|reading| {
-                        reading.kind == tautline_core::estimation::ReadingKind::Laser
-                    })
+                    fit.dataset.robot.laser.is_some()
+                        && !fit.dataset.measurements.laser_m.is_empty()
                 }),
                 "Residuals of the laser appear here once poses with laser distances are identified.",
             ),

@@ -29,7 +29,7 @@ pub fn figure(fit: &Fit) -> Figure {
         });
     }
     Figure {
-        x: Axis::new("Step", ""),
+        x: Axis::whole("Step"),
         y: Axis {
             is_logarithmic: true,
             ..Axis::new("Chi-square", "")

@@ -75,7 +75,7 @@ pub fn lengths(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     let is_length = |reading: &&Reading| matches!(reading.kind, ReadingKind::Length(_));
     let named = points.into_iter().zip(cables).enumerate();
     Figure {
-        x: Axis::new(POSE, ""),
+        x: Axis::whole(POSE),
         y: unit.axis(),
         bands: unit
             .band(fit.analysis.readings.iter().filter(is_length))
@@ -102,7 +102,7 @@ pub fn laser(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     };
     let points = readings().filter_map(point).collect();
     Figure {
-        x: Axis::new(POSE, ""),
+        x: Axis::whole(POSE),
         y: unit.axis(),
         bands: unit.band(readings()).into_iter().collect(),
         series: vec![Series::new("laser", Ink::Accent, Marker::Circle, points)],

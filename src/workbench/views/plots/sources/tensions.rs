@@ -55,7 +55,7 @@ pub fn figure(fit: &Fit, shown: Shown, excluded: &BTreeSet<i64>) -> Figure {
     let is_error = shown == Shown::Errors;
     let named = points.into_iter().zip(cables).enumerate();
     Figure {
-        x: Axis::new(POSE, ""),
+        x: Axis::whole(POSE),
         y: Axis::new(
             if is_error {
                 "Error of the tension reading"
