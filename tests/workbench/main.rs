@@ -3,5 +3,6 @@
 mod gl;
 mod renderer;
 mod robot_3d;
+mod plots;
 mod start;
 mod support;

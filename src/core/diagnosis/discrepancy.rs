@@ -73,7 +73,8 @@ pub(crate) struct DependenceTest {
 /// `cos(k pi u)`, `k = 1, 2, ...`, with `u` from 0 at the smallest value to 1 at the largest: together with a
 /// constant they approximate any continuous function. For a fraction of a drum revolution sine and cosine of
 /// the first harmonics; for the direction of travel the direction itself.
-pub(crate) fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMatrix<f64> {
+#[must_use]
+pub fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMatrix<f64> {
     let known = values.iter().copied();
     if !varies(known.clone(), variable) {
         return DMatrix::zeros(values.len(), 0);

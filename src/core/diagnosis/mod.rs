@@ -31,12 +31,15 @@ mod unknown;
 mod variables;
 mod verdict;
 
+pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
 pub use report::{
     Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
     Verdict,
 };
+
+pub use variables::Variables;
 
 use crate::estimation::Control;
 pub use crate::measurement::Variable;

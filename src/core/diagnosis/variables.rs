@@ -19,7 +19,7 @@ const SAME: f64 = 1e-9;
 const NO_SPREAD: f64 = 1e-12;
 
 /// Circumstances of all readings at a solution.
-pub(crate) struct Variables<'a> {
+pub struct Variables<'a> {
     problem: &'a Problem<'a>,
     /// Home pose, or the first fitted one: rotations count from it.
     reference: Pose,
@@ -35,6 +35,7 @@ pub(crate) struct Variables<'a> {
 
 impl<'a> Variables<'a> {
     /// Finds them at `solution`, whose linearisation is `linear`.
+    #[must_use]
     pub fn new(problem: &'a Problem<'a>, solution: &Solution, linear: &Linearisation) -> Self {
         let data = &problem.dataset.measurements;
         let mut poses = vec![None; data.len()];
@@ -56,6 +57,7 @@ impl<'a> Variables<'a> {
 
     /// Values of `variable` for readings `quantity` of `cable`, one per row of the measurements, NaN where
     /// not known. `None` if it does not apply to these readings, is not known or hardly varies.
+    #[must_use]
     pub fn values(
         &self,
         quantity: Quantity,

@@ -1,9 +1,15 @@
 //! A value that is computed again only when what it depends on has changed.
 
 /// The last value with the key it belongs to.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Memo<K, T> {
     kept: Option<(K, T)>,
+}
+
+impl<K, T> Default for Memo<K, T> {
+    fn default() -> Self {
+        Self { kept: None }
+    }
 }
 
 impl<K: PartialEq, T> Memo<K, T> {

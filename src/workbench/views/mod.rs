@@ -8,6 +8,8 @@ pub mod robot_3d;
 pub struct Views {
     /// Of the robot in 3D.
     pub robot_3d: robot_3d::Robot3d,
+    /// Of the plots.
+    pub plots: plots::Remembered,
 }
 
 impl Views {

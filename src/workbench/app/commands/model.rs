@@ -71,15 +71,18 @@ pub(super) fn perform(state: &mut State, command: ModelCommand) {
 }
 
 fn order(document: &Document) -> FitOrder {
-    let session = document.session();
-    let method = match session.settings.identification.method {
+    FitOrder {
+        dataset: Arc::new(document.session().dataset()),
+        method: method(document),
+        effects: Vec::new(),
+    }
+}
+
+/// The method that the operator chose.
+pub(super) fn method(document: &Document) -> Method {
+    match document.session().settings.identification.method {
         tautline_session::Method::Simple => Method::Simple,
         _ => Method::Joint,
-    };
-    FitOrder {
-        dataset: Arc::new(session.dataset()),
-        method,
-        effects: Vec::new(),
     }
 }
 

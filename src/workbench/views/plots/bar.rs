@@ -1,0 +1,228 @@
+//! The lines above a plot: which plot, what of it, cursors, saving.
+
+use std::path::PathBuf;
+
+use egui::{Align, Button, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
+use tautline_core::diagnosis::Quantity;
+
+use super::export::{Format, csv, svg};
+use super::figure::Figure;
+use super::sources::residuals::Unit;
+use super::sources::tensions::Shown as Tensions;
+use super::sources::variable::{Choice, capitalised};
+use super::{Prepared, Remembered, Saving, Tab};
+use crate::app::commands::PlotCommand;
+use crate::app::{Document, State};
+use crate::widgets::{icon_button, icon_only, muted};
+
+/// The tabs; those that have nothing to show say why.
+pub fn tabs(ui: &mut Ui, document: &Document, plots: &mut Remembered) {
+    ui.horizontal_wrapped(|ui| {
+        for tab in Tab::ALL {
+            let missing = tab.missing(document);
+            let button = Button::selectable(plots.tab == tab, tab.title());
+            let response = ui.add_enabled(missing.is_none(), button);
+            if response.clicked() {
+                plots.tab = tab;
+            }
+            if let Some(why) = missing {
+                response.on_disabled_hover_text(why);
+            }
+        }
+    });
+}
+
+/// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
+pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+    ui.horizontal(|ui| {
+        if plots.saving.is_some() {
+            saving(ui, state, plots, figure);
+            return;
+        }
+        choices(ui, state, plots);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            buttons(ui, plots);
+            let panel = plots.panels.get(&plots.tab);
+            if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.selection)) {
+                ui.add(egui::Label::new(&text).truncate())
+                    .on_hover_text(&text);
+            }
+        });
+    });
+}
+
+fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {
+    match plots.tab {
+        Tab::Residuals | Tab::Laser => {
+            let units = [
+                (Unit::Deviations, "Standard deviations"),
+                (Unit::Millimetres, "Millimetres"),
+            ];
+            for (unit, title) in units {
+                ui.selectable_value(&mut plots.unit, unit, title);
+            }
+        }
+        Tab::Tensions => {
+            let shown = [
+                (Tensions::Measured, "Measured"),
+                (Tensions::Errors, "Estimated errors"),
+            ];
+            for (tensions, title) in shown {
+                ui.selectable_value(&mut plots.tensions, tensions, title);
+            }
+        }
+        Tab::Variable => {
+            if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.choice) {
+                plots.choice = Some(along(ui, &prepared, choice));
+            }
+        }
+        Tab::Elongation => {
+            let cables = state
+                .document
+                .iter()
+                .flat_map(|d| &d.session().robot.cables)
+                .enumerate();
+            let with: Vec<(usize, &str)> = cables
+                .filter(|(_, cable)| cable.cable.elongation_surface.is_some())
+                .map(|(index, cable)| (index, cable.name.as_str()))
+                .collect();
+            if with.len() > 1 {
+                let chosen = plots.elongation.unwrap_or(with[0].0);
+                let name =
+                    |index: usize| with.iter().find(|(k, _)| *k == index).map_or("", |c| c.1);
+                combo(ui, "Cable of the elongation", name(chosen), |ui| {
+                    for (index, name) in &with {
+                        ui.selectable_value(&mut plots.elongation, Some(*index), *name);
+                    }
+                });
+            }
+        }
+        Tab::Convergence | Tab::Correlation | Tab::BeforeAfter => {}
+    }
+}
+
+fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
+    let shown = ComboBox::from_id_salt(name)
+        .selected_text(selected)
+        .show_ui(ui, add);
+    let text = format!("{name}: {selected}");
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
+}
+
+/// Which readings along which variable.
+fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice) -> Choice {
+    let name = |quantity: Quantity, cable: Option<usize>| {
+        let cables = &prepared.base.dataset.robot.cables;
+        match cable.and_then(|index| cables.get(index)) {
+            Some(cable) => format!("{} of {}", capitalised(quantity.name()), cable.name),
+            None => capitalised(quantity.name()),
+        }
+    };
+    let before = (choice.quantity, choice.cable);
+    combo(ui, "Readings", &name(choice.quantity, choice.cable), |ui| {
+        for group in &prepared.along {
+            let is_chosen = (group.quantity, group.cable) == (choice.quantity, choice.cable);
+            if ui
+                .selectable_label(is_chosen, name(group.quantity, group.cable))
+                .clicked()
+            {
+                (choice.quantity, choice.cable) = (group.quantity, group.cable);
+            }
+        }
+    });
+    let group = prepared
+        .along
+        .iter()
+        .find(|g| (g.quantity, g.cable) == (choice.quantity, choice.cable));
+    let variables = group.map_or(&[][..], |group| &group.variables);
+    if (choice.quantity, choice.cable) != before
+        && !variables
+            .iter()
+            .any(|(variable, _)| *variable == choice.variable)
+        && let Some((first, _)) = variables.first()
+    {
+        choice.variable = *first;
+    }
+    combo(ui, "Along", &capitalised(choice.variable.name()), |ui| {
+        for (variable, _) in variables {
+            ui.selectable_value(
+                &mut choice.variable,
+                *variable,
+                capitalised(variable.name()),
+            );
+        }
+    });
+    choice
+}
+
+fn buttons(ui: &mut Ui, plots: &mut Remembered) {
+    let save = icon_only(ui, icons::ICON_DOWNLOAD, "Save plot", true);
+    Popup::menu(&save).show(|ui| {
+        for format in Format::ALL {
+            if ui.button(format.title()).clicked() {
+                let path = format!("plot.{}", format.ending());
+                plots.saving = Some(Saving { format, path });
+                ui.close();
+            }
+        }
+    });
+    let panel = plots.panels.entry(plots.tab).or_default();
+    if icon_only(ui, icons::ICON_FIT_SCREEN, "Show everything", true).clicked() {
+        panel.reset();
+    }
+    let name = if panel.cursors.is_some() {
+        "Hide cursors"
+    } else {
+        "Show cursors"
+    };
+    if icon_only(ui, icons::ICON_ARROW_RANGE, name, true).clicked() {
+        panel.cursors = match panel.cursors {
+            Some(_) => None,
+            None => Some([0.25, 0.75]),
+        };
+    }
+}
+
+/// Where a plot is saved.
+fn saving(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+    let Some(mut saving) = plots.saving.take() else {
+        return;
+    };
+    muted(ui, saving.format.title());
+    let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(280.0));
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the plot"));
+    if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
+        state.outbox.send(PlotCommand::Ask(saving.format));
+    }
+    let path = PathBuf::from(saving.path.trim());
+    let can_save = !path.as_os_str().is_empty();
+    let is_saved = icon_button(ui, icons::ICON_SAVE, "Save this plot", can_save).clicked();
+    if is_saved && let Some(command) = command(ui, state, plots, figure, (saving.format, path)) {
+        state.outbox.send(command);
+        return;
+    }
+    if !ui.button("Cancel").clicked() {
+        plots.saving = Some(saving);
+    }
+}
+
+fn command(
+    ui: &Ui,
+    state: &State,
+    plots: &mut Remembered,
+    figure: &Figure,
+    (format, path): (Format, PathBuf),
+) -> Option<PlotCommand> {
+    let (generation, selection) = (plots.generation, state.selection);
+    let panel = plots.panels.get_mut(&plots.tab)?;
+    let (layout, scale, seen) =
+        panel.seen(figure, generation, selection, ui.ctx().pixels_per_point())?;
+    Some(match format {
+        Format::Csv => PlotCommand::SaveText(path, csv(figure, scale.view)),
+        Format::Svg => PlotCommand::SaveText(path, svg(figure, layout, &scale, seen, selection)),
+        Format::Png => PlotCommand::SavePicture(path, layout.whole),
+    })
+}

@@ -1,0 +1,195 @@
+//! What is visible of a figure, as files.
+
+use egui::Theme;
+
+use super::draw::{Layout, Seen, draw};
+use super::figure::{Figure, Heat};
+use super::scale::Scale;
+use super::svg::Svg;
+use crate::app::{Selection, theme};
+
+/// Format of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// A table.
+    Csv,
+    /// A drawing.
+    Svg,
+    /// A picture of the window.
+    Png,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Csv, Self::Svg, Self::Png];
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Csv => "Table (CSV)",
+            Self::Svg => "Drawing (SVG)",
+            Self::Png => "Picture (PNG)",
+        }
+    }
+
+    /// Ending of its files.
+    #[must_use]
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Svg => "svg",
+            Self::Png => "png",
+        }
+    }
+}
+
+/// The figure as it is seen, on white.
+#[must_use]
+pub fn svg(
+    figure: &Figure,
+    layout: &Layout,
+    scale: &Scale,
+    seen: &Seen,
+    selection: Selection,
+) -> String {
+    let palette = theme::palette(Theme::Light);
+    let mut svg = Svg::new(layout.whole.expand(8.0), palette.raised);
+    draw(&mut svg, figure, layout, scale, seen, (selection, palette));
+    svg.finish()
+}
+
+/// All values in the view, also those that share a pixel: one row per point, place of a line, column or cell.
+#[must_use]
+pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
+    let is_seen = |x: f64, y: f64| {
+        let [wide, high] = view;
+        (wide[0]..=wide[1]).contains(&x) && (high[0]..=high[1]).contains(&y)
+    };
+    if let Some(heat) = &figure.heat {
+        return cells(figure, heat, &is_seen);
+    }
+    let mut table = row(&[
+        "name",
+        "pose",
+        &figure.x.title(),
+        &figure.y.title(),
+        "standard deviation along x",
+        "standard deviation along y",
+        "excluded",
+    ]);
+    let value = |axis: &super::figure::Axis, v: f64| {
+        if axis.is_logarithmic {
+            10_f64.powf(v)
+        } else {
+            v
+        }
+        .to_string()
+    };
+    let mut add = |name: &str, pose: String, [x, y]: [f64; 2], rest: [String; 3]| {
+        if is_seen(x, y) {
+            let [a, b, c] = rest;
+            table += &row(&[
+                name,
+                &pose,
+                &value(&figure.x, x),
+                &value(&figure.y, y),
+                &a,
+                &b,
+                &c,
+            ]);
+        }
+    };
+    let sd = |sd: f64| {
+        if sd > 0.0 {
+            sd.to_string()
+        } else {
+            String::new()
+        }
+    };
+    for series in &figure.series {
+        for point in series.points() {
+            let pose = point.pose.map_or_else(String::new, |pose| pose.to_string());
+            let excluded = if point.excluded { "yes" } else { "" }.to_owned();
+            let rest = [sd(point.sd[0]), sd(point.sd[1]), excluded];
+            add(&series.name, pose, [point.x, point.y], rest);
+        }
+    }
+    for curve in figure.curves.iter().filter(|curve| !curve.name.is_empty()) {
+        for place in &curve.points {
+            add(&curve.name, String::new(), *place, Default::default());
+        }
+    }
+    for columns in &figure.columns {
+        for (edges, height) in columns.edges.windows(2).zip(&columns.heights) {
+            let place = [0.5 * (edges[0] + edges[1]), *height];
+            add(&columns.name, String::new(), place, Default::default());
+        }
+    }
+    table
+}
+
+fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
+    let mut table = row(&[&figure.x.title(), &figure.y.title(), &heat.axis.title()]);
+    let columns = heat.x.len().saturating_sub(1).max(1);
+    let [names_x, names_y] = &heat.names;
+    for (index, value) in heat.values.iter().enumerate() {
+        let (r, c) = (index / columns, index % columns);
+        let (Some(x), Some(y)) = (heat.x.get(c..c + 2), heat.y.get(r..r + 2)) else {
+            continue;
+        };
+        let (x, y) = (0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]));
+        if is_seen(x, y) {
+            let name = |names: &[String], k: usize, at: f64| {
+                names.get(k).cloned().unwrap_or_else(|| at.to_string())
+            };
+            table += &row(&[
+                &name(names_x, c, x),
+                &name(names_y, r, y),
+                &value.to_string(),
+            ]);
+        }
+    }
+    table
+}
+
+/// A row of a table; cells with separators are quoted.
+fn row(cells: &[&str]) -> String {
+    let quoted = cells.iter().map(|cell| {
+        if cell.contains([',', '"', '\n']) {
+            format!("\"{}\"", cell.replace('"', "\"\""))
+        } else {
+            (*cell).to_owned()
+        }
+    });
+    let mut line = quoted.collect::<Vec<_>>().join(",");
+    line.push('\n');
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::views::plots::figure::{Axis, Point, Series};
+
+    #[test]
+    fn the_table_has_what_is_in_the_view() {
+        let points = (0..5).map(|k| Point {
+            pose: Some(k),
+            excluded: k == 2,
+            ..Point::new(k as f64, 0.5)
+        });
+        let figure = Figure {
+            x: Axis::new("Pose", ""),
+            y: Axis::new("Residual, length", "mm"),
+            series: vec![Series::of_cable(0, "cable-1", points.collect())],
+            ..Figure::default()
+        };
+        let table = csv(&figure, [[0.5, 2.5], [0.0, 1.0]]);
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(lines.len(), 3);
+        assert!(lines[0].contains("\"Residual, length (mm)\""));
+        assert_eq!(lines[1], "cable-1,1,1,0.5,,,");
+        assert_eq!(lines[2], "cable-1,2,2,0.5,,,yes");
+    }
+}

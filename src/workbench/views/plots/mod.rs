@@ -1,0 +1,260 @@
+//! Plots below the 3D view, and small plots for panels.
+
+mod bar;
+mod canvas;
+mod contour;
+mod draw;
+mod export;
+pub mod figure;
+mod hit;
+mod panel;
+mod prepare;
+mod scale;
+pub mod small;
+mod sources;
+mod svg;
+mod tab;
+mod thin;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{Spinner, Ui};
+
+use crate::app::commands::{PlotCommand, ViewCommand};
+use crate::app::document::Diagnosed;
+use crate::app::edit::Edit;
+use crate::app::fit::Fit;
+use crate::app::{Document, Selection, State};
+use crate::widgets::{Verdict, empty, verdict};
+pub use export::Format;
+use figure::Figure;
+use panel::{Done, Panel, Shown};
+pub use prepare::{Preparation, Prepared};
+use sources::residuals::Unit;
+use sources::tensions::Shown as Tensions;
+use sources::variable::Choice;
+pub use tab::Tab;
+
+/// Label of an axis along which poses stand.
+pub const POSE: &str = "Pose";
+
+/// A plot that is being saved.
+#[derive(Debug)]
+struct Saving {
+    format: Format,
+    path: String,
+}
+
+/// What the plots remember.
+#[derive(Debug, Default)]
+pub struct Remembered {
+    tab: Tab,
+    unit: Unit,
+    tensions: Tensions,
+    choice: Option<Choice>,
+    elongation: Option<usize>,
+    panels: BTreeMap<Tab, Panel>,
+    figure: Option<(FigureOf, Arc<Figure>)>,
+    generation: u64,
+    /// What a task computed for the plots.
+    pub preparation: Option<Preparation>,
+    saving: Option<Saving>,
+    is_hovered: bool,
+}
+
+impl Remembered {
+    /// Takes the place that a file dialog gave.
+    pub fn picked(&mut self, path: PathBuf) {
+        if let Some(saving) = &mut self.saving {
+            saving.path = path.display().to_string();
+        }
+    }
+}
+
+/// What a figure depends on.
+#[derive(Debug, Clone)]
+struct FigureOf {
+    session: (tautline_session::Timestamp, u64),
+    options: (Tab, Unit, Tensions, Option<Choice>, Option<usize>),
+    fit: Option<Arc<Fit>>,
+    diagnosed: Option<Arc<Diagnosed>>,
+    prepared: Option<Arc<Prepared>>,
+}
+
+impl PartialEq for FigureOf {
+    fn eq(&self, other: &Self) -> bool {
+        self.session == other.session
+            && self.options == other.options
+            && prepare::same(self.fit.as_ref(), other.fit.as_ref())
+            && prepare::same(self.diagnosed.as_ref(), other.diagnosed.as_ref())
+            && prepare::same(self.prepared.as_ref(), other.prepared.as_ref())
+    }
+}
+
+/// Draws the plots of the present screen.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        empty(ui, "Plots appear here once a session is open.");
+        return;
+    };
+    let mut plots = std::mem::take(&mut state.views.plots);
+    plots.settle(document);
+    bar::tabs(ui, document, &mut plots);
+    match plots.figure(document) {
+        Ok(figure) => plot(ui, state, &mut plots, &figure),
+        Err(Lack::Nothing(why)) => empty(ui, why),
+        Err(Lack::Failed(why)) => failed(ui, &mut plots, &why),
+        Err(Lack::Prepared) => {
+            state.outbox.send(PlotCommand::Prepare);
+            ui.centered_and_justified(|ui| ui.add(Spinner::new()));
+        }
+    }
+    state.views.plots = plots;
+}
+
+/// Why there is no figure.
+enum Lack {
+    /// It has nothing to show.
+    Nothing(&'static str),
+    /// A task has to prepare it first.
+    Prepared,
+    /// The task could not.
+    Failed(String),
+}
+
+fn failed(ui: &mut Ui, plots: &mut Remembered, why: &str) {
+    verdict(
+        ui,
+        Verdict::Bad,
+        &format!("The plot cannot be prepared: {why}."),
+    );
+    if ui.button("Try again").clicked() {
+        plots.preparation = None;
+    }
+}
+
+fn plot(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+    bar::options(ui, state, plots, figure);
+    let panel = plots.panels.entry(plots.tab).or_default();
+    let shown = Shown {
+        name: &format!("Plot: {}", plots.tab.title()),
+        figure,
+        generation: plots.generation,
+        selection: state.selection,
+    };
+    let frame = panel.show(ui, &shown);
+    for done in frame.done {
+        match done {
+            Done::Selected(selection) => state.outbox.send(ViewCommand::Select(selection)),
+            Done::Excluded(pose) => state.outbox.send(toggled(state.document.as_ref(), pose)),
+        }
+    }
+    if let Some(hovered) = frame.hovered {
+        state.hovered = hovered;
+    } else if plots.is_hovered {
+        state.hovered = Selection::default();
+    }
+    plots.is_hovered = frame.hovered.is_some();
+}
+
+fn toggled(document: Option<&Document>, pose: i64) -> Edit {
+    if document.is_some_and(|document| document.session().excluded().contains(&pose)) {
+        Edit::Include(pose)
+    } else {
+        Edit::Exclude(pose)
+    }
+}
+
+impl Remembered {
+    /// What a task prepared, if it did.
+    fn prepared(&self) -> Option<&Arc<Prepared>> {
+        self.preparation.as_ref()?.result.as_ref().ok()
+    }
+
+    /// Forgets what belongs to other results.
+    fn settle(&mut self, document: &Document) {
+        let (fit, diagnosed) = (document.fit(), document.diagnosis());
+        let is_old = |preparation: &Preparation| !preparation.is_of(fit, diagnosed);
+        if self.preparation.as_ref().is_some_and(is_old) {
+            self.preparation = None;
+        }
+        if let Some(prepared) = self.prepared() {
+            let known = self
+                .choice
+                .filter(|choice| choice.values(prepared).is_some());
+            self.choice = known.or_else(|| Choice::first(prepared, diagnosed.map(Arc::as_ref)));
+        }
+    }
+
+    /// The figure of the present tab, computed again only if what it depends on has changed.
+    fn figure(&mut self, document: &Document) -> Result<Arc<Figure>, Lack> {
+        if let Some(why) = self.tab.missing(document) {
+            return Err(Lack::Nothing(why));
+        }
+        let key = FigureOf {
+            session: (document.session().created, document.revision()),
+            options: (
+                self.tab,
+                self.unit,
+                self.tensions,
+                self.choice,
+                self.elongation,
+            ),
+            fit: document.fit().cloned(),
+            diagnosed: document.diagnosis().cloned(),
+            prepared: self.prepared().cloned(),
+        };
+        if let Some((of, figure)) = &self.figure
+            && *of == key
+        {
+            return Ok(Arc::clone(figure));
+        }
+        let figure = Arc::new(self.compute(document)?);
+        self.generation += 1;
+        // The same plot of something else has another range.
+        let is_other = self
+            .figure
+            .as_ref()
+            .is_some_and(|(of, _)| of.options.0 == key.options.0 && of.options != key.options);
+        if is_other && let Some(panel) = self.panels.get_mut(&self.tab) {
+            panel.reset();
+        }
+        self.figure = Some((key, Arc::clone(&figure)));
+        Ok(figure)
+    }
+
+    fn compute(&self, document: &Document) -> Result<Figure, Lack> {
+        let excluded = document.session().excluded();
+        let nothing = Lack::Nothing("Nothing is identified.");
+        let prepared = || match self.preparation.as_ref().map(|p| &p.result) {
+            Some(Ok(prepared)) => Ok(prepared),
+            Some(Err(why)) => Err(Lack::Failed(why.clone())),
+            None => Err(Lack::Prepared),
+        };
+        Ok(match self.tab {
+            Tab::Variable => {
+                let prepared = prepared()?;
+                let choice = self.choice.ok_or(Lack::Nothing(
+                    "No variable changes over the poses, so that residuals could depend on it.",
+                ))?;
+                let diagnosed = document.diagnosis().map(Arc::as_ref);
+                sources::variable::figure(prepared, diagnosed, choice, excluded)
+            }
+            Tab::BeforeAfter => sources::before_after::figure(prepared()?),
+            Tab::Elongation => sources::elongation::figure(document.session(), self.elongation),
+            Tab::Residuals => {
+                sources::residuals::lengths(document.fit().ok_or(nothing)?, self.unit, excluded)
+            }
+            Tab::Laser => {
+                sources::residuals::laser(document.fit().ok_or(nothing)?, self.unit, excluded)
+            }
+            Tab::Tensions => {
+                sources::tensions::figure(document.fit().ok_or(nothing)?, self.tensions, excluded)
+            }
+            Tab::Convergence => sources::convergence::figure(document.fit().ok_or(nothing)?),
+            Tab::Correlation => sources::correlation::figure(document.fit().ok_or(nothing)?),
+        })
+    }
+}

@@ -1,0 +1,419 @@
+//! A figure that can be zoomed, moved, clicked and measured with two cursors.
+
+use egui::{Align2, Key, Popup, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+
+use super::canvas::{Canvas, Screen};
+use super::draw::{Layout, Seen, TEXT, arrange, draw, see, text_width};
+use super::figure::Figure;
+use super::hit::{Hit, cell_words, nearest, selects, words};
+use super::scale::{Scale, readable};
+use crate::app::theme::{self, GRID};
+use crate::app::{Memo, Selection};
+
+/// Points of the wheel that zoom by a factor of e.
+const WHEEL: f64 = 240.0;
+/// Distance at which a cursor is grabbed (points of the screen).
+const GRAB: f32 = 6.0;
+
+/// What a plot remembers between frames.
+#[derive(Debug, Default)]
+pub struct Panel {
+    /// What is shown, if not everything.
+    view: Option<[[f64; 2]; 2]>,
+    /// Places of the cursors A and B along x as shares of the width, while they are shown.
+    pub cursors: Option<[f64; 2]>,
+    grabbed: Option<usize>,
+    seen: Memo<SeenOf, Seen>,
+    /// What was drawn last, for files.
+    pub drawn: Option<(Layout, Scale)>,
+    /// What the context menu is about.
+    menu: Selection,
+}
+
+#[derive(Debug, PartialEq)]
+struct SeenOf {
+    figure: u64,
+    scale: Scale,
+    selection: Selection,
+    pixels_per_point: f32,
+}
+
+/// What the operator did with a plot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Done {
+    /// Selected something, or nothing.
+    Selected(Selection),
+    /// Wants a pose left out, or taken in again.
+    Excluded(i64),
+}
+
+/// A plot of this frame.
+pub struct Shown<'a> {
+    /// Its accessible name.
+    pub name: &'a str,
+    /// What it shows.
+    pub figure: &'a Figure,
+    /// Changes with the figure.
+    pub generation: u64,
+    /// What is selected.
+    pub selection: Selection,
+}
+
+/// What a frame came to.
+#[derive(Debug, Default)]
+pub struct Frame {
+    /// What the operator did.
+    pub done: Vec<Done>,
+    /// What is under the pointer, while it is over the plot.
+    pub hovered: Option<Selection>,
+}
+
+impl Panel {
+    /// Shows everything again.
+    pub fn reset(&mut self) {
+        self.view = None;
+    }
+
+    /// Draws the plot in the space that is left.
+    pub fn show(&mut self, ui: &mut Ui, shown: &Shown<'_>) -> Frame {
+        let (outer, response) =
+            ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, shown.name));
+        let whole = outer.shrink2(vec2(GRID, 0.5 * GRID));
+        let painter = ui.painter_at(outer);
+        let (layout, scale) = self.arrange(shown.figure, whole, &painter);
+        self.navigate(ui, &response, &scale);
+        // Again: the view may have moved.
+        let (layout, scale) = match self.view {
+            Some(view) if view != scale.view => self.arrange(shown.figure, whole, &painter),
+            _ => (layout, scale),
+        };
+        let key = SeenOf {
+            figure: shown.generation,
+            scale,
+            selection: shown.selection,
+            pixels_per_point: ui.ctx().pixels_per_point(),
+        };
+        let pixels_per_point = key.pixels_per_point;
+        let seen = self.seen.get(key, || {
+            see(shown.figure, &scale, shown.selection, pixels_per_point)
+        });
+        let mut canvas = Screen::new(painter);
+        draw(
+            &mut canvas,
+            shown.figure,
+            &layout,
+            &scale,
+            seen,
+            (shown.selection, theme::of(ui)),
+        );
+        let under = response.hover_pos();
+        let hit = under.and_then(|at| nearest(shown.figure, seen, &scale, at, shown.selection));
+        if let Some(hit) = hit {
+            let point = shown.figure.series[hit.series].points()[hit.point];
+            canvas.ring(
+                scale.place(point.x, point.y),
+                5.5,
+                Stroke::new(1.5, theme::of(ui).text),
+            );
+        }
+        self.draw_cursors(&mut canvas, ui, &scale);
+        drop(canvas);
+        let frame = self.respond(ui, &response, shown, (&layout, &scale), hit);
+        self.drawn = Some((layout, scale));
+        frame
+    }
+
+    fn arrange(&self, figure: &Figure, whole: Rect, painter: &egui::Painter) -> (Layout, Scale) {
+        let view = self.view.unwrap_or_else(|| figure.whole());
+        let layout = arrange(figure, view, whole, &text_width(painter));
+        let rect = layout.plot;
+        (layout, Scale { view, rect })
+    }
+
+    /// Points in the view, as drawn last.
+    pub fn seen(
+        &mut self,
+        figure: &Figure,
+        generation: u64,
+        selection: Selection,
+        pixels_per_point: f32,
+    ) -> Option<(&Layout, Scale, &Seen)> {
+        let (layout, scale) = self.drawn.as_ref()?;
+        let (scale, key) = (
+            *scale,
+            SeenOf {
+                figure: generation,
+                scale: *scale,
+                selection,
+                pixels_per_point,
+            },
+        );
+        let seen = self
+            .seen
+            .get(key, || see(figure, &scale, selection, pixels_per_point));
+        Some((layout, scale, seen))
+    }
+
+    fn navigate(&mut self, ui: &Ui, response: &Response, scale: &Scale) {
+        if let Some(at) = response.hover_pos() {
+            let (wheel, pinch) =
+                ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            let factor = (f64::from(wheel) / WHEEL).exp() * f64::from(pinch);
+            if factor != 1.0 {
+                // Over an axis only that axis is zoomed.
+                let along_x = at.x >= scale.rect.min.x;
+                let along_y = at.y <= scale.rect.max.y;
+                let of = |is_zoomed: bool| if is_zoomed { factor } else { 1.0 };
+                self.view = Some(scale.zoomed(at, [of(along_x), of(along_y)]));
+            }
+        }
+        if response.drag_started_by(egui::PointerButton::Primary) {
+            let from = ui.input(|input| input.pointer.press_origin());
+            self.grabbed = from.and_then(|at| self.cursor_at(at.x, scale));
+        }
+        if response.dragged_by(egui::PointerButton::Primary) {
+            let by = response.drag_delta();
+            match (self.grabbed, &mut self.cursors) {
+                (Some(k), Some(cursors)) => {
+                    let share = cursors[k] + f64::from(by.x / scale.rect.width());
+                    cursors[k] = share.clamp(0.0, 1.0);
+                }
+                _ => self.view = Some(scale.moved(by)),
+            }
+        }
+        if response.drag_stopped() {
+            self.grabbed = None;
+        }
+        if response.double_clicked() {
+            self.reset();
+        }
+    }
+
+    fn cursor_at(&self, x: f32, scale: &Scale) -> Option<usize> {
+        let place = |share: f64| scale.rect.min.x + share as f32 * scale.rect.width();
+        let cursors = self.cursors?;
+        (0..2).find(|k| (place(cursors[*k]) - x).abs() <= GRAB)
+    }
+
+    fn draw_cursors(&self, canvas: &mut Screen, ui: &Ui, scale: &Scale) {
+        let palette = theme::of(ui);
+        for (share, name) in self.cursors.iter().flatten().zip(["A", "B"]) {
+            let x = scale.rect.min.x + *share as f32 * scale.rect.width();
+            let ends = [
+                egui::pos2(x, scale.rect.min.y),
+                egui::pos2(x, scale.rect.max.y),
+            ];
+            canvas.line(&ends, Stroke::new(1.25, palette.accent), false);
+            let at = ends[0] + vec2(0.75 * GRID, 0.5 * GRID);
+            canvas.text(at, Align2::LEFT_TOP, name, TEXT, palette.accent);
+        }
+    }
+
+    /// Values at the cursors and their differences, in words.
+    #[must_use]
+    pub fn reading(&self, figure: &Figure, selection: Selection) -> Option<String> {
+        let (_, scale) = self.drawn.as_ref()?;
+        let [low, high] = scale.view[0];
+        let [a, b] = self.cursors?.map(|share| low + share * (high - low));
+        let number = |value: f64, axis: usize| readable(value, scale.view[axis]);
+        let mut text = format!(
+            "A {}  B {}  difference {} {}",
+            number(a, 0),
+            number(b, 0),
+            number(b - a, 0),
+            figure.x.unit
+        );
+        // Of the selected cable, or of the first points there are.
+        let chosen = figure
+            .series
+            .iter()
+            .find(|s| s.cable.is_some() && s.cable == selection.cable);
+        if let Some(series) = chosen.or(figure.series.first())
+            && let (Some(at_a), Some(at_b)) = (closest(series, a), closest(series, b))
+        {
+            text += &format!(
+                "   {}: {} and {}, difference {} {}",
+                series.name,
+                number(at_a, 1),
+                number(at_b, 1),
+                number(at_b - at_a, 1),
+                figure.y.unit
+            );
+        }
+        Some(text)
+    }
+
+    fn respond(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        shown: &Shown<'_>,
+        (layout, scale): (&Layout, &Scale),
+        hit: Option<Hit>,
+    ) -> Frame {
+        let mut frame = Frame::default();
+        let under = response.hover_pos();
+        let selected = hit.map(|hit| selects(shown.figure, hit));
+        frame.hovered = under.map(|_| selected.unwrap_or_default());
+        let entry = under.and_then(|at| layout.legend.iter().find(|entry| entry.rect.contains(at)));
+        let cell = under.map(|at| scale.values(at));
+        if let Some(hit) = hit {
+            response
+                .clone()
+                .on_hover_text_at_pointer(words(shown.figure, hit, scale));
+        } else if let Some(text) = cell.and_then(|at| cell_words(shown.figure, at)) {
+            response.clone().on_hover_text_at_pointer(text);
+        }
+        if response.clicked() {
+            let cable = entry.and_then(|entry| entry.cable).or_else(|| {
+                let heat = shown.figure.heat.as_ref()?;
+                let [x, y] = cell?;
+                *heat.cables.get(heat.cell(x, y)?.1)?
+            });
+            let selection = selected.or(cable.map(Selection::cable));
+            frame
+                .done
+                .push(Done::Selected(selection.unwrap_or_default()));
+        }
+        if response.secondary_clicked() {
+            self.menu = selected.unwrap_or(shown.selection);
+            if let Some(selected) = selected {
+                frame.done.push(Done::Selected(selected));
+            }
+        }
+        let menu = self.menu;
+        Popup::context_menu(response).show(|ui| {
+            if let Some(pose) = menu.pose.filter(|pose| *pose != 0) {
+                if ui
+                    .button(format!("Exclude or include pose {pose}"))
+                    .clicked()
+                {
+                    frame.done.push(Done::Excluded(pose));
+                    ui.close();
+                }
+            }
+            if ui.button("Show everything").clicked() {
+                self.reset();
+                ui.close();
+            }
+        });
+        if let Some(pose) = shown.selection.pose.filter(|_| response.hovered())
+            && ui.input(|input| input.key_pressed(Key::Delete))
+        {
+            frame.done.push(Done::Excluded(pose));
+        }
+        frame
+    }
+}
+
+/// Height of the point nearest to a place along x.
+fn closest(series: &super::figure::Series, x: f64) -> Option<f64> {
+    let points = series.points();
+    let after = points.partition_point(|point| point.x < x);
+    let around = points.get(after.saturating_sub(1)..(after + 1).min(points.len()))?;
+    let away = |point: &&super::figure::Point| (point.x - x).abs();
+    around
+        .iter()
+        .min_by(|a, b| away(a).total_cmp(&away(b)))
+        .map(|point| point.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Pos2, vec2};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    use super::*;
+    use crate::views::plots::figure::{Axis, Point, Series};
+
+    fn figure() -> Figure {
+        let point = |pose: i64| Point {
+            pose: Some(pose),
+            ..Point::new(pose as f64, (pose % 3) as f64)
+        };
+        Figure {
+            x: Axis::new("Pose", ""),
+            y: Axis::new("Residual", "mm"),
+            series: vec![Series::of_cable(1, "cable-2", (1..=9).map(point).collect())],
+            ..Figure::default()
+        }
+    }
+
+    type Seen = (Panel, Vec<Done>);
+
+    fn harness() -> Harness<'static, Seen> {
+        let show = |ui: &mut Ui, (panel, done): &mut Seen| {
+            let shown = Shown {
+                name: "Plot",
+                figure: &figure(),
+                generation: 1,
+                selection: Selection::default(),
+            };
+            done.extend(panel.show(ui, &shown).done);
+        };
+        let mut harness = Harness::builder()
+            .with_size(vec2(640.0, 240.0))
+            .build_ui_state(show, Seen::default());
+        theme::install(&harness.ctx);
+        harness.run();
+        harness
+    }
+
+    fn scale(harness: &Harness<'_, Seen>) -> Scale {
+        harness.state().0.drawn.as_ref().expect("drawn").1
+    }
+
+    fn drag(harness: &mut Harness<'_, Seen>, from: Pos2, to: Pos2) {
+        harness.hover_at(from);
+        harness.drag_at(from);
+        harness.run_ok();
+        harness.hover_at(to);
+        harness.run_ok();
+        harness.drop_at(to);
+        harness.run_ok();
+    }
+
+    #[test]
+    fn a_click_selects_the_point_and_dragging_moves_the_view() {
+        let mut harness = harness();
+        assert!(harness.get_by_label("Plot").rect().is_positive());
+        let before = scale(&harness);
+        let at = before.place(4.0, 1.0);
+        harness.hover_at(at);
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.run_ok();
+        let expected = Selection {
+            cable: Some(1),
+            pose: Some(4),
+        };
+        assert_eq!(harness.state().1, [Done::Selected(expected)]);
+        drag(&mut harness, at, at + vec2(60.0, 0.0));
+        let after = scale(&harness);
+        assert!(after.view[0][0] < before.view[0][0] - 0.5);
+        assert!((after.view[1][0] - before.view[1][0]).abs() < 1e-9);
+        harness.state_mut().0.reset();
+        harness.run_ok();
+        assert_eq!(scale(&harness).view, before.view);
+    }
+
+    #[test]
+    fn a_cursor_is_dragged_instead_of_the_view() {
+        let mut harness = harness();
+        harness.state_mut().0.cursors = Some([0.25, 0.75]);
+        harness.run_ok();
+        let before = scale(&harness);
+        let at = Pos2::new(
+            before.rect.min.x + 0.25 * before.rect.width(),
+            before.rect.center().y,
+        );
+        drag(&mut harness, at, at + vec2(0.25 * before.rect.width(), 0.0));
+        let [a, b] = harness.state().0.cursors.expect("cursors");
+        assert!((a - 0.5).abs() < 0.02 && b == 0.75, "{a} {b}");
+        assert_eq!(scale(&harness).view, before.view);
+        let text = harness.state().0.reading(&figure(), Selection::default());
+        assert!(text.is_some_and(|text| text.contains("difference") && text.contains("mm")));
+    }
+}

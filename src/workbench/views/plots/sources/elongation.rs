@@ -1,0 +1,107 @@
+//! Measured elongation over length and tension: the fitted surface with contours, and the measured points.
+
+use tautline_core::cable::ElongationSurface;
+use tautline_session::Session;
+
+use crate::views::plots::contour::contours;
+use crate::views::plots::figure::{Axis, Curve, Figure, Heat, Ink, Marker, Point, Series, Shades};
+use crate::views::plots::scale::{fixed, ticks};
+
+/// Cells along each axis.
+const CELLS: usize = 64;
+
+/// The surface of a cable, or the only one if all have the same.
+fn surface(session: &Session, cable: usize) -> Option<&ElongationSurface> {
+    let surface = session
+        .robot
+        .cables
+        .get(cable)?
+        .cable
+        .elongation_surface
+        .as_ref()?;
+    surface.check().is_none().then_some(surface)
+}
+
+/// Whether there is anything to show.
+#[must_use]
+pub fn has_any(session: &Session) -> bool {
+    let cables = 0..session.robot.cables.len();
+    !session.phases.elongation.is_empty()
+        || cables.into_iter().any(|c| surface(session, c).is_some())
+}
+
+/// Elongation of a cable; of the first that has a surface if none is given.
+#[must_use]
+pub fn figure(session: &Session, cable: Option<usize>) -> Figure {
+    let chosen = cable.and_then(|cable| surface(session, cable));
+    let surface =
+        chosen.or_else(|| (0..session.robot.cables.len()).find_map(|c| surface(session, c)));
+    let measured = session.phases.elongation.iter();
+    let points: Vec<Point> = measured
+        .map(|row| Point::new(row.length_m, row.tension_n))
+        .collect();
+    let mut figure = Figure {
+        x: Axis::new("Cable length", "m"),
+        y: Axis::new("Tension", "N"),
+        ..Figure::default()
+    };
+    if !points.is_empty() {
+        figure.series = vec![Series::new("measured", Ink::Text, Marker::Cross, points)];
+    }
+    if let Some(surface) = surface {
+        let heat = heat(surface);
+        figure.curves = lines(&heat);
+        figure.heat = Some(heat);
+    }
+    figure
+}
+
+fn heat(surface: &ElongationSurface) -> Heat {
+    let edges = |center: f64, scale: f64| -> Vec<f64> {
+        (0..=CELLS)
+            .map(|k| center + scale * (2.0 * k as f64 / CELLS as f64 - 1.0))
+            .collect()
+    };
+    let x = edges(surface.length_center_m, surface.length_scale_m);
+    let y = edges(surface.tension_center_n, surface.tension_scale_n);
+    let middle = |pair: &[f64]| 0.5 * (pair[0] + pair[1]);
+    let mut values = Vec::with_capacity(CELLS * CELLS);
+    for tension in y.windows(2).map(middle) {
+        for length in x.windows(2).map(middle) {
+            values.push(1e3 * surface.evaluate_unchecked(length, tension).elongation_m);
+        }
+    }
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Heat {
+        x,
+        y,
+        values,
+        shades: Shades::Rising(least, greatest.max(least + 1e-9)),
+        axis: Axis::new("Elongation", "mm"),
+        names: Default::default(),
+        cables: Vec::new(),
+    }
+}
+
+/// Lines of equal elongation at round values.
+fn lines(heat: &Heat) -> Vec<Curve> {
+    let Shades::Rising(low, high) = heat.shades else {
+        return Vec::new();
+    };
+    let levels = ticks(&heat.axis, [low, high], 8);
+    let step = levels.get(1).map_or(1.0, |next| next.0 - levels[0].0);
+    let mut curves: Vec<Curve> = levels
+        .iter()
+        .map(|(level, _)| Curve {
+            name: String::new(),
+            ink: Ink::Muted,
+            dashed: false,
+            points: contours(heat, *level),
+        })
+        .collect();
+    if let Some(first) = curves.first_mut() {
+        first.name = format!("lines every {} mm", fixed(step, step));
+    }
+    curves
+}

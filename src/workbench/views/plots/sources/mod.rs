@@ -1,0 +1,32 @@
+//! The figures of each plot, made from results once per revision.
+
+pub mod before_after;
+pub mod convergence;
+pub mod correlation;
+pub mod elongation;
+pub mod residuals;
+pub mod tensions;
+pub mod variable;
+
+use std::collections::BTreeSet;
+
+use tautline_core::measurement::Dataset;
+
+use super::figure::Point;
+
+/// A point of a pose, given by its row.
+fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f64) -> Point {
+    let pose = dataset.measurements.labels.get(row).copied();
+    Point {
+        pose,
+        excluded: pose.is_some_and(|pose| excluded.contains(&pose)),
+        ..Point::new(x, y)
+    }
+}
+
+/// A point over its pose.
+fn over_pose(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, y: f64) -> Point {
+    let label = dataset.measurements.labels.get(row);
+    let x = label.map_or(f64::NAN, |label| *label as f64);
+    at_row(dataset, excluded, row, x, y)
+}

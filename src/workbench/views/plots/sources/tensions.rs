@@ -1,0 +1,74 @@
+//! Tensions over poses: as measured, and the errors that identification found in them.
+
+use std::collections::BTreeSet;
+
+use super::over_pose;
+use crate::app::fit::Fit;
+use crate::views::plots::POSE;
+use crate::views::plots::figure::{Axis, Band, Figure, Point, Series};
+
+/// What is shown of tensions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shown {
+    /// What the sensors read.
+    #[default]
+    Measured,
+    /// By how much they erred, as estimated.
+    Errors,
+}
+
+/// Tensions of all cables.
+#[must_use]
+pub fn figure(fit: &Fit, shown: Shown, excluded: &BTreeSet<i64>) -> Figure {
+    let cables = &fit.dataset.robot.cables;
+    let mut points: Vec<Vec<Point>> = vec![Vec::new(); cables.len()];
+    let mut put = |row: usize, cable: usize, value: f64| {
+        if let Some(points) = points.get_mut(cable) {
+            points.push(over_pose(&fit.dataset, excluded, row, value));
+        }
+    };
+    let read = &fit.dataset.measurements.force_n;
+    match shown {
+        Shown::Measured => {
+            for row in 0..read.rows() {
+                for (index, cable) in cables.iter().enumerate() {
+                    if let Some(sensor) = cable.force_sensor {
+                        put(row, index, sensor.tension_n(read.get(row, index)));
+                    }
+                }
+            }
+        }
+        Shown::Errors => {
+            for (row, cable, error) in &fit.analysis.tension_errors_n {
+                put(*row, *cable, *error);
+            }
+        }
+    }
+    let largest_sd = cables
+        .iter()
+        .filter_map(|cable| Some(cable.force_sensor?.tension_sd_n))
+        .fold(0.0, f64::max);
+    let band = Band {
+        name: "3 standard deviations of the sensors".into(),
+        y: [-3.0 * largest_sd, 3.0 * largest_sd],
+    };
+    let is_error = shown == Shown::Errors;
+    let named = points.into_iter().zip(cables).enumerate();
+    Figure {
+        x: Axis::whole(POSE),
+        y: Axis::new(
+            if is_error {
+                "Error of the tension reading"
+            } else {
+                "Tension"
+            },
+            "N",
+        ),
+        bands: if is_error { vec![band] } else { Vec::new() },
+        series: named
+            .map(|(index, (points, cable))| Series::of_cable(index, &cable.name, points))
+            .collect(),
+        has_zero_line: is_error,
+        ..Figure::default()
+    }
+}

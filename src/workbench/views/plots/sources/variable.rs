@@ -1,0 +1,253 @@
+//! Residuals of one kind of reading along a variable, before and after what a diagnosis found.
+
+use std::collections::BTreeSet;
+
+use nalgebra::DVector;
+use tautline_core::diagnosis::{Discrepancy, Quantity, smooth_functions};
+use tautline_core::measurement::Variable;
+
+use super::at_row;
+use crate::app::document::Diagnosed;
+use crate::app::fit::Fit;
+use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use crate::views::plots::prepare::{Prepared, residuals};
+
+/// Places along a fitted curve.
+const PLACES: usize = 120;
+/// Readings that are averaged for each place of the effect's line.
+const AVERAGED: usize = 24;
+
+/// What is plotted along what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// Kind of reading.
+    pub quantity: Quantity,
+    /// Cable, if the reading is a cable's.
+    pub cable: Option<usize>,
+    /// Along what.
+    pub variable: Variable,
+}
+
+impl Choice {
+    /// The strongest dependence found, or the length of the first cable.
+    #[must_use]
+    pub fn first(prepared: &Prepared, diagnosed: Option<&Diagnosed>) -> Option<Self> {
+        let found = diagnosed.and_then(|found| found.diagnosis.discrepancies.first());
+        let strongest = found.map(|d| Self {
+            quantity: d.quantity,
+            cable: d.cable,
+            variable: d.variable,
+        });
+        let known = |choice: &Self| choice.values(prepared).is_some();
+        strongest.filter(known).or_else(|| {
+            let along = prepared.along.first()?;
+            Some(Self {
+                quantity: along.quantity,
+                cable: along.cable,
+                variable: along.variables.first()?.0,
+            })
+        })
+    }
+
+    /// Values of the variable by row, if they are known.
+    #[must_use]
+    pub fn values(self, prepared: &Prepared) -> Option<&[f64]> {
+        let mut along = prepared.along.iter();
+        let group = along.find(|a| (a.quantity, a.cable) == (self.quantity, self.cable))?;
+        let mut variables = group.variables.iter();
+        let (_, values) = variables.find(|(variable, _)| *variable == self.variable)?;
+        Some(values)
+    }
+}
+
+/// Name and unit of a variable as a person reads it, and the factor from SI.
+fn axis(variable: Variable) -> (Axis, f64) {
+    let (unit, factor) = match variable {
+        Variable::CableLength | Variable::Distance | Variable::Position(_) => ("m", 1.0),
+        Variable::Tension => ("N", 1.0),
+        Variable::WrapAngle | Variable::SwivelAngle | Variable::Rotation(_) => {
+            ("degrees", 180.0 / std::f64::consts::PI)
+        }
+        Variable::Time => ("s", 1.0),
+        Variable::Temperature => ("K", 1.0),
+        Variable::Revolutions | Variable::DrumFraction => ("revolutions", 1.0),
+        Variable::Direction => ("1 paid out, \u{2212}1 reeled in", 1.0),
+    };
+    (Axis::new(capitalised(variable.name()), unit), factor)
+}
+
+/// A name with a capital at its start.
+#[must_use]
+pub fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
+/// The residuals along the variable.
+#[must_use]
+pub fn figure(
+    prepared: &Prepared,
+    diagnosed: Option<&Diagnosed>,
+    choice: Choice,
+    excluded: &BTreeSet<i64>,
+) -> Figure {
+    let Some(values) = choice.values(prepared) else {
+        return Figure::default();
+    };
+    let (x, factor) = axis(choice.variable);
+    let places = |fit: &Fit| -> Vec<(usize, f64, f64)> {
+        residuals(fit, choice.quantity, choice.cable)
+            .into_iter()
+            .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
+            .collect()
+    };
+    let points = |places: &[(usize, f64, f64)]| -> Vec<Point> {
+        let dataset = &prepared.base.dataset;
+        places
+            .iter()
+            .map(|(row, x, y)| at_row(dataset, excluded, *row, *x, *y))
+            .collect()
+    };
+    let before = places(&prepared.base);
+    let cables = &prepared.base.dataset.robot.cables;
+    let named = choice
+        .cable
+        .and_then(|index| Some((index, cables.get(index)?)));
+    let mut figure = Figure {
+        x,
+        y: Axis::new("Prediction minus reading", "standard deviations"),
+        bands: vec![Band {
+            name: "3 standard deviations".into(),
+            y: [-3.0, 3.0],
+        }],
+        has_zero_line: true,
+        ..Figure::default()
+    };
+    figure.series.push(match named {
+        Some((index, cable)) => Series::of_cable(index, &cable.name, points(&before)),
+        None => Series::new(
+            choice.quantity.name(),
+            Ink::Accent,
+            Marker::Circle,
+            points(&before),
+        ),
+    });
+    if let Some(extended) = &prepared.extended {
+        let after = places(extended);
+        let mut series = Series::new(
+            "after, with what was found",
+            Ink::Muted,
+            Marker::Circle,
+            points(&after),
+        );
+        series.cable = choice.cable;
+        figure.series.push(series);
+        figure.curves.push(effect(&before, &after));
+    }
+    let found = diagnosed.and_then(|found| {
+        let mut all = found.diagnosis.discrepancies.iter();
+        all.find(|d| {
+            (d.quantity, d.cable, d.variable) == (choice.quantity, choice.cable, choice.variable)
+        })
+    });
+    figure
+        .curves
+        .extend(found.and_then(|found| dependence(found, factor)));
+    figure
+}
+
+/// The curve through the residuals of a dependence: least squares in the functions that the diagnosis asked with.
+fn dependence(found: &Discrepancy, factor: f64) -> Option<Curve> {
+    let known = found
+        .points
+        .iter()
+        .filter(|(_, x, y)| x.is_finite() && y.is_finite());
+    let (mut values, residuals): (Vec<f64>, Vec<f64>) = known.map(|(_, x, y)| (*x, *y)).unzip();
+    let count = values.len();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if greatest <= least {
+        return None;
+    }
+    let along = (0..=PLACES).map(|k| least + (greatest - least) * k as f64 / PLACES as f64);
+    values.extend(along);
+    let is_direction = found.variable == Variable::Direction;
+    let functions = smooth_functions(&values, found.variable, count / 4);
+    if functions.is_empty() {
+        return None;
+    }
+    let design = functions.insert_column(0, 1.0);
+    let fitted = design.rows(0, count).into_owned();
+    let coefficients = fitted
+        .svd(true, true)
+        .solve(&DVector::from_vec(residuals), 1e-9)
+        .ok()?;
+    let curve = design.rows(count, PLACES + 1) * coefficients;
+    let places = values[count..].iter().zip(&curve);
+    Some(Curve {
+        name: "dependence found".into(),
+        ink: Ink::Text,
+        dashed: is_direction,
+        points: places.map(|(x, y)| [factor * x, *y]).collect(),
+    })
+}
+
+/// What the causes found explain of the residuals: before minus after, neighbours along the variable averaged.
+fn effect(before: &[(usize, f64, f64)], after: &[(usize, f64, f64)]) -> Curve {
+    let by_row: std::collections::HashMap<usize, f64> =
+        after.iter().map(|(row, _, value)| (*row, *value)).collect();
+    let mut explained: Vec<[f64; 2]> = before
+        .iter()
+        .filter_map(|(row, x, value)| Some([*x, value - by_row.get(row)?]))
+        .filter(|place| place[0].is_finite())
+        .collect();
+    explained.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let size = explained.len().div_ceil(AVERAGED).max(1);
+    let mean = |part: &[[f64; 2]]| {
+        let count = part.len() as f64;
+        [0, 1].map(|k| part.iter().map(|place| place[k]).sum::<f64>() / count)
+    };
+    Curve {
+        name: "explained by what was found".into(),
+        ink: Ink::Accent,
+        dashed: true,
+        points: explained.chunks(size).map(mean).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_of_a_dependence_runs_through_its_points() {
+        let value = |k: usize| k as f64 / 40.0;
+        let found = Discrepancy {
+            quantity: Quantity::Length,
+            cable: Some(0),
+            variable: Variable::CableLength,
+            rms_over_sd: 3.0,
+            p_value: 1e-9,
+            points: (0..=40)
+                .map(|k| (k, value(k), 2.0 * (std::f64::consts::PI * value(k)).cos()))
+                .chain([(41, f64::NAN, 1.0)])
+                .collect(),
+        };
+        let curve = dependence(&found, 1.0).expect("a curve");
+        for [x, y] in curve.points {
+            assert!((y - 2.0 * (std::f64::consts::PI * x).cos()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_is_explained_is_the_difference() {
+        let before: Vec<_> = (0..48).map(|k| (k, k as f64, 5.0)).collect();
+        let after: Vec<_> = (0..48).map(|k| (k, k as f64, 1.0)).collect();
+        let curve = effect(&before, &after);
+        assert_eq!(curve.points.len(), AVERAGED);
+        assert!(curve.points.iter().all(|place| place[1] == 4.0));
+        assert_eq!(capitalised("wrap angle"), "Wrap angle");
+    }
+}

@@ -1,0 +1,103 @@
+//! The plots that there are.
+
+use crate::app::Document;
+
+/// A plot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum Tab {
+    /// Residuals of every cable over poses.
+    #[default]
+    Residuals,
+    /// Residuals along a variable.
+    Variable,
+    /// Residuals of the laser.
+    Laser,
+    /// Tensions, measured and their errors.
+    Tensions,
+    /// Chi-square of each step.
+    Convergence,
+    /// Correlations of the parameters.
+    Correlation,
+    /// The measured elongation of the cables.
+    Elongation,
+    /// Residuals before and after what a diagnosis found.
+    BeforeAfter,
+}
+
+impl Tab {
+    /// All, from the left.
+    pub const ALL: [Self; 8] = [
+        Self::Residuals,
+        Self::Variable,
+        Self::Laser,
+        Self::Tensions,
+        Self::Convergence,
+        Self::Correlation,
+        Self::Elongation,
+        Self::BeforeAfter,
+    ];
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Residuals => "Residuals",
+            Self::Variable => "Along a variable",
+            Self::Laser => "Laser",
+            Self::Tensions => "Tensions",
+            Self::Convergence => "Convergence",
+            Self::Correlation => "Correlation",
+            Self::Elongation => "Elongation",
+            Self::BeforeAfter => "Before and after",
+        }
+    }
+
+    /// Why this plot has nothing to show, if it has nothing.
+    #[must_use]
+    pub fn missing(self, document: &Document) -> Option<&'static str> {
+        let fit = document.fit();
+        let has_fit = fit.is_some();
+        let (present, why) = match self {
+            Self::Residuals => (
+                has_fit,
+                "Residuals of every cable appear here once poses are identified.",
+            ),
+            Self::Variable => (
+                has_fit || document.diagnosis().is_some(),
+                "Residuals along length, tension, time and more appear here once poses are identified.",
+            ),
+            Self::Laser => (
+                fit.is_some_and(|fit| {
+                    fit.dataset.robot.laser.is_some()
+                        && !fit.dataset.measurements.laser_m.is_empty()
+                }),
+                "Residuals of the laser appear here once poses with laser distances are identified.",
+            ),
+            Self::Tensions => (
+                fit.is_some_and(|fit| !fit.dataset.measurements.force_n.is_empty()),
+                "Tensions appear here once poses with force readings are identified.",
+            ),
+            Self::Convergence => (
+                fit.is_some_and(|fit| !fit.steps.is_empty()),
+                "The way of an identification to its solution appears here once poses are identified.",
+            ),
+            Self::Correlation => (
+                fit.is_some_and(|fit| fit.solution.covariance.is_some()),
+                if has_fit {
+                    "The readings do not determine all parameters, so they have no correlations."
+                } else {
+                    "Correlations of the parameters appear here once poses are identified."
+                },
+            ),
+            Self::Elongation => (
+                super::sources::elongation::has_any(document.session()),
+                "The elongation of the cables appears here once it is measured and fitted in phase 2.",
+            ),
+            Self::BeforeAfter => (
+                document.diagnosis().is_some(),
+                "Residuals before and after appear here once a diagnosis has asked what the model gets wrong.",
+            ),
+        };
+        (!present).then_some(why)
+    }
+}
