@@ -3,6 +3,8 @@
 pub mod app;
 pub mod cli;
 pub mod samples;
+pub mod documents;
 mod screens;
 mod views;
 mod widgets;
+mod wording;
