@@ -1,0 +1,118 @@
+//! What is under the pointer, and the words for it.
+
+use egui::Pos2;
+
+use super::draw::Seen;
+use super::figure::{Axis, Figure};
+use super::scale::{Scale, readable};
+use crate::app::Selection;
+
+/// Farthest distance at which a point is hit (points of the screen).
+const REACH: f32 = 9.0;
+
+/// A point of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hit {
+    /// Index of the series.
+    pub series: usize,
+    /// Index of the point in it.
+    pub point: usize,
+}
+
+/// The drawn point that is nearest to a place; of points that are equally near, that of the selected cable.
+#[must_use]
+pub fn nearest(
+    figure: &Figure,
+    seen: &Seen,
+    scale: &Scale,
+    place: Pos2,
+    selection: Selection,
+) -> Option<Hit> {
+    let mut best: Option<(f32, Hit)> = None;
+    for (s, (series, thinned)) in figure.series.iter().zip(&seen.thinned).enumerate() {
+        let is_selected = series.cable.is_some() && series.cable == selection.cable;
+        for index in &thinned.points {
+            let point = series.points()[*index];
+            let away = scale.place(point.x, point.y).distance(place);
+            let rank = if is_selected { away - 2.0 } else { away };
+            if away <= REACH && best.is_none_or(|(least, _)| rank < least) {
+                let hit = Hit {
+                    series: s,
+                    point: *index,
+                };
+                best = Some((rank, hit));
+            }
+        }
+    }
+    best.map(|(_, hit)| hit)
+}
+
+/// What a point selects.
+#[must_use]
+pub fn selects(figure: &Figure, hit: Hit) -> Selection {
+    let series = &figure.series[hit.series];
+    Selection {
+        cable: series.cable,
+        pose: series.points()[hit.point].pose,
+    }
+}
+
+/// What the label at a point says.
+#[must_use]
+pub fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
+    let series = &figure.series[hit.series];
+    let point = series.points()[hit.point];
+    let mut lines = vec![series.name.clone()];
+    if let Some(pose) = point.pose {
+        let excluded = if point.excluded { ", excluded" } else { "" };
+        lines.push(format!("Pose {pose}{excluded}"));
+    }
+    let is_pose = figure.x.label == super::POSE;
+    lines.push(line(&figure.y, point.y, point.sd[1], scale.view[1]));
+    if !is_pose {
+        lines.push(line(&figure.x, point.x, point.sd[0], scale.view[0]));
+    }
+    lines.retain(|line| !line.is_empty());
+    lines.join("\n")
+}
+
+fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
+    let value = if axis.is_logarithmic {
+        10_f64.powf(value)
+    } else {
+        value
+    };
+    let sd = if sd > 0.0 {
+        format!(" \u{b1} {}", readable(sd, view))
+    } else {
+        String::new()
+    };
+    let text = format!(
+        "{}: {}{sd} {}",
+        axis.label,
+        readable(value, view),
+        axis.unit
+    );
+    text.trim_end().to_owned()
+}
+
+/// What the label at a cell of a heat map says.
+#[must_use]
+pub fn cell_words(figure: &Figure, [x, y]: [f64; 2]) -> Option<String> {
+    let heat = figure.heat.as_ref()?;
+    let (column, row, value) = heat.cell(x, y)?;
+    let limits = match heat.shades {
+        super::figure::Shades::Diverging(most) => [-most, most],
+        super::figure::Shades::Rising(low, high) => [low, high],
+    };
+    let shown = line(&heat.axis, value, 0.0, limits);
+    let [columns, rows] = &heat.names;
+    Some(match (columns.get(column), rows.get(row)) {
+        (Some(a), Some(b)) => format!("{b}\n{a}\n{shown}"),
+        _ => {
+            let [wide, high] = [&heat.x, &heat.y].map(|e| [e[0], e[e.len() - 1]]);
+            let (x, y) = (line(&figure.x, x, 0.0, wide), line(&figure.y, y, 0.0, high));
+            format!("{shown}\n{x}\n{y}")
+        }
+    })
+}
