@@ -1,5 +1,6 @@
 //! What an identification says: as a document, and in words.
 
+mod adequacy;
 mod document;
 mod model;
 mod published;
@@ -10,6 +11,7 @@ use tautline_core::estimation::{
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
+pub use adequacy::Explains;
 pub use document::{FittedEffect, FittedPose, Identification, Rms};
 pub use model::{entry_point_sd, identified};
 pub use published::{PublishedFit, fit_published};
