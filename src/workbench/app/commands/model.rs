@@ -16,7 +16,7 @@ use crate::app::fit::{Fit, FitOrder, compare_published, fit};
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
 use crate::documents::diagnosis::stage;
-use crate::screens::identification::{Before, Live, discrepancy_figures};
+use crate::screens::identification::{Before, Half, Live, discrepancy_figures};
 use crate::views::plots::figure::Figure;
 use crate::wording::{count, ratio};
 
@@ -67,8 +67,14 @@ pub struct Examined {
 
 pub(super) fn perform(state: &mut State, command: ModelCommand) {
     match command {
-        ModelCommand::Identify => identify(state, true),
-        ModelCommand::Diagnose => start_diagnosis(state),
+        ModelCommand::Identify => {
+            state.screens.identification.half = Half::Geometry;
+            identify(state, true);
+        }
+        ModelCommand::Diagnose => {
+            state.screens.identification.half = Half::Doctor;
+            start_diagnosis(state);
+        }
         ModelCommand::Stop => {
             state.tasks.cancel(IDENTIFYING);
             state.tasks.cancel(DIAGNOSING);

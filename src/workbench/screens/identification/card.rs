@@ -9,8 +9,8 @@ use crate::app::edit::Edit;
 use crate::app::theme::{self, GRID};
 use crate::documents::diagnosis::Diagnosed;
 use crate::widgets::{Verdict, muted, verdict};
-use crate::wording::odds;
 use crate::wording::units::{range, unit_of};
+use crate::wording::{count, odds};
 
 /// Lead in evidence (twice its logarithm) from which the next best cause is far behind, and clearly behind.
 const FAR: f64 = 20.0;
@@ -175,8 +175,12 @@ fn runner_up(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
         "close behind"
     };
     let part = (100.0 * next.delta_chi2 / own.delta_chi2).clamp(0.0, 100.0);
+    let price = match next.parameters.checked_sub(own.parameters) {
+        Some(more @ 1..) => format!(", with {}", count(more, "more parameter")),
+        _ => String::new(),
+    };
     let text = format!(
-        "Next best: {}, {how}. It explains {part:.0} % of what this explains.",
+        "Next best: {}, {how}. It explains {part:.0} % of what this explains{price}.",
         diagnosed.title(&next.cause)
     );
     let tip = format!(

@@ -19,7 +19,7 @@ use crate::wording::{ratio, readings, sentence};
 /// Dependences that are shown, the strongest.
 const SHOWN: usize = 5;
 /// Height of a plot (points).
-const HEIGHT: f32 = 150.0;
+const HEIGHT: f32 = 190.0;
 /// Part of the points over which the drawn curve is averaged, one of this many.
 const WINDOWS: usize = 10;
 

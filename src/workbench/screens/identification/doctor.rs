@@ -1,23 +1,38 @@
 //! What the model gets wrong.
 
-use egui::{CollapsingHeader, RichText, Separator, Ui};
+use egui::{CollapsingHeader, Ui};
 use tautline_session::ResultRecord;
 
-use super::{Panel, card, discrepancy};
+use super::{Panel, card, discrepancy, effects, results};
 use crate::app::commands::{DIAGNOSING, ModelCommand};
-use crate::app::theme::{self, GRID};
+use crate::app::theme::GRID;
 use crate::documents::diagnosis::{Diagnosed, adequacy};
 use crate::widgets::{Verdict, muted, primary, section, verdict};
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    ui.add_space(3.0 * GRID);
-    ui.add(Separator::default().spacing(2.0 * GRID));
-    ui.label(RichText::new("Model doctor").font(theme::strong(15.0)));
     muted(
         ui,
         "Asks every known fault of cables, pulleys, winches and sensors whether it explains what is left, and tests the answer on poses left out.",
     );
+    if !panel
+        .document
+        .session()
+        .settings
+        .identification
+        .effects
+        .is_empty()
+    {
+        section(ui, "Effects in the model");
+        effects::show(ui, panel);
+        if let Some(fit) = panel
+            .document
+            .fit()
+            .filter(|_| panel.document.fit_is_current())
+        {
+            results::adequacy(ui, panel, fit);
+        }
+    }
     ui.add_space(GRID);
     let task = panel
         .tasks
@@ -42,7 +57,8 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
+/// The button that asks.
+pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
     let document = panel.document;
     let is_next = document.fit_is_current() && !document.diagnosis_is_current();
     let text = "What does the model get wrong?";

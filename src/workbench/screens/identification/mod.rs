@@ -24,9 +24,21 @@ use crate::widgets::{Verdict, heading, muted, verdict};
 pub use discrepancy::figures as discrepancy_figures;
 pub use live::Live;
 
+/// The two halves of the panel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Half {
+    /// Method and geometry.
+    #[default]
+    Geometry,
+    /// What the model gets wrong.
+    Doctor,
+}
+
 /// What the panel remembers.
 #[derive(Debug, Default)]
 pub struct Remembered {
+    /// Which half is shown.
+    pub half: Half,
     /// Whether the table shows every coordinate.
     show_axes: bool,
     /// The running identification.
@@ -101,12 +113,23 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         outbox,
         memory: &mut screens.identification,
     };
+    ui.horizontal(|ui| {
+        let halves = [(Half::Geometry, "Geometry"), (Half::Doctor, "Model doctor")];
+        for (half, name) in halves {
+            ui.selectable_value(&mut panel.memory.half, half, name);
+        }
+    });
+    match panel.memory.half {
+        Half::Geometry => geometry(ui, panel),
+        Half::Doctor => doctor::show(ui, panel),
+    }
+}
+
+fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
     muted(
         ui,
-        "Finds where the pulleys really are from the measured poses, then asks what the model still gets wrong.",
+        "Finds where the pulleys really are from the measured poses.",
     );
-    identify::show(ui, panel);
-    results::show(ui, panel);
     if panel.document.stored() == Stored::OutOfDate {
         verdict(
             ui,
@@ -114,5 +137,6 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             "The result in this session is of other data: identify again.",
         );
     }
-    doctor::show(ui, panel);
+    identify::show(ui, panel);
+    results::show(ui, panel);
 }

@@ -7,10 +7,11 @@ use nalgebra::Vector3;
 use tautline_core::estimation::{ParameterId, Solution};
 
 use super::rows::{Cell, deviation, heads, millimetres, row};
-use super::{Panel, identify, suspects};
+use super::{Panel, doctor, identify, suspects};
+use crate::app::Selection;
 use crate::app::commands::{IDENTIFYING, ViewCommand};
 use crate::app::fit::Fit;
-use crate::app::{Selection, theme};
+use crate::app::theme::{self, GRID};
 use crate::documents::identification::{Explains, entry_point_sd};
 use crate::widgets::{Verdict, muted, section, verdict};
 use crate::wording::units::with_sd;
@@ -30,6 +31,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         );
     }
     adequacy(ui, panel, &fit);
+    if panel.document.fit_is_current() && !panel.document.diagnosis_is_current() {
+        doctor::ask(ui, panel);
+    }
     published(ui, &fit);
     pulleys(ui, panel, &fit);
     others(ui, &fit);
@@ -46,7 +50,8 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     suspects::show(ui, panel, &fit);
 }
 
-fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
+/// Whether the model explains the data, and how well it did before the last change.
+pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
     let solution = &fit.solution;
     if !solution.converged() {
         verdict(
@@ -152,8 +157,9 @@ fn moved(solution: &Solution, cable: usize, way: Vector3<f64>) -> (f64, Option<f
 }
 
 fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Fit>) {
+    ui.add_space(2.0 * GRID);
     ui.horizontal(|ui| {
-        section(ui, "Pulleys");
+        ui.label(egui::RichText::new("Pulleys").font(theme::strong(13.0)));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Max), |ui| {
             ui.checkbox(&mut panel.memory.show_axes, "Show axes");
         });
