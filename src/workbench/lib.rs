@@ -2,8 +2,8 @@
 
 pub mod app;
 pub mod cli;
-pub mod samples;
 pub mod documents;
+pub mod samples;
 mod screens;
 mod views;
 mod widgets;

@@ -109,7 +109,9 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         count(separation.poses.len(), "pose")
     );
     if add.on_hover_text(tip).clicked() {
-        panel.outbox.send(Edit::AddToPlan(separation.poses.clone()));
+        let plan = plan_with(panel, &separation.poses);
+        let what = format!("add {} to the plan", count(separation.poses.len(), "pose"));
+        panel.outbox.send(Edit::SetPlan(plan, what));
     }
 }
 
@@ -118,8 +120,13 @@ fn plan_with(panel: &Panel<'_>, poses: &[Pose]) -> Vec<PlannedPose> {
     let session = panel.document.session();
     let labels = session.measurements.labels.iter().copied();
     let planned = session.plan.iter().map(|pose| pose.label);
-    let first = labels.chain(planned).max().map_or(1, |most| most.max(0) + 1);
-    let added = (first..).zip(poses).map(|(label, pose)| PlannedPose::new(label, pose));
+    let first = labels
+        .chain(planned)
+        .max()
+        .map_or(1, |most| most.max(0) + 1);
+    let added = (first..)
+        .zip(poses)
+        .map(|(label, pose)| PlannedPose::new(label, pose));
     session.plan.iter().copied().chain(added).collect()
 }
 

@@ -216,9 +216,10 @@ pub fn add_or_remove(
             egui::WidgetInfo::labeled(egui::Role::Button, true, name)
         });
         if button.clicked() {
-            panel
-                .outbox
-                .send(Edit::RemoveEffects(settings.to_vec(), effects::removing(name)));
+            panel.outbox.send(Edit::RemoveEffects(
+                settings.to_vec(),
+                effects::removing(name),
+            ));
         }
         return;
     }
