@@ -60,6 +60,9 @@ fn identification(document: &Document) -> Standing {
             Progress::Attention,
             format!("{} to look at", count(found, "finding")),
         ),
+        _ if !fit.solution.outside_surface.is_empty() => {
+            Standing::new(Progress::Attention, "elongation is extrapolated")
+        }
         _ if !fit.solution.converged() => Standing::new(Progress::Attention, "did not converge"),
         Explains::Yes => Standing::new(Progress::Done, explains.words()),
         _ => Standing::new(Progress::Attention, explains.words()),

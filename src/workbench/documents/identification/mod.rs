@@ -19,6 +19,22 @@ pub use published::{PublishedFit, fit_published};
 /// Level for all readings together at which single readings are called suspect.
 pub const SUSPECT_LEVEL: f64 = 0.01;
 
+/// Where a measured elongation had to be extrapolated, in words: the solution does not hold then.
+#[must_use]
+pub fn extrapolated(dataset: &Dataset, solution: &Solution) -> Option<String> {
+    let first = solution.outside_surface.first()?;
+    let label = dataset.measurements.labels[first.row];
+    let cable = &dataset.robot.cables[first.cable].name;
+    let more = match solution.outside_surface.len() - 1 {
+        0 => String::new(),
+        count => format!(" (and {count} more)"),
+    };
+    let range = first.range;
+    Some(format!(
+        "pose {label}, {cable}: {range} of its elongation surface{more}"
+    ))
+}
+
 /// A solution with what it is a solution of.
 #[derive(Debug, Clone, Copy)]
 pub struct Solved<'a> {

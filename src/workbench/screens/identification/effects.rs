@@ -112,6 +112,9 @@ fn size(document: &Document, fit: &Fit, setting: &EffectSetting) -> String {
     if bound.effect.id() == Unknown.id() {
         return bound.cause(robot);
     }
+    if bound.values.is_empty() {
+        return "as found; there is nothing to estimate".to_owned();
+    }
     let cable = match &setting.targets[..] {
         [] => String::new(),
         targets => format!("{}: ", list(targets)),

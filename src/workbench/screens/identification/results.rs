@@ -12,7 +12,7 @@ use crate::app::Selection;
 use crate::app::commands::{IDENTIFYING, ViewCommand};
 use crate::app::fit::Fit;
 use crate::app::theme::{self, GRID};
-use crate::documents::identification::{Explains, entry_point_sd};
+use crate::documents::identification::{Explains, entry_point_sd, extrapolated};
 use crate::widgets::{Verdict, muted, section, verdict};
 use crate::wording::units::with_sd;
 use crate::wording::{ratio, sentence};
@@ -59,6 +59,10 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
             Verdict::Bad,
             "The fit did not converge: do not rely on the numbers.",
         );
+    }
+    if let Some(place) = extrapolated(&fit.dataset, solution) {
+        let text = format!("{}: the result does not hold there.", sentence(&place));
+        verdict(ui, Verdict::Bad, &text);
     }
     let explains = Explains::of(solution.p_value());
     let kind = match explains {
