@@ -169,7 +169,7 @@ fn harness(renderer: &GlowTestRenderer, scale: f32) -> Harness<'static, App> {
         .with_pixels_per_point(scale)
         .with_max_steps(60)
         .renderer(renderer.clone())
-        .build_eframe(|creation| App::new(creation, None))
+        .build_eframe(|creation| App::new(creation, Options::default()))
 }
 
 fn draws(harness: &Harness<'_, App>) -> u64 {

@@ -1,8 +1,10 @@
 //! The workbench, driven by accessible names.
 
+mod doctor;
 mod gl;
+mod identification;
+mod measured;
 mod renderer;
 mod robot_3d;
-mod plots;
 mod start;
 mod support;
