@@ -4,7 +4,6 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
-use tautline_core::estimation::Method;
 
 use egui::{ColorImage, Rect};
 use tautline_core::estimation::Method;
