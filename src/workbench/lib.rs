@@ -2,6 +2,7 @@
 
 pub mod app;
 pub mod cli;
+mod precalibration;
 mod screens;
 mod views;
 mod widgets;

@@ -1,7 +1,9 @@
 //! Everything the operator can make the program do, in one place: menus, shortcuts, the command palette and buttons
 //! all send these, and each kind has one handler in `commands/`.
 
-use super::commands::{FileCommand, FileOutcome, ModelCommand, ModelOutcome, ViewCommand};
+use super::commands::{
+    FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome, ViewCommand,
+};
 use super::edit::Edit;
 
 /// What is to be done.
@@ -9,6 +11,8 @@ use super::edit::Edit;
 pub enum Command {
     /// Opening, saving, closing.
     File(FileCommand),
+    /// Tables of phases 1 and 2.
+    Import(ImportCommand),
     /// A change that can be undone.
     Edit(Edit),
     /// Undoes the last edit.
@@ -26,6 +30,8 @@ pub enum Command {
 pub enum Outcome {
     /// Of a task with files.
     File(FileOutcome),
+    /// Of an import.
+    Import(ImportOutcome),
     /// Of identification or diagnosis.
     Model(ModelOutcome),
     /// The task broke down.
@@ -47,10 +53,12 @@ macro_rules! from {
 
 from!(
     FileCommand => Command::File,
+    ImportCommand => Command::Import,
     Edit => Command::Edit,
     ViewCommand => Command::View,
     ModelCommand => Command::Model,
     FileOutcome => Outcome::File,
+    ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
 );
 

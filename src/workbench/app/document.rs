@@ -1,7 +1,7 @@
 //! The open session with what was computed from it.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use tautline_core::diagnosis::Diagnosis;
 use tautline_core::measurement::Dataset;
@@ -10,6 +10,7 @@ use tautline_session::{LogEntry, Phase, ResultRecord, Session};
 use super::clock;
 use super::edit::{Edit, History};
 use super::fit::Fit;
+use crate::precalibration::Calibration;
 
 /// A diagnosis with what it is about.
 #[derive(Debug)]
@@ -43,6 +44,7 @@ pub struct Document {
     saved: Option<u64>,
     fit: Option<Computed<Fit>>,
     diagnosis: Option<Computed<Diagnosed>>,
+    calibration: OnceLock<Arc<Calibration>>,
 }
 
 impl Document {
@@ -59,6 +61,7 @@ impl Document {
             saved,
             fit: None,
             diagnosis: None,
+            calibration: OnceLock::new(),
         }
     }
 
@@ -153,6 +156,18 @@ impl Document {
         self.revision += 1;
         self.inputs += 1;
         self.session.modified = self.session.modified.max(clock::now());
+        if let Some(calibration) = self.calibration.get()
+            && !calibration.is_of(&self.session)
+        {
+            self.calibration.take();
+        }
+    }
+
+    /// What the tables of phases 1 and 2 tell; computed when it is first asked for.
+    #[must_use]
+    pub fn calibration(&self) -> &Arc<Calibration> {
+        self.calibration
+            .get_or_init(|| Arc::new(Calibration::of(&self.session)))
     }
 
     /// Takes an identification that was computed from the inputs of the given count.

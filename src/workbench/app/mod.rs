@@ -12,7 +12,7 @@ mod menu;
 mod messages;
 pub mod screen;
 mod selection;
-mod standing;
+pub mod standing;
 pub mod state;
 pub mod tasks;
 pub mod theme;
@@ -55,7 +55,7 @@ impl eframe::App for App {
         for file in dropped {
             self.state
                 .outbox
-                .send(FileCommand::Open(file.path().to_path_buf()));
+                .send(commands::dropped(file.path().to_path_buf()));
         }
     }
 

@@ -7,6 +7,8 @@ use egui::{
     Vec2,
 };
 
+use super::screen::Progress;
+
 /// Grid on which everything is aligned (points).
 pub const GRID: f32 = 4.0;
 /// Family of headings and of what is important.
@@ -138,6 +140,17 @@ impl Palette {
     #[must_use]
     pub fn cable(&self, index: usize) -> Color32 {
         self.cables[index % self.cables.len()]
+    }
+
+    /// Colour of how far a phase is.
+    #[must_use]
+    pub fn progress(&self, progress: Progress) -> Color32 {
+        match progress {
+            Progress::NotStarted => self.muted,
+            Progress::InProgress => self.accent,
+            Progress::Done => self.good,
+            Progress::Attention | Progress::OutOfDate => self.warning,
+        }
     }
 
     /// Colour of a residual in standard deviations, saturated at three.

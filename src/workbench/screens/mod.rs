@@ -2,10 +2,11 @@
 
 mod adjustment;
 pub mod compare;
+mod desk;
 mod identification;
 mod measuring;
-mod modeling;
-mod precalibration;
+pub mod modeling;
+pub mod precalibration;
 pub mod start;
 
 use egui::{ScrollArea, Ui};
@@ -18,6 +19,10 @@ use crate::app::screen::Step;
 pub struct Screens {
     /// Of the start screen.
     pub start: start::Remembered,
+    /// Of phase 1.
+    pub precalibration: precalibration::Remembered,
+    /// Of phase 2.
+    pub modeling: modeling::Remembered,
 }
 
 /// Draws the panel of a phase.

@@ -1,12 +1,16 @@
 //! What the commands do; one file for each kind.
 
 mod file;
+mod import;
 mod model;
 mod view;
 
 pub use file::{FileCommand, FileOutcome, Purpose};
+pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use view::ViewCommand;
+
+use std::path::PathBuf;
 
 use super::command::{Command, Outcome};
 use super::state::State;
@@ -15,6 +19,7 @@ use super::state::State;
 pub fn perform(state: &mut State, command: Command) {
     match command {
         Command::File(command) => file::perform(state, command),
+        Command::Import(command) => import::perform(state, command),
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
         Command::Edit(edit) => {
@@ -33,10 +38,23 @@ fn told(state: &mut State, what: &str, step: impl FnOnce(&mut super::Document) -
     }
 }
 
+/// What to do with a file that was dropped on the window.
+pub fn dropped(path: PathBuf) -> Command {
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
+    {
+        ImportCommand::ReadAny(path).into()
+    } else {
+        FileCommand::Open(path).into()
+    }
+}
+
 /// Takes what a task came to.
 pub fn receive(state: &mut State, outcome: Outcome) {
     match outcome {
         Outcome::File(outcome) => file::receive(state, outcome),
+        Outcome::Import(outcome) => import::receive(state, outcome),
         Outcome::Model(outcome) => model::receive(state, outcome),
         Outcome::Panicked { task } => {
             state.messages.error(format!(
