@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Key, Layout, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Key, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::button::{icon_button, icon_only};
@@ -20,8 +20,9 @@ pub enum Import {
 /// Draws the row for a file such as "winch.csv"; `path` is what is typed.
 pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> {
     let mut answer = None;
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.set_max_height(6.0 * GRID);
+    let size = Vec2::new(ui.available_width(), 7.0 * GRID);
+    let layout = Layout::right_to_left(Align::Center);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
         let dialog = format!("Browse for {file}");
         if icon_only(ui, icons::ICON_FOLDER_OPEN, &dialog, true).clicked() {
             answer = Some(Import::Browse);
@@ -30,7 +31,7 @@ pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> 
         let pressed = icon_button(ui, icons::ICON_UPLOAD_FILE, "Import", typed).clicked();
         let name = format!("Path of {file}");
         let field = TextEdit::singleline(path)
-            .hint_text(format!("Path of {file}, or drop it on the window"))
+            .hint_text(format!("Path of {file}, or drop it here"))
             .desired_width(ui.available_width());
         let field = ui.add(field);
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &name));

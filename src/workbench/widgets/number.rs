@@ -1,9 +1,9 @@
 //! Fields for numbers.
 
-use egui::{Align2, Id, Key, Response, Stroke, TextEdit, Ui, WidgetInfo};
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, Ui, WidgetInfo};
 
 use super::text::muted;
-use crate::app::theme;
+use crate::app::theme::{self, GRID};
 
 /// What was typed into a field for a number.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +68,7 @@ fn edit(ui: &mut Ui, id: Id, text: &mut String, field: &Number<'_>, wrong: bool)
         .id(id.with("text"))
         .desired_width(field.width)
         .align(Align2::RIGHT_CENTER)
+        .margin(Margin::symmetric(GRID as i8, 2))
         .clip_text(true);
     if wrong {
         edit = edit.text_color(palette.bad);

@@ -54,52 +54,61 @@ pub struct Rows<'a> {
     pub fields: &'a [RowField],
     /// Its rows.
     pub rows: &'a [Numbers],
-    /// Title of the remarks and a remark for each row, such as its residual; may be empty.
-    pub remarks: (&'a str, &'a [String]),
+    /// Title and unit of the remarks; may be empty.
+    pub remarks: (&'a str, &'a str),
+    /// A remark for each row, such as its residual; may be empty.
+    pub remark: &'a [String],
 }
 
-/// Width of the columns for number, remark and button (points).
-const NUMBER: f32 = 8.0 * GRID;
-const REMARK: f32 = 16.0 * GRID;
-const BUTTON: f32 = 8.0 * GRID;
+/// Width of the columns for number, remark and button (points), and the space between columns.
+const NUMBER: f32 = 5.0 * GRID;
+const REMARK: f32 = 13.0 * GRID;
+const BUTTON: f32 = 7.0 * GRID;
+const SPACE: f32 = GRID;
+/// Height of a row (points).
+const HEIGHT: f32 = 7.0 * GRID;
 /// Rows that are shown without scrolling.
 const SHOWN: usize = 10;
 
 /// Draws the rows, and below them a field into which more are typed or pasted.
 pub fn rows(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit> {
     let mut answer = None;
-    if !rows.rows.is_empty() {
-        header(ui, rows);
-        let height = 7.0 * GRID;
-        let spacing = ui.spacing().item_spacing.y;
-        ScrollArea::vertical()
-            .id_salt(rows.noun)
-            .max_height((height + spacing) * SHOWN as f32)
-            .auto_shrink([false, true])
-            .show_rows(ui, height, rows.rows.len(), |ui, shown| {
-                for index in shown {
-                    ui.allocate_ui_with_layout(
-                        Vec2::new(ui.available_width(), height),
-                        Layout::left_to_right(Align::Center),
-                        |ui| {
-                            if let Some(edit) = row(ui, rows, index) {
-                                answer = Some(edit);
-                            }
-                        },
-                    );
+    let width = field_width(ui, rows);
+    let count = rows.rows.len();
+    if count > 0 {
+        header(ui, rows, width);
+    }
+    let mut draw = |ui: &mut Ui, shown: std::ops::Range<usize>| {
+        for index in shown {
+            let size = Vec2::new(ui.available_width(), HEIGHT);
+            let layout = Layout::left_to_right(Align::Center);
+            ui.allocate_ui_with_layout(size, layout, |ui| {
+                if let Some(edit) = row(ui, rows, index, width) {
+                    answer = Some(edit);
                 }
             });
+        }
+    };
+    if count > SHOWN {
+        let height = (HEIGHT + ui.spacing().item_spacing.y) * SHOWN as f32;
+        ScrollArea::vertical()
+            .id_salt(rows.noun)
+            .max_height(height)
+            .min_scrolled_height(height)
+            .auto_shrink([false, true])
+            .show_rows(ui, HEIGHT, count, |ui, shown| draw(ui, shown));
+    } else {
+        draw(ui, 0..count);
     }
     add(ui, rows, draft).or(answer)
 }
 
 /// Width of a field, so that a row fills the panel.
 fn field_width(ui: &Ui, rows: &Rows<'_>) -> f32 {
-    let spacing = ui.spacing().item_spacing.x;
     let count = rows.fields.len() as f32;
-    let fixed = NUMBER + REMARK + BUTTON + spacing * (count + 3.0);
+    let fixed = NUMBER + REMARK + BUTTON + SPACE * (count + 2.0);
     // The scroll bar takes some of the width.
-    ((ui.available_width() - fixed - 2.0 * GRID) / count).clamp(10.0 * GRID, 24.0 * GRID)
+    ((ui.available_width() - fixed - 4.0 * GRID) / count).clamp(16.0 * GRID, 28.0 * GRID)
 }
 
 fn cell(ui: &mut Ui, width: f32, text: &str) {
@@ -112,28 +121,41 @@ fn cell(ui: &mut Ui, width: f32, text: &str) {
     });
 }
 
-fn header(ui: &mut Ui, rows: &Rows<'_>) {
-    ui.horizontal(|ui| {
-        let width = field_width(ui, rows);
-        cell(ui, NUMBER, "");
-        for field in rows.fields {
-            cell(ui, width, &titled(field));
+fn header(ui: &mut Ui, rows: &Rows<'_>, width: f32) {
+    let (title, unit) = rows.remarks;
+    let titles = rows.fields.iter().map(|field| [field.title, field.unit]);
+    let cells: Vec<([&str; 2], f32)> = [(["", ""], NUMBER)]
+        .into_iter()
+        .chain(titles.map(|texts| (texts, width)))
+        .chain([([title, unit], REMARK)])
+        .collect();
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing = Vec2::new(SPACE, 0.0);
+        ui.spacing_mut().interact_size.y = 4.0 * GRID;
+        for line in 0..2 {
+            ui.horizontal(|ui| {
+                for (texts, width) in &cells {
+                    cell(ui, *width, texts[line]);
+                }
+            });
         }
-        cell(ui, REMARK, rows.remarks.0);
     });
 }
 
 fn titled(field: &RowField) -> String {
-    if field.unit.is_empty() {
-        field.title.to_owned()
-    } else {
-        format!("{} ({})", field.title, field.unit)
+    let mut words = field.unit.to_owned();
+    if field.optional {
+        words.push_str(", may be left out");
+    }
+    match words.as_str() {
+        "" => field.title.to_owned(),
+        words => format!("{} ({words})", field.title),
     }
 }
 
-fn row(ui: &mut Ui, rows: &Rows<'_>, index: usize) -> Option<RowsEdit> {
+fn row(ui: &mut Ui, rows: &Rows<'_>, index: usize, width: f32) -> Option<RowsEdit> {
     let mut answer = None;
-    let width = field_width(ui, rows);
+    ui.spacing_mut().item_spacing.x = SPACE;
     let noun = rows.noun;
     cell(ui, NUMBER, &(index + 1).to_string());
     for (column, (field, value)) in rows.fields.iter().zip(rows.rows[index]).enumerate() {
@@ -144,7 +166,7 @@ fn row(ui: &mut Ui, rows: &Rows<'_>, index: usize) -> Option<RowsEdit> {
             decimals: field.decimals,
             unit: "",
             optional: field.optional,
-            width: width - 2.0 * GRID,
+            width,
         };
         answer = match number(ui, &shown) {
             None => answer,
@@ -156,7 +178,7 @@ fn row(ui: &mut Ui, rows: &Rows<'_>, index: usize) -> Option<RowsEdit> {
             }),
         };
     }
-    let remark = rows.remarks.1.get(index).map_or("", String::as_str);
+    let remark = rows.remark.get(index).map_or("", String::as_str);
     cell(ui, REMARK, remark);
     let name = format!("Remove {} {}", noun.to_lowercase(), index + 1);
     if icon_only(ui, icons::ICON_DELETE, &name, true).clicked() {

@@ -47,10 +47,16 @@ pub fn scatter(ui: &mut Ui, plot: &Scatter<'_>, series: &[Series]) {
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
         .show_background(false)
+        .show_crosshair(false)
+        .grid_spacing(egui::Rangef::new(12.0, 64.0))
         .grid_color(palette.line)
         .set_margin_fraction(egui::vec2(0.04, 0.1))
         .auto_bounds(Vec2b::TRUE)
-        .custom_x_axes(vec![AxisHints::new_x().label(x)])
+        .custom_x_axes(vec![
+            AxisHints::new_x()
+                .label(x)
+                .label_spacing(egui::Rangef::new(20.0, 40.0)),
+        ])
         .custom_y_axes(vec![AxisHints::new_y().label(y)]);
     if let Some(band) = plot.band {
         drawn = drawn.include_y(1.3 * band).include_y(-1.3 * band);

@@ -40,7 +40,7 @@ fn entry(ui: &mut Ui, step: Step, standing: &Standing, selected: bool) -> bool {
         let edge = rect.with_max_x(rect.min.x + 3.0);
         ui.painter().rect_filled(edge, 1.0, palette.accent);
     }
-    let inside = rect.shrink2(Vec2::new(3.0 * GRID, 2.0 * GRID));
+    let inside = rect.shrink2(Vec2::new(2.0 * GRID, 2.0 * GRID));
     let builder = UiBuilder::new()
         .max_rect(inside)
         .layout(Layout::top_down(Align::Min));

@@ -45,6 +45,8 @@ const FIELDS: [RowField; 3] = [
 
 /// Lengths at which the surface is drawn.
 const SLICES: usize = 4;
+/// Points this near to a slice are drawn with it, in halves of the measured range.
+const NEAR: f64 = 0.02;
 /// Points of a drawn slice.
 const STEPS: usize = 32;
 
@@ -164,19 +166,22 @@ fn slice_colour(ui: &Ui, length_m: f64, surface: &ElongationSurface) -> egui::Co
 }
 
 fn slices(ui: &mut Ui, desk: &Desk<'_>, surface: &ElongationSurface) {
-    section(ui, "Slices at four lengths, with the points near them");
+    section(ui, "Slices at four measured lengths");
     let spread = |k: usize, count: usize, centre: f64, scale: f64| {
         centre + scale * (2.0 * k as f64 / (count - 1) as f64 - 1.0)
     };
     let points = &desk.session().phases.elongation;
     let mut series = Vec::new();
     for slice in 0..SLICES {
-        let length = spread(
+        let wanted = spread(
             slice,
             SLICES,
             surface.length_center_m,
             surface.length_scale_m,
         );
+        let away = |p: &&ElongationPoint| (p.length_m - wanted).abs();
+        let nearest = points.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        let length = nearest.map_or(wanted, |point| point.length_m);
         let colour = slice_colour(ui, length, surface);
         let name = format!("{:.0} mm", length * 1e3);
         let line = (0..STEPS).map(|k| {
@@ -191,10 +196,9 @@ fn slices(ui: &mut Ui, desk: &Desk<'_>, surface: &ElongationSurface) {
             joined: true,
             strong: false,
         });
-        let half = surface.length_scale_m / (SLICES - 1) as f64;
         let near = points
             .iter()
-            .filter(|p| (p.length_m - length).abs() <= 0.5 * half);
+            .filter(|p| (p.length_m - length).abs() <= NEAR * surface.length_scale_m);
         series.push(Series {
             name,
             colour,
@@ -265,7 +269,8 @@ fn points(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
         noun: "Point",
         fields: &FIELDS,
         rows: &numbers,
-        remarks: ("Residual (mm)", &remarks),
+        remarks: ("Residual", "mm"),
+        remark: &remarks,
     };
     if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
         desk.edit_rows("point", edit, change);

@@ -211,7 +211,8 @@ fn pairs(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, typed: &mut Typed) {
         noun: "Pair",
         fields: &FIELDS,
         rows: &pairs,
-        remarks: ("Residual (N)", &remarks),
+        remarks: ("Residual", "N"),
+        remark: &remarks,
     };
     if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
         desk.edit_rows("pair", edit, |phases, edit| change(phases, chosen, edit));

@@ -205,7 +205,8 @@ fn readings(ui: &mut Ui, desk: &mut Desk<'_>, platform: &HomePlatform, typed: &m
         noun: "Reading",
         fields: &[SENSOR, reading_field(platform)],
         rows: &numbers,
-        remarks: ("", &[]),
+        remarks: ("", ""),
+        remark: &[],
     };
     if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
         desk.edit_rows("reading", edit, change);

@@ -34,7 +34,7 @@ const FIELDS: [RowField; 3] = [
     },
     RowField {
         title: "Tension",
-        unit: "N, may be empty",
+        unit: "N",
         per_si: 1.0,
         decimals: 1,
         optional: true,
@@ -217,7 +217,8 @@ fn pairs(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, typed: &mut Typed) {
         noun: "Pair",
         fields: &FIELDS,
         rows: &pairs,
-        remarks: ("Residual (mm)", &remarks),
+        remarks: ("Residual", "mm"),
+        remark: &remarks,
     };
     if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
         desk.edit_rows("pair", edit, |phases, edit| change(phases, chosen, edit));
