@@ -87,7 +87,7 @@ pub fn read_calibration_tables(folder: &Path) -> Result<Loaded<(Robot, PhaseData
 /// # Errors
 /// If the file cannot be read or a row is wrong.
 pub fn read_check_file(path: &Path) -> Result<Loaded<Vec<phases::CheckRow>>, ReadError> {
-    read_table_file(path, |reader, file| phases::read_check(reader, file))
+    read_table_file(path, phases::read_check)
 }
 
 /// Reads any table by itself, wherever it lies; `read` gets its content and its name for messages.

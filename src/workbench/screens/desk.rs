@@ -10,7 +10,7 @@ use crate::app::commands::{ImportCommand, ViewCommand};
 use crate::app::edit::Edit;
 use crate::app::theme;
 use crate::app::{Document, Messages, Selection};
-use crate::precalibration::{Calibration, Proposal, Table};
+use crate::precalibration::{Calibration, PerCable, Proposal, Table};
 use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
 
 /// The open session with what its tables tell, and where commands go.
@@ -101,6 +101,16 @@ impl<'a> Desk<'a> {
             ..self.selection
         };
         self.outbox.send(ViewCommand::Select(selection));
+    }
+
+    /// The selected cable, else the first whose fit fails, else the first that was measured.
+    pub fn chosen_cable<T>(&self, fits: &[PerCable<T>], passes: impl Fn(&T) -> bool) -> usize {
+        let failed = |one: &&PerCable<T>| !one.fit.as_ref().is_ok_and(&passes);
+        let first = fits.iter().find(failed).or(fits.first());
+        self.selection
+            .cable
+            .filter(|cable| *cable < self.robot().cable_count())
+            .unwrap_or_else(|| first.map_or(0, |one| one.cable))
     }
 
     /// The cell that names a cable.

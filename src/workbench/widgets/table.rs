@@ -97,7 +97,7 @@ pub struct Touched {
 const ROW: f32 = 6.0 * GRID;
 const LINE: f32 = 4.0 * GRID;
 /// Least space between columns (points).
-const GAP: f32 = 3.0 * GRID;
+const GAP: f32 = 2.5 * GRID;
 /// Diameter of a dot (points).
 const DOT: f32 = 2.0 * GRID;
 /// Space between the edge of a row and its text (points).
@@ -139,9 +139,11 @@ pub fn table(
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         if needed > ui.available_width() {
-            ScrollArea::horizontal().show(ui, |ui| {
-                touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
-            });
+            ScrollArea::horizontal()
+                .max_width(ui.available_width())
+                .show(ui, |ui| {
+                    touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
+                });
         } else {
             touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
         }

@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
     }
     muted(
         ui,
-        "Parts are at least 3 pixels wide, so that small ones can be seen.",
+        "Parts are at least 3 pixels wide, so that small ones can be seen. Elongation is that of the whole cable from its drum on.",
     );
     for reason in reasons(&shares) {
         verdict(ui, Verdict::Neutral, &format!("{reason}."));

@@ -117,7 +117,7 @@ fn fields(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
                 decimals: 4,
                 unit: "",
                 optional: false,
-                width: 56.0,
+                width: 64.0,
             };
             let entered = number(ui, &field);
             let what = format!("change swivel axis of {}", cable.name);

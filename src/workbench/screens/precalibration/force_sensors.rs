@@ -40,7 +40,7 @@ type Fit = PerCable<ForceSensorCalibration>;
 pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
     desk.import(ui, Table::Force, &mut typed.path);
     let calibration = desk.calibration;
-    let chosen = chosen(desk);
+    let chosen = desk.chosen_cable(&calibration.force_sensors, |fit| fit.passed);
     if calibration.force_sensors.is_empty() {
         muted(
             ui,
@@ -53,17 +53,6 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
         values(ui, desk);
     }
     pairs(ui, desk, chosen, typed);
-}
-
-/// The selected cable, else the first one that needs attention, else the first.
-fn chosen(desk: &Desk<'_>) -> usize {
-    let fits = &desk.calibration.force_sensors;
-    let failed = |one: &&Fit| !one.fit.as_ref().is_ok_and(|fit| fit.passed);
-    let first = fits.iter().find(failed).or(fits.first());
-    let selected = desk.selection.cable;
-    selected
-        .filter(|cable| *cable < desk.robot().cable_count())
-        .unwrap_or_else(|| first.map_or(0, |one| one.cable))
 }
 
 fn judge(ui: &mut Ui, desk: &Desk<'_>) {
@@ -167,8 +156,8 @@ fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
         .filter_map(|Fit { cable, fit }| {
             let fit = fit.as_ref().ok()?;
             let now = desk.robot().cables.get(*cable)?.force_sensor;
-            let gain = decimals_for(fit.gain_sd, 3, 4);
-            let bias = decimals_for(fit.bias_sd_n, 1, 3);
+            let gain = decimals_for(fit.gain_sd, 2, 3);
+            let bias = decimals_for(fit.bias_sd_n, 1, 2);
             Some(vec![
                 desk.cable_cell(ui, *cable),
                 or_dash(now.map(|sensor| sensor.tension_gain), gain),

@@ -49,7 +49,7 @@ type Fit = PerCable<WinchCalibration>;
 pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
     desk.import(ui, Table::Winch, &mut typed.path);
     let calibration = desk.calibration;
-    let chosen = chosen(desk);
+    let chosen = desk.chosen_cable(&calibration.winches, |fit| fit.passed);
     if calibration.winches.is_empty() {
         muted(
             ui,
@@ -62,17 +62,6 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
         values(ui, desk);
     }
     pairs(ui, desk, chosen, typed);
-}
-
-/// The selected cable, else the first one that needs attention, else the first.
-fn chosen(desk: &Desk<'_>) -> usize {
-    let fits = &desk.calibration.winches;
-    let failed = |one: &&Fit| !one.fit.as_ref().is_ok_and(|fit| fit.passed);
-    let first = fits.iter().find(failed).or(fits.first());
-    let selected = desk.selection.cable;
-    selected
-        .filter(|cable| *cable < desk.robot().cable_count())
-        .unwrap_or_else(|| first.map_or(0, |one| one.cable))
 }
 
 fn judge(ui: &mut Ui, desk: &Desk<'_>) {
