@@ -4,6 +4,7 @@ pub mod app;
 pub mod cli;
 pub mod documents;
 pub mod offscreen;
+mod precalibration;
 pub mod samples;
 mod screens;
 pub mod views;

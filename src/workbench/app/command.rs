@@ -2,7 +2,8 @@
 //! all send these, and each kind has one handler in `commands/`.
 
 use super::commands::{
-    FileCommand, FileOutcome, ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, ViewCommand,
+    FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome,
+    PlotCommand, PlotOutcome, ViewCommand,
 };
 use super::edit::Edit;
 
@@ -11,6 +12,8 @@ use super::edit::Edit;
 pub enum Command {
     /// Opening, saving, closing.
     File(FileCommand),
+    /// Tables of phases 1 and 2.
+    Import(ImportCommand),
     /// A change that can be undone.
     Edit(Edit),
     /// Undoes the last edit.
@@ -30,6 +33,8 @@ pub enum Command {
 pub enum Outcome {
     /// Of a task with files.
     File(FileOutcome),
+    /// Of an import.
+    Import(ImportOutcome),
     /// Of identification or diagnosis.
     Model(ModelOutcome),
     /// Of preparing or saving plots.
@@ -53,11 +58,13 @@ macro_rules! from {
 
 from!(
     FileCommand => Command::File,
+    ImportCommand => Command::Import,
     Edit => Command::Edit,
     ViewCommand => Command::View,
     ModelCommand => Command::Model,
     PlotCommand => Command::Plot,
     FileOutcome => Outcome::File,
+    ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
     PlotOutcome => Outcome::Plot,
 );

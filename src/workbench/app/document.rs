@@ -1,8 +1,8 @@
 //! The open session with what was computed from it.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use tautline_session::{Document as _, LogEntry, Phase, ResultRecord, Session};
 
@@ -11,6 +11,7 @@ use super::edit::{Edit, History, Inputs};
 use super::fit::Fit;
 pub use crate::documents::diagnosis::Diagnosed;
 use crate::documents::identification::Identification;
+use crate::precalibration::Calibration;
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other document. A document is known
 /// by the first of its own.
@@ -65,6 +66,7 @@ pub struct Document {
     stored: Stored,
     fit: Option<Computed<Fit>>,
     diagnosis: Option<Computed<Diagnosed>>,
+    calibration: OnceLock<Arc<Calibration>>,
 }
 
 impl Document {
@@ -84,6 +86,7 @@ impl Document {
             saved,
             fit: None,
             diagnosis: None,
+            calibration: OnceLock::new(),
         }
     }
 
@@ -203,6 +206,18 @@ impl Document {
             }
         }
         self.session.modified = self.session.modified.max(clock::now());
+        if let Some(calibration) = self.calibration.get()
+            && !calibration.is_of(&self.session)
+        {
+            self.calibration.take();
+        }
+    }
+
+    /// What the tables of phases 1 and 2 tell; computed when it is first asked for.
+    #[must_use]
+    pub fn calibration(&self) -> &Arc<Calibration> {
+        self.calibration
+            .get_or_init(|| Arc::new(Calibration::of(&self.session)))
     }
 
     /// The identification that the session keeps from before it was opened.

@@ -14,7 +14,7 @@ mod menu;
 mod messages;
 pub mod screen;
 mod selection;
-mod standing;
+pub mod standing;
 pub mod state;
 pub mod tasks;
 pub mod theme;

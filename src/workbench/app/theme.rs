@@ -7,6 +7,8 @@ use egui::{
     Vec2,
 };
 
+use super::screen::Progress;
+
 /// Grid on which everything is aligned (points).
 pub const GRID: f32 = 4.0;
 /// Family of headings and of what is important.
@@ -72,7 +74,7 @@ const DARK: Palette = Palette {
     on_accent: rgb(0x0008_1420),
     good: rgb(0x0052_bd86),
     warning: rgb(0x00e5_a93c),
-    bad: rgb(0x00ec_6a5a),
+    bad: rgb(0x00f0_7264),
     frame: rgb(0x004a_5563),
     ghost: rgb(0x006d_7a89),
     platform: rgb(0x00c9_d1da),
@@ -142,6 +144,17 @@ impl Palette {
     #[must_use]
     pub fn cable(&self, index: usize) -> Color32 {
         self.cables[index % self.cables.len()]
+    }
+
+    /// Colour of how far a phase is.
+    #[must_use]
+    pub fn progress(&self, progress: Progress) -> Color32 {
+        match progress {
+            Progress::NotStarted => self.muted,
+            Progress::InProgress => self.accent,
+            Progress::Done => self.good,
+            Progress::Attention | Progress::OutOfDate => self.warning,
+        }
     }
 
     /// Colour of a residual in standard deviations, saturated at three.

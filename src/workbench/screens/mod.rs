@@ -2,10 +2,11 @@
 
 mod adjustment;
 pub mod compare;
+mod desk;
 pub mod identification;
 mod measuring;
-mod modeling;
-mod precalibration;
+pub mod modeling;
+pub mod precalibration;
 pub mod start;
 
 use egui::{ScrollArea, Ui};
@@ -20,6 +21,10 @@ pub struct Screens {
     pub start: start::Remembered,
     /// Of the phase Identification.
     pub identification: identification::Remembered,
+    /// Of phase 1.
+    pub precalibration: precalibration::Remembered,
+    /// Of phase 2.
+    pub modeling: modeling::Remembered,
 }
 
 /// Draws the panel of a phase.

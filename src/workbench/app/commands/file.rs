@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::ViewportCommand;
 use tautline_session::{Import, Loaded, Session, import, write_session};
 
-use super::import as tables;
+use super::tables;
 use crate::app::Document;
 use crate::app::clock;
 use crate::app::command::Outcome;

@@ -4,9 +4,11 @@ mod file;
 mod import;
 mod model;
 mod plots;
+mod tables;
 mod view;
 
 pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
+pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
 pub use view::{ViewCommand, restore};
@@ -19,6 +21,7 @@ use super::state::State;
 pub fn perform(state: &mut State, command: Command) {
     match command {
         Command::File(command) => file::perform(state, command),
+        Command::Import(command) => import::perform(state, command),
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
         Command::Plot(command) => plots::perform(state, command),
@@ -60,6 +63,7 @@ pub fn kept(state: &mut State, kept: Kept) {
 pub fn receive(state: &mut State, outcome: Outcome) {
     match outcome {
         Outcome::File(outcome) => file::receive(state, outcome),
+        Outcome::Import(outcome) => import::receive(state, outcome),
         Outcome::Model(outcome) => model::receive(state, outcome),
         Outcome::Plot(outcome) => plots::receive(state, outcome),
         Outcome::Panicked { task } => {

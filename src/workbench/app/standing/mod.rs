@@ -1,5 +1,11 @@
 //! How far each phase is, in one line.
 
+mod modeling;
+mod precalibration;
+
+pub use modeling::{elongation, pulleys};
+pub use precalibration::{force_sensors, home, winches};
+
 use super::document::{Document, Stored};
 use super::screen::{Progress, Standing, Step};
 use crate::documents::identification::Explains;
@@ -9,27 +15,12 @@ use crate::wording::count;
 #[must_use]
 pub fn of(document: &Document, step: Step) -> Standing {
     match step {
-        Step::Precalibration => precalibration(document),
-        Step::Modeling => modeling(document),
+        Step::Precalibration => precalibration::whole(document.calibration()),
+        Step::Modeling => elongation(document),
         Step::Measuring => measuring(document),
         Step::Identification => identification(document),
         Step::Adjustment => Standing::new(Progress::NotStarted, "nothing written yet"),
     }
-}
-
-fn precalibration(document: &Document) -> Standing {
-    let phases = &document.session().phases;
-    if phases.winch.is_empty() && phases.force.is_empty() && phases.home.is_empty() {
-        return Standing::new(Progress::NotStarted, "values of the drawing are used");
-    }
-    Standing::new(Progress::InProgress, "tables imported")
-}
-
-fn modeling(document: &Document) -> Standing {
-    if document.session().phases.elongation.is_empty() {
-        return Standing::new(Progress::NotStarted, "constant stiffness is used");
-    }
-    Standing::new(Progress::InProgress, "elongation measured")
 }
 
 fn measuring(document: &Document) -> Standing {
