@@ -46,6 +46,8 @@ pub struct Layout {
     pub plot: Rect,
     /// The legend, above the data.
     pub legend: Vec<Entry>,
+    /// Where the title along x begins; it stands beside the ticks.
+    x_title: f32,
     x_ticks: Vec<Tick>,
     y_ticks: Vec<Tick>,
 }
@@ -63,7 +65,7 @@ pub fn arrange(
     let legend = legend(figure, whole, title, width);
     let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
     let top = lines.fold(line, f32::max) + GRID;
-    let bottom = 2.0 * line + GRID;
+    let bottom = line + GRID;
     let height = (whole.height() - top - bottom).max(16.0);
     let y_ticks = ticks(&figure.y, view[1], (height / 28.0) as usize);
     let widest = y_ticks
@@ -87,6 +89,7 @@ pub fn arrange(
         (plot.width() / longest.max(40.0)) as usize,
     );
     Layout {
+        x_title: plot.max.x - width(&figure.x.title()),
         whole,
         plot,
         legend,
@@ -97,12 +100,16 @@ pub fn arrange(
 
 fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
     let mut signs: Vec<(Sign, &str, Option<usize>)> = Vec::new();
+    // Many cables are named by their numbers alone, so that the data keep the space.
+    let is_short = figure.series.len() > 4;
     for series in &figure.series {
-        signs.push((
-            Sign::Marker(series.marker, series.ink),
-            &series.name,
-            series.cable,
-        ));
+        let text = if is_short {
+            &series.short
+        } else {
+            &series.name
+        };
+        let sign = Sign::Marker(series.marker, series.ink);
+        signs.push((sign, text, series.cable));
     }
     for columns in &figure.columns {
         signs.push((
@@ -414,7 +421,7 @@ fn axes(
     for (value, text) in &layout.x_ticks {
         // Names can be closer than their width.
         let (x, half) = (scale.x(*value), 0.3 * TEXT * text.chars().count() as f32);
-        if x - half < free {
+        if x - half < free || x + half + 2.0 * GRID > layout.x_title {
             continue;
         }
         free = x + half + GRID;
@@ -431,10 +438,10 @@ fn axes(
         let at = Pos2::new(plot.min.x - GRID, y);
         canvas.text(at, Align2::RIGHT_CENTER, text, TEXT, palette.muted);
     }
-    let below = Pos2::new(plot.center().x, layout.whole.max.y);
+    let beside = Pos2::new(plot.max.x, plot.max.y + GRID);
     canvas.text(
-        below,
-        Align2::CENTER_BOTTOM,
+        beside,
+        Align2::RIGHT_TOP,
         &figure.x.title(),
         TEXT,
         palette.text,
