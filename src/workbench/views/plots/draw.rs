@@ -46,7 +46,7 @@ pub struct Layout {
     pub plot: Rect,
     /// The legend, above the data.
     pub legend: Vec<Entry>,
-    /// Where the title along x begins; it stands beside the ticks.
+    /// Where the title along x begins if it stands beside the ticks, else infinite.
     x_title: f32,
     x_ticks: Vec<Tick>,
     y_ticks: Vec<Tick>,
@@ -65,7 +65,10 @@ pub fn arrange(
     let legend = legend(figure, whole, title, width);
     let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
     let top = lines.fold(line, f32::max) + GRID;
-    let bottom = line + GRID;
+    // A short title stands beside the ticks, a long one below; names say what they are themselves.
+    let x_title = width(&figure.x.title());
+    let is_long = x_title > 0.2 * whole.width();
+    let bottom = if is_long { 2.0 * line } else { line } + GRID;
     let height = (whole.height() - top - bottom).max(16.0);
     let y_ticks = ticks(&figure.y, view[1], (height / 28.0) as usize);
     let widest = y_ticks
@@ -89,7 +92,10 @@ pub fn arrange(
         (plot.width() / longest.max(40.0)) as usize,
     );
     Layout {
-        x_title: plot.max.x - width(&figure.x.title()),
+        x_title: match is_long || !figure.x.names.is_empty() {
+            true => f32::INFINITY,
+            false => plot.max.x - x_title,
+        },
         whole,
         plot,
         legend,
@@ -438,14 +444,13 @@ fn axes(
         let at = Pos2::new(plot.min.x - GRID, y);
         canvas.text(at, Align2::RIGHT_CENTER, text, TEXT, palette.muted);
     }
-    let beside = Pos2::new(plot.max.x, plot.max.y + GRID);
-    canvas.text(
-        beside,
-        Align2::RIGHT_TOP,
-        &figure.x.title(),
-        TEXT,
-        palette.text,
-    );
+    if figure.x.names.is_empty() {
+        let is_beside = layout.x_title.is_finite();
+        let down = if is_beside { GRID } else { TEXT + 2.0 * GRID };
+        let at = Pos2::new(plot.max.x, plot.max.y + down);
+        let title = figure.x.title();
+        canvas.text(at, Align2::RIGHT_TOP, &title, TEXT, palette.text);
+    }
     canvas.text(
         layout.whole.min,
         Align2::LEFT_TOP,
