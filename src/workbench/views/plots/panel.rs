@@ -284,14 +284,13 @@ impl Panel {
         }
         let menu = self.menu;
         Popup::context_menu(response).show(|ui| {
-            if let Some(pose) = menu.pose.filter(|pose| *pose != 0) {
-                if ui
-                    .button(format!("Exclude or include pose {pose}"))
-                    .clicked()
-                {
-                    frame.done.push(Done::Excluded(pose));
-                    ui.close();
-                }
+            let pose = menu.pose.filter(|pose| *pose != 0);
+            let text = |pose: i64| format!("Exclude or include pose {pose}");
+            if let Some(pose) = pose
+                && ui.button(text(pose)).clicked()
+            {
+                frame.done.push(Done::Excluded(pose));
+                ui.close();
             }
             if ui.button("Show everything").clicked() {
                 self.reset();
