@@ -6,6 +6,7 @@
 
 pub mod accuracy;
 pub mod cable;
+pub mod comparison;
 pub mod diagnosis;
 pub mod effect;
 pub mod estimation;
@@ -14,6 +15,7 @@ pub mod geometry;
 pub mod instrument;
 pub mod kinematics;
 pub mod measurement;
+pub mod planning;
 pub mod real;
 pub mod robot;
 pub mod simulation;

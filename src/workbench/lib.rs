@@ -2,7 +2,10 @@
 
 pub mod app;
 pub mod cli;
+pub mod documents;
+pub mod offscreen;
 pub mod samples;
 mod screens;
-mod views;
+pub mod views;
 mod widgets;
+mod wording;

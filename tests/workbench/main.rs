@@ -1,5 +1,10 @@
 //! The workbench, driven by accessible names.
 
-mod plots;
+mod doctor;
+mod gl;
+mod identification;
+mod measured;
+mod renderer;
+mod robot_3d;
 mod start;
 mod support;

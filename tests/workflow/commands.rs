@@ -1,8 +1,10 @@
 //! The commands, run as separate programs.
 
 mod accuracy;
+mod compare;
 mod diagnose;
 mod errors;
 mod identify;
+mod plan;
 mod precalibrate;
 mod program;

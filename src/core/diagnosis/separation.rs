@@ -8,7 +8,7 @@ use super::report::Separation;
 use crate::effect::Search;
 use crate::estimation::{Control, Geometry, Linearisation, Options, Problem, Solution, solve};
 use crate::geometry::Pose;
-use crate::measurement::{Dataset, Grid, Measurements};
+use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate};
 
@@ -121,32 +121,8 @@ fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
     let run = simulate(&robot_of(fit), &options).ok()?;
     let mut further = run.dataset.measurements;
     let poses = std::mem::take(&mut further.truth.poses);
-    leave_out_unread(&mut further, &fit.problem.dataset.measurements);
+    further.leave_out_unread(&fit.problem.dataset.measurements);
     Some((further, poses))
-}
-
-/// Leaves out the columns that the data do not have.
-fn leave_out_unread(further: &mut Measurements, data: &Measurements) {
-    fn column<T>(further: &mut Vec<T>, data: &[T]) {
-        if data.is_empty() {
-            further.clear();
-        }
-    }
-    for (grid, read) in [
-        (&mut further.force_n, &data.force_n),
-        (&mut further.swivel_rad, &data.swivel_rad),
-    ] {
-        if read.is_empty() {
-            *grid = Grid::default();
-        }
-    }
-    column(&mut further.time_s, &data.time_s);
-    column(&mut further.temperature_c, &data.temperature_c);
-    column(&mut further.laser_m, &data.laser_m);
-    column(&mut further.inclination_rad, &data.inclination_rad);
-    column(&mut further.tracked_position_m, &data.tracked_position_m);
-    let turned = &data.tracked_orientation_wxyz;
-    column(&mut further.tracked_orientation_wxyz, turned);
 }
 
 /// The tensions at which the data were taken.

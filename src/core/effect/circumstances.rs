@@ -3,7 +3,7 @@
 //! Everything here follows from the readings and from the nominal geometry at approximate poses. It is
 //! found once per problem and held while parameters and poses are estimated.
 
-use super::PlatformPorts;
+use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
 use crate::geometry::Pose;
 use crate::kinematics::PulleyGeometry;
 use crate::measurement::{Grid, Measurements, Variable};
@@ -193,6 +193,28 @@ impl Circumstances {
             cables,
             platform,
         }
+    }
+
+    /// The ports of all cables at a row under tensions (N), as effects change them; nothing is paid out.
+    pub fn cable_ports(
+        &self,
+        row: usize,
+        robot: &Robot,
+        effects: &[BoundEffect],
+        tensions_n: &[f64],
+    ) -> Vec<CablePorts> {
+        let changed = |(index, cable): (usize, &Cable)| {
+            let mut at = *self.cable(row, index);
+            at.tension_n = tensions_n[index];
+            let mut ports = CablePorts::nominal(cable, 0.0, tensions_n[index]);
+            for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
+                let values = bound.values.iter().map(|value| Dual::constant(*value));
+                let values: Vec<Dual> = values.collect();
+                bound.effect.change_cable(&values, &at, &mut ports);
+            }
+            ports
+        };
+        robot.cables.iter().enumerate().map(changed).collect()
     }
 
     /// Those of a cable at a row.

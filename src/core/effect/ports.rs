@@ -167,6 +167,18 @@ impl CablePorts {
         }
     }
 
+    /// Gives a cable the entry point, swivel axis, pulley radius and anchor of these ports.
+    pub(crate) fn change_geometry(&self, cable: &mut Cable) {
+        let values = |port: [Dual; 3]| port.map(|dual| dual.value);
+        let shift = values(self.entry_shift);
+        for k in 0..3 {
+            cable.pulley.entry_point_m[k] += shift[k];
+        }
+        cable.pulley.swivel_axis = values(self.axis);
+        cable.pulley.radius_m = self.radius.value;
+        cable.platform_anchor_m = values(self.anchor);
+    }
+
     /// The scalars in the order of [`CablePort::ALL`].
     #[must_use]
     pub fn scalars(&self) -> [Dual; CablePort::COUNT] {

@@ -2,6 +2,7 @@
 
 mod analysis;
 mod evaluator;
+mod expected;
 mod home;
 mod linearisation;
 mod options;
@@ -17,6 +18,7 @@ mod surface;
 mod system;
 
 pub use analysis::{Analysis, Reading, ReadingKind};
+pub use expected::{ExpectedInformation, covariance_of};
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
 pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};

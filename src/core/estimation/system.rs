@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evaluator::{Layout, Sums};
+use super::expected::covariance_of;
 use super::home::{HomeRow, direct_column};
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Globals, Problem};
@@ -224,11 +225,7 @@ impl System {
 
     /// Inverse of the information, or nothing if it is singular but for rounding.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        let factor = self.information.clone().cholesky()?;
-        let diagonal = factor.l_dirty().diagonal();
-        let scale = self.information.diagonal();
-        let regular = diagonal.iter().zip(&scale).all(|(l, d)| l * l > 1e-12 * d);
-        regular.then(|| factor.inverse())
+        covariance_of(&self.information)
     }
 
     /// Damped step, and the decrease of the loss that it promises at the undamped system; `None`

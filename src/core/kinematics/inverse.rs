@@ -232,7 +232,11 @@ fn cable_state(cable: &Cable, pose: &Pose) -> Result<CableState, KinematicsError
     })
 }
 
-fn swivel_angle(cable: &Cable, path: &CablePath<f64>) -> Result<Option<f64>, KinematicsError> {
+/// Swivel angle of a cable's pulley (rad), where it is defined.
+pub(super) fn swivel_angle(
+    cable: &Cable,
+    path: &CablePath<f64>,
+) -> Result<Option<f64>, KinematicsError> {
     let Some(zero) = cable.pulley.swivel_zero else {
         return Ok(None);
     };

@@ -1,6 +1,8 @@
 //! Cable and platform kinematics.
 
 mod bank;
+mod budget;
+mod drawing;
 mod forward;
 mod inverse;
 mod pulley;
@@ -10,6 +12,8 @@ mod statics;
 
 pub use bank::MAX_CABLES;
 pub(crate) use bank::{CableBank, Placement};
+pub use budget::{BudgetError, CableBudget, cable_budget};
+pub use drawing::{CableDetail, CableDrawing, cable_polyline};
 pub use forward::{ForwardKinematics, ForwardSolution};
 pub use inverse::{
     CableState, KinematicsError, LengthGradient, check_path_at, inverse_kinematics,

@@ -205,4 +205,28 @@ impl Measurements {
                 .collect(),
         }
     }
+
+    /// Leaves out the readings of which `data` have none.
+    pub(crate) fn leave_out_unread(&mut self, data: &Self) {
+        fn column<T>(own: &mut Vec<T>, read: &[T]) {
+            if read.is_empty() {
+                own.clear();
+            }
+        }
+        for (grid, read) in [
+            (&mut self.force_n, &data.force_n),
+            (&mut self.swivel_rad, &data.swivel_rad),
+        ] {
+            if read.is_empty() {
+                *grid = Grid::default();
+            }
+        }
+        column(&mut self.time_s, &data.time_s);
+        column(&mut self.temperature_c, &data.temperature_c);
+        column(&mut self.laser_m, &data.laser_m);
+        column(&mut self.inclination_rad, &data.inclination_rad);
+        column(&mut self.tracked_position_m, &data.tracked_position_m);
+        let turned = &data.tracked_orientation_wxyz;
+        column(&mut self.tracked_orientation_wxyz, turned);
+    }
 }

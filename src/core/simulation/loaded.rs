@@ -1,9 +1,15 @@
 //! The robot as effects make it at one pose: what holds the platform there.
 
-use crate::effect::{BoundEffect, CablePorts, Circumstances, Dual, PlatformPorts};
+use super::workspace::TensionRange;
+use crate::effect::{BoundEffect, Circumstances, Dual, PlatformPorts};
 use crate::geometry::Pose;
+use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
 use crate::robot::Robot;
+
+/// Most steps for tensions and a geometry that depends on them, and the change that ends them (N).
+const LOAD_STEPS: usize = 30;
+const SETTLED_N: f64 = 1e-11;
 
 /// Pauses between poses (s).
 const SECONDS_PER_POSE: f64 = 30.0;
@@ -19,67 +25,87 @@ impl Schedule {
     /// Up to and including a row.
     pub fn of(robot: &Robot, last: usize) -> Self {
         let first = i64::from(robot.home.is_none());
-        let time_s: Vec<f64> = (0..=last).map(|k| SECONDS_PER_POSE * k as f64).collect();
+        Self::at((first..).take(last + 1).collect())
+    }
+
+    /// Poses with these labels, the time following them.
+    pub fn at(labels: Vec<i64>) -> Self {
+        let first = labels.first().copied().unwrap_or_default();
+        let time_s: Vec<f64> = labels
+            .iter()
+            .map(|label| SECONDS_PER_POSE * (label - first) as f64)
+            .collect();
         Self {
-            labels: (first..).take(last + 1).collect(),
-            temperature_c: time_s
-                .iter()
-                .map(|t| 20.0 + 2.0 * (t / 3600.0).sin())
-                .collect(),
+            labels,
+            temperature_c: time_s.iter().map(|t| ambient_temperature_c(*t)).collect(),
             time_s,
+        }
+    }
+
+    /// Of a row.
+    pub fn moment(&self, row: usize) -> Moment {
+        Moment {
+            label: self.labels[row],
+            time_s: self.time_s[row],
+            temperature_c: self.temperature_c[row],
         }
     }
 }
 
-/// The robot with what effects change of its geometry and weight at the last row of `schedule`, at `pose`
-/// under `tensions` (N). Earlier poses are those visited.
-pub(super) fn loaded_robot(
+/// Temperature of the hall (degrees Celsius) at a time (s) of a simulated run: 20 with a slow wave of 2.
+#[must_use]
+pub fn ambient_temperature_c(time_s: f64) -> f64 {
+    20.0 + 2.0 * (time_s / 3600.0).sin()
+}
+
+/// When a pose is visited, and what it is called.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Label of the pose in the measurements.
+    pub label: i64,
+    /// Time (s).
+    pub time_s: f64,
+    /// Temperature (degrees Celsius).
+    pub temperature_c: f64,
+}
+
+/// The row that is asked for, and the first one where that is another.
+pub(super) struct Rows<'a> {
+    pub first: Option<(Moment, &'a Pose)>,
+    pub moment: Moment,
+    pub pose: &'a Pose,
+}
+
+/// The robot with what effects change of its geometry and weight at the last of the `rows` under `tensions`
+/// (N).
+fn loaded_robot(
     truth: &Robot,
     effects: &[BoundEffect],
-    schedule: &Schedule,
-    (visited, pose): (&[Pose], &Pose),
+    rows: &Rows<'_>,
     tensions: &[f64],
 ) -> Robot {
-    // The first row tells time and temperature from which all others count.
-    let rows: Vec<usize> = if visited.is_empty() {
-        vec![0]
-    } else {
-        vec![0, visited.len()]
-    };
-    let poses: Vec<Pose> = visited.first().into_iter().chain([pose]).copied().collect();
+    let first = rows.first.into_iter();
+    let (moments, poses): (Vec<Moment>, Vec<Pose>) = first
+        .chain([(rows.moment, rows.pose)])
+        .map(|(moment, pose)| (moment, *pose))
+        .unzip();
     let data = Measurements {
-        labels: rows.iter().map(|row| schedule.labels[*row]).collect(),
-        time_s: rows.iter().map(|row| schedule.time_s[*row]).collect(),
-        temperature_c: rows
-            .iter()
-            .map(|row| schedule.temperature_c[*row])
-            .collect(),
+        labels: moments.iter().map(|at| at.label).collect(),
+        time_s: moments.iter().map(|at| at.time_s).collect(),
+        temperature_c: moments.iter().map(|at| at.temperature_c).collect(),
         ..Measurements::default()
     };
     let home = truth.home.map(|_| 0);
     let circumstances = Circumstances::new(truth, &data, home, &poses, None);
-    let row = rows.len() - 1;
+    let row = poses.len() - 1;
     let mut robot = truth.clone();
     let constants = |values: &[f64]| -> Vec<Dual> {
         values.iter().map(|value| Dual::constant(*value)).collect()
     };
     let mut platform = PlatformPorts::nominal(truth);
-    for (index, cable) in robot.cables.iter_mut().enumerate() {
-        let mut at = *circumstances.cable(row, index);
-        at.tension_n = tensions[index];
-        let mut ports = CablePorts::nominal(cable, 0.0, tensions[index]);
-        for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
-            let values = constants(&bound.values);
-            bound.effect.change_cable(&values, &at, &mut ports);
-        }
-        let values = |port: [Dual; 3]| port.map(|dual| dual.value);
-        let shift = values(ports.entry_shift);
-        for k in 0..3 {
-            cable.pulley.entry_point_m[k] += shift[k];
-        }
-        cable.pulley.swivel_axis = values(ports.axis);
-        cable.pulley.radius_m = ports.radius.value;
-        cable.platform_anchor_m = values(ports.anchor);
+    let ports = circumstances.cable_ports(row, truth, effects, tensions);
+    for (cable, ports) in robot.cables.iter_mut().zip(ports) {
+        ports.change_geometry(cable);
     }
     for bound in effects {
         let values = constants(&bound.values);
@@ -89,4 +115,56 @@ pub(super) fn loaded_robot(
     robot.platform.mass_kg = truth.platform.mass_kg.map(|_| platform.mass.value);
     robot.platform.center_of_mass_m = platform.center_of_mass.map(|dual| dual.value);
     robot
+}
+
+/// Tensions that hold the platform at the last of the `rows`, as the effects make it and its cables; zero
+/// where tension is not modelled, `None` where no tensions within the range do.
+pub(super) fn hold(
+    truth: &Robot,
+    effects: &[BoundEffect],
+    rows: &Rows<'_>,
+    range: &TensionRange,
+) -> Result<Option<Vec<f64>>, KinematicsError> {
+    if truth.platform.mass_kg.is_none() || !truth.has_force_sensors() {
+        return Ok(Some(vec![0.0; truth.cable_count()]));
+    }
+    let pose = rows.pose;
+    let mut tensions = range.tensions(truth, pose)?;
+    if effects.is_empty() {
+        return Ok(tensions);
+    }
+    // A frame that yields makes the geometry depend on the tensions.
+    for _ in 0..LOAD_STEPS {
+        let Some(before) = tensions.take() else {
+            break;
+        };
+        let robot = loaded_robot(truth, effects, rows, &before);
+        tensions = range.tensions(&robot, pose)?;
+        let settled = tensions.as_ref().is_some_and(|now| {
+            let steps = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
+            steps.fold(0.0, f64::max) < SETTLED_N
+        });
+        if settled {
+            break;
+        }
+    }
+    Ok(tensions)
+}
+
+/// Tensions that hold the platform at a pose visited right after home, if the robot has one; as [`hold`].
+pub(crate) fn hold_after_home(
+    robot: &Robot,
+    effects: &[BoundEffect],
+    pose: &Pose,
+    range: &TensionRange,
+) -> Result<Option<Vec<f64>>, KinematicsError> {
+    let home = robot.home.map(|home| home.pose());
+    let visited = usize::from(home.is_some());
+    let schedule = Schedule::of(robot, visited);
+    let rows = Rows {
+        first: home.as_ref().map(|home| (schedule.moment(0), home)),
+        moment: schedule.moment(visited),
+        pose,
+    };
+    hold(robot, effects, &rows, range)
 }

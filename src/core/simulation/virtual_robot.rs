@@ -1,16 +1,17 @@
 //! A robot whose true geometry differs from its description, and what is measured on it.
 
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
-use super::loaded::{Schedule, loaded_robot};
+use super::inversion::invert;
+use super::loaded::{Rows, Schedule, hold};
+use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
-use crate::effect::{BoundEffect, Circumstances, EffectError, EffectSetting, sign};
-use crate::estimation::{EstimationError, Globals, Method, Problem, residuals_under};
+use crate::effect::{BoundEffect, EffectError, EffectSetting};
+use crate::estimation::EstimationError;
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::{KinematicsError, inverse_kinematics};
-use crate::measurement::{Dataset, Grid, Measurements, Truth};
+use crate::measurement::{Dataset, Grid};
 use crate::robot::Robot;
 
 /// Where the true geometry comes from.
@@ -41,6 +42,8 @@ pub struct SimulationOptions {
     pub workspace: Option<Workspace>,
     /// How cables are tensioned; by default as suits the weight.
     pub tension: Option<TensionRange>,
+    /// Poses to command, in this order, instead of `poses` drawn from the workspace.
+    pub at: Option<Vec<Pose>>,
 }
 
 impl SimulationOptions {
@@ -55,6 +58,17 @@ impl SimulationOptions {
             noise: true,
             workspace: None,
             tension: None,
+            at: None,
+        }
+    }
+
+    /// The same run at given commanded poses.
+    #[must_use]
+    pub fn commanding(self, poses: Vec<Pose>) -> Self {
+        Self {
+            poses: poses.len(),
+            at: Some(poses),
+            ..self
         }
     }
 }
@@ -77,6 +91,9 @@ pub enum SimulationError {
     /// An effect cannot be attached.
     #[error(transparent)]
     Effect(#[from] EstimationError),
+    /// Motor revolutions at which the cables leave the platform no place.
+    #[error("the platform finds no place to rest at these motor revolutions")]
+    NoRest,
     /// No tensions hold the platform.
     #[error("no tensions between {lower_n:.1} N and {upper_n:.1} N hold the platform at {place}")]
     Infeasible {
@@ -91,13 +108,6 @@ pub enum SimulationError {
 
 /// Poses that are tried for each that is wanted.
 const TRIES_PER_POSE: usize = 200;
-/// Least and most steps that invert the models of winch, force sensor and laser.
-const INVERSION_STEPS: [usize; 2] = [12, 300];
-/// Readings that change by less than this (m, N, rad) are final.
-const SETTLED_READING: f64 = 1e-13;
-/// Most steps for tensions and a geometry that depends on them, and the change that ends them (N).
-const LOAD_STEPS: usize = 30;
-const SETTLED_N: f64 = 1e-11;
 
 /// Simulates a calibration run.
 ///
@@ -105,18 +115,20 @@ const SETTLED_N: f64 = 1e-11;
 /// If the robot cannot be held in its workspace, an effect is unknown or names a pose that is not there.
 pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let truth = true_robot(robot, options, &mut rng);
+    let truth = draw_truth(robot, options, &mut rng);
     let effects = bind(&truth)?;
     let (poses, commanded, tensions) = visit_poses(robot, (&truth, &effects), options, &mut rng)?;
+    let schedule = Schedule::of(robot, poses.len() - 1);
     let mut exact = Dataset {
         robot: truth.clone(),
-        measurements: blank(robot, &poses, &commanded, &tensions),
+        measurements: blank(robot, schedule, (&poses, &commanded), &tensions),
     };
     for effect in &effects {
         let checked = effect.check_poses(&exact.measurements);
         checked.map_err(EstimationError::Effect)?;
     }
-    invert(&mut exact, &poses, &tensions)?;
+    let directions = true_directions(&truth, &poses)?;
+    invert(&mut exact, (&poses, &tensions), &directions)?;
     if options.noise {
         add_noise(robot, &mut exact.measurements, &mut rng);
     }
@@ -132,7 +144,7 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
     })
 }
 
-fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
+pub(super) fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
     let settings = truth.effects.iter();
     let bound: Result<Vec<_>, EffectError> = settings
         .map(|setting| BoundEffect::from_setting(setting, truth))
@@ -140,11 +152,13 @@ fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
     Ok(bound.map_err(EstimationError::Effect)?)
 }
 
-fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
-    sd * rng.sample::<f64, _>(StandardNormal)
+/// The true robot behind the description `robot`: that of [`simulate`] with the same options.
+#[must_use]
+pub fn true_robot(robot: &Robot, options: &SimulationOptions) -> Robot {
+    draw_truth(robot, options, &mut ChaCha8Rng::seed_from_u64(options.seed))
 }
 
-fn true_robot(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) -> Robot {
+fn draw_truth(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) -> Robot {
     let mut truth = robot.clone();
     truth.effects.extend(options.effects.iter().cloned());
     for (index, cable) in truth.cables.iter_mut().enumerate() {
@@ -208,7 +222,16 @@ fn visit_poses(
     let mut poses = Vec::new();
     let mut commanded = Vec::new();
     let mut tensions = Grid::new(robot.cable_count());
-    let hold = |poses: &[Pose], pose: &Pose| hold(truth, effects, (poses, pose), &range);
+    let hold = |poses: &[Pose], pose: &Pose| {
+        let schedule = Schedule::of(truth, poses.len());
+        let rows = Rows {
+            // The first row tells time and temperature from which all others count.
+            first: poses.first().map(|first| (schedule.moment(0), first)),
+            moment: schedule.moment(poses.len()),
+            pose,
+        };
+        hold(truth, effects, &rows, &range)
+    };
     if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
         let pose = home.pose();
         inverse_kinematics(truth, &pose)?;
@@ -217,11 +240,16 @@ fn visit_poses(
         commanded.push(nominal.pose());
     }
     let first = poses.len();
-    for _ in 0..TRIES_PER_POSE * options.poses {
-        if poses.len() == first + options.poses {
+    let wanted = options.at.as_ref().map_or(options.poses, Vec::len);
+    for _ in 0..TRIES_PER_POSE * wanted {
+        let done = poses.len() - first;
+        if done == wanted {
             break;
         }
-        let target = workspace.draw(robot, rng);
+        let target = match &options.at {
+            Some(commanded) => commanded[done],
+            None => workspace.draw(robot, rng),
+        };
         let pose = misplaced(robot, &target, rng);
         // A pose that nobody could command is no pose of a plan.
         if inverse_kinematics(truth, &pose).is_err() || inverse_kinematics(robot, &target).is_err()
@@ -234,44 +262,13 @@ fn visit_poses(
             commanded.push(target);
         }
     }
-    if poses.len() < first + options.poses {
-        return Err(infeasible("enough poses of its workspace"));
+    if poses.len() < first + wanted {
+        return Err(infeasible(match options.at {
+            Some(_) => "a commanded pose",
+            None => "enough poses of its workspace",
+        }));
     }
     Ok((poses, commanded, tensions))
-}
-
-/// Tensions that hold the platform at the pose after those already visited, as the effects make it and
-/// its cables; zero where tension is not modelled.
-fn hold(
-    truth: &Robot,
-    effects: &[BoundEffect],
-    (visited, pose): (&[Pose], &Pose),
-    range: &TensionRange,
-) -> Result<Option<Vec<f64>>, KinematicsError> {
-    if truth.platform.mass_kg.is_none() || !truth.has_force_sensors() {
-        return Ok(Some(vec![0.0; truth.cable_count()]));
-    }
-    let mut tensions = range.tensions(truth, pose)?;
-    if effects.is_empty() {
-        return Ok(tensions);
-    }
-    // A frame that yields makes the geometry depend on the tensions.
-    for _ in 0..LOAD_STEPS {
-        let Some(before) = tensions.take() else {
-            break;
-        };
-        let schedule = Schedule::of(truth, visited.len());
-        let robot = loaded_robot(truth, effects, &schedule, (visited, pose), &before);
-        tensions = range.tensions(&robot, pose)?;
-        let settled = tensions.as_ref().is_some_and(|now| {
-            let steps = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
-            steps.fold(0.0, f64::max) < SETTLED_N
-        });
-        if settled {
-            break;
-        }
-    }
-    Ok(tensions)
 }
 
 fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
@@ -292,221 +289,4 @@ fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
         twist[k] = normal(rng, size);
     }
     target.perturbed(&twist)
-}
-
-/// Rows with everything known but the readings.
-fn blank(robot: &Robot, poses: &[Pose], commanded: &[Pose], tensions: &Grid) -> Measurements {
-    let rows = poses.len();
-    let cables = robot.cable_count();
-    let schedule = Schedule::of(robot, rows - 1);
-    let zeros = || {
-        let mut grid = Grid::new(cables);
-        (0..rows).for_each(|_| grid.push_row(&vec![0.0; cables]));
-        grid
-    };
-    let when = |present: bool| if present { zeros() } else { Grid::default() };
-    let swivels = robot
-        .cables
-        .iter()
-        .all(|c| c.pulley.swivel_sd_rad.is_some() && c.pulley.swivel_zero.is_some());
-    Measurements {
-        labels: schedule.labels,
-        temperature_c: schedule.temperature_c,
-        time_s: schedule.time_s,
-        commanded: commanded.iter().copied().map(Some).collect(),
-        revolutions: when(robot.home.is_some()),
-        length_m: when(robot.home.is_none()),
-        force_n: nominal_forces(robot, tensions),
-        laser_m: robot.laser.map_or_else(Vec::new, |_| vec![0.0; rows]),
-        swivel_rad: when(swivels),
-        inclination_rad: robot
-            .inclinometer
-            .map_or_else(Vec::new, |_| vec![[0.0; 3]; rows]),
-        tracked_position_m: robot.tracker.map_or_else(Vec::new, |_| {
-            poses.iter().map(|p| p.position.into()).collect()
-        }),
-        tracked_orientation_wxyz: match robot.tracker.and_then(|t| t.orientation_sd_rad) {
-            Some(_) => poses.iter().map(Pose::orientation_wxyz).collect(),
-            None => Vec::new(),
-        },
-        truth: Truth {
-            poses: poses.to_vec(),
-            tension_n: tensions.clone(),
-        },
-        ..Measurements::default()
-    }
-}
-
-/// Raw readings at the true tensions by the nominal sensors.
-fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
-    let mut forces = Grid::default();
-    if robot.has_force_sensors() && robot.platform.mass_kg.is_some() {
-        forces = tensions.clone();
-        for row in 0..tensions.rows() {
-            for (index, cable) in robot.cables.iter().enumerate() {
-                let tension = tensions.get(row, index);
-                let reading = cable
-                    .force_sensor
-                    .map_or(f64::NAN, |s| s.reading_n(tension));
-                forces.set(row, index, reading);
-            }
-        }
-    }
-    forces
-}
-
-/// Finds the readings that the true model predicts exactly.
-fn invert(exact: &mut Dataset, poses: &[Pose], tensions: &Grid) -> Result<(), SimulationError> {
-    let rows: Vec<usize> = (0..poses.len()).collect();
-    let directions = true_directions(&exact.robot, poses)?;
-    for step in 0..INVERSION_STEPS[1] {
-        let residuals = {
-            let problem = Problem::new(exact)?.with_method(Method::Simple);
-            let (robot, data) = (&exact.robot, &exact.measurements);
-            let home = problem.home_row();
-            let known = Circumstances::new(robot, data, home, poses, Some(&directions));
-            let globals = Globals::nominal(&problem);
-            residuals_under(Some(known.into()), &problem, &globals, (&rows, poses))
-        };
-        let home = exact.robot.home.and(exact.measurements.home_row());
-        let mut largest = 0.0_f64;
-        for (row, residual) in residuals.iter().enumerate() {
-            let tensions = tensions.row(row);
-            let changes = correct(exact, row, residual, tensions, Some(row) == home);
-            largest = largest.max(changes);
-        }
-        if step + 1 >= INVERSION_STEPS[0] && largest < SETTLED_READING {
-            break;
-        }
-    }
-    Ok(())
-}
-
-/// Direction of travel of every cable to every pose: the sign of the change of its geometric length.
-fn true_directions(robot: &Robot, poses: &[Pose]) -> Result<Grid, SimulationError> {
-    let mut directions = Grid::new(robot.cable_count());
-    let mut before: Option<Vec<f64>> = None;
-    for pose in poses {
-        let states = inverse_kinematics(robot, pose)?;
-        let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();
-        let from = before.as_ref().unwrap_or(&lengths);
-        let signs: Vec<f64> = lengths.iter().zip(from).map(|(l, f)| sign(l - f)).collect();
-        directions.push_row(&signs);
-        before = Some(lengths);
-    }
-    Ok(directions)
-}
-
-/// Corrects the readings of a row and returns the largest change (m, N, rad).
-fn correct(
-    exact: &mut Dataset,
-    row: usize,
-    residual: &crate::estimation::RowResidual,
-    tensions: &[f64],
-    is_home: bool,
-) -> f64 {
-    let data = &mut exact.measurements;
-    let mut largest = 0.0_f64;
-    let mut changed = |step: f64| largest = largest.max(step.abs());
-    for (index, cable) in exact.robot.cables.iter().enumerate() {
-        let add = |grid: &mut Grid, step: f64| grid.set(row, index, grid.get(row, index) + step);
-        if !data.revolutions.is_empty() && !is_home {
-            changed(residual.length_m[index]);
-            let step = residual.length_m[index] / cable.winch.cable_per_revolution_m();
-            add(&mut data.revolutions, step);
-        }
-        if !data.length_m.is_empty() {
-            changed(residual.length_m[index]);
-            add(&mut data.length_m, residual.length_m[index]);
-        }
-        if let (Some(sensor), false) = (cable.force_sensor, data.force_n.is_empty()) {
-            let step = sensor.tension_gain * (tensions[index] - residual.tension_n[index]);
-            changed(step * 1e-3);
-            add(&mut data.force_n, step);
-        }
-        if !data.swivel_rad.is_empty() {
-            changed(residual.swivel_rad[index]);
-            add(&mut data.swivel_rad, residual.swivel_rad[index]);
-        }
-    }
-    if let Some(laser) = data.laser_m.get_mut(row) {
-        changed(residual.laser_m);
-        *laser += residual.laser_m;
-    }
-    if let Some(angles) = data.inclination_rad.get_mut(row) {
-        for k in 0..3 {
-            changed(residual.inclination_rad[k]);
-            angles[k] += residual.inclination_rad[k];
-        }
-    }
-    largest
-}
-
-fn add_noise(robot: &Robot, data: &mut Measurements, rng: &mut ChaCha8Rng) {
-    let home = robot.home.and(data.home_row());
-    for row in 0..data.len() {
-        for (index, cable) in robot.cables.iter().enumerate() {
-            let mut add = |grid: &mut Grid, sd: f64| {
-                if !grid.is_empty() {
-                    grid.set(row, index, grid.get(row, index) + normal(rng, sd));
-                }
-            };
-            let sd = cable.winch.length_sd_m;
-            if Some(row) != home {
-                add(
-                    &mut data.revolutions,
-                    sd / cable.winch.cable_per_revolution_m(),
-                );
-            }
-            add(&mut data.length_m, sd);
-            if let Some(sensor) = cable.force_sensor {
-                add(
-                    &mut data.force_n,
-                    sensor.tension_gain.abs() * sensor.tension_sd_n,
-                );
-            }
-            add(
-                &mut data.swivel_rad,
-                cable.pulley.swivel_sd_rad.unwrap_or(0.0),
-            );
-        }
-        if let (Some(laser), Some(reading)) = (&robot.laser, data.laser_m.get_mut(row)) {
-            *reading += normal(rng, laser.sd_m);
-        }
-        if let (Some(sensor), Some(angles)) =
-            (&robot.inclinometer, data.inclination_rad.get_mut(row))
-        {
-            for angle in angles {
-                *angle += normal(rng, sensor.sd_rad);
-            }
-        }
-        add_tracker_noise(robot, data, row, rng);
-    }
-}
-
-fn add_tracker_noise(robot: &Robot, data: &mut Measurements, row: usize, rng: &mut ChaCha8Rng) {
-    let Some(tracker) = &robot.tracker else {
-        return;
-    };
-    if let Some(position) = data.tracked_position_m.get_mut(row) {
-        for (value, sd) in position.iter_mut().zip(tracker.position_sd_m.each()) {
-            *value += normal(rng, sd);
-        }
-    }
-    if let (Some(sd), Some(q)) = (
-        tracker.orientation_sd_rad,
-        data.tracked_orientation_wxyz.get_mut(row),
-    ) {
-        let twist = Twist::new(
-            0.0,
-            0.0,
-            0.0,
-            normal(rng, sd),
-            normal(rng, sd),
-            normal(rng, sd),
-        );
-        *q = Pose::from_parts([0.0; 3], *q)
-            .perturbed(&twist)
-            .orientation_wxyz();
-    }
 }

@@ -1,8 +1,7 @@
 //! Where a virtual robot moves and how its cables are tensioned.
 
 use nalgebra::DVector;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::kinematics::{
@@ -77,8 +76,18 @@ impl Workspace {
         })
     }
 
+    /// Whether a pose is inside, up to a nanometre and a nanoradian.
+    #[must_use]
+    pub fn contains(&self, pose: &Pose) -> bool {
+        let off = pose.difference(&self.centre);
+        (0..6).all(|k| {
+            let half = self.half_extent_m.get(k).copied();
+            off[k].abs() <= half.unwrap_or(self.half_rotation_rad) + 1e-9
+        })
+    }
+
     /// A random pose in the coordinates in which the platform is free.
-    pub(super) fn draw(&self, robot: &Robot, rng: &mut ChaCha8Rng) -> Pose {
+    pub fn draw(&self, robot: &Robot, rng: &mut impl Rng) -> Pose {
         let mut twist = Twist::zeros();
         for coordinate in robot.platform.freedom().coordinates() {
             let k = coordinate.index();
@@ -93,7 +102,8 @@ impl Workspace {
     }
 }
 
-fn bounds(robot: &Robot) -> (Vec3, Vec3) {
+/// The smallest box around the entry points (m).
+pub(crate) fn bounds(robot: &Robot) -> (Vec3, Vec3) {
     let points = robot
         .cables
         .iter()

@@ -3,7 +3,7 @@
 use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 
 use super::command::Command;
-use super::commands::{FileCommand, ModelCommand, ViewCommand};
+use super::commands::{DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, ViewCommand};
 use super::screen::{Screen, Step};
 use super::state::State;
 
@@ -240,6 +240,9 @@ fn view(state: &State) -> Vec<Item> {
 }
 
 fn model(state: &State) -> Vec<Item> {
+    let computing = [IDENTIFYING, DIAGNOSING]
+        .iter()
+        .any(|title| state.tasks.runs(title));
     let measured = state
         .document
         .as_ref()
@@ -258,6 +261,13 @@ fn model(state: &State) -> Vec<Item> {
             keys(CONTROL, Key::D),
             measured,
             ModelCommand::Diagnose,
+        ),
+        item(
+            Menu::Model,
+            "Stop computing",
+            None,
+            computing,
+            ModelCommand::Stop,
         ),
     ]
 }

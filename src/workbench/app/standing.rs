@@ -1,7 +1,9 @@
 //! How far each phase is, in one line.
 
-use super::document::Document;
+use super::document::{Document, Stored};
 use super::screen::{Progress, Standing, Step};
+use crate::documents::identification::Explains;
+use crate::wording::count;
 
 /// How far a phase of this session is.
 #[must_use]
@@ -39,15 +41,30 @@ fn measuring(document: &Document) -> Standing {
 
 fn identification(document: &Document) -> Standing {
     let Some(fit) = document.fit() else {
-        return Standing::new(Progress::NotStarted, "not identified");
+        return match document.stored() {
+            Stored::None => Standing::new(Progress::NotStarted, "not identified"),
+            Stored::Current => Standing::new(Progress::InProgress, "identifying again"),
+            Stored::OutOfDate => Standing::new(Progress::OutOfDate, "data changed since"),
+        };
     };
     if !document.fit_is_current() {
         return Standing::new(Progress::OutOfDate, "data changed since");
     }
-    let explained = fit.solution.p_value().is_none_or(|p| p > 0.01);
-    if explained {
-        Standing::new(Progress::Done, "the model explains the data")
-    } else {
-        Standing::new(Progress::Attention, "the model does not explain the data")
+    let explains = Explains::of(fit.solution.p_value());
+    let found = document
+        .diagnosis()
+        .filter(|_| document.diagnosis_is_current());
+    let found = found.map_or(0, |diagnosed| diagnosed.diagnosis.findings.len());
+    match explains {
+        _ if found > 0 => Standing::new(
+            Progress::Attention,
+            format!("{} to look at", count(found, "finding")),
+        ),
+        _ if !fit.solution.outside_surface.is_empty() => {
+            Standing::new(Progress::Attention, "elongation is extrapolated")
+        }
+        _ if !fit.solution.converged() => Standing::new(Progress::Attention, "did not converge"),
+        Explains::Yes => Standing::new(Progress::Done, explains.words()),
+        _ => Standing::new(Progress::Attention, explains.words()),
     }
 }

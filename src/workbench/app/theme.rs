@@ -52,6 +52,8 @@ pub struct Palette {
     pub platform: Color32,
     /// The laser beam.
     pub laser: Color32,
+    /// Axes x, y, z of a frame in 3D.
+    pub axes: [Color32; 3],
     /// Eight colours for cables, apart for colour-blind eyes (after Okabe and Ito).
     pub cables: [Color32; 8],
     /// Ends and middle of the diverging scale of residuals: below, zero, above.
@@ -75,6 +77,7 @@ const DARK: Palette = Palette {
     ghost: rgb(0x006d_7a89),
     platform: rgb(0x00c9_d1da),
     laser: rgb(0x00ff_5b4d),
+    axes: [rgb(0x00e0_6c6c), rgb(0x006c_c07a), rgb(0x006a_9cf0)],
     cables: [
         rgb(0x00e6_9f00),
         rgb(0x0056_b4e9),
@@ -105,6 +108,7 @@ const LIGHT: Palette = Palette {
     ghost: rgb(0x009a_a6b3),
     platform: rgb(0x005b_6875),
     laser: rgb(0x00d6_2a1c),
+    axes: [rgb(0x00c2_3b3b), rgb(0x002c_8a45), rgb(0x002f_66c8)],
     cables: [
         rgb(0x00c7_7f00),
         rgb(0x002a_94d4),

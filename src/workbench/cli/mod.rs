@@ -1,6 +1,7 @@
 //! Headless commands: arguments, exit codes, output.
 
 mod accuracy;
+mod compare;
 mod diagnose;
 mod effects;
 mod evaluate;
@@ -8,12 +9,12 @@ mod fitted;
 mod identify;
 mod input;
 mod output;
+mod plan;
 mod precalibrate;
 mod published;
 mod schemas;
 mod simulate;
 mod table;
-mod units;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -41,12 +42,16 @@ struct Arguments {
 enum Command {
     /// Make a dataset of a virtual robot
     Simulate(simulate::Arguments),
+    /// Choose the poses to measure and say what to expect of them
+    Plan(plan::Arguments),
     /// Find the pulleys from a dataset
     Identify(identify::Arguments),
     /// Say whether the model explains a dataset, what it gets wrong and what to do about it
     Diagnose(diagnose::Arguments),
     /// Fit poses only, with the geometry and effects of a model held
     Evaluate(evaluate::Arguments),
+    /// Say which pulleys differ between two runs and what is noise
+    Compare(compare::Arguments),
     /// Accuracy figures of ISO 9283 from a check.csv
     Accuracy(accuracy::Arguments),
     /// Fit winches, force sensors, home platform and cable elongation of a dataset
@@ -84,9 +89,11 @@ pub fn run() -> ExitCode {
     };
     report(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),
         Command::Effects => {

@@ -5,11 +5,13 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use super::accuracy::Accuracy;
-use super::diagnose::DiagnosisDocument;
-use super::identify::Identification;
+use super::compare::ComparisonDocument;
 use super::output::write_json;
+use super::plan::PlanDocument;
 use super::precalibrate::Precalibration;
 use crate::cli::output::say;
+use crate::documents::diagnosis::DiagnosisDocument;
+use crate::documents::identification::Identification;
 
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
@@ -18,6 +20,8 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::document_schema::<DiagnosisDocument>());
     schemas.push(tautline_session::document_schema::<Accuracy>());
     schemas.push(tautline_session::document_schema::<Precalibration>());
+    schemas.push(tautline_session::document_schema::<PlanDocument>());
+    schemas.push(tautline_session::document_schema::<ComparisonDocument>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;

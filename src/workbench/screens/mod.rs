@@ -2,7 +2,7 @@
 
 mod adjustment;
 pub mod compare;
-mod identification;
+pub mod identification;
 mod measuring;
 mod modeling;
 mod precalibration;
@@ -18,6 +18,8 @@ use crate::app::screen::Step;
 pub struct Screens {
     /// Of the start screen.
     pub start: start::Remembered,
+    /// Of the phase Identification.
+    pub identification: identification::Remembered,
 }
 
 /// Draws the panel of a phase.

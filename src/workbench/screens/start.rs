@@ -64,7 +64,7 @@ fn open(ui: &mut Ui, state: &mut State) {
         let field = ui.add(
             field
                 .desired_width(400.0)
-                .vertical_align(Align::Center)
+                .align(egui::Align2::LEFT_CENTER)
                 .min_size(egui::vec2(0.0, 26.0)),
         );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));

@@ -6,11 +6,15 @@ pub mod robot_3d;
 /// What the views remember.
 #[derive(Default)]
 pub struct Views {
+    /// Of the robot in 3D.
+    pub robot_3d: robot_3d::Robot3d,
     /// Of the plots.
     pub plots: plots::Remembered,
 }
 
 impl Views {
     /// Frees what lies on the graphics card, while its context is current.
-    pub fn destroy(&mut self) {}
+    pub fn destroy(&mut self) {
+        self.robot_3d.destroy();
+    }
 }

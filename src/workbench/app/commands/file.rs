@@ -373,4 +373,5 @@ fn open(state: &mut State, opening: Opening) {
     } else {
         Step::Precalibration
     });
+    super::model::reopened(state);
 }

@@ -22,20 +22,30 @@ pub fn perform(state: &mut State, command: Command) {
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
         Command::Plot(command) => plots::perform(state, command),
-        Command::Edit(edit) => {
-            if let Some(document) = &mut state.document {
-                document.edit(edit);
-            }
-        }
-        Command::Undo => told(state, "Undone", |document| document.undo()),
-        Command::Redo => told(state, "Done again", |document| document.redo()),
+        Command::Edit(edit) => changed(state, None, |document| {
+            let name = edit.name();
+            document.edit(edit).then_some(name)
+        }),
+        Command::Undo => changed(state, Some("Undone"), super::Document::undo),
+        Command::Redo => changed(state, Some("Done again"), super::Document::redo),
     }
 }
 
-fn told(state: &mut State, what: &str, step: impl FnOnce(&mut super::Document) -> Option<String>) {
-    if let Some(name) = state.document.as_mut().and_then(step) {
-        state.messages.info(format!("{what}: {name}."));
+/// Does, undoes or redoes an edit; what was computed follows.
+fn changed(
+    state: &mut State,
+    told: Option<&str>,
+    step: impl FnOnce(&mut super::Document) -> Option<String>,
+) {
+    let before = model::Model::of(state);
+    let Some(name) = state.document.as_mut().and_then(step) else {
+        return;
+    };
+    let what = told.map_or_else(|| name.clone(), |told| format!("{told}: {name}"));
+    if told.is_some() {
+        state.messages.info(format!("{what}."));
     }
+    model::follow(state, before.as_ref(), &what);
 }
 
 /// Takes what the keeper of unsaved sessions has to tell.

@@ -1,0 +1,310 @@
+//! Pulleys and target plane, and the motion that all of them have in common.
+
+use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
+
+use super::estimate::Estimate;
+use super::least_squares::Difference;
+use super::questions::Question;
+use super::{CommonMotion, Displacement, ScalarDifference, Test};
+use crate::estimation::ParameterId;
+use crate::geometry::Vec3;
+
+/// A direction of motion in which known things move by less than this part of it is open.
+const STILL: f64 = 1e-9;
+
+/// The differences of all coordinates, and how a motion shows in them.
+pub(super) struct Datum {
+    coordinates: Vec<ParameterId>,
+    cables: usize,
+    difference: Difference,
+    covariance: DMatrix<f64>,
+    /// Columns: the open directions of `[t; w]`.
+    open: DMatrix<f64>,
+    /// Change of each coordinate by the open directions.
+    by_motion: DMatrix<f64>,
+}
+
+impl Datum {
+    /// `None` if no coordinate of a pulley is estimated.
+    pub fn of(runs: &[Estimate<'_>; 2]) -> Option<Self> {
+        let [first, second] = runs;
+        let cables = first.robot().cable_count();
+        let all = (0..cables)
+            .flat_map(|cable| [0, 1, 2].map(|axis| ParameterId::EntryPoint { cable, axis }));
+        let is_open = |id: &ParameterId| runs.iter().any(|run| run.index_of(id).is_some());
+        let (mut coordinates, known): (Vec<_>, Vec<_>) = all.partition(is_open);
+        if coordinates.is_empty() {
+            return None;
+        }
+        coordinates.extend(Some(ParameterId::PlaneOffset).filter(is_open));
+        let value = |run: &Estimate<'_>, id: &ParameterId| run.value_or(id, stated(run, id));
+        let change = |id: &ParameterId| value(second, id) - value(first, id);
+        let count = coordinates.len();
+        let covariance = DMatrix::from_fn(count, count, |i, k| {
+            let of = |run: &Estimate<'_>| run.covariance_of(&coordinates[i], &coordinates[k]);
+            of(first) + of(second)
+        });
+        let differences = DVector::from_iterator(count, coordinates.iter().map(change));
+        let middle = middle(first);
+        let open = open_directions(runs, middle, &known);
+        let by_all = rows(count, coordinates.iter().map(|id| moves(first, middle, id)));
+        Some(Self {
+            difference: Difference::new(differences, covariance.clone())?,
+            covariance,
+            by_motion: by_all * &open,
+            open,
+            coordinates,
+            cables,
+        })
+    }
+
+    /// Number of directions in which the datum can move.
+    pub fn freedom(&self) -> usize {
+        self.open.ncols()
+    }
+
+    /// Places of the coordinates of a question.
+    fn places(&self, question: Question) -> Vec<usize> {
+        let belongs = |id: &ParameterId| match (question, id) {
+            (Question::Pulley(asked), ParameterId::EntryPoint { cable, .. }) => asked == *cable,
+            (Question::Plane, ParameterId::PlaneOffset) => true,
+            _ => false,
+        };
+        (0..self.coordinates.len())
+            .filter(|k| belongs(&self.coordinates[*k]))
+            .collect()
+    }
+
+    /// Columns of the common motion and of displacements of their own.
+    fn design(&self, own: &[Question]) -> DMatrix<f64> {
+        let places: Vec<usize> = own.iter().flat_map(|q| self.places(*q)).collect();
+        let motion = self.by_motion.ncols();
+        let mut design = DMatrix::zeros(self.coordinates.len(), motion + places.len());
+        design.columns_mut(0, motion).copy_from(&self.by_motion);
+        for (column, place) in places.into_iter().enumerate() {
+            design[(place, motion + column)] = 1.0;
+        }
+        design
+    }
+
+    /// Displacement of a pulley or the plane with its covariance, the common motion and those that have moved taken
+    /// out; `None` where too little is left to tell.
+    pub fn displacement(
+        &self,
+        question: Question,
+        moved: &[Question],
+    ) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let mut own: Vec<Question> = moved.iter().copied().filter(|q| *q != question).collect();
+        own.push(question);
+        let size = self.places(question).len();
+        if size == 0 {
+            return None;
+        }
+        let explained = self.difference.explained_by(&self.design(&own))?;
+        let first = explained.estimate.len() - size;
+        Some((
+            explained.estimate.rows(first, size).into_owned(),
+            explained
+                .covariance
+                .view((first, first), (size, size))
+                .into_owned(),
+        ))
+    }
+
+    /// The pulleys (and the plane) that have moved, the most conspicuous first; `others` questions are asked besides.
+    pub fn moved(&self, level: f64, others: usize) -> Vec<Question> {
+        let pulleys = (0..self.cables).map(Question::Pulley);
+        let asked: Vec<Question> = pulleys
+            .chain([Question::Plane])
+            .filter(|question| !self.places(*question).is_empty())
+            .collect();
+        let mut moved = Vec::new();
+        loop {
+            let open = asked.iter().filter(|question| !moved.contains(*question));
+            let judged = open.filter_map(|question| {
+                let (value, covariance) = self.displacement(*question, &moved)?;
+                Some((*question, Test::of(&value, &covariance)?.p_value))
+            });
+            let Some((worst, p_value)) = judged.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+                return moved;
+            };
+            let questions = asked.len() + others - moved.len();
+            if p_value * questions as f64 >= level {
+                return moved;
+            }
+            moved.push(worst);
+        }
+    }
+
+    /// The difference of a pulley as the runs have it.
+    pub fn raw(&self, cable: usize) -> Displacement {
+        let places = self.places(Question::Pulley(cable));
+        let value = self.difference.value.select_rows(&places);
+        let covariance = self.covariance.select_rows(&places).select_columns(&places);
+        self.spatial(cable, &(value, covariance))
+    }
+
+    /// A displacement of a pulley's estimated coordinates in all three axes.
+    pub fn spatial(
+        &self,
+        cable: usize,
+        (value, covariance): &(DVector<f64>, DMatrix<f64>),
+    ) -> Displacement {
+        let mut spatial = Displacement {
+            vector_m: Vec3::zeros(),
+            covariance: Matrix3::zeros(),
+        };
+        let places = self.places(Question::Pulley(cable));
+        let axes: Vec<usize> = (places.iter())
+            .filter_map(|place| match self.coordinates[*place] {
+                ParameterId::EntryPoint { axis, .. } => Some(axis),
+                _ => None,
+            })
+            .collect();
+        for (i, axis) in axes.iter().enumerate() {
+            spatial.vector_m[*axis] = value[i];
+            for (k, other) in axes.iter().enumerate() {
+                spatial.covariance[(*axis, *other)] = covariance[(i, k)];
+            }
+        }
+        spatial
+    }
+
+    /// The common motion of those that have not moved.
+    pub fn motion(&self, moved: &[Question]) -> Option<CommonMotion> {
+        let freedom = self.freedom();
+        if freedom == 0 {
+            return None;
+        }
+        let explained = self.difference.explained_by(&self.design(moved))?;
+        let open = explained.estimate.rows(0, freedom).into_owned();
+        let covariance = explained
+            .covariance
+            .view((0, 0), (freedom, freedom))
+            .into_owned();
+        let motion = &self.open * &open;
+        Some(CommonMotion {
+            shift_m: motion.fixed_rows::<3>(0).into_owned(),
+            rotation_rad: motion.fixed_rows::<3>(3).into_owned(),
+            test: Test::of(&open, &covariance),
+            covariance: &self.open * covariance * self.open.transpose(),
+            freedom,
+        })
+    }
+
+    /// The offset of the target plane.
+    pub fn plane(&self, runs: &[Estimate<'_>; 2], moved: &[Question]) -> Option<ScalarDifference> {
+        let (value, covariance) = self.displacement(Question::Plane, moved)?;
+        let offset = |run: &Estimate<'_>| {
+            let laser = run.robot().laser?;
+            Some(run.value_or(&ParameterId::PlaneOffset, laser.target_plane.offset_m))
+        };
+        Some(ScalarDifference {
+            first: offset(&runs[0]),
+            second: offset(&runs[1]),
+            difference: value[0],
+            sd: covariance[(0, 0)].sqrt(),
+            test: Test::of(&value, &covariance),
+        })
+    }
+
+    /// Whether all coordinates together differ by more than a common motion.
+    pub fn global(&self) -> Option<Test> {
+        let chi2 = self.difference.explained_by(&self.design(&[]))?.left;
+        let degrees_of_freedom = self.coordinates.len().checked_sub(self.freedom())?;
+        let p_value = crate::statistics::chi_square_survival(chi2, degrees_of_freedom as f64)?;
+        Some(Test {
+            chi2,
+            degrees_of_freedom,
+            p_value,
+            p_corrected: p_value,
+        })
+    }
+}
+
+/// The value that the robot's description states.
+fn stated(run: &Estimate<'_>, id: &ParameterId) -> f64 {
+    match *id {
+        ParameterId::EntryPoint { cable, axis } => {
+            run.robot().cables[cable].pulley.entry_point_m[axis]
+        }
+        _ => run.robot().laser.map_or(0.0, |l| l.target_plane.offset_m),
+    }
+}
+
+/// Middle of the entry points as described (m).
+fn middle(run: &Estimate<'_>) -> Vec3 {
+    let cables = &run.robot().cables;
+    let sum = (cables.iter()).fold(Vec3::zeros(), |sum, cable| {
+        sum + Vec3::from(cable.pulley.entry_point_m)
+    });
+    sum / cables.len() as f64
+}
+
+/// Change of a coordinate by `[t; w]`: the direction in which it counts, and its lever about the middle.
+fn moves(run: &Estimate<'_>, middle: Vec3, id: &ParameterId) -> [f64; 6] {
+    let along = |point: Vec3, direction: Vec3| {
+        // direction . (t + w x (point - middle))
+        let turn = (point - middle).cross(&direction);
+        [
+            direction.x,
+            direction.y,
+            direction.z,
+            turn.x,
+            turn.y,
+            turn.z,
+        ]
+    };
+    match (id, run.robot().laser) {
+        (ParameterId::EntryPoint { cable, axis }, _) => {
+            let entry = run.robot().cables[*cable].pulley.entry_point_m;
+            along(entry.into(), Vec3::ith(*axis, 1.0))
+        }
+        (_, Some(laser)) => {
+            let normal = Vec3::from(laser.target_plane.normal);
+            // Where the platform usually is, seen along the normal.
+            let home = run.robot().home.map_or(middle, |home| home.pose().position);
+            let foot = home + normal * (laser.target_plane.offset_m - normal.dot(&home));
+            along(foot, normal)
+        }
+        _ => [0.0; 6],
+    }
+}
+
+fn rows(count: usize, rows: impl Iterator<Item = [f64; 6]>) -> DMatrix<f64> {
+    DMatrix::from_row_iterator(count, 6, rows.flatten())
+}
+
+/// Orthonormal directions of `[t; w]` in which nothing moves that both runs know exactly.
+fn open_directions(runs: &[Estimate<'_>; 2], middle: Vec3, known: &[ParameterId]) -> DMatrix<f64> {
+    let mut still: Vec<[f64; 6]> = known.iter().map(|id| moves(&runs[0], middle, id)).collect();
+    let homes = runs
+        .each_ref()
+        .map(|run| run.run.problem.home_row().and(run.robot().home));
+    if let [Some(first), Some(second)] = homes {
+        let unit = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == k)));
+        if first.position_sd_m == 0.0 && second.position_sd_m == 0.0 {
+            let lever = first.pose().position - middle;
+            still.extend([0, 1, 2].map(|axis| {
+                let direction = Vec3::ith(axis, 1.0);
+                let turn = lever.cross(&direction);
+                let [x, y, z]: [f64; 3] = direction.into();
+                [x, y, z, turn.x, turn.y, turn.z]
+            }));
+        }
+        if first.orientation_sd_rad == 0.0 && second.orientation_sd_rad == 0.0 {
+            still.extend([3, 4, 5].map(unit));
+        }
+    }
+    let still = rows(still.len(), still.into_iter());
+    let eigen = SymmetricEigen::new(still.tr_mul(&still));
+    let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
+    let open: Vec<_> = (0..6)
+        .filter(|k| eigen.eigenvalues[*k] <= STILL * largest)
+        .map(|k| eigen.eigenvectors.column(k).into_owned())
+        .collect();
+    if open.is_empty() {
+        return DMatrix::zeros(6, 0);
+    }
+    DMatrix::from_columns(&open)
+}

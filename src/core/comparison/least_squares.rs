@@ -1,0 +1,44 @@
+//! Generalised least squares of a difference: `d = X b + e` with the covariance `S` of `e`.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use crate::estimation::covariance_of;
+
+/// A difference with the factor of its covariance.
+pub(super) struct Difference {
+    pub value: DVector<f64>,
+    factor: Cholesky<f64, Dyn>,
+}
+
+/// What a design explains of it.
+pub(super) struct Explained {
+    /// `b = (X^T S^-1 X)^-1 X^T S^-1 d`.
+    pub estimate: DVector<f64>,
+    /// `(X^T S^-1 X)^-1`.
+    pub covariance: DMatrix<f64>,
+    /// `(d - X b)^T S^-1 (d - X b)`.
+    pub left: f64,
+}
+
+impl Difference {
+    /// `None` if the covariance is not positive definite.
+    pub fn new(value: DVector<f64>, covariance: DMatrix<f64>) -> Option<Self> {
+        Some(Self {
+            value,
+            factor: covariance.cholesky()?,
+        })
+    }
+
+    /// `None` if the difference does not determine `b`.
+    pub fn explained_by(&self, design: &DMatrix<f64>) -> Option<Explained> {
+        let weighted = self.factor.solve(design);
+        let covariance = covariance_of(&design.tr_mul(&weighted))?;
+        let estimate = &covariance * weighted.tr_mul(&self.value);
+        let left = &self.value - design * &estimate;
+        Some(Explained {
+            left: left.dot(&self.factor.solve(&left)),
+            estimate,
+            covariance,
+        })
+    }
+}

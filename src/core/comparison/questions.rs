@@ -1,0 +1,124 @@
+//! What is asked besides the pulleys, and the correction for the number of questions.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::estimate::Estimate;
+use super::{EffectDifference, HomeDifference, ScalarDifference, Test};
+use crate::estimation::ParameterId;
+use crate::geometry::Coordinate;
+
+/// Something fixed to the frame that may have moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Question {
+    /// The pulley of a cable.
+    Pulley(usize),
+    /// The laser's target plane.
+    Plane,
+}
+
+/// Probabilities corrected for their number (Holm 1979): in rising order, each times the number of those that are
+/// not smaller, never below the one before.
+pub(super) fn holm(p_values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..p_values.len()).collect();
+    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
+    let mut corrected = vec![1.0; p_values.len()];
+    let mut least = 0.0_f64;
+    for (rank, index) in order.into_iter().enumerate() {
+        let factor = (p_values.len() - rank) as f64;
+        least = least.max((factor * p_values[index]).min(1.0));
+        corrected[index] = least;
+    }
+    corrected
+}
+
+/// The home pose of the second run less that of the first.
+pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
+    let estimated: Vec<Coordinate> = (Coordinate::ALL.into_iter())
+        .filter(|c| {
+            let id = ParameterId::Home(*c);
+            runs.iter().any(|run| run.index_of(&id).is_some())
+        })
+        .collect();
+    if estimated.is_empty() {
+        return None;
+    }
+    let [first, second] = runs.each_ref().map(|run| run.run.solution.globals.home);
+    let twist = second.difference(&first);
+    let value = DVector::from_iterator(estimated.len(), estimated.iter().map(|c| twist[c.index()]));
+    let covariance = DMatrix::from_fn(estimated.len(), estimated.len(), |i, k| {
+        let [one, other] = [i, k].map(|index| ParameterId::Home(estimated[index]));
+        runs.iter()
+            .map(|run| run.covariance_of(&one, &other))
+            .sum::<f64>()
+    });
+    Some(HomeDifference {
+        coordinates: (estimated.iter().enumerate())
+            .map(|(k, c)| (*c, value[k], covariance[(k, k)].sqrt()))
+            .collect(),
+        test: Test::of(&value, &covariance),
+    })
+}
+
+/// A parameter of an effect in a run: what identifies it across runs, its place, unit and neutral value.
+struct Entry {
+    key: (String, Vec<String>, String),
+    unit: &'static str,
+    neutral: f64,
+    place: usize,
+}
+
+fn entries(run: &Estimate<'_>) -> Vec<Entry> {
+    let problem = run.run.problem;
+    let parameters = run.run.solution.parameters.iter().enumerate();
+    parameters
+        .filter_map(|(place, parameter)| match parameter.id {
+            ParameterId::Effect { effect, parameter } => {
+                let bound = &problem.free_effects[effect];
+                let description = bound.effect.parameters()[parameter];
+                let setting = bound.setting(run.robot());
+                Some(Entry {
+                    key: (setting.effect, setting.targets, description.name.to_owned()),
+                    unit: description.unit,
+                    neutral: description.neutral,
+                    place,
+                })
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+/// Parameters of effects that a run estimates.
+pub(super) fn effects(runs: &[Estimate<'_>; 2]) -> Vec<EffectDifference> {
+    let [first, second] = runs.each_ref().map(entries);
+    let only_second = (second.iter()).filter(|e| !first.iter().any(|other| other.key == e.key));
+    let all = first.iter().chain(only_second);
+    all.map(|entry| {
+        let place = |entries: &[Entry]| {
+            let mut entries = entries.iter();
+            Some(entries.find(|other| other.key == entry.key)?.place)
+        };
+        let places = [place(&first), place(&second)];
+        let at = |run: usize| places[run].map(|place| runs[run].values[place]);
+        let variance = |run: usize| places[run].map_or(0.0, |k| runs[run].covariance[(k, k)]);
+        let difference = at(1).unwrap_or(entry.neutral) - at(0).unwrap_or(entry.neutral);
+        let sum = variance(0) + variance(1);
+        EffectDifference {
+            effect: entry.key.0.clone(),
+            targets: entry.key.1.clone(),
+            parameter: entry.key.2.clone(),
+            unit: entry.unit,
+            size: ScalarDifference {
+                first: at(0),
+                second: at(1),
+                difference,
+                sd: sum.sqrt(),
+                test: Test::of(
+                    &DVector::from_element(1, difference),
+                    &DMatrix::from_element(1, 1, sum),
+                ),
+            },
+        }
+    })
+    .collect()
+}

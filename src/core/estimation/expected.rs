@@ -1,0 +1,122 @@
+//! What poses tell about the common parameters before anything is solved.
+//!
+//! Information adds up: `I = I_0 + sum R_k^T R_k`, where `I_0` is what priors and the home pose tell and `R_k` are
+//! the whitened rows of pose `k` that remain once its coordinates (and tensions) are eliminated. With the
+//! derivative `Q` of the rows by the pose, orthonormal, and the complement `Z` of its range, `R = Z^T G` for rows
+//! `G` by the common parameters: as few rows as the pose has readings more than coordinates.
+
+use nalgebra::DMatrix;
+
+use super::evaluator::{Elimination, Evaluator, Sums};
+use super::home::HomeRow;
+use super::parameter::Parameter;
+use super::problem::{Globals, Problem};
+use super::system::{ColumnMap, Priors, System};
+use crate::geometry::Pose;
+
+/// Length of a column of `Q` that a coordinate which the readings leave open does not have.
+const DETERMINED: f64 = 0.5;
+
+/// Information on the common parameters, pose by pose.
+#[derive(Debug, Clone)]
+pub struct ExpectedInformation {
+    /// The parameters, in the order of the columns.
+    pub parameters: Vec<Parameter>,
+    /// `I_0`: priors and the readings of the home pose.
+    pub common: DMatrix<f64>,
+    /// `R_k` of each pose, in their order.
+    pub poses: Vec<DMatrix<f64>>,
+}
+
+impl ExpectedInformation {
+    /// Information at the nominal values of `problem` when the platform is at `poses`, one for each of its rows
+    /// without the home row. Readings are those predicted there: their residuals are taken as zero.
+    ///
+    /// # Panics
+    /// If the number of poses is not that of the rows.
+    #[must_use]
+    pub fn new(problem: &Problem<'_>, poses: &[Pose]) -> Self {
+        let globals = Globals::nominal(problem);
+        let parameters = problem.parameters();
+        let rows = problem.pose_rows();
+        assert_eq!(rows.len(), poses.len(), "one pose per row");
+        let home = match problem.home_row() {
+            Some(row) => {
+                let mut evaluator = Evaluator::<f64>::home((), problem, &globals, row);
+                HomeRow::evaluate(&mut evaluator, problem, &globals, &parameters, None)
+            }
+            None => HomeRow::absolute(problem),
+        };
+        let mut evaluator = Evaluator::<f64>::new((), problem, &globals, rows, poses);
+        evaluator.set_globals(&globals, Some(&home.lengths));
+        let map = ColumnMap::new(problem, &parameters, &evaluator.layout);
+        let priors = Priors::evaluate(problem, &globals, &parameters);
+        let nothing = Sums::<f64>::new((), &evaluator.layout);
+        Self {
+            common: System::build(&nothing, &map, &home, &priors).information,
+            poses: (0..poses.len())
+                .map(|index| remaining_rows(&mut evaluator, index, &map, &home))
+                .collect(),
+            parameters,
+        }
+    }
+
+    /// The information of the poses picked and of all that is common.
+    #[must_use]
+    pub fn of(&self, picked: impl IntoIterator<Item = usize>) -> DMatrix<f64> {
+        let mut sum = self.common.clone();
+        for index in picked {
+            let rows = &self.poses[index];
+            sum.gemm_tr(1.0, rows, rows, 1.0);
+        }
+        sum
+    }
+}
+
+/// Inverse of an information matrix, or nothing if it is singular but for rounding.
+#[must_use]
+pub fn covariance_of(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let factor = information.clone().cholesky()?;
+    let pivots = factor.l_dirty().diagonal();
+    let scale = information.diagonal();
+    let regular = pivots.iter().zip(&scale).all(|(l, d)| l * l > 1e-12 * d);
+    regular.then(|| factor.inverse())
+}
+
+fn remaining_rows(
+    evaluator: &mut Evaluator<'_, f64>,
+    index: usize,
+    map: &ColumnMap,
+    home: &HomeRow,
+) -> DMatrix<f64> {
+    let layout = evaluator.layout.clone();
+    let equations = evaluator.equations_at(index);
+    let mut elimination = Elimination::new(&layout, 0.0);
+    elimination.eliminate(equations, &layout, 0.0);
+    let measured: Vec<usize> = (0..layout.rows)
+        .filter(|r| equations.present[*r] > 0.0)
+        .collect();
+    let mut basis = DMatrix::zeros(measured.len(), 6);
+    let mut rows: Option<DMatrix<f64>> = None;
+    for (k, r) in measured.iter().enumerate() {
+        let y = elimination.half_solve(equations.by_pose[*r]);
+        basis.row_mut(k).copy_from_slice(&y);
+        let gradient = elimination.remaining_gradient(equations, &layout, *r, y);
+        let mapped = map.map_row(home, &gradient);
+        let rows = rows.get_or_insert_with(|| DMatrix::zeros(measured.len(), mapped.len()));
+        rows.row_mut(k).copy_from_slice(&mapped);
+    }
+    let Some(mut rows) = rows else {
+        return DMatrix::zeros(0, 0);
+    };
+    let moving: Vec<_> = (basis.column_iter())
+        .filter(|column| column.norm() > DETERMINED)
+        .collect();
+    if moving.is_empty() || moving.len() >= measured.len() {
+        return rows;
+    }
+    let taken = moving.len();
+    let turn = DMatrix::from_columns(&moving).qr();
+    turn.q_tr_mul(&mut rows);
+    rows.rows(taken, measured.len() - taken).into_owned()
+}

@@ -1,0 +1,184 @@
+//! Poses that the robot can hold and its instruments can measure.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::outlook::Outlook;
+use super::{PlanError, PlanOptions, PlanProgress};
+use crate::estimation::Control;
+use crate::geometry::{Pose, Twist, Vec3};
+use crate::kinematics::inverse_kinematics;
+use crate::robot::{Laser, Robot};
+use crate::simulation::bounds;
+
+/// Poses that are tried for each that is wanted.
+const TRIES: usize = 20;
+/// Share of coordinates that are drawn at their limits: far apart, poses tell more.
+const AT_LIMIT: f64 = 0.4;
+/// Least cosine of the angle at which the beam meets the target.
+const LEAST_INCIDENCE: f64 = 0.5;
+/// Poses between two reports.
+const REPORTED: usize = 500;
+
+/// How many poses were drawn, and why some were refused.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Refused {
+    /// Poses drawn.
+    pub tried: usize,
+    /// A cable has no path there.
+    pub kinematics: usize,
+    /// No tensions within the limits hold the platform there.
+    pub tension: usize,
+    /// The beam misses the target, meets it beyond 60 degrees or at a distance outside the range.
+    pub laser: usize,
+    /// The platform would be too close to a pulley or a side of the frame.
+    pub frame: usize,
+}
+
+/// A pose that can be measured.
+#[derive(Debug, Clone)]
+pub(super) struct Candidate {
+    pub pose: Pose,
+    pub tensions_n: Vec<f64>,
+    pub laser_m: Option<f64>,
+}
+
+/// Draws candidates until there are enough or too many were refused.
+pub(super) fn draw(
+    outlook: &Outlook<'_>,
+    options: &PlanOptions<'_>,
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<(Vec<Candidate>, Refused), PlanError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+    let wanted = options.candidates.max(options.poses);
+    let frame = Frame::of(outlook, options.min_frame_distance_m);
+    let mut refused = Refused::default();
+    let mut found = Vec::with_capacity(wanted);
+    while found.len() < wanted && refused.tried < TRIES * wanted {
+        if refused.tried % REPORTED == 0 {
+            let progress = PlanProgress::Candidates {
+                found: found.len(),
+                wanted,
+            };
+            if observer(&progress) == Control::Cancel {
+                return Err(PlanError::Cancelled);
+            }
+        }
+        refused.tried += 1;
+        let pose = draw_pose(outlook, &mut rng);
+        found.extend(judged(outlook, options, &frame, pose, &mut refused));
+    }
+    if found.len() < options.poses {
+        return Err(PlanError::TooFewPoses {
+            found: found.len(),
+            wanted: options.poses,
+            refused,
+        });
+    }
+    Ok((found, refused))
+}
+
+fn draw_pose(outlook: &Outlook<'_>, rng: &mut ChaCha8Rng) -> Pose {
+    let workspace = &outlook.workspace;
+    let mut twist = Twist::zeros();
+    for coordinate in outlook.robot.platform.freedom().coordinates() {
+        let k = coordinate.index();
+        let half = match workspace.half_extent_m.get(k) {
+            Some(half) => *half,
+            None => workspace.half_rotation_rad,
+        };
+        let place: f64 = rng.random_range(-1.0..=1.0);
+        let at_limit = rng.random_range(0.0..1.0) < AT_LIMIT;
+        twist[k] = half * if at_limit { place.signum() } else { place };
+    }
+    workspace.centre.perturbed(&twist)
+}
+
+fn judged(
+    outlook: &Outlook<'_>,
+    options: &PlanOptions<'_>,
+    frame: &Frame,
+    pose: Pose,
+    refused: &mut Refused,
+) -> Option<Candidate> {
+    let robot = &outlook.robot;
+    if inverse_kinematics(robot, &pose).is_err() {
+        refused.kinematics += 1;
+        return None;
+    }
+    if !frame.is_clear_of(robot, &pose) {
+        refused.frame += 1;
+        return None;
+    }
+    let laser_m = match &robot.laser {
+        Some(laser) => {
+            let distance = laser_distance(laser, &pose);
+            let [near, far] = options.laser_range_m;
+            let Some(usable) = distance.filter(|d| (near..=far).contains(d)) else {
+                refused.laser += 1;
+                return None;
+            };
+            Some(usable)
+        }
+        None => None,
+    };
+    let Some(tensions_n) = outlook.tensions(&pose) else {
+        refused.tension += 1;
+        return None;
+    };
+    Some(Candidate {
+        pose,
+        tensions_n,
+        laser_m,
+    })
+}
+
+/// Distance from the sensor to the target plane along the beam (m); `None` where the beam misses it or grazes.
+fn laser_distance(laser: &Laser, pose: &Pose) -> Option<f64> {
+    let normal = Vec3::from(laser.target_plane.normal);
+    let origin = pose.transform(&laser.origin_m.into());
+    let towards = normal.dot(&(pose.orientation * Vec3::from(laser.direction)));
+    let distance = (laser.target_plane.offset_m - normal.dot(&origin)) / towards;
+    (towards.abs() >= LEAST_INCIDENCE && distance > 0.0).then_some(distance)
+}
+
+/// Entry points, and the sides of the box around them that the workspace is inside of.
+struct Frame {
+    distance_m: f64,
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Frame {
+    fn of(outlook: &Outlook<'_>, distance_m: f64) -> Self {
+        let (mut low, mut high) = bounds(&outlook.robot);
+        let centre = outlook.workspace.centre.position;
+        for k in 0..3 {
+            // A robot that hangs under its pulleys, or moves in their plane, has no frame on that side.
+            if centre[k] < low[k] + distance_m {
+                low[k] = f64::NEG_INFINITY;
+            }
+            if centre[k] > high[k] - distance_m {
+                high[k] = f64::INFINITY;
+            }
+        }
+        Self {
+            distance_m,
+            low,
+            high,
+        }
+    }
+
+    fn is_clear_of(&self, robot: &Robot, pose: &Pose) -> bool {
+        let margin = Vec3::repeat(self.distance_m);
+        robot.cables.iter().all(|cable| {
+            let anchor = pose.transform(&cable.platform_anchor_m.into());
+            let inside = anchor >= self.low + margin && anchor <= self.high - margin;
+            inside
+                && robot.cables.iter().all(|other| {
+                    let entry = Vec3::from(other.pulley.entry_point_m);
+                    (anchor - entry).norm() >= self.distance_m
+                })
+        })
+    }
+}

@@ -1,0 +1,192 @@
+//! D-optimal choice: greedy, then exchanges as long as they gain (Fedorov, Theory of Optimal Experiments, 1972).
+//!
+//! With the covariance `C` of what is chosen, a pose with rows `R` raises `ln det I` by `ln det(1 + R C R^T)`. A pose
+//! that comes in or goes out changes `C` by a product of low rank, and with it `R C R^T` of all others.
+
+use nalgebra::{DMatrix, DMatrixView};
+
+use super::{PlanError, PlanProgress};
+use crate::estimation::{Control, ExpectedInformation};
+
+/// Standard deviation (m, rad, ...) of a parameter of which nothing is known, while poses are chosen.
+const ANYWHERE: f64 = 10.0;
+/// Poses that take part in exchanges: those that would add most to the greedy choice.
+const EXCHANGEABLE: usize = 400;
+/// Gain of `ln det I` below which an exchange is none.
+const LEAST_GAIN: f64 = 1e-6;
+/// Most rounds of exchanges.
+const MOST_ROUNDS: usize = 30;
+
+/// The candidates chosen, in no order that matters.
+pub(super) fn choose(
+    information: &ExpectedInformation,
+    count: usize,
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Vec<usize>, PlanError> {
+    let all: Vec<usize> = (0..information.poses.len()).collect();
+    let mut pool = Pool::new(information, all);
+    for poses in 0..count {
+        report(observer, PlanProgress::Chosen { poses })?;
+        let Some(best) = pool.best() else { break };
+        pool.change(best, true);
+    }
+    let mut short = Pool::new(information, pool.most_useful(EXCHANGEABLE + count));
+    for place in 0..short.members.len() {
+        if pool.chosen[short.members[place]] {
+            short.change(place, true);
+        }
+    }
+    exchange(&mut short, observer)?;
+    let chosen = (0..short.members.len()).filter(|place| short.chosen[*place]);
+    Ok(chosen.map(|place| short.members[place]).collect())
+}
+
+fn report(
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+    progress: PlanProgress,
+) -> Result<(), PlanError> {
+    match observer(&progress) {
+        Control::Continue => Ok(()),
+        Control::Cancel => Err(PlanError::Cancelled),
+    }
+}
+
+fn exchange(
+    pool: &mut Pool<'_>,
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<(), PlanError> {
+    let mut exchanges = 0;
+    for _ in 0..MOST_ROUNDS {
+        report(observer, PlanProgress::Exchanged { exchanges })?;
+        let before = exchanges;
+        pool.refresh();
+        let chosen = (0..pool.members.len()).filter(|place| pool.chosen[*place]);
+        for out in chosen.collect::<Vec<_>>() {
+            pool.change(out, false);
+            let kept = pool.gain(out);
+            let better = pool.best().filter(|b| pool.gain(*b) > kept + LEAST_GAIN);
+            exchanges += usize::from(better.is_some());
+            pool.change(better.unwrap_or(out), true);
+        }
+        if exchanges == before {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Candidates with what they would add to those chosen.
+struct Pool<'a> {
+    information: &'a ExpectedInformation,
+    /// Candidates by their place in the information.
+    members: Vec<usize>,
+    chosen: Vec<bool>,
+    /// `R` of all members, one below the other.
+    rows: DMatrix<f64>,
+    first_row: Vec<usize>,
+    covariance: DMatrix<f64>,
+    /// `R C R^T` of each member.
+    own: Vec<DMatrix<f64>>,
+}
+
+impl<'a> Pool<'a> {
+    fn new(information: &'a ExpectedInformation, members: Vec<usize>) -> Self {
+        let mut first_row = vec![0];
+        for member in &members {
+            first_row.push(first_row[first_row.len() - 1] + information.poses[*member].nrows());
+        }
+        let parameters = information.parameters.len();
+        let mut rows = DMatrix::zeros(first_row[members.len()], parameters);
+        for (place, member) in members.iter().enumerate() {
+            let block = &information.poses[*member];
+            rows.rows_mut(first_row[place], block.nrows())
+                .copy_from(block);
+        }
+        let mut pool = Self {
+            information,
+            chosen: vec![false; members.len()],
+            own: Vec::new(),
+            covariance: DMatrix::zeros(parameters, parameters),
+            members,
+            rows,
+            first_row,
+        };
+        pool.refresh();
+        pool
+    }
+
+    fn block<'m>(&self, of: &'m DMatrix<f64>, place: usize) -> DMatrixView<'m, f64> {
+        let (from, to) = (self.first_row[place], self.first_row[place + 1]);
+        of.rows(from, to - from)
+    }
+
+    /// Computes everything anew from what is chosen.
+    fn refresh(&mut self) {
+        let chosen = (0..self.members.len()).filter(|place| self.chosen[*place]);
+        let mut total = self.information.of(chosen.map(|place| self.members[place]));
+        for k in 0..total.nrows() {
+            total[(k, k)] += ANYWHERE.powi(-2);
+        }
+        let Some(factor) = total.cholesky() else {
+            return;
+        };
+        self.covariance = factor.inverse();
+        let product = &self.rows * &self.covariance;
+        self.own = (0..self.members.len())
+            .map(|place| self.block(&product, place) * self.block(&self.rows, place).transpose())
+            .collect();
+    }
+
+    /// Takes a member in or out.
+    fn change(&mut self, place: usize, is_in: bool) {
+        let sign = if is_in { 1.0 } else { -1.0 };
+        let own = &self.own[place];
+        let inner = DMatrix::identity(own.nrows(), own.nrows()) + own * sign;
+        let Some(factor) = inner.cholesky() else {
+            return;
+        };
+        self.chosen[place] = is_in;
+        // W^T = L^-1 R C.
+        let mut root = self.block(&self.rows, place) * &self.covariance;
+        factor.l_dirty().solve_lower_triangular_mut(&mut root);
+        self.covariance.gemm_tr(-sign, &root, &root, 1.0);
+        let seen = &self.rows * root.transpose();
+        for other in 0..self.members.len() {
+            let (from, to) = (self.first_row[other], self.first_row[other + 1]);
+            let view = seen.rows(from, to - from);
+            self.own[other].gemm(-sign, &view, &view.transpose(), 1.0);
+        }
+    }
+
+    /// What a member would add to `ln det I`.
+    fn gain(&self, place: usize) -> f64 {
+        let own = &self.own[place];
+        let inner = DMatrix::identity(own.nrows(), own.nrows()) + own;
+        inner.cholesky().map_or(f64::NEG_INFINITY, |factor| {
+            let pivots = factor.l_dirty().diagonal();
+            2.0 * pivots.iter().map(|pivot| pivot.ln()).sum::<f64>()
+        })
+    }
+
+    /// The member outside that would add most.
+    fn best(&self) -> Option<usize> {
+        (0..self.members.len())
+            .filter(|place| !self.chosen[*place])
+            .map(|place| (place, self.gain(place)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(place, _)| place)
+    }
+
+    /// Candidates chosen and those that would add most besides.
+    fn most_useful(&self, count: usize) -> Vec<usize> {
+        let mut order: Vec<(bool, f64, usize)> = (0..self.members.len())
+            .map(|place| (self.chosen[place], self.gain(place), place))
+            .collect();
+        order.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
+        order.truncate(count);
+        order
+            .into_iter()
+            .map(|(.., place)| self.members[place])
+            .collect()
+    }
+}

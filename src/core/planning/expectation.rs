@@ -1,0 +1,125 @@
+//! Standard deviations to expect from poses, and how good they are in one number.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use rand::SeedableRng;
+use rand::seq::index::sample;
+use rand_chacha::ChaCha8Rng;
+
+use crate::estimation::{ExpectedInformation, Parameter, ParameterId, covariance_of};
+
+/// Random sets for comparison.
+const SETS: usize = 20;
+
+/// How good a set of poses is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Indices {
+    /// D: `ln det` of the information on all parameters (SI units); only differences mean anything. One more per
+    /// parameter is `e` times less variance in the mean.
+    pub log_det: f64,
+    /// E: standard deviation of the entry points along their worst direction together (m).
+    pub worst_m: Option<f64>,
+    /// A: root mean square standard deviation of the entry points' coordinates (m).
+    pub mean_m: Option<f64>,
+}
+
+/// What to expect of a set of poses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expectation {
+    /// Standard deviation of each parameter (SI units); `None` where the poses leave parameters open.
+    pub sd: Vec<Option<f64>>,
+    /// In few numbers.
+    pub indices: Indices,
+}
+
+impl Expectation {
+    /// What to expect of the poses picked, together with all that is common.
+    pub(super) fn of(
+        information: &ExpectedInformation,
+        picked: impl IntoIterator<Item = usize>,
+    ) -> Self {
+        let total = information.of(picked);
+        let covariance = covariance_of(&total);
+        let sd = |k: usize| covariance.as_ref().map(|c| c[(k, k)].sqrt());
+        let entry = covariance
+            .as_ref()
+            .and_then(|c| of_entry_points(&information.parameters, c));
+        Self {
+            sd: (0..information.parameters.len()).map(sd).collect(),
+            indices: Indices {
+                log_det: log_det(&total),
+                worst_m: entry.as_ref().map(|c| {
+                    let eigen = SymmetricEigen::new(c.clone());
+                    eigen.eigenvalues.max().max(0.0).sqrt()
+                }),
+                mean_m: entry.map(|c| (c.trace() / c.nrows() as f64).sqrt()),
+            },
+        }
+    }
+
+    /// Standard deviations of a cable's entry point (m); `None` along an axis that is not estimated or left open.
+    #[must_use]
+    pub fn entry_point_sd_m(&self, parameters: &[Parameter], cable: usize) -> [Option<f64>; 3] {
+        [0, 1, 2].map(|axis| {
+            let id = ParameterId::EntryPoint { cable, axis };
+            let index = parameters.iter().position(|p| p.id == id)?;
+            self.sd.get(index).copied().flatten()
+        })
+    }
+}
+
+fn log_det(information: &DMatrix<f64>) -> f64 {
+    let factor = information.clone().cholesky();
+    factor.map_or(f64::NEG_INFINITY, |factor| {
+        let pivots = factor.l_dirty().diagonal();
+        2.0 * pivots.iter().map(|pivot| pivot.ln()).sum::<f64>()
+    })
+}
+
+/// The part of a covariance that belongs to entry points.
+fn of_entry_points(parameters: &[Parameter], covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let is_entry = |p: &Parameter| matches!(p.id, ParameterId::EntryPoint { .. });
+    let picked: Vec<usize> = (0..parameters.len())
+        .filter(|k| is_entry(&parameters[*k]))
+        .collect();
+    (!picked.is_empty()).then(|| covariance.select_rows(&picked).select_columns(&picked))
+}
+
+/// What poses without a plan would give.
+pub(super) struct RandomSets {
+    /// Root mean square of the standard deviations, means of the indices.
+    pub typical: Expectation,
+    pub best_log_det: f64,
+}
+
+/// Expectations of sets of `count` poses drawn from all candidates.
+pub(super) fn random_sets(
+    information: &ExpectedInformation,
+    count: usize,
+    seed: u64,
+) -> RandomSets {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let sets: Vec<Expectation> = (0..SETS)
+        .map(|_| {
+            let picked = sample(&mut rng, information.poses.len(), count);
+            Expectation::of(information, picked)
+        })
+        .collect();
+    let mean_square = |values: &mut dyn Iterator<Item = Option<f64>>| {
+        let squares: Option<f64> = values.map(|v| v.map(|v| v * v)).sum();
+        squares.map(|sum| (sum / SETS as f64).sqrt())
+    };
+    let log_dets = || sets.iter().map(|set| set.indices.log_det);
+    RandomSets {
+        typical: Expectation {
+            sd: (0..information.parameters.len())
+                .map(|k| mean_square(&mut sets.iter().map(|set| set.sd[k])))
+                .collect(),
+            indices: Indices {
+                log_det: log_dets().sum::<f64>() / SETS as f64,
+                worst_m: mean_square(&mut sets.iter().map(|set| set.indices.worst_m)),
+                mean_m: mean_square(&mut sets.iter().map(|set| set.indices.mean_m)),
+            },
+        },
+        best_log_det: log_dets().fold(f64::NEG_INFINITY, f64::max),
+    }
+}

@@ -1,0 +1,230 @@
+//! Which poses to measure, so that they tell as much as possible about the robot.
+//!
+//! Poses are drawn that the robot can hold and the laser can measure; those are chosen that make the information on
+//! all parameters together largest (D-optimal), and put in an order of short moves in which no coordinate
+//! follows the time. What standard deviations to expect is known before anything is measured.
+
+mod candidates;
+mod design;
+mod expectation;
+mod order;
+mod outlook;
+#[cfg(test)]
+mod tests;
+
+pub use candidates::Refused;
+pub use expectation::{Expectation, Indices};
+pub use order::Order;
+
+use crate::effect::BoundEffect;
+use crate::estimation::{Control, EstimationError, ExpectedInformation, Method, Parameter};
+use crate::geometry::Pose;
+use crate::measurement::Measurements;
+use crate::robot::Robot;
+use crate::simulation::{SimulationError, TensionRange, Workspace};
+
+use candidates::{Candidate, draw};
+use outlook::Outlook;
+
+/// What is planned.
+#[derive(Debug, Clone)]
+pub struct PlanOptions<'a> {
+    /// Number of poses to measure, the home pose not counted.
+    pub poses: usize,
+    /// Number of feasible poses from which they are chosen.
+    pub candidates: usize,
+    /// Seed of the poses drawn.
+    pub seed: u64,
+    /// Where the platform may go; by default around its home pose.
+    pub workspace: Option<Workspace>,
+    /// How cables are tensioned; by default as suits the weight.
+    pub tension: Option<TensionRange>,
+    /// Effects that are to be estimated as well.
+    pub effects: &'a [BoundEffect],
+    /// What was measured already, counted from the same home pose; the plan completes it.
+    pub existing: Option<&'a Measurements>,
+    /// How identification will treat tensions.
+    pub method: Method,
+    /// Least distance of the platform's anchors from entry points and from the sides of the frame (m).
+    pub min_frame_distance_m: f64,
+    /// Least and largest distance at which the laser measures (m).
+    pub laser_range_m: [f64; 2],
+}
+
+impl PlanOptions<'_> {
+    /// So many poses of 3000 candidates, with the joint method.
+    #[must_use]
+    pub fn new(poses: usize, seed: u64) -> Self {
+        Self {
+            poses,
+            candidates: 3000,
+            seed,
+            workspace: None,
+            tension: None,
+            effects: &[],
+            existing: None,
+            method: Method::Joint,
+            min_frame_distance_m: 0.02,
+            laser_range_m: [0.02, 100.0],
+        }
+    }
+}
+
+/// What a plan is busy with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlanProgress {
+    /// Drawing poses that can be held.
+    Candidates {
+        /// Those found.
+        found: usize,
+        /// Those wanted.
+        wanted: usize,
+    },
+    /// Choosing one after the other.
+    Chosen {
+        /// Poses chosen so far.
+        poses: usize,
+    },
+    /// Exchanging chosen poses for better ones.
+    Exchanged {
+        /// Exchanges so far.
+        exchanges: usize,
+    },
+}
+
+/// Why there is no plan.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    /// Nothing was asked for.
+    #[error("found 0 poses to plan, expected at least 1")]
+    NoPoses,
+    /// There is nothing that measuring would tell.
+    #[error(
+        "nothing is to be identified: every entry point, the home pose and the target plane count as known exactly"
+    )]
+    NothingToEstimate,
+    /// The robot cannot be held at enough poses.
+    #[error(
+        "only {found} of the {wanted} poses needed can be held and measured; of {} tried, {} have no cable path, {} no \
+         tensions that hold the platform, {} no usable laser distance, {} are too close to the frame",
+        refused.tried, refused.kinematics, refused.tension, refused.laser, refused.frame
+    )]
+    TooFewPoses {
+        /// Poses found.
+        found: usize,
+        /// Poses wanted.
+        wanted: usize,
+        /// Why the others were refused.
+        refused: Refused,
+    },
+    /// The measured poses cannot be used.
+    #[error("the poses already measured do not lead to a solution on which a plan could build")]
+    Existing,
+    /// The observer cancelled.
+    #[error("the plan was cancelled")]
+    Cancelled,
+    /// The robot or its measurements cannot be used.
+    #[error(transparent)]
+    Estimation(#[from] EstimationError),
+    /// The robot cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+}
+
+/// A pose to be measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedPose {
+    /// Label that it is to have in the measurements.
+    pub label: i64,
+    /// Pose to command.
+    pub pose: Pose,
+    /// Tensions that hold the platform there (N); zeros where tension is not modelled.
+    pub tensions_n: Vec<f64>,
+    /// Laser distance to expect (m).
+    pub laser_m: Option<f64>,
+}
+
+/// Poses to measure, and what they will tell.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The poses in the order in which to measure them.
+    pub poses: Vec<PlannedPose>,
+    /// How many poses were drawn and why some were refused.
+    pub refused: Refused,
+    /// Number of candidates among which was chosen.
+    pub candidates: usize,
+    /// Path length, and how far coordinates follow the time.
+    pub order: Order,
+    /// What the plan makes of the parameters, together with the poses measured already.
+    pub expected: Expectation,
+    /// The same of as many poses drawn at random from the candidates: root mean square over several sets.
+    pub random: Expectation,
+    /// Largest `ln det` of the information among those sets.
+    pub best_random_log_det: f64,
+    information: ExpectedInformation,
+}
+
+impl Plan {
+    /// The parameters that will be estimated, in the order of the expectations.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.information.parameters
+    }
+
+    /// What to expect after the first `count` poses of the plan: where this is good enough, the rest can be left.
+    #[must_use]
+    pub fn after(&self, count: usize) -> Expectation {
+        let count = count.min(self.poses.len());
+        Expectation::of(&self.information, 0..count)
+    }
+}
+
+/// Chooses poses to measure on `robot`.
+///
+/// # Errors
+/// If the robot cannot be held at enough poses, nothing is to be identified, the poses measured already cannot be
+/// used, or the observer cancelled.
+pub fn plan(
+    robot: &Robot,
+    options: &PlanOptions<'_>,
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Plan, PlanError> {
+    if options.poses == 0 {
+        return Err(PlanError::NoPoses);
+    }
+    let outlook = Outlook::new(robot, options)?;
+    let (candidates, refused) = draw(&outlook, options, observer)?;
+    let labels = outlook.scattered(candidates.len());
+    let pool = outlook.information(labels.zip(&candidates))?;
+    if pool.parameters.is_empty() {
+        return Err(PlanError::NothingToEstimate);
+    }
+    let chosen = design::choose(&pool, options.poses, observer)?;
+    let random = expectation::random_sets(&pool, options.poses, options.seed);
+    let poses: Vec<Pose> = chosen.iter().map(|index| candidates[*index].pose).collect();
+    let order = Order::of(&outlook.robot, outlook.start(), &poses);
+    let ordered: Vec<&Candidate> = (order.sequence.iter())
+        .map(|place| &candidates[chosen[*place]])
+        .collect();
+    // Once more, now that time and direction of travel are known.
+    let labels = outlook.labels();
+    let information = outlook.information(labels.clone().zip(ordered.iter().copied()))?;
+    Ok(Plan {
+        poses: labels
+            .zip(&ordered)
+            .map(|(label, candidate)| PlannedPose {
+                label,
+                pose: candidate.pose,
+                tensions_n: candidate.tensions_n.clone(),
+                laser_m: candidate.laser_m,
+            })
+            .collect(),
+        refused,
+        candidates: candidates.len(),
+        order,
+        expected: Expectation::of(&information, 0..ordered.len()),
+        random: random.typical,
+        best_random_log_det: random.best_log_det,
+        information,
+    })
+}

@@ -1,0 +1,179 @@
+//! The order of measurement: short moves, but no coordinate that rises or falls with the time.
+//!
+//! What drifts with time (temperature, laser, cables that creep) looks like geometry if the platform moves steadily
+//! from one end to the other meanwhile. So the path that is shortened (nearest neighbour, then reversed parts: 2-opt)
+//! counts as longer by four parts for each unit by which the largest correlation of a coordinate with the place in
+//! the order exceeds 0.15: `cost = length (1 + 4 max(0, |rho| - 0.15))`.
+
+use crate::geometry::{Coordinate, Pose, Vec3};
+use crate::robot::Robot;
+
+/// Correlation that costs nothing.
+const FREE_CORRELATION: f64 = 0.15;
+/// Part of the length that one unit of correlation costs.
+const COST_OF_CORRELATION: f64 = 4.0;
+/// Gain that is worth another change, as part of the cost.
+const LEAST_GAIN: f64 = 1e-9;
+
+/// The order in which poses are visited.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Order {
+    /// Indices of the poses, in the order of their visits.
+    pub sequence: Vec<usize>,
+    /// Length of the way from the start through all poses, rotations counted at the anchors (m).
+    pub travel_m: f64,
+    /// The same in the order in which the poses were given (m).
+    pub unordered_travel_m: f64,
+    /// Correlation of each coordinate with the place in the order.
+    pub time_correlation: Vec<(Coordinate, f64)>,
+}
+
+impl Order {
+    /// Orders `poses`, beginning near `start`.
+    #[must_use]
+    pub fn of(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
+        let tour = Tour::new(robot, start, poses);
+        let given: Vec<usize> = (0..poses.len()).collect();
+        let mut sequence = tour.nearest_neighbours();
+        tour.improve(&mut sequence);
+        let coordinates = robot.platform.freedom().coordinates().to_vec();
+        Self {
+            travel_m: tour.length(&sequence),
+            unordered_travel_m: tour.length(&given),
+            time_correlation: coordinates
+                .into_iter()
+                .zip(tour.correlations(&sequence))
+                .collect(),
+            sequence,
+        }
+    }
+
+    /// Largest correlation of a coordinate with the place in the order.
+    #[must_use]
+    pub fn worst_correlation(&self) -> f64 {
+        let all = self.time_correlation.iter();
+        all.map(|(_, rho)| rho.abs()).fold(0.0, f64::max)
+    }
+}
+
+struct Tour {
+    /// Distance of every pose from every other, the start being the last (m).
+    distance: Vec<Vec<f64>>,
+    /// Standardised coordinates: one list per coordinate.
+    coordinates: Vec<Vec<f64>>,
+}
+
+impl Tour {
+    fn new(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
+        let arms = robot.cables.iter();
+        let arm = arms
+            .map(|cable| Vec3::from(cable.platform_anchor_m).norm())
+            .fold(0.0, f64::max);
+        let places: Vec<Pose> = poses.iter().copied().chain([start]).collect();
+        let between = |a: &Pose, b: &Pose| {
+            let twist = a.difference(b);
+            let shift = twist.fixed_rows::<3>(0).norm();
+            shift.hypot(arm * twist.fixed_rows::<3>(3).norm())
+        };
+        let freedom = robot.platform.freedom();
+        let coordinate = |k: usize| {
+            standardised(
+                poses
+                    .iter()
+                    .map(|pose| pose.difference(&start)[k])
+                    .collect(),
+            )
+        };
+        Self {
+            distance: places
+                .iter()
+                .map(|a| places.iter().map(|b| between(a, b)).collect())
+                .collect(),
+            coordinates: (freedom.coordinates().iter())
+                .map(|c| coordinate(c.index()))
+                .collect(),
+        }
+    }
+
+    fn start(&self) -> usize {
+        self.distance.len() - 1
+    }
+
+    fn nearest_neighbours(&self) -> Vec<usize> {
+        let mut left: Vec<usize> = (0..self.start()).collect();
+        let mut sequence = Vec::with_capacity(left.len());
+        let mut at = self.start();
+        while let Some(k) = (0..left.len())
+            .min_by(|a, b| self.distance[at][left[*a]].total_cmp(&self.distance[at][left[*b]]))
+        {
+            at = left.swap_remove(k);
+            sequence.push(at);
+        }
+        sequence
+    }
+
+    /// Reverses parts of the sequence as long as that lowers the cost.
+    fn improve(&self, sequence: &mut [usize]) {
+        let mut cost = self.cost(sequence);
+        loop {
+            let before = cost;
+            for from in 0..sequence.len() {
+                for to in from + 1..sequence.len() {
+                    sequence[from..=to].reverse();
+                    let changed = self.cost(sequence);
+                    if changed < cost * (1.0 - LEAST_GAIN) {
+                        cost = changed;
+                    } else {
+                        sequence[from..=to].reverse();
+                    }
+                }
+            }
+            if cost >= before * (1.0 - LEAST_GAIN) {
+                return;
+            }
+        }
+    }
+
+    fn cost(&self, sequence: &[usize]) -> f64 {
+        let correlations = self.correlations(sequence);
+        let worst = correlations.iter().fold(0.0_f64, |w, rho| w.max(rho.abs()));
+        let excess = (worst - FREE_CORRELATION).max(0.0);
+        self.length(sequence) * (1.0 + COST_OF_CORRELATION * excess)
+    }
+
+    fn length(&self, sequence: &[usize]) -> f64 {
+        let mut at = self.start();
+        let mut length = 0.0;
+        for next in sequence {
+            length += self.distance[at][*next];
+            at = *next;
+        }
+        length
+    }
+
+    fn correlations(&self, sequence: &[usize]) -> Vec<f64> {
+        let count = sequence.len() as f64;
+        let middle = (count - 1.0) / 2.0;
+        // Standard deviation of the places 0, 1, .., count - 1.
+        let spread = ((count * count - 1.0) / 12.0).sqrt().max(f64::MIN_POSITIVE);
+        let rho = |values: &Vec<f64>| {
+            let terms = sequence.iter().enumerate();
+            let sum: f64 = terms.map(|(t, k)| (t as f64 - middle) * values[*k]).sum();
+            sum / (count * spread)
+        };
+        self.coordinates.iter().map(rho).collect()
+    }
+}
+
+/// Values less their mean, in their standard deviations; zeros where they do not vary.
+fn standardised(values: Vec<f64>) -> Vec<f64> {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count;
+    let scale = if variance > 0.0 {
+        variance.sqrt().recip()
+    } else {
+        0.0
+    };
+    values.into_iter().map(|v| (v - mean) * scale).collect()
+}

@@ -1,0 +1,153 @@
+//! The robot as it is known when the plan is made, and what readings at further poses would tell about it.
+
+use super::candidates::Candidate;
+use super::{PlanError, PlanOptions};
+use crate::effect::{BoundEffect, measurements_as_modelled};
+use crate::estimation::{
+    Control, EstimationError, ExpectedInformation, Options, Problem, Solution, solve,
+};
+use crate::geometry::Pose;
+use crate::measurement::{Dataset, Measurements};
+use crate::robot::Robot;
+use crate::simulation::{
+    PlannedRow, SimulationError, TensionRange, Workspace, hold_after_home, planned_readings,
+};
+
+/// What is known before the poses of a plan are measured.
+pub(super) struct Outlook<'a> {
+    /// The robot, as the poses measured already have it; with the effects of its model alone.
+    pub robot: Robot,
+    /// Where the platform may go.
+    pub workspace: Workspace,
+    options: &'a PlanOptions<'a>,
+    tension: TensionRange,
+    /// Effects of the model and those to be estimated.
+    acting: Vec<BoundEffect>,
+    free: Vec<BoundEffect>,
+    /// The poses measured already, as the model has them, and the solution.
+    known: Option<(Measurements, Solution)>,
+}
+
+impl<'a> Outlook<'a> {
+    pub fn new(robot: &Robot, options: &'a PlanOptions<'a>) -> Result<Self, PlanError> {
+        let mut outlook = Self {
+            robot: robot.clone(),
+            workspace: options.workspace.unwrap_or_else(|| Workspace::of(robot)),
+            tension: options.tension.unwrap_or_else(|| TensionRange::of(robot)),
+            acting: Vec::new(),
+            free: options.effects.to_vec(),
+            known: None,
+            options,
+        };
+        if let Some(existing) = options.existing {
+            outlook.learn(existing)?;
+        }
+        let held: Result<Vec<_>, _> = (outlook.robot.effects.iter())
+            .map(|setting| BoundEffect::from_setting(setting, robot))
+            .collect();
+        outlook.acting = held.map_err(EstimationError::Effect)?;
+        outlook.acting.extend(outlook.free.iter().cloned());
+        Ok(outlook)
+    }
+
+    /// Takes over what the poses measured already tell.
+    fn learn(&mut self, existing: &Measurements) -> Result<(), PlanError> {
+        let modelled = measurements_as_modelled(&self.robot, existing);
+        let dataset = Dataset {
+            measurements: modelled.map_err(EstimationError::Effect)?.into_owned(),
+            robot: self.robot.clone(),
+        };
+        let problem = self.problem(&dataset)?;
+        let quiet = &mut |_: &_| Control::Continue;
+        let solution = solve(&problem, &Options::default(), quiet)?;
+        if !solution.converged() {
+            return Err(PlanError::Existing);
+        }
+        let held = problem.held_effects.len();
+        let mut globals = solution.globals.clone();
+        self.free = globals.effects.split_off(held);
+        self.robot = globals.model(&self.robot);
+        self.known = Some((dataset.measurements, solution));
+        Ok(())
+    }
+
+    fn problem<'d>(&self, dataset: &'d Dataset) -> Result<Problem<'d>, PlanError> {
+        let mut problem = Problem::new(dataset)?.with_method(self.options.method);
+        problem.free_effects.clone_from(&self.free);
+        Ok(problem)
+    }
+
+    /// Where the platform is before the first pose.
+    pub fn start(&self) -> Pose {
+        self.robot
+            .home
+            .map_or(self.workspace.centre, |home| home.pose())
+    }
+
+    /// Labels of the poses of the plan, in their order.
+    pub fn labels(&self) -> impl Iterator<Item = i64> + Clone + use<> {
+        let measured = self.known.iter().flat_map(|(data, _)| &data.labels);
+        let last = measured.copied().max().unwrap_or(0);
+        (last + 1..).take(self.options.poses)
+    }
+
+    /// Labels of candidates: when each would be measured is not known yet, so they take turns.
+    pub fn scattered(&self, count: usize) -> impl Iterator<Item = i64> + use<> {
+        self.labels().cycle().take(count)
+    }
+
+    /// Tensions that hold the platform, if there are any and the cables have paths.
+    pub fn tensions(&self, pose: &Pose) -> Option<Vec<f64>> {
+        hold_after_home(&self.robot, &self.acting, pose, &self.tension)
+            .ok()
+            .flatten()
+    }
+
+    /// What each of these poses tells, and all that is known without them.
+    pub fn information<'c>(
+        &self,
+        visits: impl Iterator<Item = (i64, &'c Candidate)>,
+    ) -> Result<ExpectedInformation, PlanError> {
+        let mut rows = Vec::new();
+        if let Some(home) = &self.robot.home {
+            let pose = home.pose();
+            rows.push(PlannedRow {
+                label: 0,
+                tensions_n: self.tensions(&pose).ok_or(SimulationError::Infeasible {
+                    lower_n: self.tension.lower_n,
+                    upper_n: self.tension.upper_n,
+                    place: "the home pose",
+                })?,
+                pose,
+            });
+        }
+        let first = rows.len();
+        rows.extend(visits.map(|(label, candidate)| PlannedRow {
+            label,
+            pose: candidate.pose,
+            tensions_n: candidate.tensions_n.clone(),
+        }));
+        let mut truth = self.robot.clone();
+        truth.effects = (self.acting.iter())
+            .map(|bound| bound.setting(&self.robot))
+            .collect();
+        let mut measurements = planned_readings(&truth, &rows)?;
+        if let Some((data, _)) = &self.known {
+            measurements.leave_out_unread(data);
+        }
+        let dataset = Dataset {
+            robot: self.robot.clone(),
+            measurements,
+        };
+        let problem = self.problem(&dataset)?;
+        let poses: Vec<Pose> = rows[first..].iter().map(|row| row.pose).collect();
+        let mut information = ExpectedInformation::new(&problem, &poses);
+        if let Some((_, solution)) = &self.known {
+            if information.parameters != solution.parameters {
+                return Err(PlanError::Existing);
+            }
+            information.common.clone_from(&solution.information);
+        }
+        Ok(information)
+    }
+}

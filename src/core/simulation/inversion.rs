@@ -1,0 +1,97 @@
+//! The readings that a model predicts exactly: its inverse.
+
+use crate::effect::Circumstances;
+use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_under};
+use crate::geometry::Pose;
+use crate::measurement::{Dataset, Grid};
+
+/// Least and most steps that invert the models of winch, force sensor and laser.
+const INVERSION_STEPS: [usize; 2] = [12, 300];
+/// Readings that change by less than this (m, N, rad) are final.
+const SETTLED_READING: f64 = 1e-13;
+
+/// Finds the readings that the true model predicts exactly at true poses and tensions (N), for cables that
+/// travelled in the given directions.
+pub(super) fn invert(
+    exact: &mut Dataset,
+    (poses, tensions): (&[Pose], &Grid),
+    directions: &Grid,
+) -> Result<(), EstimationError> {
+    invert_within(INVERSION_STEPS, exact, (poses, tensions), directions)
+}
+
+/// The same with other least and most steps.
+pub(super) fn invert_within(
+    [least, most]: [usize; 2],
+    exact: &mut Dataset,
+    (poses, tensions): (&[Pose], &Grid),
+    directions: &Grid,
+) -> Result<(), EstimationError> {
+    let rows: Vec<usize> = (0..poses.len()).collect();
+    for step in 0..most {
+        let residuals = {
+            let problem = Problem::new(exact)?.with_method(Method::Simple);
+            let (robot, data) = (&exact.robot, &exact.measurements);
+            let home = problem.home_row();
+            let known = Circumstances::new(robot, data, home, poses, Some(directions));
+            let globals = Globals::nominal(&problem);
+            residuals_under(Some(known.into()), &problem, &globals, (&rows, poses))
+        };
+        let home = exact.robot.home.and(exact.measurements.home_row());
+        let mut largest = 0.0_f64;
+        for (row, residual) in residuals.iter().enumerate() {
+            let tensions = tensions.row(row);
+            let changes = correct(exact, row, residual, tensions, Some(row) == home);
+            largest = largest.max(changes);
+        }
+        if step + 1 >= least && largest < SETTLED_READING {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Corrects the readings of a row and returns the largest change (m, N, rad).
+fn correct(
+    exact: &mut Dataset,
+    row: usize,
+    residual: &RowResidual,
+    tensions: &[f64],
+    is_home: bool,
+) -> f64 {
+    let data = &mut exact.measurements;
+    let mut largest = 0.0_f64;
+    let mut changed = |step: f64| largest = largest.max(step.abs());
+    for (index, cable) in exact.robot.cables.iter().enumerate() {
+        let add = |grid: &mut Grid, step: f64| grid.set(row, index, grid.get(row, index) + step);
+        if !data.revolutions.is_empty() && !is_home {
+            changed(residual.length_m[index]);
+            let step = residual.length_m[index] / cable.winch.cable_per_revolution_m();
+            add(&mut data.revolutions, step);
+        }
+        if !data.length_m.is_empty() {
+            changed(residual.length_m[index]);
+            add(&mut data.length_m, residual.length_m[index]);
+        }
+        if let (Some(sensor), false) = (cable.force_sensor, data.force_n.is_empty()) {
+            let step = sensor.tension_gain * (tensions[index] - residual.tension_n[index]);
+            changed(step * 1e-3);
+            add(&mut data.force_n, step);
+        }
+        if !data.swivel_rad.is_empty() {
+            changed(residual.swivel_rad[index]);
+            add(&mut data.swivel_rad, residual.swivel_rad[index]);
+        }
+    }
+    if let Some(laser) = data.laser_m.get_mut(row) {
+        changed(residual.laser_m);
+        *laser += residual.laser_m;
+    }
+    if let Some(angles) = data.inclination_rad.get_mut(row) {
+        for k in 0..3 {
+            changed(residual.inclination_rad[k]);
+            angles[k] += residual.inclination_rad[k];
+        }
+    }
+    largest
+}

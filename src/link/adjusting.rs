@@ -1,0 +1,254 @@
+//! Writing identified values to a controller, so that it holds either all old or all new ones.
+//!
+//! There is no transaction in a controller. So the old values are read first, the new ones are written and read back,
+//! and if any did not arrive the old ones are written and read back.
+
+use tautline_core::estimation::{ParameterId, Solution};
+use tautline_core::robot::Robot;
+
+use crate::controller::{Controller, LinkError};
+use crate::parameters::{ParameterInfo, parameters_of};
+
+/// A value has arrived if it differs by less than this (m, rad, 1): rounding to single precision is arriving.
+const ARRIVED: f64 = 1e-9;
+/// See above, relative to the value.
+const ARRIVED_RELATIVE: f64 = 2e-7;
+
+/// One parameter at the controller and as identified.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Difference {
+    /// Name; see [`crate::parameters`].
+    pub name: String,
+    /// SI unit; "1" for a ratio.
+    pub unit: &'static str,
+    /// What the controller holds; `None`: it has no such parameter, so the value cannot be written.
+    pub controller: Option<f64>,
+    /// What was identified.
+    pub identified: f64,
+    /// Identified less controller.
+    pub difference: Option<f64>,
+    /// Standard deviation of the identified value, where the parameter was estimated and the data determine it.
+    pub sd: Option<f64>,
+}
+
+impl Difference {
+    /// Whether the controller holds another value and can be given this one.
+    #[must_use]
+    pub fn is_writable_change(&self) -> bool {
+        self.controller
+            .is_some_and(|held| !arrived(held, self.identified))
+    }
+}
+
+/// Every parameter of the identified model beside what the controller holds.
+#[must_use]
+pub fn plan_adjustment(
+    controller: &[ParameterInfo],
+    identified: &Robot,
+    solution: Option<&Solution>,
+) -> Vec<Difference> {
+    parameters_of(identified)
+        .into_iter()
+        .map(|parameter| {
+            let held = controller.iter().find(|p| p.name == parameter.name);
+            let held = held.map(|p| p.value);
+            Difference {
+                controller: held,
+                identified: parameter.value,
+                difference: held.map(|held| parameter.value - held),
+                sd: solution.and_then(|s| deviation(s, identified, &parameter.name)),
+                unit: parameter.unit,
+                name: parameter.name,
+            }
+        })
+        .collect()
+}
+
+/// Standard deviation of an estimated parameter by its name at the controller.
+///
+/// That of a component of the home rotation is that of the small rotation by which it was estimated: the same
+/// for the small angles of a home pose.
+fn deviation(solution: &Solution, robot: &Robot, name: &str) -> Option<f64> {
+    let axes = ["x", "y", "z"];
+    let named = |id: &ParameterId| match id {
+        ParameterId::EntryPoint { cable, axis } => {
+            let cable = &robot.cables.get(*cable)?.name;
+            Some(format!("{cable}.entry_point.{}_m", axes.get(*axis)?))
+        }
+        ParameterId::PlaneOffset => Some("laser.target_plane.offset_m".to_owned()),
+        ParameterId::Home(coordinate) => {
+            let k = coordinate.index();
+            Some(match k {
+                0..3 => format!("home.{}_m", axes[k]),
+                _ => format!("home.r{}_rad", axes.get(k - 3)?),
+            })
+        }
+        ParameterId::HomeTension { .. } | ParameterId::Effect { .. } => None,
+    };
+    let index = solution.parameters.iter().position(|parameter| {
+        named(&parameter.id).is_some_and(|known| known == name)
+            || effect_named(solution, robot, &parameter.id).is_some_and(|known| known == name)
+    })?;
+    solution.standard_deviation(index)
+}
+
+/// Name at the controller of an effect's parameter; free effects come after the held ones.
+fn effect_named(solution: &Solution, robot: &Robot, id: &ParameterId) -> Option<String> {
+    let ParameterId::Effect { effect, parameter } = id else {
+        return None;
+    };
+    let freed = solution.parameters.iter().filter_map(|p| match p.id {
+        ParameterId::Effect { effect, .. } => Some(effect + 1),
+        _ => None,
+    });
+    let effects = &solution.globals.effects;
+    let held = effects.len().checked_sub(freed.max()?)?;
+    let bound = effects.get(held + effect)?;
+    let setting = bound.setting(robot);
+    let known = bound.effect.parameters().get(*parameter)?;
+    Some(crate::parameters::effect_name(&setting, known.name))
+}
+
+/// What the controller holds after an attempt to write.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Holds {
+    /// All new values.
+    New,
+    /// All old values, as if nothing had been written.
+    Old,
+    /// Some of both: these parameters do not have their old value.
+    Mixed(Vec<String>),
+    /// It cannot be told, because the controller no longer answers.
+    Unknown,
+}
+
+/// Outcome of an attempt to write.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adjustment {
+    /// What the controller holds now.
+    pub holds: Holds,
+    /// What the controller held before, to write back by hand or with [`write_adjustment`].
+    pub old: Vec<(String, f64)>,
+    /// What went wrong, where something did.
+    pub problem: Option<String>,
+    /// What to do next: one sentence.
+    pub advice: String,
+}
+
+/// Writes new values and makes sure that they arrived, or brings back the old ones.
+///
+/// # Errors
+/// If nothing was written: the controller is not armed or the old values cannot be read.
+pub fn write_adjustment(
+    controller: &mut dyn Controller,
+    new: &[(String, f64)],
+) -> Result<Adjustment, LinkError> {
+    if !controller.state().armed {
+        return Err(LinkError::NotArmed);
+    }
+    let names: Vec<String> = new.iter().map(|(name, _)| name.clone()).collect();
+    let held = controller.read(&names)?;
+    if held.len() != names.len() {
+        let text = "it told fewer values than were asked for";
+        return Err(LinkError::Refused(text.to_owned()));
+    }
+    let old: Vec<(String, f64)> = names.into_iter().zip(held).collect();
+    let problem = match write_and_compare(controller, new) {
+        Ok(wrong) if wrong.is_empty() => {
+            return Ok(Adjustment {
+                holds: Holds::New,
+                old,
+                problem: None,
+                advice: "Verify the new values with a verification run.".to_owned(),
+            });
+        }
+        Ok(wrong) => format!(
+            "These values did not arrive as written: {}.",
+            wrong.join(", ")
+        ),
+        Err(error) => format!("Writing stopped: {error}."),
+    };
+    Ok(roll_back(controller, old, problem))
+}
+
+/// Brings back the old values.
+fn roll_back(
+    controller: &mut dyn Controller,
+    old: Vec<(String, f64)>,
+    problem: String,
+) -> Adjustment {
+    let (holds, advice) = match write_and_compare(controller, &old) {
+        Ok(wrong) if wrong.is_empty() => (
+            Holds::Old,
+            "The controller holds its old values: look for the cause, then write again.".to_owned(),
+        ),
+        Ok(wrong) => {
+            let list = wrong.join(", ");
+            let advice = format!(
+                "Do not move the robot: correct these values at the controller by hand: {list}."
+            );
+            (Holds::Mixed(wrong), advice)
+        }
+        Err(error) => what_is_left(controller, &old, &error),
+    };
+    Adjustment {
+        holds,
+        old,
+        problem: Some(problem),
+        advice,
+    }
+}
+
+/// What can be told when the old values could not be written: reading may still work.
+fn what_is_left(
+    controller: &mut dyn Controller,
+    old: &[(String, f64)],
+    error: &LinkError,
+) -> (Holds, String) {
+    match differing(controller, old) {
+        Ok(wrong) if wrong.is_empty() => (
+            Holds::Old,
+            "The controller holds its old values: look for the cause, then write again.".to_owned(),
+        ),
+        Ok(wrong) => {
+            let advice = format!(
+                "Do not move the robot: {} of its values are new and the old ones could not be written ({error}); write the old values again.",
+                wrong.len()
+            );
+            (Holds::Mixed(wrong), advice)
+        }
+        Err(_) => (
+            Holds::Unknown,
+            "Do not move the robot: connect again and write the old values, which are saved here, before anything else.".to_owned(),
+        ),
+    }
+}
+
+fn write_and_compare(
+    controller: &mut dyn Controller,
+    values: &[(String, f64)],
+) -> Result<Vec<String>, LinkError> {
+    controller.write(values)?;
+    differing(controller, values)
+}
+
+/// Names of the values that the controller does not hold.
+fn differing(
+    controller: &mut dyn Controller,
+    values: &[(String, f64)],
+) -> Result<Vec<String>, LinkError> {
+    let names: Vec<String> = values.iter().map(|(name, _)| name.clone()).collect();
+    let held = controller.read(&names)?;
+    let held = held.into_iter().map(Some).chain(std::iter::repeat(None));
+    let pairs = values.iter().zip(held);
+    let wrong = pairs.filter(|((_, value), held)| !held.is_some_and(|held| arrived(held, *value)));
+    Ok(wrong.map(|((name, _), _)| name.clone()).collect())
+}
+
+fn arrived(held: f64, value: f64) -> bool {
+    (held - value).abs() <= ARRIVED + ARRIVED_RELATIVE * value.abs()
+}
+
+#[cfg(test)]
+#[path = "adjusting_tests.rs"]
+mod tests;

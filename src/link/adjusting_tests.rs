@@ -1,0 +1,129 @@
+//! Tests of writing to a simulated controller that fails in every way.
+
+use super::*;
+use crate::simulated::{Fault, SimulatedRobot};
+use crate::testing::{armed, identified, measured, preset};
+use crate::{Limited, ManualClock};
+
+fn robot(faults: Vec<Fault>) -> (Limited<SimulatedRobot>, ManualClock) {
+    let (mut robot, clock) = armed(&preset("mini"), |_| ());
+    robot.inner_mut().set_faults(faults);
+    (robot, clock)
+}
+
+fn new_values() -> Vec<(String, f64)> {
+    let names = ["x", "y", "z"].map(|axis| format!("cable-2.entry_point.{axis}_m"));
+    names.into_iter().zip([-0.49, -0.37, -0.45]).collect()
+}
+
+fn held(robot: &mut Limited<SimulatedRobot>) -> Vec<f64> {
+    let names: Vec<String> = new_values().into_iter().map(|(name, _)| name).collect();
+    robot.read(&names).unwrap()
+}
+
+const OLD: [f64; 3] = [-0.5, -0.378, -0.4415];
+
+fn attempt(faults: Vec<Fault>) -> (Adjustment, Limited<SimulatedRobot>) {
+    let (mut robot, _) = robot(faults);
+    let adjustment = write_adjustment(&mut robot, &new_values()).unwrap();
+    let old: Vec<f64> = adjustment.old.iter().map(|(_, value)| *value).collect();
+    assert_eq!(old, OLD);
+    (adjustment, robot)
+}
+
+fn differs(times: usize) -> Fault {
+    Fault::WriteDiffers {
+        name: "cable-2.entry_point.y_m".into(),
+        by: 1e-6,
+        times,
+    }
+}
+
+#[test]
+fn all_values_arrive() {
+    let (adjustment, mut robot) = attempt(Vec::new());
+    assert_eq!((adjustment.holds, adjustment.problem), (Holds::New, None));
+    assert_eq!(held(&mut robot), vec![-0.49, -0.37, -0.45]);
+}
+
+#[test]
+fn a_write_that_fails_midway_is_taken_back() {
+    for after in 0..3 {
+        let (adjustment, mut robot) = attempt(vec![Fault::WriteFails { after }]);
+        assert_eq!(adjustment.holds, Holds::Old);
+        assert!(adjustment.problem.unwrap().contains("did not answer"));
+        assert_eq!(held(&mut robot), OLD);
+    }
+}
+
+#[test]
+fn a_value_that_arrives_changed_is_taken_back() {
+    let (adjustment, mut robot) = attempt(vec![differs(1)]);
+    assert_eq!(adjustment.holds, Holds::Old);
+    let problem = adjustment.problem.unwrap();
+    assert!(problem.contains("cable-2.entry_point.y_m"), "{problem}");
+    assert_eq!(held(&mut robot), OLD);
+}
+
+#[test]
+fn old_values_that_cannot_be_brought_back_are_named() {
+    let (adjustment, _) = attempt(vec![differs(9)]);
+    let names = vec!["cable-2.entry_point.y_m".to_owned()];
+    assert_eq!(adjustment.holds, Holds::Mixed(names));
+    assert!(
+        adjustment.advice.contains("by hand"),
+        "{}",
+        adjustment.advice
+    );
+}
+
+#[test]
+fn after_a_lost_connection_nothing_is_claimed() {
+    let (adjustment, mut robot) = attempt(vec![Fault::WriteDisconnects { after: 1 }]);
+    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert!(adjustment.advice.contains("connect again"));
+    robot.inner_mut().set_faults(Vec::new());
+    robot.connect().unwrap();
+    robot.arm().unwrap();
+    let again = write_adjustment(&mut robot, &adjustment.old).unwrap();
+    assert_eq!(again.holds, Holds::New);
+    assert_eq!(held(&mut robot), OLD);
+}
+
+#[test]
+fn a_controller_that_is_not_armed_is_left_alone() {
+    let (mut robot, _) = robot(Vec::new());
+    robot.disarm();
+    assert_eq!(
+        write_adjustment(&mut robot, &new_values()),
+        Err(LinkError::NotArmed)
+    );
+    robot.arm().unwrap();
+    let unknown = [("cable-9.pulley.radius_m".to_owned(), 1.0)];
+    assert!(matches!(
+        write_adjustment(&mut robot, &unknown),
+        Err(LinkError::UnknownParameter(_))
+    ));
+}
+
+#[test]
+fn differences_have_the_deviations_of_what_was_estimated() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let data = measured(&preset, 8, &mut robot, &clock);
+    let solution = identified(&data);
+    let model = solution.globals.model(&preset.robot);
+    let held = robot.parameters().unwrap();
+    let plan = plan_adjustment(&held, &model, Some(&solution));
+    let changed: Vec<_> = plan.iter().filter(|d| d.is_writable_change()).collect();
+    // Entry points, plane offset and home pose; nothing else was estimated.
+    assert_eq!(changed.len(), 8 * 3 + 1 + 6);
+    assert!(changed.iter().all(|d| d.sd.is_some_and(|sd| sd > 0.0)));
+    assert!(
+        plan.iter()
+            .filter(|d| d.sd.is_none())
+            .all(|d| d.difference == Some(0.0))
+    );
+    let without = plan_adjustment(&held[..3], &model, None);
+    assert!(without[3..].iter().all(|d| !d.is_writable_change()));
+}

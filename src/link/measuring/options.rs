@@ -1,0 +1,108 @@
+//! How a run measures.
+
+use tautline_core::geometry::Pose;
+use tautline_core::robot::{PerAxis, Robot};
+use tautline_core::simulation::{Moment, StandingRobot, TensionRange, ambient_temperature_c};
+
+/// A single sample's standard deviations that a rate may show while the platform stands still, per settling time.
+const STILL: f64 = 6.5;
+/// Prior standard deviations by which a reading may miss its prediction.
+const PLAUSIBLE: f64 = 4.0;
+
+/// Rates of change, of the fastest channel of each kind.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rates {
+    /// Of the cable lengths (m/s).
+    pub length_m_per_s: f64,
+    /// Of the tensions (N/s).
+    pub tension_n_per_s: f64,
+    /// Of the laser distance (m/s).
+    pub laser_m_per_s: f64,
+}
+
+/// How to measure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuringOptions {
+    /// Samples that are averaged at each pose.
+    pub samples: usize,
+    /// Rates below which the platform stands still.
+    pub still: Rates,
+    /// How long it must do so (s), by the controller's clock.
+    pub settle_time_s: f64,
+    /// Longest time from command to standstill (s), by the controller's clock; and longest silence by the caller's.
+    pub timeout_s: f64,
+    /// Tensions without a warning.
+    pub tension: TensionRange,
+    /// Whether a pose without laser distance is refused.
+    pub laser_required: bool,
+    /// By how much a length or laser distance may miss its prediction without a warning (m).
+    pub plausible_m: f64,
+}
+
+impl MeasuringOptions {
+    /// Options that suit the noise and the priors of a robot.
+    #[must_use]
+    pub fn of(robot: &Robot) -> Self {
+        let samples = 10;
+        let settle_time_s = 1.0;
+        // Of one sample, when the description's is that of the mean.
+        let per_second = STILL * f64::from(samples).sqrt() / settle_time_s;
+        let cables = robot.cables.iter();
+        let length_sd_m = largest(cables.clone().map(|c| c.winch.length_sd_m));
+        let sensors = cables.clone().filter_map(|c| c.force_sensor);
+        let tension_sd_n = largest(sensors.map(|s| s.tension_sd_n));
+        let entry_sds = cables.filter_map(|c| c.pulley.entry_point_sd_m);
+        let entry_sd_m = largest(entry_sds.flat_map(PerAxis::each));
+        let plane_sd_m = robot.laser.and_then(|l| l.target_plane.offset_sd_m);
+        Self {
+            samples: samples as usize,
+            still: Rates {
+                length_m_per_s: per_second * length_sd_m,
+                tension_n_per_s: per_second * tension_sd_n,
+                laser_m_per_s: per_second * robot.laser.map_or(0.0, |laser| laser.sd_m),
+            },
+            settle_time_s,
+            timeout_s: 60.0,
+            tension: TensionRange::of(robot),
+            laser_required: robot.laser.is_some(),
+            plausible_m: PLAUSIBLE * entry_sd_m.max(plane_sd_m.unwrap_or(0.0)).max(1e-3),
+        }
+    }
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
+
+/// What is expected at a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Motor revolutions since home.
+    pub revolutions: Vec<f64>,
+    /// Laser distance (m).
+    pub laser_m: Option<f64>,
+}
+
+/// Predicts the readings at a commanded pose; `None` where it cannot.
+pub type Predictor = Box<dyn Fn(&Pose) -> Option<Prediction> + Send>;
+
+/// Predicts by a robot or model as its cables are tensioned within a range, elasticity and sag included; effects
+/// as they are when the run begins. Nothing is predicted for a robot without a home pose.
+#[must_use]
+pub fn predict_by(robot: &Robot, tension: TensionRange) -> Predictor {
+    let begin = Moment {
+        label: 0,
+        time_s: 0.0,
+        temperature_c: ambient_temperature_c(0.0),
+    };
+    let standing = StandingRobot::new(robot.clone(), tension, begin).ok();
+    Box::new(move |pose| {
+        let robot = standing.as_ref()?;
+        let at = Moment { label: 1, ..begin };
+        let readings = robot.at(at, pose, pose).ok()?.readings;
+        Some(Prediction {
+            revolutions: readings.revolutions.row(0).to_vec(),
+            laser_m: readings.laser_m.first().copied(),
+        })
+    })
+}

@@ -1,0 +1,247 @@
+//! Names, units and values of what a controller knows of its robot.
+//!
+//! | name | what |
+//! |---|---|
+//! | `CABLE.entry_point.x_m`, `.y_m`, `.z_m` | entry point, base frame |
+//! | `CABLE.platform_anchor.x_m`, `.y_m`, `.z_m` | anchor, platform frame |
+//! | `CABLE.pulley.radius_m` | pulley radius |
+//! | `CABLE.winch.drum_diameter_m` | drum diameter |
+//! | `home.x_m`, `.y_m`, `.z_m`, `.rx_rad`, `.ry_rad`, `.rz_rad` | home pose, its rotation as a vector |
+//! | `laser.target_plane.offset_m` | offset of the laser's target plane |
+//! | `effect.ID.PARAMETER`, `effect.ID.CABLE.PARAMETER` | an effect that the controller corrects; two cables joined by `+` |
+//!
+//! `CABLE` is the cable's name. A controller has those it offers: home, laser and effects only where its
+//! robot has them.
+
+use nalgebra::{UnitQuaternion, Vector3};
+use tautline_core::effect::{self, EffectSetting};
+use tautline_core::robot::Robot;
+
+use crate::controller::LinkError;
+
+/// One parameter and its value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterInfo {
+    /// Name; see the module.
+    pub name: String,
+    /// SI unit; "1" for a ratio.
+    pub unit: &'static str,
+    /// Value.
+    pub value: f64,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// All parameters of a robot with its values.
+#[must_use]
+pub fn parameters_of(robot: &Robot) -> Vec<ParameterInfo> {
+    let mut list = Vec::new();
+    let mut add = |name: String, unit, value| list.push(ParameterInfo { name, unit, value });
+    for cable in &robot.cables {
+        for (part, point) in [
+            ("entry_point", cable.pulley.entry_point_m),
+            ("platform_anchor", cable.platform_anchor_m),
+        ] {
+            for (axis, value) in AXES.iter().zip(point) {
+                add(format!("{}.{part}.{axis}_m", cable.name), "m", value);
+            }
+        }
+        add(
+            format!("{}.pulley.radius_m", cable.name),
+            "m",
+            cable.pulley.radius_m,
+        );
+        let drum = cable.winch.drum_diameter_m;
+        add(format!("{}.winch.drum_diameter_m", cable.name), "m", drum);
+    }
+    if let Some(home) = &robot.home {
+        let rotation = home.pose().orientation.scaled_axis();
+        for (axis, value) in AXES.iter().zip(home.position_m) {
+            add(format!("home.{axis}_m"), "m", value);
+        }
+        for (axis, value) in AXES.iter().zip(rotation.iter()) {
+            add(format!("home.r{axis}_rad"), "rad", *value);
+        }
+    }
+    if let Some(laser) = &robot.laser {
+        let name = "laser.target_plane.offset_m".to_owned();
+        add(name, "m", laser.target_plane.offset_m);
+    }
+    for setting in &robot.effects {
+        for parameter in effect::find(&setting.effect).map_or(&[][..], |e| e.parameters()) {
+            let value = setting.parameters.get(parameter.name).copied();
+            add(
+                effect_name(setting, parameter.name),
+                parameter.unit,
+                value.unwrap_or(parameter.neutral),
+            );
+        }
+    }
+    list
+}
+
+pub(crate) fn effect_name(setting: &EffectSetting, parameter: &str) -> String {
+    let targets = setting.targets.join("+");
+    let dot = if targets.is_empty() { "" } else { "." };
+    format!("effect.{}{dot}{targets}.{parameter}", setting.effect)
+}
+
+/// Sets one parameter of a robot.
+///
+/// # Errors
+/// If the robot has no such parameter or it cannot have this value.
+pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), LinkError> {
+    let invalid = |reason: &str| {
+        Err(LinkError::InvalidValue {
+            name: name.to_owned(),
+            value,
+            reason: reason.to_owned(),
+        })
+    };
+    if !value.is_finite() {
+        return invalid("it is not a finite number");
+    }
+    let Some(place) = place_of(robot, name) else {
+        return Err(LinkError::UnknownParameter(name.to_owned()));
+    };
+    match place {
+        Place::Number(number) => *number = value,
+        Place::NotNegative(_) if value < 0.0 => return invalid("it is negative"),
+        Place::Positive(_) if value <= 0.0 => return invalid("it is not positive"),
+        Place::NotNegative(number) | Place::Positive(number) => *number = value,
+        Place::HomeRotation(wxyz, axis) => {
+            let [w, x, y, z] = *wxyz;
+            let turn = nalgebra::Quaternion::new(w, x, y, z);
+            let mut vector: Vector3<f64> = UnitQuaternion::from_quaternion(turn).scaled_axis();
+            vector[axis] = value;
+            let q = UnitQuaternion::from_scaled_axis(vector);
+            *wxyz = [q.w, q.i, q.j, q.k];
+        }
+        Place::Effect(setting, parameter) => {
+            setting.parameters.insert(parameter, value);
+        }
+    }
+    Ok(())
+}
+
+/// Where the value of a parameter is kept.
+enum Place<'r> {
+    Number(&'r mut f64),
+    NotNegative(&'r mut f64),
+    Positive(&'r mut f64),
+    HomeRotation(&'r mut [f64; 4], usize),
+    Effect(&'r mut EffectSetting, String),
+}
+
+fn place_of<'r>(robot: &'r mut Robot, name: &str) -> Option<Place<'r>> {
+    if let Some(rest) = name.strip_prefix("effect.") {
+        return effect_place(robot, rest);
+    }
+    if let Some(rest) = name.strip_prefix("home.") {
+        let home = robot.home.as_mut()?;
+        if let Some(axis) = axis_of(rest, "_m") {
+            return home.position_m.get_mut(axis).map(Place::Number);
+        }
+        let axis = axis_of(rest.strip_prefix('r')?, "_rad")?;
+        return Some(Place::HomeRotation(&mut home.orientation_wxyz, axis));
+    }
+    if name == "laser.target_plane.offset_m" {
+        let laser = robot.laser.as_mut()?;
+        return Some(Place::Number(&mut laser.target_plane.offset_m));
+    }
+    // A cable's name may contain dots, so the longest name that fits is the one.
+    let fitting = robot.cables.iter_mut().filter(|cable| {
+        let rest = name.strip_prefix(cable.name.as_str());
+        rest.is_some_and(|rest| rest.starts_with('.'))
+    });
+    let cable = fitting.max_by_key(|cable| cable.name.len())?;
+    let (part, number) = name.get(cable.name.len() + 1..)?.split_once('.')?;
+    match (part, number) {
+        ("pulley", "radius_m") => Some(Place::NotNegative(&mut cable.pulley.radius_m)),
+        ("winch", "drum_diameter_m") => Some(Place::Positive(&mut cable.winch.drum_diameter_m)),
+        ("entry_point", axis) => {
+            let axis = axis_of(axis, "_m")?;
+            let point = &mut cable.pulley.entry_point_m;
+            point.get_mut(axis).map(Place::Number)
+        }
+        ("platform_anchor", axis) => {
+            let axis = axis_of(axis, "_m")?;
+            let point = &mut cable.platform_anchor_m;
+            point.get_mut(axis).map(Place::Number)
+        }
+        _ => None,
+    }
+}
+
+fn axis_of(name: &str, unit: &str) -> Option<usize> {
+    let axis = name.strip_suffix(unit)?;
+    AXES.iter().position(|known| *known == axis)
+}
+
+fn effect_place<'r>(robot: &'r mut Robot, rest: &str) -> Option<Place<'r>> {
+    let full = format!("effect.{rest}");
+    for setting in &mut robot.effects {
+        let found = effect::find(&setting.effect)?;
+        let parameters = found.parameters().iter();
+        let mut names = parameters.map(|parameter| parameter.name);
+        if let Some(name) = names.find(|name| effect_name(setting, name) == full) {
+            return Some(Place::Effect(setting, name.to_owned()));
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tautline_core::robot::presets;
+
+    fn robot() -> Robot {
+        let mut robot = presets::find("mini").unwrap().robot;
+        robot.effects = vec![EffectSetting {
+            effect: "winch_scale".into(),
+            targets: vec!["cable-3".into()],
+            parameters: [("scale".to_owned(), 0.0)].into(),
+        }];
+        robot
+    }
+
+    #[test]
+    fn every_parameter_that_is_listed_can_be_set() {
+        let mut robot = robot();
+        for parameter in parameters_of(&robot) {
+            let value = parameter.value + 1e-3;
+            set_parameter(&mut robot, &parameter.name, value).unwrap();
+            let now = parameters_of(&robot);
+            let now = now.iter().find(|p| p.name == parameter.name).unwrap();
+            assert!((now.value - value).abs() < 1e-15, "{}", parameter.name);
+        }
+        let names: Vec<_> = parameters_of(&robot).into_iter().map(|p| p.name).collect();
+        assert_eq!(names.len(), 8 * 8 + 6 + 1 + 1);
+        assert!(names.contains(&"effect.winch_scale.cable-3.scale".to_owned()));
+        assert_eq!(robot.effects[0].parameters["scale"], 1e-3);
+    }
+
+    #[test]
+    fn impossible_values_and_names_are_refused() {
+        let mut robot = robot();
+        let before = robot.clone();
+        for (name, value) in [
+            ("cable-1.winch.drum_diameter_m", 0.0),
+            ("cable-1.pulley.radius_m", -0.1),
+            ("home.x_m", f64::NAN),
+        ] {
+            let refused = set_parameter(&mut robot, name, value);
+            assert!(matches!(refused, Err(LinkError::InvalidValue { .. })));
+        }
+        for name in [
+            "cable-9.pulley.radius_m",
+            "home.w_m",
+            "effect.winch_scale.cable-4.scale",
+        ] {
+            let refused = set_parameter(&mut robot, name, 1.0);
+            assert_eq!(refused, Err(LinkError::UnknownParameter(name.to_owned())));
+        }
+        assert_eq!(robot, before);
+    }
+}

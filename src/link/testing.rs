@@ -1,0 +1,141 @@
+//! Runs of simulated robots for the tests of this crate.
+
+use std::sync::Arc;
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use tautline_core::estimation::{Problem, Solution, solve};
+use tautline_core::geometry::Pose;
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+use tautline_core::robot::presets::{self, Preset};
+
+use crate::clock::{Clock, ManualClock};
+use crate::controller::Controller;
+use crate::measuring::{Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, measurements_of};
+use crate::simulated::{SimulatedRobot, SimulatedSetup};
+use crate::{Limited, Limits};
+
+pub(crate) fn preset(name: &str) -> Preset {
+    presets::find(name).unwrap()
+}
+
+pub(crate) fn limits(preset: &Preset) -> Limits {
+    Limits {
+        robot: preset.robot.clone(),
+        workspace: preset.workspace,
+        tension: preset.tension,
+    }
+}
+
+/// An armed robot behind its limits, and its clock.
+pub(crate) fn armed(
+    preset: &Preset,
+    change: impl FnOnce(&mut SimulatedSetup),
+) -> (Limited<SimulatedRobot>, ManualClock) {
+    let mut setup = SimulatedSetup::of_preset(preset, 4);
+    change(&mut setup);
+    let clock = ManualClock::default();
+    let robot = SimulatedRobot::new(setup, Arc::new(clock.clone())).unwrap();
+    let mut robot = Limited::new(robot, limits(preset));
+    robot.connect().unwrap();
+    robot.arm().unwrap();
+    (robot, clock)
+}
+
+/// Home and random poses within the limits.
+pub(crate) fn plan(preset: &Preset, poses: usize, seed: u64) -> Vec<(i64, Pose)> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let home = preset.robot.home.unwrap().pose();
+    let limits = limits(preset);
+    let drawn = std::iter::repeat_with(|| preset.workspace.draw(&preset.robot, &mut rng));
+    let possible = drawn.filter(|pose| limits.check_pose(pose).is_ok());
+    let poses: Vec<Pose> = std::iter::once(home).chain(possible.take(poses)).collect();
+    (0..).zip(poses).collect()
+}
+
+pub(crate) fn run_of(preset: &Preset, poses: usize, seed: u64) -> MeasuringRun {
+    let mut options = MeasuringOptions::of(&preset.robot);
+    options.tension = preset.tension;
+    MeasuringRun::new(plan(preset, poses, seed), &preset.robot, options)
+}
+
+/// Ticks every 50 ms and confirms what is measured, until the run pauses or ends.
+pub(crate) fn drive(
+    run: &mut MeasuringRun,
+    robot: &mut dyn Controller,
+    clock: &ManualClock,
+) -> Vec<MeasuringEvent> {
+    let mut events = Vec::new();
+    for _ in 0..100_000 {
+        clock.advance(0.05);
+        for event in run.tick(robot, clock.now_s()) {
+            if let MeasuringEvent::Measured(accepted) = &event {
+                run.confirm_stored(accepted.label);
+            }
+            let stops = matches!(
+                event,
+                MeasuringEvent::Finished
+                    | MeasuringEvent::Failed(_)
+                    | MeasuringEvent::Paused { .. }
+            );
+            events.push(event);
+            if stops {
+                return events;
+            }
+        }
+    }
+    panic!("the run does not end");
+}
+
+pub(crate) fn accepted(events: &[MeasuringEvent]) -> Vec<Accepted> {
+    let measured = events.iter().filter_map(|event| match event {
+        MeasuringEvent::Measured(accepted) => Some((**accepted).clone()),
+        _ => None,
+    });
+    measured.collect()
+}
+
+pub(crate) fn warnings(events: &[MeasuringEvent]) -> Vec<String> {
+    let warned = events.iter().filter_map(|event| match event {
+        MeasuringEvent::Warning(warning) => Some(warning.text.clone()),
+        _ => None,
+    });
+    warned.collect()
+}
+
+/// Measures home and poses without any trouble.
+pub(crate) fn measured(
+    preset: &Preset,
+    poses: usize,
+    robot: &mut dyn Controller,
+    clock: &ManualClock,
+) -> Dataset {
+    let events = drive(&mut run_of(preset, poses, 11), robot, clock);
+    assert_eq!(events.last(), Some(&MeasuringEvent::Finished));
+    assert_eq!(warnings(&events), Vec::<String>::new());
+    let rows = accepted(&events);
+    assert_eq!(rows.len(), poses + 1);
+    dataset(&preset.robot, &rows)
+}
+
+pub(crate) fn dataset(robot: &Robot, rows: &[Accepted]) -> Dataset {
+    Dataset {
+        robot: robot.clone(),
+        measurements: measurements_of(robot, rows),
+    }
+}
+
+pub(crate) fn identified(data: &Dataset) -> Solution {
+    solved(&Problem::new(data).unwrap())
+}
+
+pub(crate) fn solved(problem: &Problem<'_>) -> Solution {
+    let options = tautline_core::estimation::Options::default();
+    let solution = solve(problem, &options, &mut |_| {
+        tautline_core::estimation::Control::Continue
+    });
+    let solution = solution.unwrap();
+    assert!(solution.converged());
+    solution
+}

@@ -1,0 +1,205 @@
+//! Verification: drive to commanded targets and let an external instrument say where the platform is.
+//!
+//! Every target is approached in the given order, once per cycle, and measured at rest; so are the points of a path:
+//! its figures are those of the geometry, without what a controller adds while it moves.
+
+mod targets;
+#[cfg(test)]
+mod tests;
+
+use tautline_core::geometry::{Pose, Twist};
+use tautline_session::{CheckPose, CheckRow};
+
+pub use targets::{CheckTarget, circle, cube_edges_m, cube_poses, line};
+
+use crate::controller::{Activity, Controller, Instrument, LinkError, Sample};
+
+/// How to verify.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerifyingOptions {
+    /// How often every target is approached; ISO 9283 asks for 30.
+    pub cycles: usize,
+    /// Measurements of the instrument that are averaged at each target.
+    pub measurements: usize,
+    /// Time at rest before the instrument measures (s), by the controller's clock.
+    pub settle_time_s: f64,
+    /// Longest time from command to rest (s), by the controller's clock.
+    pub timeout_s: f64,
+}
+
+impl Default for VerifyingOptions {
+    fn default() -> Self {
+        Self {
+            cycles: 3,
+            measurements: 5,
+            settle_time_s: 1.0,
+            timeout_s: 60.0,
+        }
+    }
+}
+
+/// What happened.
+#[derive(Debug, Clone, PartialEq)]
+pub enum VerifyingEvent {
+    /// The controller was sent to a target.
+    Commanded {
+        /// Targets commanded so far, this one included, over all cycles.
+        done: usize,
+        /// Targets over all cycles.
+        of: usize,
+    },
+    /// The instrument has measured a target.
+    Attained(CheckRow),
+    /// Everything is measured.
+    Finished,
+    /// The run has ended early; the text says why.
+    Failed(String),
+}
+
+/// A verification run; plain state, moved on by [`Self::tick`].
+#[derive(Debug, Clone)]
+pub struct VerifyingRun {
+    targets: Vec<CheckTarget>,
+    options: VerifyingOptions,
+    /// Targets commanded so far.
+    done: usize,
+    /// Controller's time of the command under way, and since when the platform rests.
+    under_way: Option<(f64, Option<f64>)>,
+    measured: Vec<CheckPose>,
+    ended: bool,
+}
+
+impl VerifyingRun {
+    /// A run over targets.
+    #[must_use]
+    pub fn new(targets: Vec<CheckTarget>, options: VerifyingOptions) -> Self {
+        Self {
+            targets,
+            options,
+            done: 0,
+            under_way: None,
+            measured: Vec::new(),
+            ended: false,
+        }
+    }
+
+    /// Whether it is over.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Stops the platform and ends the run.
+    ///
+    /// # Errors
+    /// If the controller cannot be told to stop; the run has ended all the same.
+    pub fn abort(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+        self.ended = true;
+        controller.stop()
+    }
+
+    /// Moves the run on by at most one command or measurement.
+    pub fn tick(
+        &mut self,
+        controller: &mut dyn Controller,
+        instrument: &mut dyn Instrument,
+    ) -> Option<VerifyingEvent> {
+        if self.ended {
+            return None;
+        }
+        let event = self.advance(controller, instrument);
+        let event = event.unwrap_or_else(|error| Some(VerifyingEvent::Failed(error.to_string())));
+        let ends =
+            |e: &VerifyingEvent| matches!(e, VerifyingEvent::Finished | VerifyingEvent::Failed(_));
+        self.ended = event.as_ref().is_some_and(ends);
+        event
+    }
+
+    fn advance(
+        &mut self,
+        controller: &mut dyn Controller,
+        instrument: &mut dyn Instrument,
+    ) -> Result<Option<VerifyingEvent>, LinkError> {
+        let state = controller.state();
+        if let Activity::Fault(text) = state.activity {
+            return Err(LinkError::Fault(text));
+        }
+        let sample = controller.sample()?;
+        let Some((commanded_s, resting_s)) = self.under_way else {
+            return self.command(controller, &sample).map(Some);
+        };
+        if sample.time_s - commanded_s > self.options.timeout_s {
+            return Err(LinkError::Timeout(self.options.timeout_s));
+        }
+        if state.activity == Activity::Moving {
+            self.under_way = Some((commanded_s, None));
+            return Ok(None);
+        }
+        let since_s = resting_s.unwrap_or(sample.time_s);
+        self.under_way = Some((commanded_s, Some(since_s)));
+        if sample.time_s - since_s < self.options.settle_time_s {
+            return Ok(None);
+        }
+        self.measured.push(instrument.measure()?);
+        if self.measured.len() < self.options.measurements {
+            return Ok(None);
+        }
+        Ok(self.row(&sample).map(VerifyingEvent::Attained))
+    }
+
+    fn command(
+        &mut self,
+        controller: &mut dyn Controller,
+        sample: &Sample,
+    ) -> Result<VerifyingEvent, LinkError> {
+        let of = self.targets.len() * self.options.cycles;
+        if self.done >= of {
+            return Ok(VerifyingEvent::Finished);
+        }
+        let target = &self.targets[self.done % self.targets.len()];
+        controller.command(&target.pose)?;
+        self.done += 1;
+        self.under_way = Some((sample.time_s, None));
+        self.measured.clear();
+        Ok(VerifyingEvent::Commanded {
+            done: self.done,
+            of,
+        })
+    }
+
+    /// The row of the target under way, which ends it.
+    fn row(&mut self, sample: &Sample) -> Option<CheckRow> {
+        self.under_way = None;
+        let index = self.done.checked_sub(1)?;
+        let target = self.targets.get(index % self.targets.len())?;
+        let commanded = target.pose;
+        Some(CheckRow {
+            kind: target.kind,
+            target: target.target.clone(),
+            cycle: (index / self.targets.len()) as i64 + 1,
+            sample: target.sample,
+            time_s: Some(sample.time_s),
+            attained: mean(&commanded, &self.measured),
+            commanded: CheckPose {
+                position_m: commanded.position.into(),
+                orientation_wxyz: Some(commanded.orientation_wxyz()),
+            },
+        })
+    }
+}
+
+/// Mean of poses near a reference; its orientation where all have one.
+fn mean(reference: &Pose, measured: &[CheckPose]) -> CheckPose {
+    let count = measured.len() as f64;
+    let oriented = measured.iter().all(|pose| pose.orientation_wxyz.is_some());
+    let wxyz = reference.orientation_wxyz();
+    let off = measured.iter().map(|seen| {
+        let orientation = seen.orientation_wxyz.unwrap_or(wxyz);
+        Pose::from_parts(seen.position_m, orientation).difference(reference)
+    });
+    let mean = reference.perturbed(&(off.sum::<Twist>() / count));
+    CheckPose {
+        position_m: mean.position.into(),
+        orientation_wxyz: oriented.then(|| mean.orientation_wxyz()),
+    }
+}

@@ -1,0 +1,142 @@
+//! Machine form of a plan.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::planning::{Expectation, Plan};
+use tautline_core::robot::{FieldError, Robot};
+use tautline_session::Document;
+
+/// Poses to measure, and what to expect of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlanDocument {
+    /// Name of the robot.
+    pub robot: String,
+    /// The poses in the order in which to measure them.
+    pub poses: Vec<PlannedPoseDocument>,
+    /// Number of poses that can be measured among which was chosen.
+    pub candidates: usize,
+    /// Poses drawn, and why some were refused.
+    pub refused: RefusedDocument,
+    /// Length of the way through all poses, rotations counted at the platform's anchors (m).
+    pub travel_m: f64,
+    /// Largest correlation of a coordinate with the order of measurement, without sign.
+    pub largest_time_correlation: f64,
+    /// What the plan gives.
+    pub expected: ExpectedDocument,
+    /// What as many poses at random give.
+    pub random: ExpectedDocument,
+    /// Root mean square standard deviation of the entry points after the first 0, 1, 2, .. poses (m); null where
+    /// they leave something open.
+    pub entry_point_sd_after_m: Vec<Option<f64>>,
+}
+
+/// A pose of the plan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlannedPoseDocument {
+    /// Label of its row in the measurements.
+    pub pose: i64,
+    /// Platform origin in the base frame (m).
+    pub position_m: [f64; 3],
+    /// Orientation, quaternion w first.
+    pub orientation_wxyz: [f64; 4],
+    /// Tensions that hold the platform (N); zeros where tension is not modelled.
+    pub tensions_n: Vec<f64>,
+    /// Laser distance to expect (m).
+    pub laser_m: Option<f64>,
+}
+
+/// Why poses were refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct RefusedDocument {
+    /// Poses drawn.
+    pub tried: usize,
+    /// A cable has no path.
+    pub kinematics: usize,
+    /// No tensions hold the platform.
+    pub tension: usize,
+    /// The laser misses its target or cannot use the distance.
+    pub laser: usize,
+    /// Too close to a pulley or a side of the frame.
+    pub frame: usize,
+}
+
+/// What to expect of a set of poses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExpectedDocument {
+    /// D-index: logarithm of the determinant of the information; null where parameters are left open.
+    pub log_det: Option<f64>,
+    /// E-index: standard deviation of the entry points along their worst direction together (m).
+    pub worst_m: Option<f64>,
+    /// A-index: root mean square standard deviation of the entry points (m).
+    pub mean_m: Option<f64>,
+    /// Each parameter.
+    pub parameters: Vec<ExpectedParameter>,
+}
+
+/// A parameter's expected standard deviation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExpectedParameter {
+    /// Name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Standard deviation before measuring; null if nothing is known.
+    pub prior_sd: Option<f64>,
+    /// Standard deviation to expect; null where it is left open.
+    pub sd: Option<f64>,
+}
+
+impl Document for PlanDocument {
+    const FORMAT: &'static str = "tautline-plan";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 64 << 20;
+
+    fn check(&self) -> Result<(), FieldError> {
+        Ok(())
+    }
+}
+
+impl PlanDocument {
+    pub fn of(robot: &Robot, plan: &Plan) -> Self {
+        let expected = |expectation: &Expectation| ExpectedDocument {
+            log_det: Some(expectation.indices.log_det).filter(|value| value.is_finite()),
+            worst_m: expectation.indices.worst_m,
+            mean_m: expectation.indices.mean_m,
+            parameters: (plan.parameters().iter().zip(&expectation.sd))
+                .map(|(parameter, sd)| ExpectedParameter {
+                    name: parameter.name.clone(),
+                    unit: parameter.unit.to_owned(),
+                    prior_sd: parameter.prior_sd,
+                    sd: *sd,
+                })
+                .collect(),
+        };
+        Self {
+            robot: robot.name.clone(),
+            poses: (plan.poses.iter())
+                .map(|planned| PlannedPoseDocument {
+                    pose: planned.label,
+                    position_m: planned.pose.position.into(),
+                    orientation_wxyz: planned.pose.orientation_wxyz(),
+                    tensions_n: planned.tensions_n.clone(),
+                    laser_m: planned.laser_m,
+                })
+                .collect(),
+            candidates: plan.candidates,
+            refused: RefusedDocument {
+                tried: plan.refused.tried,
+                kinematics: plan.refused.kinematics,
+                tension: plan.refused.tension,
+                laser: plan.refused.laser,
+                frame: plan.refused.frame,
+            },
+            travel_m: plan.order.travel_m,
+            largest_time_correlation: plan.order.worst_correlation(),
+            expected: expected(&plan.expected),
+            random: expected(&plan.random),
+            entry_point_sd_after_m: (0..=plan.poses.len())
+                .map(|count| plan.after(count).indices.mean_m)
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The picture on the screen: pointer, keys, painting.
+
+use std::sync::Arc;
+
+use eframe::egui_glow::CallbackFn;
+use egui::mutex::Mutex;
+use egui::{Key, PointerButton, Rect, Response, Ui};
+use tautline_core::geometry::Vec3;
+
+use super::camera::{Camera, StandardView};
+use super::drawing::Drawing;
+use super::framebuffer::PixelBox;
+use super::gpu::{Gpu, PictureKey};
+use super::overlay;
+use super::picking::{Picture, Thing};
+use super::toolbar::Aim;
+use crate::app::Selection;
+use crate::app::theme;
+
+/// Points of dragging that an arrow key stands for.
+const ARROW: f64 = 12.0;
+/// Logarithm of the magnification per point of scrolling.
+const ZOOM_RATE: f64 = 0.003;
+
+/// The picture with what it needs on the graphics card.
+#[derive(Default)]
+pub struct Canvas {
+    gpu: Arc<Mutex<Gpu>>,
+}
+
+impl Canvas {
+    /// How often the picture was drawn, not copied.
+    #[must_use]
+    pub fn draws(&self) -> u64 {
+        self.gpu.lock().draws()
+    }
+
+    /// Frees what lies on the graphics card, while its context is current.
+    pub fn destroy(&self) {
+        self.gpu.lock().destroy();
+    }
+
+    /// Paints drawing number `number` into `rect` and writes over it.
+    pub fn paint(
+        &self,
+        ui: &Ui,
+        rect: Rect,
+        drawing: &Arc<Drawing>,
+        number: u64,
+        picture: &Picture<'_>,
+        hovered: Selection,
+    ) {
+        let palette = theme::of(ui);
+        let painter = ui.painter_at(rect);
+        if let Some(failure) = self.gpu.lock().failure() {
+            let text = format!("The robot cannot be drawn in 3D: {failure}");
+            let font = egui::FontId::proportional(13.0);
+            let galley = painter.layout(text, font, palette.text, 0.8 * rect.width());
+            let at = rect.center() - galley.size() / 2.0;
+            painter.galley(at, galley, palette.text);
+            return;
+        }
+        painter.add(self.callback(rect, drawing, number, picture.camera, ui.pixels_per_point()));
+        overlay::paint(&painter, rect, picture, hovered, palette);
+    }
+
+    fn callback(
+        &self,
+        rect: Rect,
+        drawing: &Arc<Drawing>,
+        number: u64,
+        camera: &Camera,
+        scale: f32,
+    ) -> egui::PaintCallback {
+        let (gpu, drawing, camera) = (Arc::clone(&self.gpu), Arc::clone(drawing), *camera);
+        let paint = CallbackFn::new(move |info, painter| {
+            let part = |part: egui::epaint::ViewportInPixels| PixelBox {
+                left: part.left_px,
+                bottom: part.from_bottom_px,
+                width: part.width_px,
+                height: part.height_px,
+            };
+            let (place, clip) = (
+                part(info.viewport_in_pixels()),
+                part(info.clip_rect_in_pixels()),
+            );
+            let key = PictureKey {
+                drawing: number,
+                camera,
+                size: [place.width, place.height].map(|side| side.max(1).unsigned_abs()),
+                scale,
+            };
+            gpu.lock().paint(painter.gl(), &drawing, key, [place, clip]);
+        });
+        egui::PaintCallback {
+            rect,
+            callback: Arc::new(paint),
+        }
+    }
+}
+
+/// Orbits, moves and zooms with the pointer; a double click shows all of `extent` (m).
+pub fn steer(ui: &Ui, response: &Response, camera: &mut Camera, extent: &[Vec3]) {
+    let rect = response.rect;
+    let aspect = f64::from(rect.aspect_ratio());
+    let drag = response.drag_delta();
+    let (right, down) = (f64::from(drag.x), f64::from(drag.y));
+    let shifts = ui.input(|input| input.modifiers.shift);
+    if response.dragged_by(PointerButton::Primary) && !shifts {
+        camera.orbit(right, down);
+    } else if response.dragged() {
+        let height = f64::from(rect.height());
+        camera.pan(right / height, down / height);
+    }
+    if response.double_clicked() {
+        camera.fit(extent, aspect);
+    }
+    if let Some(pointer) = response.hover_pos() {
+        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        let factor = (f64::from(scroll) * ZOOM_RATE).exp() * f64::from(pinch);
+        if factor != 1.0 {
+            let at = (pointer - rect.min) / rect.size();
+            camera.zoom(factor, (f64::from(at.x), f64::from(at.y)), aspect);
+        }
+    }
+    if response.has_focus() {
+        arrows(ui, camera, aspect);
+    }
+}
+
+/// Orbits and zooms with the keys of the view that has the focus.
+fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
+    let pressed = |key| ui.input(|input| input.key_pressed(key));
+    for (key, right, down) in [
+        (Key::ArrowLeft, -ARROW, 0.0),
+        (Key::ArrowRight, ARROW, 0.0),
+        (Key::ArrowUp, 0.0, -ARROW),
+        (Key::ArrowDown, 0.0, ARROW),
+    ] {
+        if pressed(key) {
+            camera.orbit(right, down);
+        }
+    }
+    for (key, factor) in [
+        (Key::Plus, 1.2),
+        (Key::Equals, 1.2),
+        (Key::Minus, 1.0 / 1.2),
+    ] {
+        if pressed(key) {
+            camera.zoom(factor, (0.5, 0.5), aspect);
+        }
+    }
+}
+
+/// What the keys of the view ask, while the pointer is over it or it has the focus.
+pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
+    if response.has_focus() {
+        let filter = egui::EventFilter {
+            horizontal_arrows: true,
+            vertical_arrows: true,
+            ..Default::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    }
+    let elsewhere = ui.egui_wants_keyboard_input() && !response.has_focus();
+    if elsewhere || !(response.hovered() || response.has_focus()) {
+        return None;
+    }
+    let aims = [
+        (Key::F, Aim::Fit),
+        (Key::Home, Aim::Fit),
+        (Key::Num1, Aim::To(StandardView::Front)),
+        (Key::Num2, Aim::To(StandardView::Side)),
+        (Key::Num3, Aim::To(StandardView::Top)),
+        (Key::Num7, Aim::To(StandardView::Isometric)),
+    ];
+    ui.input(|input| {
+        let pressed = |key| input.modifiers.is_none() && input.key_pressed(key);
+        aims.into_iter()
+            .find(|(key, _)| pressed(*key))
+            .map(|(_, aim)| aim)
+    })
+}
+
+/// What the pointer is over.
+pub fn under_pointer(response: &Response, picture: &Picture<'_>) -> Option<Thing> {
+    let pointer = response.hover_pos().filter(|_| !response.dragged())?;
+    let at = pointer - response.rect.min;
+    picture.pick(f64::from(at.x), f64::from(at.y))
+}
+
+/// Cable or pose that a thing stands for.
+pub fn selection_of(thing: Thing) -> Selection {
+    match thing {
+        Thing::Cable(index) | Thing::Pulley(index) => Selection::cable(index),
+        Thing::Pose(label) => Selection::pose(label),
+        Thing::Platform | Thing::LaserSpot => Selection::default(),
+    }
+}
+
+/// What is selected after a click on `picked`: a cable and a pose add up, empty space clears.
+pub fn clicked(picked: Selection, before: Selection) -> Selection {
+    if picked.is_empty() {
+        return picked;
+    }
+    Selection {
+        cable: picked.cable.or(before.cable),
+        pose: picked.pose.or(before.pose),
+    }
+}

@@ -1,0 +1,323 @@
+//! Draws on the graphics card, through three-d.
+
+use std::sync::Arc;
+
+use three_d::context as gl;
+use three_d::{
+    Blend, ClearState, Context, InstanceBuffer, Mat4, Program, RenderStates, RenderTarget, Vec2,
+    Vec3, VertexBuffer, Viewport, WriteMask, vec2, vec3,
+};
+
+use super::camera::Camera;
+use super::drawing::{Drawing, Lines, Points};
+use super::framebuffer::{Framebuffer, PixelBox};
+use super::mesh::Triangles;
+
+/// What a picture depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureKey {
+    /// Number of the drawing.
+    pub drawing: u64,
+    /// The camera.
+    pub camera: Camera,
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Pixels per point of the screen.
+    pub scale: f32,
+}
+
+struct TriangleBuffers {
+    positions: VertexBuffer<[f32; 3]>,
+    normals: VertexBuffer<[f32; 3]>,
+    colours: VertexBuffer<[f32; 4]>,
+}
+
+impl TriangleBuffers {
+    fn new(context: &Context, triangles: &Triangles) -> Self {
+        Self {
+            positions: VertexBuffer::new_with_data(context, &triangles.positions),
+            normals: VertexBuffer::new_with_data(context, &triangles.normals),
+            colours: VertexBuffer::new_with_data(context, &triangles.colours),
+        }
+    }
+}
+
+struct LineBuffers {
+    from: InstanceBuffer<[f32; 3]>,
+    to: InstanceBuffer<[f32; 3]>,
+    colours: InstanceBuffer<[f32; 4]>,
+    widths: InstanceBuffer<f32>,
+}
+
+impl LineBuffers {
+    fn new(context: &Context, lines: &Lines) -> Self {
+        Self {
+            from: InstanceBuffer::new_with_data(context, &lines.from),
+            to: InstanceBuffer::new_with_data(context, &lines.to),
+            colours: InstanceBuffer::new_with_data(context, &lines.colours),
+            widths: InstanceBuffer::new_with_data(context, &lines.widths),
+        }
+    }
+}
+
+struct PointBuffers {
+    centres: InstanceBuffer<[f32; 3]>,
+    colours: InstanceBuffer<[f32; 4]>,
+    looks: InstanceBuffer<[f32; 3]>,
+}
+
+impl PointBuffers {
+    fn new(context: &Context, points: &Points) -> Self {
+        Self {
+            centres: InstanceBuffer::new_with_data(context, &points.centres),
+            colours: InstanceBuffer::new_with_data(context, &points.colours),
+            looks: InstanceBuffer::new_with_data(context, &points.looks),
+        }
+    }
+}
+
+/// A drawing on the graphics card.
+struct Loaded {
+    number: u64,
+    solids: TriangleBuffers,
+    glass: TriangleBuffers,
+    lines: LineBuffers,
+    points: PointBuffers,
+}
+
+/// What lies on the graphics card.
+struct Card {
+    context: Context,
+    solid: Program,
+    line: Program,
+    point: Program,
+    loaded: Option<Loaded>,
+    framebuffer: Option<Framebuffer>,
+    shown: Option<PictureKey>,
+}
+
+/// The robot's picture on the graphics card; it is made on first use, with the context that paints.
+#[derive(Default)]
+pub struct Gpu {
+    card: Option<Card>,
+    failure: Option<String>,
+    draws: u64,
+}
+
+/// What is the same for all programs in one picture.
+struct Look {
+    clip_from_base: Mat4,
+    eye: Vec3,
+    light: Vec3,
+    size: Vec2,
+    scale: f32,
+    lift: f32,
+    viewport: Viewport,
+}
+
+impl Look {
+    fn new(key: &PictureKey, drawing: &Drawing) -> Self {
+        let [width, height] = key.size;
+        let aspect = f64::from(width) / f64::from(height);
+        let (centre, radius) = &drawing.bounds;
+        let clip = key.camera.clip_from_base(centre, *radius, aspect);
+        let columns: [[f32; 4]; 4] = clip.cast::<f32>().into();
+        let [right, up, forward] = key.camera.axes();
+        let light = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
+        let single = |v: nalgebra::Vector3<f64>| vec3(v.x as f32, v.y as f32, v.z as f32);
+        Self {
+            clip_from_base: columns.into(),
+            eye: single(key.camera.eye()),
+            light: single(light),
+            size: vec2(width as f32, height as f32),
+            scale: key.scale,
+            lift: (1e-3 * key.camera.height_m()) as f32,
+            viewport: Viewport::new_at_origo(width, height),
+        }
+    }
+}
+
+impl Card {
+    fn new(gl: &Arc<gl::Context>) -> Result<Self, String> {
+        let context = Context::from_gl_context(Arc::clone(gl)).map_err(|e| e.to_string())?;
+        let program = |vertex: &str, fragment: &str| {
+            Program::from_source(&context, vertex, fragment).map_err(|e| e.to_string())
+        };
+        Ok(Self {
+            solid: program(
+                include_str!("shaders/solid.vert"),
+                include_str!("shaders/solid.frag"),
+            )?,
+            line: program(
+                include_str!("shaders/line.vert"),
+                include_str!("shaders/line.frag"),
+            )?,
+            point: program(
+                include_str!("shaders/point.vert"),
+                include_str!("shaders/point.frag"),
+            )?,
+            context,
+            loaded: None,
+            framebuffer: None,
+            shown: None,
+        })
+    }
+
+    fn loaded(&mut self, drawing: &Drawing, number: u64) {
+        if self.loaded.as_ref().is_some_and(|l| l.number == number) {
+            return;
+        }
+        self.loaded = Some(Loaded {
+            number,
+            solids: TriangleBuffers::new(&self.context, &drawing.solids),
+            glass: TriangleBuffers::new(&self.context, &drawing.glass),
+            lines: LineBuffers::new(&self.context, &drawing.lines),
+            points: PointBuffers::new(&self.context, &drawing.points),
+        });
+    }
+
+    /// Makes the picture of `key` unless it is there; says whether it was drawn.
+    fn picture(&mut self, drawing: &Drawing, key: PictureKey) -> Result<bool, String> {
+        if self.shown == Some(key) && self.framebuffer.is_some() {
+            return Ok(false);
+        }
+        self.loaded(drawing, key.drawing);
+        let fits = |f: &Framebuffer| f.size() == key.size;
+        if !self.framebuffer.as_ref().is_some_and(fits) {
+            self.framebuffer = Some(Framebuffer::new(&self.context, key.size)?);
+        }
+        if let Some(framebuffer) = &self.framebuffer {
+            let look = Look::new(&key, drawing);
+            framebuffer.draw(&self.context, |target| {
+                self.draw(target, &look, drawing.ground);
+            });
+        }
+        self.shown = Some(key);
+        Ok(true)
+    }
+
+    fn draw(&self, target: &RenderTarget<'_>, look: &Look, ground: egui::Color32) {
+        let [r, g, b, _] = ground.to_array().map(|c| f32::from(c) / 255.0);
+        target.clear(ClearState::color_and_depth(r, g, b, 1.0, 1.0));
+        let Some(loaded) = &self.loaded else {
+            return;
+        };
+        self.draw_triangles(&loaded.solids, look, RenderStates::default());
+        self.draw_lines(&loaded.lines, look);
+        self.draw_points(&loaded.points, look);
+        let glass = RenderStates {
+            write_mask: WriteMask::COLOR,
+            blend: Blend::TRANSPARENCY,
+            ..RenderStates::default()
+        };
+        self.draw_triangles(&loaded.glass, look, glass);
+    }
+
+    fn draw_triangles(&self, buffers: &TriangleBuffers, look: &Look, states: RenderStates) {
+        let count = buffers.positions.vertex_count();
+        if count == 0 {
+            return;
+        }
+        let program = &self.solid;
+        program.use_uniform("clip_from_base", look.clip_from_base);
+        program.use_uniform("eye", look.eye);
+        program.use_uniform("light", look.light);
+        program.use_vertex_attribute("position", &buffers.positions);
+        program.use_vertex_attribute("normal", &buffers.normals);
+        program.use_vertex_attribute("colour", &buffers.colours);
+        program.draw_arrays(states, look.viewport, count);
+    }
+
+    fn share(program: &Program, look: &Look) {
+        program.use_uniform("clip_from_base", look.clip_from_base);
+        program.use_uniform("eye", look.eye);
+        program.use_uniform("size", look.size);
+        program.use_uniform("scale", look.scale);
+        program.use_uniform("lift", look.lift);
+    }
+
+    fn draw_lines(&self, buffers: &LineBuffers, look: &Look) {
+        let count = buffers.from.instance_count();
+        if count == 0 {
+            return;
+        }
+        let program = &self.line;
+        Self::share(program, look);
+        program.use_instance_attribute("begin", &buffers.from);
+        program.use_instance_attribute("end", &buffers.to);
+        program.use_instance_attribute("colour", &buffers.colours);
+        program.use_instance_attribute("width", &buffers.widths);
+        program.draw_arrays_instanced(RenderStates::default(), look.viewport, 6, count);
+    }
+
+    fn draw_points(&self, buffers: &PointBuffers, look: &Look) {
+        let count = buffers.centres.instance_count();
+        if count == 0 {
+            return;
+        }
+        let program = &self.point;
+        Self::share(program, look);
+        program.use_uniform("opening", Camera::opening() as f32);
+        program.use_instance_attribute("centre", &buffers.centres);
+        program.use_instance_attribute("colour", &buffers.colours);
+        program.use_instance_attribute("look", &buffers.looks);
+        let states = RenderStates {
+            blend: Blend::TRANSPARENCY,
+            ..RenderStates::default()
+        };
+        program.draw_arrays_instanced(states, look.viewport, 6, count);
+    }
+}
+
+impl Gpu {
+    /// Shows the picture of `key` at `place` of what is bound, inside `clip`; draws it before if it is not there.
+    pub fn paint(
+        &mut self,
+        gl: &Arc<gl::Context>,
+        drawing: &Drawing,
+        key: PictureKey,
+        [place, clip]: [PixelBox; 2],
+    ) {
+        if self.failure.is_some() {
+            return;
+        }
+        if let Err(message) = self.try_paint(gl, drawing, key, [place, clip]) {
+            self.failure = Some(message);
+        }
+    }
+
+    fn try_paint(
+        &mut self,
+        gl: &Arc<gl::Context>,
+        drawing: &Drawing,
+        key: PictureKey,
+        [place, clip]: [PixelBox; 2],
+    ) -> Result<(), String> {
+        let card = match self.card.take() {
+            Some(card) => self.card.insert(card),
+            None => self.card.insert(Card::new(gl)?),
+        };
+        self.draws += u64::from(card.picture(drawing, key)?);
+        if let Some(framebuffer) = &card.framebuffer {
+            framebuffer.show(place, clip);
+        }
+        Ok(())
+    }
+
+    /// How often the picture was drawn, not copied.
+    #[must_use]
+    pub fn draws(&self) -> u64 {
+        self.draws
+    }
+
+    /// Why there is no picture, if there cannot be one.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
+    /// Frees what lies on the graphics card, while its context is current.
+    pub fn destroy(&mut self) {
+        self.card = None;
+    }
+}

@@ -1,0 +1,267 @@
+//! The robot in 3D: frame, pulleys, cables, platform, laser, poses.
+//!
+//! From the open session to the screen in four steps, each repeated only when what it depends on has changed: a
+//! [`Scene`] says what there is, in metres; a [`Drawing`] gives it colours; the graphics card makes a picture of it for
+//! a [`Camera`]; and every frame copies the picture and writes over it.
+
+pub mod camera;
+mod canvas;
+pub mod drawing;
+mod framebuffer;
+mod gpu;
+mod mesh;
+mod overlay;
+pub mod picking;
+pub mod scene;
+mod toolbar;
+mod words;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{Frame, Margin, Theme, Ui};
+use tautline_core::geometry::Pose;
+use tautline_core::robot::Robot;
+use tautline_session::Timestamp;
+
+pub use canvas::Canvas;
+pub use framebuffer::paint_picture;
+
+use camera::{Camera, StandardView};
+use drawing::{Drawing, Options};
+use scene::{Scene, Subject};
+use toolbar::Aim;
+
+use crate::app::commands::ViewCommand;
+use crate::app::fit::Fit;
+use crate::app::theme::GRID;
+use crate::app::{Document, Selection, State};
+use crate::widgets::empty;
+
+/// Where the platform is now and what its sensors say, while it is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Live {
+    /// Pose of the platform, as commanded or predicted.
+    pub pose: Pose,
+    /// Tension of each cable (N); empty or NaN where it is not known.
+    pub tensions_n: Vec<f64>,
+}
+
+/// What the view remembers.
+#[derive(Default)]
+pub struct Robot3d {
+    /// Where the platform is now; set while measuring, it comes before the selected pose.
+    pub live: Option<Live>,
+    /// Poses that are planned.
+    pub planned: Vec<Pose>,
+    /// What is drawn and how.
+    pub options: Options,
+    camera: Option<Camera>,
+    scene: Option<(SceneKey, Arc<Scene>)>,
+    drawing: Option<(DrawingKey, Arc<Drawing>)>,
+    drawings: u64,
+    canvas: Canvas,
+    hovers: bool,
+}
+
+/// What a scene depends on.
+#[derive(Clone)]
+struct SceneKey {
+    session: SessionKey,
+    revision: u64,
+    robot: Robot,
+    fit: Option<Arc<Fit>>,
+    selection: Selection,
+    live: Option<Live>,
+    planned: Vec<Pose>,
+}
+
+/// Which session is open.
+#[derive(Clone, PartialEq)]
+struct SessionKey {
+    path: Option<PathBuf>,
+    name: String,
+    created: Timestamp,
+}
+
+/// What a drawing depends on, besides its scene.
+#[derive(Clone, PartialEq)]
+struct DrawingKey {
+    theme: Theme,
+    options: Options,
+    selection: Selection,
+}
+
+impl SessionKey {
+    fn of(document: &Document) -> Self {
+        let session = document.session();
+        Self {
+            path: document.path().map(PathBuf::from),
+            name: session.name.clone(),
+            created: session.created,
+        }
+    }
+
+    fn is_of(&self, document: &Document) -> bool {
+        let session = document.session();
+        self.created == session.created
+            && self.name == session.name
+            && self.path.as_deref() == document.path()
+    }
+}
+
+impl SceneKey {
+    fn holds(&self, document: &Document, selection: Selection, view: &Robot3d) -> bool {
+        let same_fit = match (&self.fit, document.fit()) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        same_fit
+            && self.session.is_of(document)
+            && self.revision == document.revision()
+            && self.selection == selection
+            && self.live == view.live
+            && self.planned == view.planned
+            && self.robot == document.session().robot
+    }
+}
+
+impl Robot3d {
+    /// How often the picture was drawn, not copied.
+    #[must_use]
+    pub fn draws(&self) -> u64 {
+        self.canvas.draws()
+    }
+
+    /// The camera, once the view was shown.
+    #[must_use]
+    pub fn camera(&self) -> Option<&Camera> {
+        self.camera.as_ref()
+    }
+
+    /// What there is to see, once the view was shown.
+    #[must_use]
+    pub fn scene(&self) -> Option<&Arc<Scene>> {
+        self.scene.as_ref().map(|(_, scene)| scene)
+    }
+
+    /// Frees what lies on the graphics card, while its context is current.
+    pub fn destroy(&mut self) {
+        self.canvas.destroy();
+    }
+
+    /// The scene of the open session; another session is seen from where all of it is seen.
+    fn scene_of(&mut self, document: &Document, selection: Selection) -> Arc<Scene> {
+        if let Some((key, scene)) = &self.scene
+            && key.holds(document, selection, self)
+        {
+            return Arc::clone(scene);
+        }
+        let session = document.session();
+        let subject = Subject {
+            robot: &session.robot,
+            measurements: &session.measurements,
+            fit: document.fit().map(AsRef::as_ref),
+            selection,
+            live: self.live.as_ref(),
+            planned: &self.planned,
+        };
+        let scene = Arc::new(subject.scene());
+        if !self
+            .scene
+            .as_ref()
+            .is_some_and(|(key, _)| key.session.is_of(document))
+        {
+            self.camera = None;
+        }
+        let key = SceneKey {
+            session: SessionKey::of(document),
+            revision: document.revision(),
+            robot: session.robot.clone(),
+            fit: document.fit().cloned(),
+            selection,
+            live: self.live.clone(),
+            planned: self.planned.clone(),
+        };
+        self.scene = Some((key, Arc::clone(&scene)));
+        self.drawing = None;
+        scene
+    }
+
+    fn drawing_of(&mut self, scene: &Scene, selection: Selection, theme: Theme) -> Arc<Drawing> {
+        let key = DrawingKey {
+            theme,
+            options: self.options,
+            selection,
+        };
+        if let Some((of, drawing)) = &self.drawing
+            && *of == key
+        {
+            return Arc::clone(drawing);
+        }
+        let drawing = Arc::new(Drawing::new(scene, &self.options, selection, theme));
+        self.drawings += 1;
+        self.drawing = Some((key, Arc::clone(&drawing)));
+        drawing
+    }
+}
+
+/// Draws the robot of the open session.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        empty(
+            ui,
+            "The robot appears here once a session, a robot or a dataset is open.",
+        );
+        return;
+    };
+    let view = &mut state.views.robot_3d;
+    let scene = view.scene_of(document, state.selection);
+    let mut aim = None;
+    Frame::new()
+        .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
+        .show(ui, |ui| {
+            aim = toolbar::show(ui, &mut view.options, scene.is_identified);
+        });
+    let drawing = view.drawing_of(&scene, state.selection, ui.theme());
+    let size = ui.available_size().max(egui::Vec2::splat(16.0));
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
+    let aspect = f64::from(rect.aspect_ratio());
+    let extent = scene.extent();
+    let start = || Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
+    let camera = view.camera.get_or_insert_with(start);
+    match aim.or_else(|| canvas::keys(ui, &response)) {
+        Some(Aim::Fit) => camera.fit(&extent, aspect),
+        Some(Aim::To(side)) => {
+            camera.turn_to(side);
+            camera.fit(&extent, aspect);
+        }
+        None => {}
+    }
+    canvas::steer(ui, &response, camera, &extent);
+    let picture = picking::Picture {
+        scene: &scene,
+        options: &view.options,
+        camera,
+        size: [rect.width(), rect.height()].map(f64::from),
+    };
+    let thing = canvas::under_pointer(&response, &picture);
+    view.canvas
+        .paint(ui, rect, &drawing, view.drawings, &picture, state.hovered);
+    if let Some(thing) = thing {
+        response
+            .clone()
+            .on_hover_text_at_pointer(words::describe(&scene, thing));
+    }
+    let picked = thing.map(canvas::selection_of).unwrap_or_default();
+    if thing.is_some() || view.hovers {
+        // What another view hovers stays until the pointer is here.
+        state.hovered = picked;
+        view.hovers = thing.is_some();
+    }
+    if response.clicked() {
+        let selection = canvas::clicked(picked, state.selection);
+        state.outbox.send(ViewCommand::Select(selection));
+    }
+}

@@ -1,0 +1,293 @@
+//! What is under the pointer.
+
+use tautline_core::geometry::Vec3;
+
+use super::camera::{Camera, Ray};
+use super::drawing::{Options, cable_width, pose_size};
+use super::scene::{Scene, Wheel};
+
+/// How far beside a thing the pointer may be (points of the screen).
+const TOLERANCE: f64 = 6.0;
+
+/// A thing that can be picked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Thing {
+    /// A cable, by its index.
+    Cable(usize),
+    /// The pulley of a cable.
+    Pulley(usize),
+    /// The platform.
+    Platform,
+    /// A measured pose, by its label.
+    Pose(i64),
+    /// The spot of the laser.
+    LaserSpot,
+}
+
+/// A picture of which the pointer is over a part.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// What it shows.
+    pub scene: &'a Scene,
+    /// What is drawn of it.
+    pub options: &'a Options,
+    /// From where.
+    pub camera: &'a Camera,
+    /// Width and height (points of the screen).
+    pub size: [f64; 2],
+}
+
+/// How the pointer meets a thing.
+#[derive(Debug, Clone, Copy)]
+struct Hit {
+    thing: Thing,
+    /// Distance to what is drawn (points of the screen); 0 if it is met.
+    beside: f64,
+    depth_m: f64,
+}
+
+/// A point of the picture, in points of the screen, with its depth (m).
+#[derive(Debug, Clone, Copy)]
+pub struct OnScreen {
+    /// From the left.
+    pub x: f64,
+    /// From the top.
+    pub y: f64,
+    /// Distance along the direction of view (m).
+    pub depth_m: f64,
+}
+
+impl Picture<'_> {
+    fn aspect(&self) -> f64 {
+        self.size[0] / self.size[1]
+    }
+
+    /// Where `point` (m) is seen; `None` behind the eye.
+    #[must_use]
+    pub fn on_screen(&self, point: &Vec3) -> Option<OnScreen> {
+        let seen = self.camera.project(point, self.aspect())?;
+        Some(OnScreen {
+            x: seen.u * self.size[0],
+            y: seen.v * self.size[1],
+            depth_m: seen.depth_m,
+        })
+    }
+
+    /// Points of the screen per metre at a depth (m).
+    #[must_use]
+    pub fn scale_at(&self, depth_m: f64) -> f64 {
+        self.size[1] / (Camera::opening() * depth_m)
+    }
+
+    /// What is at `(x, y)`: the nearest to the eye of what is met there, else what is closest beside.
+    #[must_use]
+    pub fn pick(&self, x: f64, y: f64) -> Option<Thing> {
+        let at = (x / self.size[0], y / self.size[1]);
+        let ray = self.camera.ray(at, self.aspect());
+        let forward = self.camera.axes()[2];
+        let mut hits = Vec::new();
+        self.pick_platform(&ray, &forward, &mut hits);
+        for (index, cable) in self.scene.cables.iter().enumerate() {
+            hits.extend(self.pick_wheel(&cable.wheel, index, &ray, &forward, [x, y]));
+            hits.extend(self.pick_path(&cable.path, index, [x, y]));
+        }
+        if self.options.poses {
+            hits.extend(self.pick_poses([x, y]));
+        }
+        let spot = self.scene.laser.and_then(|laser| laser.spot);
+        hits.extend(spot.and_then(|spot| self.pick_point(&spot, 3.5, Thing::LaserSpot, [x, y])));
+        let order = |a: &Hit, b: &Hit| {
+            let beside = a.beside.total_cmp(&b.beside);
+            beside.then(a.depth_m.total_cmp(&b.depth_m))
+        };
+        hits.into_iter().min_by(order).map(|hit| hit.thing)
+    }
+
+    fn pick_platform(&self, ray: &Ray, forward: &Vec3, hits: &mut Vec<Hit>) {
+        let pose = &self.scene.pose;
+        let turn = pose.orientation.inverse();
+        let local = Ray {
+            origin: turn * (ray.origin - pose.position),
+            direction: turn * ray.direction,
+        };
+        let platform = &self.scene.platform;
+        if let Some(distance) = ray_box(&local, &platform.low, &platform.high) {
+            hits.push(Hit {
+                thing: Thing::Platform,
+                beside: 0.0,
+                depth_m: distance * ray.direction.dot(forward),
+            });
+        }
+    }
+
+    fn pick_wheel(
+        &self,
+        wheel: &Wheel,
+        index: usize,
+        ray: &Ray,
+        forward: &Vec3,
+        at: [f64; 2],
+    ) -> Option<Hit> {
+        // The disc through its middle, or the sphere of its thickness where it is seen from the edge.
+        let away = wheel.centre - ray.origin;
+        let distance = away.dot(&wheel.normal) / ray.direction.dot(&wheel.normal);
+        let met = ray.origin + ray.direction * distance;
+        if distance > 0.0 && (met - wheel.centre).norm() <= 0.96 * wheel.radius_m {
+            return Some(Hit {
+                thing: Thing::Pulley(index),
+                beside: 0.0,
+                depth_m: distance * ray.direction.dot(forward),
+            });
+        }
+        let depth = away.dot(forward);
+        let radius = (0.13 * wheel.radius_m * self.scale_at(depth)).max(4.5);
+        self.pick_point(&wheel.centre, radius, Thing::Pulley(index), at)
+    }
+
+    fn pick_path(&self, path: &[Vec3], index: usize, [x, y]: [f64; 2]) -> Option<Hit> {
+        let half = f64::from(cable_width(false)) / 2.0;
+        let seen: Vec<Option<OnScreen>> = path.iter().map(|p| self.on_screen(p)).collect();
+        let pieces = seen.windows(2).filter_map(|ends| match ends {
+            [Some(from), Some(to)] => Some(closest(from, to, x, y)),
+            _ => None,
+        });
+        let (distance, depth_m) = pieces.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let beside = (distance - half).max(0.0);
+        (beside <= TOLERANCE).then_some(Hit {
+            thing: Thing::Cable(index),
+            beside,
+            depth_m,
+        })
+    }
+
+    fn pick_poses(&self, at: [f64; 2]) -> Option<Hit> {
+        let poses = &self.scene.measured;
+        let radius = f64::from(pose_size(poses.len())) / 2.0;
+        let hits = poses.iter().filter_map(|pose| {
+            self.pick_point(&pose.position, radius, Thing::Pose(pose.label), at)
+        });
+        hits.min_by(|a, b| {
+            let beside = a.beside.total_cmp(&b.beside);
+            beside.then(a.depth_m.total_cmp(&b.depth_m))
+        })
+    }
+
+    fn pick_point(&self, point: &Vec3, radius: f64, thing: Thing, [x, y]: [f64; 2]) -> Option<Hit> {
+        let seen = self.on_screen(point)?;
+        let beside = ((seen.x - x).hypot(seen.y - y) - radius).max(0.0);
+        (beside <= TOLERANCE).then_some(Hit {
+            thing,
+            beside,
+            depth_m: seen.depth_m,
+        })
+    }
+}
+
+/// Distance of `(x, y)` from the piece between two points, and the depth there (m).
+fn closest(from: &OnScreen, to: &OnScreen, x: f64, y: f64) -> (f64, f64) {
+    let (dx, dy) = (to.x - from.x, to.y - from.y);
+    let square = dx * dx + dy * dy;
+    let share = if square > 0.0 {
+        (((x - from.x) * dx + (y - from.y) * dy) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let distance = (from.x + share * dx - x).hypot(from.y + share * dy - y);
+    // Along a line, the reciprocal of the depth is what changes evenly in the picture.
+    let inverse = (1.0 - share) / from.depth_m + share / to.depth_m;
+    (distance, 1.0 / inverse)
+}
+
+/// Distance along the ray at which it enters the box (m).
+fn ray_box(ray: &Ray, low: &Vec3, high: &Vec3) -> Option<f64> {
+    let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
+    for axis in 0..3 {
+        let inverse = 1.0 / ray.direction[axis];
+        let a = (low[axis] - ray.origin[axis]) * inverse;
+        let b = (high[axis] - ray.origin[axis]) * inverse;
+        enters = enters.max(a.min(b));
+        leaves = leaves.min(a.max(b));
+    }
+    (enters <= leaves).then_some(enters)
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::measurement::Measurements;
+    use tautline_core::robot::presets;
+
+    use super::*;
+    use crate::views::robot_3d::camera::StandardView;
+    use crate::views::robot_3d::scene::Subject;
+
+    fn with_picture(name: &str, check: impl Fn(&Picture<'_>)) {
+        let robot = presets::find(name).unwrap().robot;
+        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let size = [900.0, 600.0];
+        let options = Options::default();
+        for view in StandardView::ALL {
+            let extent = scene.extent();
+            let camera = Camera::new(scene.directions, view, &extent, 1.5);
+            check(&Picture {
+                scene: &scene,
+                options: &options,
+                camera: &camera,
+                size,
+            });
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_free_cable_is_that_cable_or_something_before_it() {
+        for name in presets::NAMES {
+            with_picture(name, |picture| {
+                for (index, cable) in picture.scene.cables.iter().enumerate() {
+                    let ends = &cable.path[cable.path.len() - 2..];
+                    let middle = picture.on_screen(&ends[0].lerp(&ends[1], 0.5)).unwrap();
+                    let thing = picture.pick(middle.x, middle.y).unwrap();
+                    if thing == Thing::Cable(index) {
+                        continue;
+                    }
+                    // In views along an axis cables cover each other; what is picked must be drawn there, too.
+                    let covers = match thing {
+                        Thing::Cable(other) => picture
+                            .pick_path(
+                                &picture.scene.cables[other].path,
+                                other,
+                                [middle.x, middle.y],
+                            )
+                            .is_some_and(|hit| hit.beside == 0.0),
+                        Thing::Platform | Thing::LaserSpot | Thing::Pulley(_) => true,
+                        Thing::Pose(_) => false,
+                    };
+                    assert!(covers, "{name}: {thing:?} instead of {index}");
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn pulleys_are_picked_and_empty_space_is_not() {
+        let robot = presets::find("mini").unwrap().robot;
+        let scene = Subject::new(&robot, &Measurements::default()).scene();
+        let camera = Camera::new(
+            scene.directions,
+            StandardView::Isometric,
+            &scene.extent(),
+            1.5,
+        );
+        let picture = Picture {
+            scene: &scene,
+            options: &Options::default(),
+            camera: &camera,
+            size: [900.0, 600.0],
+        };
+        for (index, cable) in scene.cables.iter().enumerate() {
+            let seen = picture.on_screen(&cable.wheel.centre).unwrap();
+            assert_eq!(picture.pick(seen.x, seen.y), Some(Thing::Pulley(index)));
+        }
+        let middle = picture.on_screen(&scene.pose.position).unwrap();
+        assert_eq!(picture.pick(middle.x, middle.y), Some(Thing::Platform));
+        assert_eq!(picture.pick(5.0, 5.0), None);
+    }
+}

@@ -1,0 +1,228 @@
+//! From robot, measurements and identification to what is seen.
+
+use std::collections::HashMap;
+
+use nalgebra::Matrix3;
+use tautline_core::estimation::ParameterId;
+use tautline_core::geometry::{Pose, Vec3};
+use tautline_core::measurement::Measurements;
+use tautline_core::robot::Robot;
+
+use super::residuals::Residuals;
+use super::{
+    CableView, Displacement, FrameBox, MeasuredPose, PlatformBox, Scene, Shown, cable, platform,
+};
+use crate::app::Selection;
+use crate::app::fit::Fit;
+use crate::views::robot_3d::Live;
+use crate::views::robot_3d::camera;
+
+/// What is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// The robot of the drawings.
+    pub robot: &'a Robot,
+    /// What was measured.
+    pub measurements: &'a Measurements,
+    /// What was identified, if it was.
+    pub fit: Option<&'a Fit>,
+    /// The pose that is shown, and the cable whose residuals the poses show.
+    pub selection: Selection,
+    /// Where the platform is now, while it is measured; comes before the selected pose.
+    pub live: Option<&'a Live>,
+    /// Poses that are planned.
+    pub planned: &'a [Pose],
+}
+
+impl<'a> Subject<'a> {
+    /// A robot alone, at home.
+    #[must_use]
+    pub fn new(robot: &'a Robot, measurements: &'a Measurements) -> Self {
+        Self {
+            robot,
+            measurements,
+            fit: None,
+            selection: Selection::default(),
+            live: None,
+            planned: &[],
+        }
+    }
+
+    fn model(&self) -> &'a Robot {
+        self.fit.map_or(self.robot, |fit| &fit.model)
+    }
+
+    /// What there is to see.
+    #[must_use]
+    pub fn scene(&self) -> Scene {
+        let robot = self.robot;
+        let directions = camera::directions(robot.gravity());
+        let frame = FrameBox::of(robot, &directions);
+        let fitted = self.fit.map(fitted_poses).unwrap_or_default();
+        let residuals = self.fit.map(Residuals::of).unwrap_or_default();
+        let (shown, pose) = self.shown(&fitted);
+        Scene {
+            directions,
+            shown,
+            pose,
+            cables: self.cables(&pose, shown, &fitted, &residuals),
+            platform: PlatformBox::of(robot, frame.size_m),
+            laser: platform::laser(self.model(), &pose),
+            home_beams: platform::home_beams(robot, &pose),
+            measured: self.measured(&fitted, &residuals),
+            planned: self.planned.iter().map(|pose| pose.position).collect(),
+            is_identified: self.fit.is_some(),
+            frame,
+        }
+    }
+
+    fn shown(&self, fitted: &Fitted) -> (Shown, Pose) {
+        if let Some(live) = self.live {
+            return (Shown::Live, live.pose);
+        }
+        if let Some(label) = self.selection.pose {
+            if let Some((_, pose)) = fitted.get(&label) {
+                return (Shown::Fitted(label), *pose);
+            }
+            let rows = &self.measurements.labels;
+            let row = rows.iter().position(|l| *l == label);
+            if let Some(pose) = row.and_then(|row| given_pose(self.measurements, row)) {
+                return (Shown::Given(label), pose);
+            }
+        }
+        let middle = || {
+            let entries = self.robot.cables.iter();
+            let sum: Vec3 = entries.map(|c| Vec3::from(c.pulley.entry_point_m)).sum();
+            Pose {
+                position: sum / self.robot.cable_count().max(1) as f64,
+                ..Pose::identity()
+            }
+        };
+        let home = self.model().home;
+        (Shown::Home, home.map_or_else(middle, |home| home.pose()))
+    }
+
+    fn tensions(&self, shown: Shown) -> Vec<Option<f64>> {
+        let cables = self.robot.cable_count();
+        if let (Shown::Live, Some(live)) = (shown, self.live) {
+            let at = |i: usize| live.tensions_n.get(i).copied().filter(|t| t.is_finite());
+            return (0..cables).map(at).collect();
+        }
+        let label = match shown {
+            Shown::Fitted(label) | Shown::Given(label) => label,
+            Shown::Home | Shown::Live => 0,
+        };
+        let row = self.measurements.labels.iter().position(|l| *l == label);
+        let tension = |(index, cable): (usize, &tautline_core::robot::Cable)| {
+            let reading = self.measurements.force_n.get(row?, index);
+            let tension = cable.force_sensor?.tension_n(reading);
+            tension.is_finite().then_some(tension)
+        };
+        self.robot.cables.iter().enumerate().map(tension).collect()
+    }
+
+    fn cables(
+        &self,
+        pose: &Pose,
+        shown: Shown,
+        fitted: &Fitted,
+        residuals: &Residuals,
+    ) -> Vec<CableView> {
+        let model = self.model();
+        let tensions = self.tensions(shown);
+        let drops = cable::drops(model, pose, &tensions);
+        let row = match shown {
+            Shown::Fitted(label) => fitted.get(&label).map(|(row, _)| *row),
+            _ => None,
+        };
+        let nominal = self.robot.cables.iter();
+        let cables = model.cables.iter().zip(nominal).enumerate();
+        cables
+            .map(|(index, (own, nominal))| {
+                let wheel = cable::wheel(own, pose);
+                let path = cable::path(own, pose, drops[index]);
+                let anchor = pose.transform(&own.platform_anchor_m.into());
+                let free_m = path.as_ref().map(|path| path.free_m);
+                CableView {
+                    path: path.map_or_else(|| vec![wheel.entry, anchor], |path| path.points),
+                    wheel,
+                    nominal: self.fit.map(|_| cable::wheel(nominal, pose)),
+                    moved: self.fit.map(|fit| displacement(fit, index, nominal)),
+                    free_m,
+                    tension_n: tensions[index],
+                    residual: residuals
+                        .of_cable(index, row)
+                        .filter(|_| row.is_some() || shown == Shown::Home),
+                }
+            })
+            .collect()
+    }
+
+    fn measured(&self, fitted: &Fitted, residuals: &Residuals) -> Vec<MeasuredPose> {
+        let cable = self.selection.cable;
+        let labels = self.measurements.labels.iter().enumerate();
+        let pose = |(row, label): (usize, &i64)| match fitted.get(label) {
+            Some((row, pose)) => Some(MeasuredPose {
+                label: *label,
+                position: pose.position,
+                residual: residuals.of_pose(*row, cable),
+            }),
+            None => given_pose(self.measurements, row).map(|pose| MeasuredPose {
+                label: *label,
+                position: pose.position,
+                residual: None,
+            }),
+        };
+        labels.filter_map(pose).collect()
+    }
+}
+
+/// Row in the data of the fit, and pose, by label.
+type Fitted = HashMap<i64, (usize, Pose)>;
+
+fn fitted_poses(fit: &Fit) -> Fitted {
+    let labels = &fit.dataset.measurements.labels;
+    let poses = fit.solution.poses.iter();
+    let labelled = poses.filter_map(|(row, pose)| Some((*labels.get(*row)?, (*row, *pose))));
+    labelled.collect()
+}
+
+/// Where a row says that the platform was, as commanded or as an external instrument saw it.
+fn given_pose(data: &Measurements, row: usize) -> Option<Pose> {
+    data.commanded.get(row).copied().flatten().or_else(|| {
+        data.tracked_position_at(row).map(|position| Pose {
+            position,
+            ..Pose::identity()
+        })
+    })
+}
+
+fn displacement(fit: &Fit, index: usize, nominal: &tautline_core::robot::Cable) -> Displacement {
+    let from = Vec3::from(nominal.pulley.entry_point_m);
+    let entries = &fit.solution.globals.entry_points;
+    let found = entries.get(index).map_or(from, |entry| Vec3::from(*entry));
+    Displacement {
+        from,
+        by: found - from,
+        covariance: covariance(fit, index),
+    }
+}
+
+/// Covariance of an entry point (m^2); coordinates that were not estimated have none.
+fn covariance(fit: &Fit, index: usize) -> Option<Matrix3<f64>> {
+    let whole = fit.solution.covariance.as_ref()?;
+    let mut columns = [None; 3];
+    for (column, parameter) in fit.solution.parameters.iter().enumerate() {
+        if let ParameterId::EntryPoint { cable, axis } = parameter.id
+            && cable == index
+        {
+            columns[axis] = Some(column);
+        }
+    }
+    columns.iter().any(Option::is_some).then(|| {
+        Matrix3::from_fn(|i, k| match (columns[i], columns[k]) {
+            (Some(i), Some(k)) => whole[(i, k)],
+            _ => 0.0,
+        })
+    })
+}

@@ -1,0 +1,174 @@
+//! What there is to see, as plain data: base frame, metres. It knows nothing of colours, cameras or graphics cards.
+
+mod build;
+mod cable;
+mod frame;
+mod platform;
+mod residuals;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::Matrix3;
+use tautline_core::geometry::{Pose, Vec3};
+
+pub use build::Subject;
+pub use frame::{Floor, FrameBox, round_length};
+pub use platform::PlatformBox;
+
+use super::camera::Directions;
+
+/// A pulley as it stands at a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheel {
+    /// Where the cable reaches it (m).
+    pub entry: Vec3,
+    /// Its centre (m).
+    pub centre: Vec3,
+    /// Unit vector across its plane.
+    pub normal: Vec3,
+    /// Radius at the cable's centre line (m); 0 for an eyelet.
+    pub radius_m: f64,
+}
+
+/// What identification changed at a pulley.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Displacement {
+    /// Entry point of the drawing (m).
+    pub from: Vec3,
+    /// Identified less nominal (m).
+    pub by: Vec3,
+    /// Covariance of the identified entry point (m^2), where the data determine it.
+    pub covariance: Option<Matrix3<f64>>,
+}
+
+/// How well the model predicts what was measured, in standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Residual {
+    /// One residual with its sign.
+    One(f64),
+    /// Root mean square of so many.
+    Rms(f64, usize),
+}
+
+impl Residual {
+    /// The number, in standard deviations.
+    #[must_use]
+    pub fn value(self) -> f64 {
+        match self {
+            Self::One(value) | Self::Rms(value, _) => value,
+        }
+    }
+}
+
+/// A cable at the pose shown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CableView {
+    /// From the winch's side over the pulley to the platform (m).
+    pub path: Vec<Vec3>,
+    /// Its pulley, identified if there is an identification.
+    pub wheel: Wheel,
+    /// The pulley of the drawing, where an identified one is shown.
+    pub nominal: Option<Wheel>,
+    /// What identification changed.
+    pub moved: Option<Displacement>,
+    /// Straight part (m); `None` where it has no path at this pose.
+    pub free_m: Option<f64>,
+    /// Tension (N), if known.
+    pub tension_n: Option<f64>,
+    /// How well its lengths are predicted: at the selected pose, else over all.
+    pub residual: Option<Residual>,
+}
+
+/// The laser at the pose shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaserView {
+    /// Where the beam leaves the platform (m).
+    pub from: Vec3,
+    /// Where it meets the target plane (m); `None` if it does not.
+    pub spot: Option<Vec3>,
+    /// Direction of the beam, unit vector.
+    pub direction: Vec3,
+    /// Normal of the target plane, unit vector.
+    pub normal: Vec3,
+}
+
+/// A measured pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredPose {
+    /// Its label.
+    pub label: i64,
+    /// Where the platform was, fitted if possible (m).
+    pub position: Vec3,
+    /// Largest residual of its lengths or of the selected cable's, if it was fitted.
+    pub residual: Option<f64>,
+}
+
+/// Which pose is shown.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Shown {
+    /// The home pose, or the middle of the pulleys for a robot without.
+    #[default]
+    Home,
+    /// A measured pose as it was fitted.
+    Fitted(i64),
+    /// A measured pose as it was commanded or tracked.
+    Given(i64),
+    /// Where the platform is now.
+    Live,
+}
+
+/// Everything there is to see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Right, away from the viewer, up.
+    pub directions: Directions,
+    /// Which pose is shown.
+    pub shown: Shown,
+    /// Pose of the platform.
+    pub pose: Pose,
+    /// Members of the frame and the floor.
+    pub frame: FrameBox,
+    /// The cables with their pulleys.
+    pub cables: Vec<CableView>,
+    /// The platform.
+    pub platform: PlatformBox,
+    /// The laser, if the robot has one.
+    pub laser: Option<LaserView>,
+    /// Beams of the home platform's sensors, from the sensor to its plane (m).
+    pub home_beams: Vec<[Vec3; 2]>,
+    /// Measured poses.
+    pub measured: Vec<MeasuredPose>,
+    /// Planned poses (m).
+    pub planned: Vec<Vec3>,
+    /// Whether an identified geometry is shown.
+    pub is_identified: bool,
+}
+
+impl Scene {
+    /// What a view of everything must contain (m).
+    #[must_use]
+    pub fn extent(&self) -> Vec<Vec3> {
+        let mut points = self.frame.corners.clone();
+        points.extend(self.cables.iter().flat_map(|cable| {
+            let nominal = cable.nominal.iter();
+            nominal.chain([&cable.wheel]).map(|wheel| wheel.centre)
+        }));
+        points
+    }
+
+    /// Centre and radius of a sphere around everything that is drawn (m).
+    #[must_use]
+    pub fn bounds(&self) -> (Vec3, f64) {
+        let frame = &self.frame;
+        let points = frame.corners.iter().chain(&frame.floor.corners);
+        let points = points.chain(&self.planned);
+        let points = points.chain(self.measured.iter().map(|pose| &pose.position));
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let (low, high) = points.fold((infinite, -infinite), |(low, high), p| {
+            (low.inf(p), high.sup(p))
+        });
+        let radius = (high - low).norm() / 2.0;
+        // Arrows and ellipsoids may reach out of it.
+        ((low + high) / 2.0, 2.0 * radius + 1e-3)
+    }
+}

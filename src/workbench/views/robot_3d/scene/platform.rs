@@ -1,0 +1,92 @@
+//! The platform, the laser on it, and the home platform's sensors.
+
+use tautline_core::geometry::{Pose, Vec3};
+use tautline_core::robot::Robot;
+
+use super::LaserView;
+
+/// A box around the anchors, in the platform frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlatformBox {
+    /// Lower corner (m).
+    pub low: Vec3,
+    /// Upper corner (m).
+    pub high: Vec3,
+}
+
+impl PlatformBox {
+    /// The box around the anchors of `robot` in a frame of diagonal `size_m`; thin ones get a thickness to be seen.
+    #[must_use]
+    pub fn of(robot: &Robot, size_m: f64) -> Self {
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let anchors = robot.cables.iter().map(|c| Vec3::from(c.platform_anchor_m));
+        let (low, high) = anchors.fold((infinite, -infinite), |(low, high), p| {
+            (low.inf(&p), high.sup(&p))
+        });
+        if !(low.iter().all(|v| v.is_finite()) && high.iter().all(|v| v.is_finite())) {
+            let half = Vec3::repeat(0.01 * size_m);
+            return Self {
+                low: -half,
+                high: half,
+            };
+        }
+        let least = (0.12 * (high - low).max()).max(0.008 * size_m) / 2.0;
+        let middle = (low + high) / 2.0;
+        let half = ((high - low) / 2.0).map(|h| h.max(least));
+        Self {
+            low: middle - half,
+            high: middle + half,
+        }
+    }
+
+    /// Its corners in the base frame (m); bit k of the index chooses the upper end along axis k.
+    #[must_use]
+    pub fn corners(&self, pose: &Pose) -> [Vec3; 8] {
+        std::array::from_fn(|k| {
+            let pick = |axis: usize| {
+                if k >> axis & 1 == 0 {
+                    self.low[axis]
+                } else {
+                    self.high[axis]
+                }
+            };
+            pose.transform(&Vec3::new(pick(0), pick(1), pick(2)))
+        })
+    }
+}
+
+/// The laser of `robot` at `pose`.
+pub fn laser(robot: &Robot, pose: &Pose) -> Option<LaserView> {
+    let laser = robot.laser?;
+    let from = pose.transform(&laser.origin_m.into());
+    let direction = pose.orientation * Vec3::from(laser.direction);
+    let normal = Vec3::from(laser.target_plane.normal);
+    let distance = (laser.target_plane.offset_m - normal.dot(&from)) / normal.dot(&direction);
+    let meets = distance.is_finite() && distance > 0.0;
+    Some(LaserView {
+        from,
+        spot: meets.then(|| from + direction * distance),
+        direction,
+        normal,
+    })
+}
+
+/// Beams of the home platform's sensors with the platform at `pose`.
+pub fn home_beams(robot: &Robot, pose: &Pose) -> Vec<[Vec3; 2]> {
+    let Some(home) = &robot.home_platform else {
+        return Vec::new();
+    };
+    let reference = home.base_from_reference.pose();
+    let beam = |sensor: &tautline_core::robot::HomeSensor| {
+        let plane = home.planes.get(sensor.plane)?;
+        let from = reference.transform(&sensor.origin_m.into());
+        let direction = reference.orientation * Vec3::from(sensor.direction);
+        let normal = pose.orientation * Vec3::from(plane.normal);
+        let to_plane = plane.offset_m + normal.dot(&(pose.position - from));
+        let distance = to_plane / normal.dot(&direction);
+        // Away from home the beams meet nothing; they are drawn as long as they are at home, about.
+        let seen = distance.is_finite() && distance > 0.0 && distance < 1.0;
+        Some([from, from + direction * if seen { distance } else { 0.05 }])
+    };
+    home.sensors.iter().filter_map(beam).collect()
+}

@@ -1,0 +1,87 @@
+//! The row above the picture.
+
+use egui::{Slider, Ui, WidgetInfo};
+use egui_material_icons::icons;
+
+use super::camera::StandardView;
+use super::drawing::{CableColour, Options};
+use crate::widgets::{icon_only, muted};
+
+/// What the row asks of the camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aim {
+    /// Show everything.
+    Fit,
+    /// Turn to a standard view and show everything.
+    To(StandardView),
+}
+
+/// Draws the row.
+pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<Aim> {
+    let mut aim = None;
+    ui.horizontal_wrapped(|ui| {
+        if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit to all (F)", true).clicked() {
+            aim = Some(Aim::Fit);
+        }
+        for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
+            let button = egui::Button::new(view.title()).frame_when_inactive(false);
+            let hint = format!("{} view, key {key}", view.title());
+            if ui.add(button).on_hover_text(hint).clicked() {
+                aim = Some(Aim::To(view));
+            }
+        }
+        ui.separator();
+        colours(ui, options);
+        ui.separator();
+        ui.menu_button("Show", |ui| parts(ui, options, is_identified));
+        if is_identified {
+            exaggeration(ui, options);
+        }
+    });
+    aim
+}
+
+fn colours(ui: &mut Ui, options: &mut Options) {
+    muted(ui, "Colour");
+    for colour in CableColour::ALL {
+        let hint = match colour {
+            CableColour::Own => "Every cable in its own colour",
+            CableColour::Tension => "Cables coloured by their tension",
+            CableColour::Residual => {
+                "Cables coloured by the residual of their length: at the selected pose, or over all poses"
+            }
+        };
+        ui.selectable_value(&mut options.colour, colour, colour.title())
+            .on_hover_text(hint);
+    }
+}
+
+fn parts(ui: &mut Ui, options: &mut Options, is_identified: bool) {
+    ui.checkbox(&mut options.labels, "Numbers of cables");
+    ui.checkbox(&mut options.poses, "Poses");
+    let of_identification = [
+        (&mut options.nominal, "Pulleys of the drawing"),
+        (&mut options.arrows, "Displacements"),
+        (&mut options.ellipsoids, "95 % confidence ellipsoids"),
+    ];
+    for (shown, name) in of_identification {
+        let checkbox = egui::Checkbox::new(shown, name);
+        ui.add_enabled(is_identified, checkbox)
+            .on_disabled_hover_text("There is nothing to show before an identification.");
+    }
+}
+
+fn exaggeration(ui: &mut Ui, options: &mut Options) {
+    let slider = Slider::new(&mut options.exaggeration, 1.0..=200.0)
+        .logarithmic(true)
+        .step_by(1.0)
+        .show_value(false);
+    ui.spacing_mut().slider_width = 88.0;
+    let response = ui.add(slider);
+    let value = options.exaggeration;
+    response.widget_info(|| WidgetInfo::slider(true, value, "Exaggeration"));
+    response.on_hover_text(
+        "How many times larger than they are displacements and ellipsoids are drawn",
+    );
+    ui.label(format!("{value:.0} times"));
+}

@@ -1,0 +1,137 @@
+//! What the pointer is told.
+
+use super::picking::Thing;
+use super::scene::{Residual, Scene, Shown};
+
+/// What a thing is, and how much of it.
+#[must_use]
+pub fn describe(scene: &Scene, thing: Thing) -> String {
+    match thing {
+        Thing::Cable(index) => cable(scene, index),
+        Thing::Pulley(index) => pulley(scene, index),
+        Thing::Platform => platform(scene),
+        Thing::Pose(label) => pose(scene, label),
+        Thing::LaserSpot => laser(scene),
+    }
+}
+
+/// Which pose is shown.
+#[must_use]
+pub fn shown(scene: &Scene) -> String {
+    match scene.shown {
+        Shown::Home => "At home".to_owned(),
+        Shown::Fitted(0) => "At home, as identified".to_owned(),
+        Shown::Fitted(label) => format!("Pose {label}, as identified"),
+        Shown::Given(label) => format!("Pose {label}, as commanded"),
+        Shown::Live => "Where the platform is now".to_owned(),
+    }
+}
+
+fn cable(scene: &Scene, index: usize) -> String {
+    let Some(cable) = scene.cables.get(index) else {
+        return String::new();
+    };
+    let mut parts = match cable.free_m {
+        Some(free_m) => vec![format!("{free_m:.4} m free")],
+        None => vec!["has no path to the platform at this pose".to_owned()],
+    };
+    parts.extend(cable.tension_n.map(|tension| format!("{tension:.1} N")));
+    parts.extend(cable.residual.map(residual));
+    format!("Cable {}: {}", index + 1, parts.join(", "))
+}
+
+fn residual(residual: Residual) -> String {
+    match residual {
+        Residual::One(value) => format!("residual {value:+.1} standard deviations"),
+        Residual::Rms(value, count) => {
+            format!("residual {value:.1} standard deviations (root mean square of {count})")
+        }
+    }
+}
+
+fn pulley(scene: &Scene, index: usize) -> String {
+    let Some(cable) = scene.cables.get(index) else {
+        return String::new();
+    };
+    let [x, y, z] = (cable.wheel.entry * 1e3).into();
+    let radius = cable.wheel.radius_m * 1e3;
+    let mut text = format!(
+        "Pulley {}: radius {radius:.1} mm, cable enters at ({x:.1}, {y:.1}, {z:.1}) mm",
+        index + 1
+    );
+    if let Some(moved) = &cable.moved {
+        let length = moved.by.norm() * 1e3;
+        text += &format!("\n{length:.2} mm from the drawing");
+        if let Some(covariance) = moved.covariance {
+            let sd = covariance.diagonal().map(|v| v.max(0.0).sqrt() * 1e3);
+            text += &format!(
+                ", standard deviations ({:.2}, {:.2}, {:.2}) mm",
+                sd.x, sd.y, sd.z
+            );
+        }
+    }
+    text
+}
+
+fn platform(scene: &Scene) -> String {
+    let [x, y, z] = (scene.pose.position * 1e3).into();
+    let turned = scene.pose.orientation.angle().to_degrees();
+    format!("Platform at ({x:.1}, {y:.1}, {z:.1}) mm, turned by {turned:.2}°")
+}
+
+fn pose(scene: &Scene, label: i64) -> String {
+    let Some(pose) = scene.measured.iter().find(|pose| pose.label == label) else {
+        return String::new();
+    };
+    let [x, y, z] = (pose.position * 1e3).into();
+    let name = if label == 0 {
+        "Home pose".to_owned()
+    } else {
+        format!("Pose {label}")
+    };
+    let text = format!("{name}: ({x:.1}, {y:.1}, {z:.1}) mm");
+    match pose.residual {
+        Some(value) => format!("{text}, residual {value:+.1} standard deviations"),
+        None => text,
+    }
+}
+
+fn laser(scene: &Scene) -> String {
+    let spot = scene.laser.and_then(|laser| Some((laser.spot?, laser)));
+    spot.map_or_else(String::new, |(spot, laser)| {
+        format!("Laser: {:.4} m to its target", (spot - laser.from).norm())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::measurement::{Grid, Measurements};
+    use tautline_core::robot::presets;
+
+    use super::*;
+    use crate::views::robot_3d::scene::Subject;
+
+    #[test]
+    fn a_cable_says_what_and_how_much() {
+        let robot = presets::find("mini").unwrap().robot;
+        let mut force_n = Grid::new(8);
+        force_n.push_row(&[82.6; 8]);
+        let data = Measurements {
+            labels: vec![0],
+            force_n,
+            ..Measurements::default()
+        };
+        let mut scene = Subject::new(&robot, &data).scene();
+        scene.cables[2].residual = Some(Residual::One(2.06));
+        scene.cables[2].free_m = Some(1.20337);
+        assert_eq!(
+            describe(&scene, Thing::Cable(2)),
+            "Cable 3: 1.2034 m free, 41.3 N, residual +2.1 standard deviations"
+        );
+        assert_eq!(describe(&scene, Thing::Cable(99)), "");
+        assert_eq!(
+            describe(&scene, Thing::LaserSpot),
+            "Laser: 0.4450 m to its target"
+        );
+    }
+}

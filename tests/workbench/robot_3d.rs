@@ -1,0 +1,191 @@
+//! The 3D view, driven by pointer and keys.
+
+use egui::{Key, Pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tautline_core::geometry::{Pose, Vec3};
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+use tautline_session::{Session, Timestamp};
+use tautline_workbench::app::fit::{FitOrder, fit};
+use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::app::{App, Document, Selection};
+use tautline_workbench::views::robot_3d::Live;
+use tautline_workbench::views::robot_3d::picking::Picture;
+use tautline_workbench::views::robot_3d::scene::Shown;
+
+use crate::support::{settle, workbench};
+
+/// A simulated run of a preset in a session.
+pub fn session_of(name: &str, poses: usize) -> Session {
+    let preset = presets::find(name).unwrap();
+    let options = SimulationOptions {
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(poses, 5)
+    };
+    let run = simulate(&preset.robot, &options).unwrap();
+    let now: Timestamp = "2026-01-05T08:00:00Z".parse().unwrap();
+    let mut session = Session::new(name, preset.robot, now);
+    session.measurements = run.dataset.measurements;
+    session
+}
+
+/// Opens a session in the measuring phase, identified or not.
+pub fn open(harness: &mut Harness<'_, App>, session: Session, is_identified: bool) {
+    let mut document = Document::new(session, None);
+    if is_identified {
+        let order = FitOrder {
+            dataset: document.session().dataset().into(),
+            method: tautline_core::estimation::Method::Joint,
+            effects: Vec::new(),
+        };
+        let keep = &mut |_: &_| tautline_core::estimation::Control::Continue;
+        let fit = fit(order, keep).unwrap();
+        let inputs = document.inputs();
+        document.set_fit(fit, inputs);
+    }
+    harness.state_mut().state.document = Some(document);
+    harness.state_mut().state.screen = Screen::Phase(Step::Measuring);
+    settle(harness);
+}
+
+/// Where a point of the base frame is in the window.
+pub fn in_window(harness: &Harness<'_, App>, point: &Vec3) -> Pos2 {
+    let rect = harness.get_by_label("3D view").rect();
+    let view = &harness.state().state.views.robot_3d;
+    let picture = Picture {
+        scene: view.scene().unwrap(),
+        options: &view.options,
+        camera: view.camera().unwrap(),
+        size: [rect.width(), rect.height()].map(f64::from),
+    };
+    let seen = picture.on_screen(point).unwrap();
+    rect.min + vec2(seen.x as f32, seen.y as f32)
+}
+
+fn click(harness: &mut Harness<'_, App>, at: Pos2) {
+    harness.hover_at(at);
+    harness.run_ok();
+    harness.drag_at(at);
+    harness.drop_at(at);
+    harness.run_ok();
+}
+
+fn scene(
+    harness: &Harness<'_, App>,
+) -> std::sync::Arc<tautline_workbench::views::robot_3d::scene::Scene> {
+    harness
+        .state()
+        .state
+        .views
+        .robot_3d
+        .scene()
+        .unwrap()
+        .clone()
+}
+
+#[test]
+fn a_click_selects_and_the_pointer_is_told_what_it_is_over() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 6), true);
+    let pulley = scene(&harness).cables[1].wheel.centre;
+    let at = in_window(&harness, &pulley);
+    harness.hover_at(at);
+    harness.run_ok();
+    assert_eq!(harness.state().state.hovered, Selection::cable(1));
+    assert!(
+        harness
+            .query_by_label_contains("Pulley 2: radius 18.0 mm")
+            .is_some()
+    );
+    click(&mut harness, at);
+    assert_eq!(harness.state().state.selection, Selection::cable(1));
+    let pose = scene(&harness).measured[3];
+    let at = in_window(&harness, &pose.position);
+    click(&mut harness, at);
+    let selection = harness.state().state.selection;
+    assert_eq!(selection.cable, Some(1), "a pose adds to the cable");
+    let label = selection.pose.unwrap();
+    assert_eq!(scene(&harness).shown, Shown::Fitted(label));
+    assert!(scene(&harness).cables[0].residual.is_some());
+    let corner = harness.get_by_label("3D view").rect().left_top() + vec2(12.0, 60.0);
+    click(&mut harness, corner);
+    assert!(harness.state().state.selection.is_empty());
+    assert_eq!(scene(&harness).shown, Shown::Home);
+}
+
+#[test]
+fn keys_and_buttons_turn_the_view() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("hall", 3), false);
+    let forward = |harness: &Harness<'_, App>| {
+        harness
+            .state()
+            .state
+            .views
+            .robot_3d
+            .camera()
+            .unwrap()
+            .axes()[2]
+    };
+    let middle = harness.get_by_label("3D view").rect().center();
+    harness.hover_at(middle);
+    harness.run_ok();
+    for (key, direction) in [
+        (Key::Num1, Vec3::y()),
+        (Key::Num2, -Vec3::x()),
+        (Key::Num3, -Vec3::z()),
+    ] {
+        harness.key_press(key);
+        harness.run_ok();
+        assert!((forward(&harness) - direction).norm() < 1e-9, "{key:?}");
+    }
+    harness.get_by_label("Isometric").click();
+    harness.run_ok();
+    assert!(forward(&harness).amax() < 0.9);
+    for name in [
+        "Fit to all (F)",
+        "Front",
+        "Side",
+        "Top",
+        "Tension",
+        "Residual",
+        "Show",
+    ] {
+        assert!(harness.query_by_label(name).is_some(), "{name}");
+    }
+    assert!(
+        harness.query_by_label("Exaggeration").is_none(),
+        "nothing is identified"
+    );
+}
+
+#[test]
+fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 3), false);
+    let before = *harness.state().state.views.robot_3d.camera().unwrap();
+    let pose = Pose::from_parts([0.05, 0.0, 0.1], [1.0, 0.0, 0.0, 0.0]);
+    let view = &mut harness.state_mut().state.views.robot_3d;
+    view.live = Some(Live {
+        pose,
+        tensions_n: vec![25.0; 8],
+    });
+    view.planned = vec![pose];
+    harness.run_ok();
+    assert_eq!(scene(&harness).shown, Shown::Live);
+    assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));
+    assert_eq!(scene(&harness).planned, [pose.position]);
+    assert_eq!(
+        *harness.state().state.views.robot_3d.camera().unwrap(),
+        before
+    );
+    harness.state_mut().state.views.robot_3d.live = None;
+    open(&mut harness, session_of("planar", 3), false);
+    assert_ne!(
+        *harness.state().state.views.robot_3d.camera().unwrap(),
+        before
+    );
+    assert_eq!(scene(&harness).cables.len(), 4);
+}

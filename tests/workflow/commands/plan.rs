@@ -1,0 +1,61 @@
+//! plan: the poses it writes, what it promises, and what it refuses.
+
+use super::program::{Folder, assert_valid, number, tautline};
+
+#[test]
+fn a_plan_is_written_in_the_order_of_measurement() {
+    let folder = Folder::new();
+    let out = folder.join("plan.csv");
+    let arguments = [
+        "plan",
+        "mini",
+        "--poses",
+        "12",
+        "--candidates",
+        "300",
+        "--seed",
+        "4",
+    ];
+    let machine = [arguments.as_slice(), &["--out", &out, "--json", "-"]].concat();
+    let answer = tautline(&machine).succeeded();
+    assert_eq!(answer.stderr, "");
+    let plan = answer.json();
+    assert_valid(&plan);
+    assert_eq!(plan["format"], "tautline-plan");
+    assert_eq!(plan["version"], 1);
+    assert_eq!(
+        plan["entry_point_sd_after_m"].as_array().map(Vec::len),
+        Some(13)
+    );
+    assert!(number(&plan, "/expected/mean_m") < number(&plan, "/random/mean_m"));
+    assert!(number(&plan, "/expected/log_det") > number(&plan, "/random/log_det"));
+    let text = std::fs::read_to_string(&out).expect("a file");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        (lines[0], lines.len()),
+        ("pose,x_m,y_m,z_m,qw,qx,qy,qz", 13)
+    );
+    for (k, line) in lines[1..].iter().enumerate() {
+        let cells: Vec<f64> = line
+            .split(',')
+            .map(|c| c.parse().expect("a number"))
+            .collect();
+        assert_eq!((cells.len(), cells[0]), (8, (k + 1) as f64));
+        assert_eq!(cells[1], number(&plan, &format!("/poses/{k}/position_m/0")));
+    }
+    let readable = tautline(&arguments).succeeded().stdout;
+    for part in [
+        "12 poses for mini",
+        "cable-1 entry point x",
+        "at random poses",
+    ] {
+        assert!(readable.contains(part), "{readable} lacks {part}");
+    }
+}
+
+#[test]
+fn what_cannot_be_planned_is_refused() {
+    tautline(&["plan", "no-such-robot"]).refused(&["no-such-robot", "mini"]);
+    tautline(&["plan", "mini", "--poses", "0"]).refused(&["--poses", "at least 1"]);
+    tautline(&["plan", "mini", "--effects", "gremlins"]).refused(&["--effects", "gremlins"]);
+}
