@@ -2,6 +2,8 @@
 
 pub mod app;
 pub mod cli;
+pub mod documents;
 mod screens;
 mod views;
 mod widgets;
+mod wording;

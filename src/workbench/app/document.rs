@@ -3,26 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use tautline_core::diagnosis::Diagnosis;
-use tautline_core::measurement::Dataset;
 use tautline_session::{LogEntry, Phase, ResultRecord, Session};
 
 use super::clock;
 use super::edit::{Edit, History};
 use super::fit::Fit;
-
-/// A diagnosis with what it is about.
-#[derive(Debug)]
-pub struct Diagnosed {
-    /// Robot and measurements, excluded poses left out.
-    pub dataset: Arc<Dataset>,
-    /// What was found.
-    pub diagnosis: Diagnosis,
-    /// Probability of a false alarm that was asked for.
-    pub alpha: f64,
-    /// Time that it took (s).
-    pub seconds: f64,
-}
+pub use crate::documents::diagnosis::Diagnosed;
 
 /// A result with the revision of the inputs it was computed from.
 #[derive(Debug, Clone)]

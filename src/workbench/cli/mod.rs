@@ -13,7 +13,6 @@ mod published;
 mod schemas;
 mod simulate;
 mod table;
-mod units;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

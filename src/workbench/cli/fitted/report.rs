@@ -1,8 +1,9 @@
 //! The readable report of an identification.
 
-use super::{Fitted, Identification};
+use super::Fitted;
 use crate::cli::output::say;
 use crate::cli::table;
+use crate::documents::identification::Identification;
 
 /// Most suspect readings that a report lists.
 const SUSPECTS_SHOWN: usize = 10;

@@ -3,7 +3,7 @@
 use tautline_core::diagnosis::Invisible;
 
 use super::Diagnosed;
-use crate::cli::units::{range, unit_of};
+use crate::wording::units::{range, unit_of};
 
 /// All that is invisible of one effect on cables or on the whole robot, in one unit.
 struct Group<'a> {
@@ -13,8 +13,9 @@ struct Group<'a> {
     members: Vec<&'a Invisible>,
 }
 
-impl Diagnosed<'_> {
+impl Diagnosed {
     /// One line per effect, and one for those that no size would show.
+    #[must_use]
     pub fn invisible_lines(&self) -> Vec<String> {
         let groups = groups(&self.diagnosis.invisible);
         if groups.is_empty() {
