@@ -20,7 +20,15 @@ pub(crate) fn write_atomically(
 /// # Errors
 /// If the file cannot be written.
 pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
-    write_atomically(path, |out| out.write_all(text.as_bytes()))
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a file of any kind atomically.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_atomically(path, |out| out.write_all(bytes))
 }
 
 fn replace(

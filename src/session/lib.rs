@@ -15,7 +15,7 @@ mod robot_file;
 mod session;
 mod table;
 
-pub use atomic::write_text;
+pub use atomic::{write_bytes, write_text};
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, write_dataset,
 };

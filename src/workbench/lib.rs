@@ -3,6 +3,8 @@
 pub mod app;
 pub mod cli;
 pub mod documents;
+mod fonts;
+pub mod report;
 mod screens;
 mod views;
 mod widgets;

@@ -1,6 +1,6 @@
 //! Headless commands: arguments, exit codes, output.
 
-mod accuracy;
+pub(crate) mod accuracy;
 mod diagnose;
 mod effects;
 mod evaluate;
