@@ -1,5 +1,6 @@
 //! Files that are either completely written or not at all.
 
+#[cfg(unix)]
 use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -49,8 +50,15 @@ fn replace(
     let file = writer.into_inner().map_err(|error| error.into_error())?;
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
+    sync_folder(folder)
+}
+
+/// Waits until the names in a folder are on disk, where the operating system can be asked for it.
+pub(crate) fn sync_folder(folder: &Path) -> std::io::Result<()> {
     #[cfg(unix)]
     fs::File::open(folder)?.sync_all()?;
+    #[cfg(not(unix))]
+    let _ = folder;
     Ok(())
 }
 

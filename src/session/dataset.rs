@@ -14,8 +14,8 @@ use crate::poses::{read_poses, write_poses};
 use crate::robot_file::{read_robot, write_robot};
 
 /// The files of a dataset folder.
-const ROBOT: &str = "robot.json";
-const POSES: &str = "poses.csv";
+pub(crate) const ROBOT: &str = "robot.json";
+pub(crate) const POSES: &str = "poses.csv";
 const WINCH: &str = "winch.csv";
 const FORCE: &str = "force.csv";
 const HOME: &str = "home.csv";

@@ -158,3 +158,14 @@ pub struct Loaded<T> {
     /// One sentence each: unknown keys and columns, readings that no instrument explains.
     pub notices: Vec<String>,
 }
+
+impl<T> Loaded<T> {
+    /// The same notices with another value.
+    #[must_use]
+    pub fn map<U>(self, change: impl FnOnce(T) -> U) -> Loaded<U> {
+        Loaded {
+            value: change(self.value),
+            notices: self.notices,
+        }
+    }
+}

@@ -12,12 +12,15 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 use tautline_core::robot::FieldError;
 
 use crate::atomic::write_atomically;
 use crate::error::{Loaded, Place, ReadError, WriteError};
+pub(crate) use explain::kind;
 pub use migrate::Migration;
 pub use schema::{Schema, document_schema, schema_for};
+pub(crate) use strict::parse as parse_object;
 
 /// A type that is stored as a JSON document of its own.
 pub trait Document: Serialize + DeserializeOwned + JsonSchema {
@@ -64,7 +67,14 @@ pub fn parse_document<T: Document>(bytes: &[u8], file: &str) -> Result<Loaded<T>
         let message = format!("found more than {} MB, too large", T::MAX_BYTES >> 20);
         return Err(ReadError::new(file, Place::File, message));
     }
-    let mut document = strict::parse(bytes, file)?;
+    document_in(strict::parse(bytes, file)?, file)
+}
+
+/// Makes a document of a JSON object that was parsed already.
+pub(crate) fn document_in<T: Document>(
+    mut document: Map<String, Value>,
+    file: &str,
+) -> Result<Loaded<T>, ReadError> {
     migrate::bring_up_to_date::<T>(&mut document, T::migrations(), file)?;
     let loaded = explain::deserialize::<T>(document, file)?;
     loaded

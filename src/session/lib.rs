@@ -8,9 +8,14 @@ mod atomic;
 mod dataset;
 mod error;
 mod fingerprint;
+mod folders;
+mod import;
 mod json;
 mod phases;
+mod plan_table;
 mod poses;
+mod preferences;
+mod recovery;
 mod robot_file;
 mod session;
 mod table;
@@ -20,6 +25,8 @@ pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, write_dataset,
 };
 pub use error::{Loaded, Place, ReadError, WriteError};
+pub use folders::Folders;
+pub use import::{Import, import};
 pub use json::{
     Document, Migration, Schema, document, document_schema, parse_document, read_document,
     schema_for, write_document,
@@ -29,7 +36,10 @@ pub use phases::{
     read_check, read_elongation, read_force, read_home, read_winch, write_check, write_elongation,
     write_force, write_home, write_winch,
 };
+pub use plan_table::{read_plan, write_plan};
 pub use poses::{read_poses, write_poses};
+pub use preferences::{Preferences, RecentSession, Theme};
+pub use recovery::{Keeper, LeftBehind, Recovered, left_behind};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
     Adjustment, DiagnosisSettings, IdentificationSettings, LogEntry, MeasuredPose, Method,

@@ -16,6 +16,7 @@ use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, ReadError};
 use crate::table::{Row, Table};
+pub(crate) use check::PoseColumns;
 pub use check::{CheckKind, CheckPose, CheckRow, read_check, write_check};
 pub use elongation::{ElongationPoint, read_elongation, write_elongation};
 pub use force::{ForcePair, read_force, write_force};
@@ -39,7 +40,7 @@ pub struct PhaseData {
 }
 
 /// Reads all rows of a table by `read_row`, with a notice for each column not in `known`.
-fn read_rows<T, R: BufRead>(
+pub(crate) fn read_rows<T, R: BufRead>(
     mut table: Table<R>,
     known: &[&str],
     mut read_row: impl FnMut(&Row<'_>) -> Result<T, ReadError>,
@@ -67,7 +68,7 @@ fn cable(row: &Row<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError
 }
 
 /// Refuses the second row about the same thing.
-fn once<K: Hash + Eq>(
+pub(crate) fn once<K: Hash + Eq>(
     seen: &mut HashSet<K>,
     key: K,
     row: &Row<'_>,

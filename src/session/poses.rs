@@ -13,7 +13,7 @@ use tautline_core::robot::Robot;
 use crate::error::{Loaded, Place, ReadError};
 use crate::table::{Table, TableWriter};
 pub(crate) use assemble::assemble;
-pub(crate) use column::Column;
+pub(crate) use column::{Column, Group};
 pub(crate) use columns::{Columns, Fault};
 pub(crate) use plausible::{check_complete, check_plausible, unexplained};
 
@@ -99,7 +99,8 @@ fn read_header<R: BufRead>(
 /// Name of the column with the labels.
 pub(crate) const LABEL: &str = "pose";
 
-fn place_fault(fault: Fault, file: &str, lines: &[u64]) -> ReadError {
+/// The error for a fault in a table whose rows start at these lines.
+pub(crate) fn place_fault(fault: Fault, file: &str, lines: &[u64]) -> ReadError {
     let line = |row: usize| lines.get(row).copied().unwrap_or_default();
     let place = fault
         .row

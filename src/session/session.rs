@@ -251,4 +251,4 @@ fn fail<T>(pointer: impl Into<String>, message: impl Into<String>) -> Result<T, 
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

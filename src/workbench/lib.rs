@@ -5,6 +5,7 @@ pub mod cli;
 pub mod documents;
 mod fonts;
 pub mod report;
+pub mod samples;
 mod screens;
 mod views;
 mod widgets;

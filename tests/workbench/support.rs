@@ -3,14 +3,14 @@
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
-use tautline_workbench::app::App;
+use tautline_workbench::app::{App, Options};
 
 /// A workbench without a graphics card, of the size of a small notebook's screen.
 pub fn workbench() -> Harness<'static, App> {
     Harness::builder()
         .with_size(egui::vec2(1280.0, 800.0))
         .with_max_steps(60)
-        .build_eframe(|creation| App::new(creation, None))
+        .build_eframe(|creation| App::new(creation, Options::default()))
 }
 
 /// Lets the workbench run until no task is running and nothing changes any more.

@@ -108,7 +108,7 @@ fn plain(expected: &str) -> String {
 }
 
 /// A JSON value in a few words.
-pub(super) fn kind(value: &Value) -> String {
+pub(crate) fn kind(value: &Value) -> String {
     match value {
         Value::Null => "null".into(),
         Value::Bool(value) => value.to_string(),

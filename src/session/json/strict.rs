@@ -8,7 +8,7 @@ use serde_json::{Map, Number, Value};
 use crate::error::{Place, ReadError, quoted};
 
 /// Parses a document, which has to be an object.
-pub(super) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, ReadError> {
+pub(crate) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, ReadError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(bytes, &error, file))?;
     if text.trim().is_empty() {

@@ -117,13 +117,14 @@ fn read_sample(row: &Row<'_>, column: Option<usize>, kind: CheckKind) -> Result<
 }
 
 /// Where the seven numbers of a pose are.
-struct PoseColumns {
+pub(crate) struct PoseColumns {
     position: [usize; 3],
     quaternion: Option<[usize; 4]>,
 }
 
 impl PoseColumns {
-    fn find<R: BufRead>(table: &Table<R>, names: &[&str; 7]) -> Result<Self, ReadError> {
+    /// Finds them by name; a quaternion is there as a whole or not at all.
+    pub fn find<R: BufRead>(table: &Table<R>, names: &[&str; 7]) -> Result<Self, ReadError> {
         let require = |k: usize| table.require(names[k]);
         let measured = (3..7).any(|k| table.find(names[k]).is_some());
         Ok(Self {
@@ -135,7 +136,8 @@ impl PoseColumns {
         })
     }
 
-    fn read(&self, row: &Row<'_>) -> Result<CheckPose, ReadError> {
+    /// The pose in a row.
+    pub fn read(&self, row: &Row<'_>) -> Result<CheckPose, ReadError> {
         let mut position_m = [0.0; 3];
         for (value, column) in position_m.iter_mut().zip(self.position) {
             *value = row.required_if(

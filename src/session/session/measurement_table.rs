@@ -86,6 +86,20 @@ impl MeasurementTable {
         Ok(())
     }
 
+    /// Labels of the poses.
+    pub fn labels(&self) -> &[i64] {
+        &self.pose
+    }
+
+    /// Whether `other` has all numbers that are here.
+    pub fn is_contained_in(&self, other: &Self) -> bool {
+        let mut columns = self.columns.iter();
+        columns.all(|(name, values)| {
+            let missing = values.iter().all(Option::is_none);
+            missing || other.columns.get(name) == Some(values)
+        })
+    }
+
     /// The measurements, checked against the robot.
     pub fn into_measurements(self, robot: &Robot) -> Result<Measurements, FieldError> {
         self.build(robot).map_err(place_fault)

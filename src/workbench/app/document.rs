@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use tautline_session::{LogEntry, Phase, ResultRecord, Session};
 
@@ -17,10 +18,13 @@ pub struct Computed<T> {
     inputs: u64,
 }
 
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
 /// The open session.
 ///
 /// It has two counters: `revision` counts every change, `inputs` those that identification and diagnosis depend on.
 pub struct Document {
+    identity: u64,
     session: Session,
     path: Option<PathBuf>,
     history: History,
@@ -37,6 +41,7 @@ impl Document {
     pub fn new(session: Session, path: Option<PathBuf>) -> Self {
         let saved = path.as_ref().map(|_| 0);
         Self {
+            identity: NEXT.fetch_add(1, Ordering::Relaxed),
             session,
             path,
             history: History::default(),
@@ -46,6 +51,21 @@ impl Document {
             fit: None,
             diagnosis: None,
         }
+    }
+
+    /// A recovered session: its file, if it has one, is older.
+    #[must_use]
+    pub fn recovered(session: Session, path: Option<PathBuf>) -> Self {
+        Self {
+            saved: None,
+            ..Self::new(session, path)
+        }
+    }
+
+    /// Tells it from every other document of this run of the program.
+    #[must_use]
+    pub fn identity(&self) -> u64 {
+        self.identity
     }
 
     /// What is in it.

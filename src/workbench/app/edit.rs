@@ -1,7 +1,10 @@
 //! What the operator edits, and how it is undone. Measured data are never undone: poses that were measured stay.
 
+use std::collections::BTreeSet;
+
+use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
-use tautline_session::{Method, PhaseData, Session, Settings};
+use tautline_session::{Method, PhaseData, PlannedPose, Session, Settings};
 
 /// One change of what the operator edits.
 #[derive(Debug, Clone)]
@@ -12,6 +15,16 @@ pub enum Edit {
     SetMethod(Method),
     /// Chooses the probability of a false alarm of the diagnosis.
     SetAlpha(f64),
+    /// Adds effects to the model: their parameters are identified, too. The text says which, for the undo menu.
+    AddEffects(Vec<EffectSetting>, String),
+    /// Takes an effect out of the model, by its place.
+    RemoveEffect(usize),
+    /// Leaves a pose out.
+    Exclude(i64),
+    /// Takes a pose back in.
+    Include(i64),
+    /// Replaces the poses that are to be measured; the text says why, for the undo menu.
+    SetPlan(Vec<PlannedPose>, String),
     /// Replaces the robot's description; the text says why, for the undo menu.
     SetRobot(Box<Robot>, String),
     /// Replaces raw data of the phases around the poses; the text says which, for the undo menu.
@@ -26,13 +39,32 @@ impl Edit {
             Self::Rename(_) => "rename session".into(),
             Self::SetMethod(_) => "choose method".into(),
             Self::SetAlpha(_) => "choose false alarm probability".into(),
-            Self::SetRobot(_, what) | Self::SetPhases(_, what) => what.clone(),
+            Self::RemoveEffect(_) => "remove effect from the model".into(),
+            Self::Exclude(label) => format!("exclude pose {label}"),
+            Self::Include(label) => format!("include pose {label}"),
+            Self::AddEffects(_, what)
+            | Self::SetPlan(_, what)
+            | Self::SetRobot(_, what)
+            | Self::SetPhases(_, what) => what.clone(),
         }
     }
 
-    /// Does it.
-    pub fn apply(self, session: &mut Session) {
+    /// Does it; what cannot be done, as excluding the home pose, changes nothing.
+    fn apply(self, session: &mut Session) {
+        let effects = &mut session.settings.identification.effects;
         match self {
+            Self::AddEffects(added, _) => effects.extend(added),
+            Self::RemoveEffect(place) if place < effects.len() => {
+                effects.remove(place);
+            }
+            Self::RemoveEffect(_) => {}
+            Self::Exclude(label) => {
+                let _ = session.exclude(label);
+            }
+            Self::Include(label) => {
+                session.include(label);
+            }
+            Self::SetPlan(plan, _) => session.plan = plan,
             Self::Rename(name) => session.name = name,
             Self::SetMethod(method) => session.settings.identification.method = method,
             Self::SetAlpha(alpha) => session.settings.diagnosis.alpha = alpha,
@@ -49,6 +81,8 @@ pub struct Editable {
     robot: Robot,
     phases: PhaseData,
     settings: Settings,
+    plan: Vec<PlannedPose>,
+    excluded: BTreeSet<i64>,
 }
 
 impl Editable {
@@ -60,6 +94,8 @@ impl Editable {
             robot: session.robot.clone(),
             phases: session.phases.clone(),
             settings: session.settings.clone(),
+            plan: session.plan.clone(),
+            excluded: session.excluded().clone(),
         }
     }
 
@@ -69,6 +105,14 @@ impl Editable {
         session.robot = self.robot;
         session.phases = self.phases;
         session.settings = self.settings;
+        session.plan = self.plan;
+        for label in session.excluded().clone().difference(&self.excluded) {
+            session.include(*label);
+        }
+        for label in &self.excluded {
+            // It was excluded before, so it can be.
+            let _ = session.exclude(*label);
+        }
     }
 }
 
@@ -139,4 +183,92 @@ fn step(from: &mut Vec<Step>, to: &mut Vec<Step>, session: &mut Session) -> Opti
     });
     state.restore(session);
     Some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tautline_core::robot::presets;
+    use tautline_core::simulation::{SimulationOptions, simulate};
+    use tautline_session::Timestamp;
+
+    fn session() -> Session {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let simulated = simulate(&robot, &SimulationOptions::new(4, 1)).expect("simulated");
+        let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+        session.measurements = simulated.dataset.measurements;
+        session
+    }
+
+    fn effect() -> EffectSetting {
+        EffectSetting {
+            effect: "winch_scale".into(),
+            targets: vec!["cable-3".into()],
+            parameters: [("scale".into(), 0.01)].into(),
+        }
+    }
+
+    #[test]
+    fn every_edit_is_undone_and_done_again() {
+        let mut session = session();
+        let mut robot = session.robot.clone();
+        robot.cables[0].pulley.radius_m += 1e-3;
+        let planned = PlannedPose {
+            label: 9,
+            position_m: [0.1, 0.0, 0.0],
+            orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+        };
+        let phases = PhaseData {
+            winch: vec![tautline_session::WinchPair {
+                cable: 0,
+                revolutions: 1.0,
+                length_m: 0.1,
+                tension_n: None,
+            }],
+            ..PhaseData::default()
+        };
+        let edits = [
+            Edit::Rename("other".into()),
+            Edit::SetMethod(Method::Simple),
+            Edit::SetAlpha(0.05),
+            Edit::AddEffects(vec![effect()], "add winch scale".into()),
+            Edit::RemoveEffect(0),
+            Edit::Exclude(2),
+            Edit::Include(2),
+            Edit::SetPlan(vec![planned], "plan".into()),
+            Edit::SetRobot(Box::new(robot), "radius".into()),
+            Edit::SetPhases(Box::new(phases), "winch table".into()),
+        ];
+        let mut history = History::default();
+        let mut states = vec![Editable::of(&session)];
+        for edit in edits.clone() {
+            let name = edit.name();
+            assert!(
+                history.perform(edit, &mut session),
+                "{name} changes something"
+            );
+            assert_eq!(history.next_undo(), Some(name.as_str()));
+            states.push(Editable::of(&session));
+        }
+        for before in states.iter().rev().skip(1) {
+            history.undo(&mut session).expect("a step");
+            assert_eq!(Editable::of(&session), *before);
+        }
+        for after in states.iter().skip(1) {
+            history.redo(&mut session).expect("a step");
+            assert_eq!(Editable::of(&session), *after);
+        }
+    }
+
+    #[test]
+    fn what_changes_nothing_is_no_step() {
+        let mut session = session();
+        let mut history = History::default();
+        assert!(
+            !history.perform(Edit::Exclude(0), &mut session),
+            "the home pose stays"
+        );
+        assert!(!history.perform(Edit::RemoveEffect(3), &mut session));
+        assert_eq!(history.next_undo(), None);
+    }
 }

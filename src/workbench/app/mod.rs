@@ -1,5 +1,6 @@
 //! The workbench: what it knows, what it can do, and its window.
 
+mod breakdown;
 mod clock;
 pub mod command;
 pub mod commands;
@@ -7,6 +8,7 @@ pub mod document;
 pub mod edit;
 pub mod fit;
 mod frame;
+mod keeping;
 mod memo;
 mod menu;
 mod messages;
@@ -17,13 +19,12 @@ pub mod state;
 pub mod tasks;
 pub mod theme;
 
-use std::path::PathBuf;
-
+pub use breakdown::Breakdown;
 pub use document::Document;
 pub use memo::Memo;
 pub use messages::{Message, Messages, Severity};
 pub use selection::Selection;
-pub use state::State;
+pub use state::{Options, State};
 
 use commands::FileCommand;
 
@@ -34,23 +35,46 @@ pub struct App {
 }
 
 impl App {
-    /// The workbench in a window; opens `path` if one is given.
+    /// The workbench in a window; opens what the options name.
     #[must_use]
-    pub fn new(creation: &eframe::CreationContext<'_>, path: Option<PathBuf>) -> Self {
+    pub fn new(creation: &eframe::CreationContext<'_>, options: Options) -> Self {
+        breakdown::listen();
         theme::install(&creation.egui_ctx);
-        let mut state = State::new(&creation.egui_ctx);
-        if let Some(path) = path {
+        let mut state = State::new(&creation.egui_ctx, options);
+        commands::restore(&state);
+        if let Some(path) = state.options.path.clone() {
             state.outbox.send(FileCommand::Open(path));
         }
         Self { state }
     }
 }
 
+impl App {
+    /// The window's own close button asks about unsaved changes, too.
+    fn ask_before_closing(&mut self, ctx: &egui::Context) {
+        let unsaved = self
+            .state
+            .document
+            .as_ref()
+            .is_some_and(Document::is_unsaved);
+        let broken = self.state.breakdown.is_some();
+        if unsaved && !broken && ctx.input(|input| input.viewport().close_requested()) {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.state.outbox.send(FileCommand::Quit);
+        }
+    }
+}
+
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         for outcome in self.state.tasks.outcomes() {
-            commands::receive(&mut self.state, outcome);
+            let received = breakdown::guard(|| commands::receive(&mut self.state, outcome));
+            self.state.breakdown = received.err().or(self.state.breakdown.take());
         }
+        for kept in self.state.keeping.kept() {
+            commands::kept(&mut self.state, kept);
+        }
+        self.ask_before_closing(ctx);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
             self.state
@@ -60,14 +84,24 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        frame::show(ui, &mut self.state);
-        for command in self.state.outbox.take() {
-            commands::perform(&mut self.state, command);
+        let state = &mut self.state;
+        if state.breakdown.is_some() {
+            frame::broken(ui, state);
+            return;
         }
+        let done = breakdown::guard(|| {
+            frame::show(ui, state);
+            for command in state.outbox.take() {
+                commands::perform(state, command);
+            }
+        });
+        state.breakdown = done.err();
+        state.keeping.follow(state.document.as_ref());
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
         self.state.views.destroy();
+        self.state.keeping.flush();
     }
 }
 
@@ -75,7 +109,7 @@ impl eframe::App for App {
 ///
 /// # Errors
 /// If no window can be opened, as without a display.
-pub fn run(path: Option<PathBuf>) -> Result<(), eframe::Error> {
+pub fn run(start: Options) -> Result<(), eframe::Error> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Tautline")
         .with_app_id("tautline")
@@ -88,6 +122,6 @@ pub fn run(path: Option<PathBuf>) -> Result<(), eframe::Error> {
     eframe::run_native(
         "tautline",
         options,
-        Box::new(|creation| Ok(Box::new(App::new(creation, path)))),
+        Box::new(|creation| Ok(Box::new(App::new(creation, start)))),
     )
 }

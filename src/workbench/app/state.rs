@@ -1,7 +1,14 @@
 //! Everything the program knows; screens and views are functions of it.
 
+use std::path::PathBuf;
+
+use tautline_session::{Folders, LeftBehind, Preferences, left_behind};
+
+use super::breakdown::Breakdown;
 use super::command::Outbox;
+use super::commands::Leaving;
 use super::document::Document;
+use super::keeping::Keeping;
 use super::messages::Messages;
 use super::screen::Screen;
 use super::selection::Selection;
@@ -9,9 +16,24 @@ use super::tasks::Tasks;
 use crate::screens::Screens;
 use crate::views::Views;
 
+/// How the program was started.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// What to open: a session, a robot or a dataset folder.
+    pub path: Option<PathBuf>,
+    /// Where preferences and what is not saved yet lie; by default where the system has such things.
+    pub folders: Option<Folders>,
+    /// Seed of the demonstration, to have the same one again; by default the time.
+    pub demo_seed: Option<u64>,
+    /// How many times faster than real the simulated robot moves; by default 1.
+    pub robot_speed: Option<f64>,
+}
+
 /// Windows above the screen.
 #[derive(Debug, Default)]
 pub struct Windows {
+    /// What waits for an answer about unsaved changes.
+    pub leaving: Option<Leaving>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
     /// Whether the log is open.
@@ -27,6 +49,8 @@ impl Windows {
 
 /// Everything the program knows.
 pub struct State {
+    /// How the program was started.
+    pub options: Options,
     /// Where fonts, theme and the window are set.
     pub context: egui::Context,
     /// The open session.
@@ -37,6 +61,16 @@ pub struct State {
     pub selection: Selection,
     /// What is under the pointer, everywhere.
     pub hovered: Selection,
+    /// Keeps what is not saved yet.
+    pub keeping: Keeping,
+    /// Where preferences and what is not saved yet lie.
+    pub folders: Folders,
+    /// Choices of the user.
+    pub preferences: Preferences,
+    /// What programs that ended without saving have left behind.
+    pub left_behind: Vec<LeftBehind>,
+    /// A panic that was caught, until the operator has seen it.
+    pub breakdown: Option<Breakdown>,
     /// Running work.
     pub tasks: Tasks,
     /// What the program had to say.
@@ -54,19 +88,59 @@ pub struct State {
 impl State {
     /// The state at the start of the program.
     #[must_use]
-    pub fn new(context: &egui::Context) -> Self {
+    pub fn new(context: &egui::Context, options: Options) -> Self {
+        let mut messages = Messages::default();
+        let folders = options
+            .folders
+            .clone()
+            .unwrap_or_else(|| folders(&mut messages));
+        let preferences = Preferences::load(&folders.preferences());
+        for notice in preferences.notices {
+            messages.warning(notice);
+        }
+        let recovery = folders.recovery();
+        let left_behind = left_behind(&recovery).unwrap_or_else(|error| {
+            messages.error(error.to_string());
+            Vec::new()
+        });
         Self {
+            keeping: Keeping::new(recovery, context.clone()),
+            folders,
+            preferences: preferences.value,
+            left_behind,
+            breakdown: None,
+            options,
             context: context.clone(),
             document: None,
             screen: Screen::default(),
             selection: Selection::default(),
             hovered: Selection::default(),
             tasks: Tasks::new(context.clone()),
-            messages: Messages::default(),
+            messages,
             outbox: Outbox::default(),
             windows: Windows::default(),
             screens: Screens::default(),
             views: Views::default(),
         }
     }
+}
+
+impl State {
+    /// Changes the choices of the user and writes them down.
+    pub fn change_preferences(&mut self, change: impl FnOnce(&mut Preferences)) {
+        change(&mut self.preferences);
+        if let Err(error) = self.preferences.save(&self.folders.preferences()) {
+            self.messages.warning(error.to_string());
+        }
+    }
+}
+
+/// Those of the user, or a temporary place where the system has none.
+fn folders(messages: &mut Messages) -> Folders {
+    Folders::of_user().unwrap_or_else(|error| {
+        messages.warning(format!(
+            "{error}; what is not saved is kept in a temporary folder."
+        ));
+        Folders::below(&std::env::temp_dir().join("tautline"))
+    })
 }

@@ -97,7 +97,11 @@ pub fn run() -> ExitCode {
 }
 
 fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
-    crate::app::run(path).map_err(|error| anyhow::anyhow!("cannot open a window: {error}"))
+    let options = crate::app::Options {
+        path,
+        ..Default::default()
+    };
+    crate::app::run(options).map_err(|error| anyhow::anyhow!("cannot open a window: {error}"))
 }
 
 /// Prints what went wrong, in one line, and gives the exit code.

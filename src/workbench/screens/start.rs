@@ -1,34 +1,46 @@
 //! The start screen: what one can begin with.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use egui::{Key, RichText, TextEdit, Ui};
+use egui::{Align, Button, Key, Layout, RichText, ScrollArea, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::app::State;
 use crate::app::commands::FileCommand;
 use crate::app::theme::{self, GRID};
-use crate::widgets::{icon_button, muted, primary, section};
+use crate::samples::{self, Sample};
+use crate::widgets::{icon_button, icon_only, muted, primary, section};
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
 pub struct Remembered {
     path: String,
+    /// Sample sessions that are there; looked up once.
+    samples: Option<Vec<Sample>>,
 }
+
+const WIDTH: f32 = 640.0;
 
 /// Draws the start screen.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    let width = 560.0_f32.min(ui.available_width() - 8.0 * GRID);
-    ui.vertical_centered(|ui| {
-        ui.set_width(width);
-        ui.add_space((ui.available_height() * 0.14).max(6.0 * GRID));
-        ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
-            ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
-            muted(ui, "Find where the pulleys of a cable robot really are, and what its model still gets wrong.");
-            ui.add_space(4.0 * GRID);
-            begin(ui, state);
-            section(ui, "Open a session, a robot.json or a dataset folder");
-            open(ui, state);
+    let margin = ((ui.available_width() - WIDTH) / 2.0).max(4.0 * GRID);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.add_space(margin);
+            ui.vertical(|ui| {
+                ui.set_width(WIDTH.min(ui.available_width() - margin));
+                ui.add_space((ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID));
+                ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
+                muted(ui, "Find where the pulleys of a cable robot really are, and what its model still gets wrong.");
+                ui.add_space(4.0 * GRID);
+                left_behind(ui, state);
+                begin(ui, state);
+                section(ui, "Open a session, a robot.json or a dataset folder");
+                open(ui, state);
+                recent(ui, state);
+                sample_sessions(ui, state);
+                ui.add_space(6.0 * GRID);
+            });
         });
     });
 }
@@ -48,14 +60,18 @@ fn begin(ui: &mut Ui, state: &mut State) {
 fn open(ui: &mut Ui, state: &mut State) {
     let path = &mut state.screens.start.path;
     ui.horizontal(|ui| {
-        let field = TextEdit::singleline(path)
-            .hint_text("Path, or drop a file on the window")
-            .desired_width(360.0);
-        let field = ui.add(field);
+        let field = TextEdit::singleline(path).hint_text("Path, or drop a file on the window");
+        let field = ui.add(
+            field
+                .desired_width(400.0)
+                .vertical_align(Align::Center)
+                .min_size(egui::vec2(0.0, 26.0)),
+        );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         let typed = !path.trim().is_empty();
-        if (ui.add_enabled(typed, egui::Button::new("Open")).clicked() || entered) && typed {
+        let button = Button::new("Open").min_size(egui::vec2(0.0, 26.0));
+        if (ui.add_enabled(typed, button).clicked() || entered) && typed {
             state
                 .outbox
                 .send(FileCommand::Open(PathBuf::from(path.trim())));
@@ -64,4 +80,144 @@ fn open(ui: &mut Ui, state: &mut State) {
             state.outbox.send(FileCommand::AskOpen);
         }
     });
+}
+
+fn left_behind(ui: &mut Ui, state: &mut State) {
+    if state.left_behind.is_empty() {
+        return;
+    }
+    let warning = theme::of(ui).warning;
+    ui.horizontal(|ui| {
+        ui.label(icons::ICON_RESTORE.rich_text().size(18.0).color(warning));
+        ui.label(
+            RichText::new("The program ended without saving. This is still there:")
+                .font(theme::strong(13.0)),
+        );
+    });
+    for (place, left) in state.left_behind.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let poses = match left.poses {
+                0 => "no poses".to_owned(),
+                1 => "1 pose".to_owned(),
+                poses => format!("{poses} poses"),
+            };
+            ui.label(&left.name);
+            muted(
+                ui,
+                &format!("{poses}, {}", readable(&left.when.to_string())),
+            );
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let name = format!("Set aside {}", left.name);
+                let aside = ui.button("Set aside").on_hover_text(
+                    "Moves the files to the folder \"discarded\"; nothing is deleted",
+                );
+                aside.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                if aside.clicked() {
+                    state.outbox.send(FileCommand::SetAside(place));
+                }
+                let name = format!("Recover {}", left.name);
+                let recover = ui.add_enabled(left.problem.is_none(), Button::new("Recover"));
+                recover.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                if recover.clicked() {
+                    state.outbox.send(FileCommand::Recover(place));
+                }
+            });
+        });
+        if let Some(problem) = &left.problem {
+            muted(ui, &problem.to_string());
+        }
+    }
+    ui.add_space(4.0 * GRID);
+}
+
+fn recent(ui: &mut Ui, state: &mut State) {
+    if state.preferences.recent().is_empty() {
+        return;
+    }
+    section(ui, "Recent sessions");
+    for recent in state.preferences.recent() {
+        let there = recent.exists();
+        let hint = if there {
+            readable(&recent.when.to_string())
+        } else {
+            "the file is not there any more".into()
+        };
+        ui.horizontal(|ui| {
+            if link(ui, &recent.name, there) {
+                state
+                    .outbox
+                    .send(FileCommand::Open(recent.path().to_owned()));
+            }
+            muted(ui, &hint);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if icon_only(
+                    ui,
+                    icons::ICON_CLOSE,
+                    &format!("Forget {}", recent.name),
+                    true,
+                )
+                .clicked()
+                {
+                    state
+                        .outbox
+                        .send(FileCommand::Forget(recent.path().to_owned()));
+                }
+                let folder = recent
+                    .path()
+                    .parent()
+                    .map_or_else(String::new, |folder| folder.display().to_string());
+                let text = RichText::new(folder).small().color(theme::of(ui).muted);
+                ui.add(egui::Label::new(text).truncate());
+            });
+        });
+    }
+}
+
+fn sample_sessions(ui: &mut Ui, state: &mut State) {
+    let found = state
+        .screens
+        .start
+        .samples
+        .get_or_insert_with(|| samples::find(&places()));
+    if found.is_empty() {
+        return;
+    }
+    section(ui, "Sample sessions");
+    for sample in found.iter() {
+        ui.horizontal(|ui| {
+            if link(ui, &sample.title, true) {
+                state.outbox.send(FileCommand::Open(sample.session.clone()));
+            }
+            let text = RichText::new(&sample.shows).color(theme::of(ui).muted);
+            ui.add(egui::Label::new(text).truncate());
+        });
+    }
+}
+
+/// Folders that may hold the sample sessions: beside the program, and where it was started.
+fn places() -> Vec<PathBuf> {
+    let program = std::env::current_exe().ok();
+    let beside = program
+        .iter()
+        .flat_map(|path| path.ancestors().skip(1).take(4))
+        .map(Path::to_owned);
+    beside
+        .chain(std::env::current_dir())
+        .map(|folder| folder.join("sessions"))
+        .collect()
+}
+
+fn link(ui: &mut Ui, text: &str, enabled: bool) -> bool {
+    let colour = if enabled {
+        theme::of(ui).accent
+    } else {
+        theme::of(ui).muted
+    };
+    let button = Button::new(RichText::new(text).color(colour)).frame_when_inactive(false);
+    ui.add_enabled(enabled, button).clicked()
+}
+
+/// "2018-07-23T09:05:00Z" as "2018-07-23 09:05".
+fn readable(time: &str) -> String {
+    time.replace('T', " ").chars().take(16).collect()
 }

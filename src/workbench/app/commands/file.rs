@@ -3,13 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
-use tautline_session::{Loaded, Session, read_dataset, read_robot, read_session, write_session};
+use tautline_session::{Import, Loaded, Session, import, write_session};
 
+use super::import as tables;
 use crate::app::Document;
 use crate::app::clock;
 use crate::app::command::Outcome;
+use crate::app::frame::Answer;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
+use crate::samples;
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
@@ -18,7 +21,7 @@ pub enum FileCommand {
     TryDemo,
     /// Asks for a file to open.
     AskOpen,
-    /// Opens a session, or begins one with a robot or a dataset folder.
+    /// Opens a session, begins one with a robot or a dataset folder, or imports a table.
     Open(PathBuf),
     /// Saves; asks for a place if the session has none.
     Save,
@@ -30,6 +33,33 @@ pub enum FileCommand {
     Close,
     /// Ends the program.
     Quit,
+    /// Answers what to do about unsaved changes.
+    Answer(Answer),
+    /// Opens what a crash has left behind, by its place in the list.
+    Recover(usize),
+    /// Sets aside what a crash has left behind, by its place in the list.
+    SetAside(usize),
+    /// Takes a session from the list of recent ones.
+    Forget(PathBuf),
+}
+
+/// What takes the open session away, and so may have to wait for an answer.
+#[derive(Debug)]
+pub enum Leaving {
+    /// Another session is opened.
+    Open(Box<Opening>),
+    /// The session is closed.
+    Close,
+    /// The program ends.
+    Quit,
+}
+
+/// A session that is to be opened.
+#[derive(Debug)]
+pub struct Opening {
+    session: Session,
+    path: Option<PathBuf>,
+    is_recovered: bool,
 }
 
 /// What a file dialog is for.
@@ -44,19 +74,21 @@ pub enum Purpose {
 /// What a task with files came to.
 #[derive(Debug)]
 pub enum FileOutcome {
-    /// A session was read.
-    Opened {
-        /// Its file; none if it was made from a robot or a dataset.
-        path: Option<PathBuf>,
-        /// The session with notices, or one sentence.
-        result: Result<Box<Loaded<Session>>, String>,
+    /// A file or folder was read.
+    Read {
+        /// Its path.
+        path: PathBuf,
+        /// What it is, or one sentence.
+        result: Result<Loaded<Import>, String>,
     },
+    /// The demonstration is ready, or one sentence.
+    Demo(Result<Box<Session>, String>),
     /// A session was written.
     Saved {
         /// Its file.
         path: PathBuf,
-        /// Revision that was written.
-        revision: u64,
+        /// Identity of the document and revision that was written.
+        state: (u64, u64),
         /// Nothing, or one sentence.
         result: Result<(), String>,
     },
@@ -71,23 +103,40 @@ pub enum FileOutcome {
 
 pub(super) fn perform(state: &mut State, command: FileCommand) {
     match command {
-        FileCommand::TryDemo => {}
+        FileCommand::TryDemo => try_demo(state),
         FileCommand::AskOpen => ask(state, Purpose::Open),
         FileCommand::AskSaveAs => ask(state, Purpose::SaveAs),
-        FileCommand::Open(path) => {
-            state.tasks.start("Opening", move |_| read(&path).into());
-        }
+        FileCommand::Open(path) => read(state, path),
         FileCommand::Save => match state.document.as_ref().and_then(Document::path) {
             Some(path) => save(state, path.to_owned()),
             None => ask(state, Purpose::SaveAs),
         },
         FileCommand::SaveAs(path) => save(state, path),
-        FileCommand::Close => {
-            state.document = None;
-            state.screen = Screen::Start;
+        FileCommand::Close => leave(state, Leaving::Close),
+        FileCommand::Quit => leave(state, Leaving::Quit),
+        FileCommand::Answer(answer) => answered(state, answer),
+        FileCommand::Recover(place) => recover(state, place),
+        FileCommand::SetAside(place) => set_aside(state, place),
+        FileCommand::Forget(path) => {
+            state.change_preferences(|preferences| preferences.forget(&path))
         }
-        FileCommand::Quit => state.context.send_viewport_cmd(ViewportCommand::Close),
     }
+}
+
+fn try_demo(state: &mut State) {
+    let now = clock::now();
+    let seed = state
+        .options
+        .demo_seed
+        .unwrap_or(now.unix_seconds().unsigned_abs());
+    state.tasks.start("Preparing the demo robot", move |_| {
+        FileOutcome::Demo(
+            samples::demo(seed, now)
+                .map(Box::new)
+                .map_err(|error| error.to_string()),
+        )
+        .into()
+    });
 }
 
 fn ask(state: &mut State, purpose: Purpose) {
@@ -101,105 +150,223 @@ fn ask(state: &mut State, purpose: Purpose) {
     });
 }
 
-fn read(path: &Path) -> FileOutcome {
-    let named = |name: Option<&std::ffi::OsStr>| {
-        name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-    };
-    if path.is_dir() {
-        let result = read_dataset(path).map(|loaded| {
-            let mut session =
-                Session::new(named(path.file_name()), loaded.dataset.robot, clock::now());
-            session.measurements = loaded.dataset.measurements;
-            session.phases = loaded.phases;
-            Box::new(Loaded {
-                value: session,
-                notices: loaded.notices,
-            })
-        });
-        return FileOutcome::Opened {
-            path: None,
-            result: result.map_err(|error| error.to_string()),
-        };
-    }
-    let session = read_session(path);
-    if session.is_err()
-        && let Ok(robot) = read_robot(path)
-    {
-        let session = Session::new(robot.value.name.clone(), robot.value, clock::now());
-        return FileOutcome::Opened {
-            path: None,
-            result: Ok(Box::new(Loaded {
-                value: session,
-                notices: robot.notices,
-            })),
-        };
-    }
-    FileOutcome::Opened {
-        path: Some(path.to_owned()),
-        result: session.map(Box::new).map_err(|error| error.to_string()),
-    }
+fn read(state: &mut State, path: PathBuf) {
+    let into = state
+        .document
+        .as_ref()
+        .map(|document| document.session().clone());
+    state.tasks.start("Opening", move |_| {
+        let result = import(&path, into.as_ref()).map_err(|error| error.to_string());
+        FileOutcome::Read { path, result }.into()
+    });
 }
 
 fn save(state: &mut State, path: PathBuf) {
     let Some(document) = &state.document else {
         return;
     };
-    let (session, revision) = (document.session().clone(), document.revision());
+    let session = document.session().clone();
+    let written = (document.identity(), document.revision());
     state.tasks.start("Saving", move |_| {
         let result = write_session(&path, &session).map_err(|error| error.to_string());
         Outcome::File(FileOutcome::Saved {
             path,
-            revision,
+            state: written,
             result,
         })
     });
 }
 
+/// Leaves the open session, after a question if it has unsaved changes.
+fn leave(state: &mut State, leaving: Leaving) {
+    if state.document.as_ref().is_some_and(Document::is_unsaved) {
+        state.windows.leaving = Some(leaving);
+        return;
+    }
+    state.windows.leaving = None;
+    match leaving {
+        Leaving::Open(opening) => open(state, *opening),
+        Leaving::Close => {
+            state.document = None;
+            state.screen = Screen::Start;
+        }
+        Leaving::Quit => {
+            state.document = None;
+            state.context.send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+}
+
+fn answered(state: &mut State, answer: Answer) {
+    match answer {
+        // What was to be done is done once the file is written.
+        Answer::Save => perform(state, FileCommand::Save),
+        Answer::Cancel => state.windows.leaving = None,
+        Answer::Discard => {
+            state.document = None;
+            go_on(state);
+        }
+    }
+}
+
+/// Does what had to wait for an answer.
+fn go_on(state: &mut State) {
+    if let Some(leaving) = state.windows.leaving.take() {
+        leave(state, leaving);
+    }
+}
+
+fn recover(state: &mut State, place: usize) {
+    if place >= state.left_behind.len() || state.document.as_ref().is_some_and(Document::is_unsaved)
+    {
+        return;
+    }
+    let left = state.left_behind.remove(place);
+    match left.recover() {
+        Ok(Loaded { value, notices }) => {
+            tell(state, notices);
+            open(
+                state,
+                Opening {
+                    session: value.session,
+                    path: value.origin,
+                    is_recovered: true,
+                },
+            );
+            // Kept again before what was left behind is set aside.
+            state.keeping.follow(state.document.as_ref());
+            state.keeping.set_aside(left);
+        }
+        Err(error) => {
+            state
+                .messages
+                .error(format!("{} cannot be recovered: {error}.", left.name));
+            state.left_behind.insert(place, left);
+        }
+    }
+}
+
+fn set_aside(state: &mut State, place: usize) {
+    if place < state.left_behind.len() {
+        let left = state.left_behind.remove(place);
+        state.keeping.set_aside(left);
+    }
+}
+
+fn tell(state: &mut State, notices: Vec<String>) {
+    for notice in notices {
+        state.messages.warning(notice);
+    }
+}
+
 pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
     match outcome {
-        FileOutcome::Opened {
+        FileOutcome::Read {
             path,
             result: Ok(loaded),
-        } => open(state, *loaded, path),
-        FileOutcome::Opened {
+        } => imported(state, path, loaded),
+        FileOutcome::Demo(Ok(session)) => begin(state, *session, None),
+        FileOutcome::Read {
             result: Err(error), ..
-        } => state.messages.error(error),
+        }
+        | FileOutcome::Demo(Err(error)) => state.messages.error(error),
         FileOutcome::Saved {
             path,
-            revision,
-            result: Ok(()),
-        } => {
-            state.messages.info(format!("Saved {}.", path.display()));
-            if let Some(document) = &mut state.document {
-                document.saved_as(path, revision);
-            }
-        }
-        FileOutcome::Saved {
-            result: Err(error), ..
-        } => state.messages.error(error),
+            state: written,
+            result,
+        } => saved(state, path, written, result),
         FileOutcome::Picked {
             purpose: Purpose::Open,
             path: Some(path),
-        } => perform(state, FileCommand::Open(path)),
+        } => read(state, path),
         FileOutcome::Picked {
             purpose: Purpose::SaveAs,
             path: Some(path),
         } => save(state, path),
         FileOutcome::Picked { path: None, .. } => {
+            state.windows.leaving = None;
             state.messages.info("No file was chosen. If no dialog appeared, type the path or drop the file on the window.");
         }
     }
 }
 
-fn open(state: &mut State, loaded: Loaded<Session>, path: Option<PathBuf>) {
-    for notice in loaded.notices {
-        state.messages.warning(notice);
+fn saved(
+    state: &mut State,
+    path: PathBuf,
+    (identity, revision): (u64, u64),
+    result: Result<(), String>,
+) {
+    if let Err(error) = result {
+        state.windows.leaving = None;
+        state.messages.error(error);
+        return;
     }
-    state
-        .messages
-        .info(format!("Opened {}.", loaded.value.name));
-    let measured = !loaded.value.measurements.is_empty();
-    state.document = Some(Document::new(loaded.value, path));
+    state.messages.info(format!("Saved {}.", path.display()));
+    if let Some(document) = state
+        .document
+        .as_mut()
+        .filter(|document| document.identity() == identity)
+    {
+        let (name, when) = (document.session().name.clone(), clock::now());
+        document.saved_as(path.clone(), revision);
+        state.change_preferences(|preferences| preferences.remember(&path, &name, when));
+    }
+    go_on(state);
+}
+
+fn imported(state: &mut State, path: PathBuf, loaded: Loaded<Import>) {
+    tell(state, loaded.notices);
+    let named = |path: &Path| {
+        path.file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
+    match loaded.value {
+        Import::Session(session) => begin(state, *session, Some(path)),
+        Import::Robot(robot) => begin(
+            state,
+            Session::new(robot.name.clone(), *robot, clock::now()),
+            None,
+        ),
+        Import::Dataset(folder) => {
+            tell(state, folder.notices);
+            let mut session = Session::new(named(&path), folder.dataset.robot, clock::now());
+            session.measurements = folder.dataset.measurements;
+            session.phases = folder.phases;
+            begin(state, session, None);
+        }
+        table => tables::take(state, &named(&path), table),
+    }
+}
+
+fn begin(state: &mut State, session: Session, path: Option<PathBuf>) {
+    leave(
+        state,
+        Leaving::Open(Box::new(Opening {
+            session,
+            path,
+            is_recovered: false,
+        })),
+    );
+}
+
+fn open(state: &mut State, opening: Opening) {
+    let Opening {
+        session,
+        path,
+        is_recovered,
+    } = opening;
+    let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
+    state.messages.info(format!("Opened {name}."));
+    if let Some(path) = &path {
+        let when = clock::now();
+        state.change_preferences(|preferences| preferences.remember(path, &name, when));
+    }
+    let document = if is_recovered {
+        Document::recovered
+    } else {
+        Document::new
+    };
+    state.document = Some(document(session, path));
     state.selection = Default::default();
     state.screen = Screen::Phase(if measured {
         Step::Identification

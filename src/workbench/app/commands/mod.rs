@@ -1,14 +1,16 @@
 //! What the commands do; one file for each kind.
 
 mod file;
+mod import;
 mod model;
 mod view;
 
-pub use file::{FileCommand, FileOutcome, Purpose};
+pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
-pub use view::ViewCommand;
+pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
+use super::keeping::Kept;
 use super::state::State;
 
 /// Does what a command says.
@@ -30,6 +32,14 @@ pub fn perform(state: &mut State, command: Command) {
 fn told(state: &mut State, what: &str, step: impl FnOnce(&mut super::Document) -> Option<String>) {
     if let Some(name) = state.document.as_mut().and_then(step) {
         state.messages.info(format!("{what}: {name}."));
+    }
+}
+
+/// Takes what the keeper of unsaved sessions has to tell.
+pub fn kept(state: &mut State, kept: Kept) {
+    match kept {
+        Kept::Measured(_) => {}
+        Kept::Failed(text) => state.messages.error(text),
     }
 }
 

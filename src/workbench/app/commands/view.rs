@@ -1,6 +1,7 @@
 //! What is shown.
 
 use egui::ThemePreference;
+use tautline_session::Theme;
 
 use crate::app::Selection;
 use crate::app::screen::Screen;
@@ -30,11 +31,37 @@ pub(super) fn perform(state: &mut State, command: ViewCommand) {
     match command {
         ViewCommand::Go(screen) => state.screen = screen,
         ViewCommand::Select(selection) => state.selection = selection,
-        ViewCommand::Theme(theme) => state.context.set_theme(theme),
-        ViewCommand::Scale(scale) => state
-            .context
-            .set_zoom_factor(scale.clamp(*SCALES.start(), *SCALES.end())),
+        ViewCommand::Theme(theme) => {
+            state.context.set_theme(theme);
+            state.change_preferences(|preferences| preferences.theme = stored(theme));
+        }
+        ViewCommand::Scale(scale) => {
+            let scale = scale.clamp(*SCALES.start(), *SCALES.end());
+            state.context.set_zoom_factor(scale);
+            state.change_preferences(|preferences| preferences.interface_scale = f64::from(scale));
+        }
         ViewCommand::Palette(open) => state.windows.set_palette(open),
         ViewCommand::Log(open) => state.windows.log = open,
     }
+}
+
+fn stored(theme: ThemePreference) -> Theme {
+    match theme {
+        ThemePreference::Dark => Theme::Dark,
+        ThemePreference::Light => Theme::Light,
+        ThemePreference::System => Theme::System,
+    }
+}
+
+/// Sets what the user has chosen at some earlier time.
+pub fn restore(state: &State) {
+    let theme = match state.preferences.theme {
+        Theme::Dark => ThemePreference::Dark,
+        Theme::Light => ThemePreference::Light,
+        Theme::System => ThemePreference::System,
+    };
+    state.context.set_theme(theme);
+    state.context.set_zoom_factor(
+        (state.preferences.interface_scale as f32).clamp(*SCALES.start(), *SCALES.end()),
+    );
 }

@@ -1,5 +1,6 @@
 //! The frame of the window: menus, phase rail, status, and the screen between them.
 
+mod dialogs;
 mod log;
 mod palette;
 mod rail;
@@ -7,6 +8,8 @@ mod status;
 mod top;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+
+pub use dialogs::{Answer, broken};
 
 use super::screen::Screen;
 use super::state::State;
@@ -58,4 +61,5 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
     palette::show(ui, state);
     log::show(ui, state);
+    dialogs::show(ui, state);
 }

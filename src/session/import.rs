@@ -1,0 +1,247 @@
+//! What a file or folder is that somebody drops on the window, found out from its content.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use serde_json::Value;
+use tautline_core::measurement::{Dataset, Measurements};
+use tautline_core::robot::Robot;
+
+use crate::dataset::{DatasetFolder, POSES, ROBOT, read_calibration_tables, read_dataset};
+use crate::error::{Loaded, Place, ReadError, quoted};
+use crate::json::{Document, document_in, kind, parse_object};
+use crate::phases::{
+    self, CheckRow, ElongationPoint, ForcePair, HomeReading, WinchPair, read_check,
+    read_elongation, read_home,
+};
+use crate::plan_table::read_plan;
+use crate::poses::{Column, Group, LABEL, read_poses};
+use crate::session::{PlannedPose, Session, SessionDocument, from_document};
+use crate::table::Table;
+
+/// What was imported.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Import {
+    /// A session file.
+    Session(Box<Session>),
+    /// A `robot.json` or model file.
+    Robot(Box<Robot>),
+    /// A dataset folder; without `poses.csv` nothing is measured yet.
+    Dataset(Box<DatasetFolder>),
+    /// A table of measured poses.
+    Poses(Box<Measurements>),
+    /// Calibration of the winches.
+    Winch(Vec<WinchPair>),
+    /// Calibration of the force sensors.
+    Force(Vec<ForcePair>),
+    /// Readings of the home reference platform.
+    Home(Vec<HomeReading>),
+    /// Elongation of the cables.
+    Elongation(Vec<ElongationPoint>),
+    /// Poses and paths checked by an external instrument.
+    Check(Vec<CheckRow>),
+    /// Poses that are to be measured.
+    Plan(Vec<PlannedPose>),
+}
+
+/// The tables that are recognised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum TableKind {
+    Poses,
+    Plan,
+    Winch,
+    Force,
+    Home,
+    Elongation,
+    Check,
+}
+
+/// Tables other than those of poses, and the columns by which they are known.
+const MARKS: [(TableKind, &[&str]); 5] = [
+    (TableKind::Winch, &["cable", "rev", "length_m"]),
+    (TableKind::Force, &["cable", "reading_n", "load_n"]),
+    (TableKind::Home, &["sensor", "reading"]),
+    (
+        TableKind::Elongation,
+        &["length_m", "tension_n", "elongation_m"],
+    ),
+    (
+        TableKind::Check,
+        &["kind", "target", "cycle", "cmd_x_m", "cmd_y_m", "cmd_z_m"],
+    ),
+];
+
+const UNDERSTOOD: &str = "expected a session, a robot, a dataset folder, or a table of poses, \
+                          a plan, or winch, force, home, elongation or check readings";
+
+/// Reads whatever `path` is; tables are read for the robot of the session `into`.
+///
+/// # Errors
+/// If it is nothing that is understood, a table needs a robot and there is no session, or the
+/// content is wrong, with the place in the file.
+pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, ReadError> {
+    let file = path.display().to_string();
+    let fail = |error| ReadError::io(&file, Place::File, &error);
+    if fs::metadata(path).map_err(fail)?.is_dir() {
+        return import_folder(path, &file);
+    }
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|f| {
+            f.take(SessionDocument::MAX_BYTES + 1)
+                .read_to_end(&mut bytes)
+        })
+        .map_err(fail)?;
+    if bytes.len() as u64 > SessionDocument::MAX_BYTES {
+        let message = format!(
+            "found more than {} MB, too large",
+            SessionDocument::MAX_BYTES >> 20
+        );
+        return Err(ReadError::new(&file, Place::File, message));
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    match text.trim_ascii_start().first() {
+        None => {
+            let message = format!("found an empty file, {UNDERSTOOD}");
+            Err(ReadError::new(&file, Place::File, message))
+        }
+        Some(b'{' | b'[') => import_json(&bytes, &file),
+        Some(_) => import_table(&bytes, &file, into),
+    }
+}
+
+fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError> {
+    if !folder.join(ROBOT).exists() {
+        let message = format!("found a folder without {ROBOT}, {UNDERSTOOD}");
+        return Err(ReadError::new(file, Place::File, message));
+    }
+    let dataset = if folder.join(POSES).exists() {
+        read_dataset(folder)?
+    } else {
+        let loaded = read_calibration_tables(folder)?;
+        let (robot, phases) = loaded.value;
+        DatasetFolder {
+            dataset: Dataset {
+                robot,
+                measurements: Measurements::default(),
+            },
+            phases,
+            notices: loaded.notices,
+        }
+    };
+    Ok(Loaded {
+        notices: dataset.notices.clone(),
+        value: Import::Dataset(Box::new(dataset)),
+    })
+}
+
+fn import_json(bytes: &[u8], file: &str) -> Result<Loaded<Import>, ReadError> {
+    let object = parse_object(bytes, file)?;
+    let (session, robot) = (SessionDocument::FORMAT, Robot::FORMAT);
+    let found = match object.get("format") {
+        Some(Value::String(format)) if format == session => {
+            let loaded = from_document(document_in(object, file)?, file)?;
+            return Ok(loaded.map(|value| Import::Session(Box::new(value))));
+        }
+        Some(Value::String(format)) if format == robot => {
+            let loaded = document_in(object, file)?;
+            return Ok(loaded.map(|value| Import::Robot(Box::new(value))));
+        }
+        Some(other) => format!("found {}", kind(other)),
+        None => "not given".into(),
+    };
+    let message = format!("{found}, expected {session:?} or {robot:?}");
+    let place = Place::Pointer("/format".into());
+    Err(ReadError::new(file, place, message))
+}
+
+fn import_table(
+    bytes: &[u8],
+    file: &str,
+    into: Option<&Session>,
+) -> Result<Loaded<Import>, ReadError> {
+    if is_binary(bytes) {
+        let message = format!("found no text, {UNDERSTOOD}");
+        return Err(ReadError::new(file, Place::File, message));
+    }
+    let names = Table::open(bytes, file)?.names().to_vec();
+    let Some(kind) = recognise(&names) else {
+        let names: Vec<String> = names.iter().take(6).map(|name| quoted(name)).collect();
+        let message = format!(
+            "found a table with the columns {}, {UNDERSTOOD}",
+            names.join(", ")
+        );
+        return Err(ReadError::new(file, Place::File, message));
+    };
+    let robot = || {
+        into.map(|session| &session.robot).ok_or_else(|| {
+            let what = kind.describe();
+            let message = format!("found {what}, expected a session to be open that it belongs to");
+            ReadError::new(file, Place::File, message)
+        })
+    };
+    Ok(match kind {
+        TableKind::Poses => {
+            read_poses(bytes, file, robot()?)?.map(|poses| Import::Poses(Box::new(poses)))
+        }
+        TableKind::Plan => read_plan(bytes, file, robot()?)?.map(Import::Plan),
+        TableKind::Winch => phases::read_winch(bytes, file, robot()?)?.map(Import::Winch),
+        TableKind::Force => phases::read_force(bytes, file, robot()?)?.map(Import::Force),
+        TableKind::Home => read_home(bytes, file)?.map(Import::Home),
+        TableKind::Elongation => read_elongation(bytes, file)?.map(Import::Elongation),
+        TableKind::Check => read_check(bytes, file)?.map(Import::Check),
+    })
+}
+
+/// Pictures and programs have zeros early on; UTF-16 has them too, but its reader says what to do.
+fn is_binary(bytes: &[u8]) -> bool {
+    let is_utf_16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    !is_utf_16 && bytes.iter().take(1024).any(|byte| *byte == 0)
+}
+
+impl TableKind {
+    fn describe(self) -> &'static str {
+        match self {
+            Self::Poses => "a table of poses",
+            Self::Plan => "a plan of poses",
+            Self::Winch => "a table of winch readings",
+            Self::Force => "a table of force readings",
+            Self::Home => "a table of home readings",
+            Self::Elongation => "a table of elongations",
+            Self::Check => "a table of checked poses",
+        }
+    }
+}
+
+/// The table that has such columns. One column may be missing, its reader will name it.
+fn recognise(names: &[String]) -> Option<TableKind> {
+    let columns: Vec<Column> = names
+        .iter()
+        .filter_map(|name| Column::parse(name))
+        .collect();
+    let is_commanded = |column: &Column| matches!(column, Column::Component(Group::Commanded, _));
+    let per_cable = columns.iter().any(|c| matches!(c, Column::Cable(..)));
+    if per_cable || names.iter().any(|name| name == LABEL) {
+        let is_plan = !columns.is_empty() && columns.iter().all(is_commanded);
+        return Some(if is_plan {
+            TableKind::Plan
+        } else {
+            TableKind::Poses
+        });
+    }
+    let found = |marks: &[&str]| {
+        let there = marks.iter().filter(|mark| names.iter().any(|n| n == *mark));
+        there.count() as f64 / marks.len() as f64
+    };
+    let best = MARKS.iter().map(|(kind, marks)| (*kind, found(marks)));
+    let best = best.reduce(|best, next| if next.1 > best.1 { next } else { best });
+    match best {
+        Some((kind, share)) if share >= 0.5 => Some(kind),
+        _ if columns.len() >= 3 && columns.iter().all(is_commanded) => Some(TableKind::Plan),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

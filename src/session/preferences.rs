@@ -1,0 +1,254 @@
+//! What the program remembers between sessions.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::robot::FieldError;
+
+use crate::error::{Loaded, WriteError};
+use crate::json::{Document, read_document, write_document};
+use crate::session::Timestamp;
+
+/// Number of recent sessions that are remembered.
+const MAX_RECENT: usize = 12;
+/// Smallest and largest scale of the interface.
+const SCALES: [f64; 2] = [0.5, 4.0];
+
+/// Choices that belong to the user rather than to a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Preferences {
+    /// Colours of the interface.
+    pub theme: Theme,
+    /// Size of text and controls, 1 for that of the screen.
+    pub interface_scale: f64,
+    /// Width and height of the window when it was last closed, in points.
+    pub window_size: Option<[f64; 2]>,
+    /// Name of the operator, for the log of adjustments.
+    pub operator: String,
+    recent: Vec<RecentSession>,
+}
+
+/// Colours of the interface.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Theme {
+    /// As the operating system says.
+    #[default]
+    System,
+    /// Dark.
+    Dark,
+    /// Light.
+    Light,
+}
+
+/// A session that was open.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct RecentSession {
+    /// Its file.
+    path: String,
+    /// Its name.
+    pub name: String,
+    /// When it was last open.
+    pub when: Timestamp,
+}
+
+impl RecentSession {
+    /// Its file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        Path::new(&self.path)
+    }
+
+    /// Whether the file is there now.
+    #[must_use]
+    pub fn exists(&self) -> bool {
+        self.path().is_file()
+    }
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            theme: Theme::default(),
+            interface_scale: 1.0,
+            window_size: None,
+            operator: String::new(),
+            recent: Vec::new(),
+        }
+    }
+}
+
+impl Document for Preferences {
+    const FORMAT: &'static str = "tautline-preferences";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 1 << 20;
+
+    fn check(&self) -> Result<(), FieldError> {
+        let fail = |pointer: &str, message: String| {
+            let pointer = pointer.into();
+            Err(FieldError { pointer, message })
+        };
+        let [smallest, largest] = SCALES;
+        let scale = self.interface_scale;
+        if !(smallest..=largest).contains(&scale) {
+            let message = format!("found {scale}, expected a number from {smallest} to {largest}");
+            return fail("/interface_scale", message);
+        }
+        let is_size = |length: &f64| length.is_finite() && *length > 0.0;
+        match self.window_size {
+            Some(size) if !size.iter().all(is_size) => {
+                let message = format!("found {size:?}, expected a width and a height");
+                fail("/window_size", message)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Preferences {
+    /// Reads the preferences. A file that is not there gives the defaults, one that cannot be read
+    /// gives them with a notice.
+    #[must_use]
+    pub fn load(path: &Path) -> Loaded<Self> {
+        let defaults = |notices| Loaded {
+            value: Self::default(),
+            notices,
+        };
+        if matches!(path.try_exists(), Ok(false)) {
+            return defaults(Vec::new());
+        }
+        match read_document::<Self>(path) {
+            Ok(mut loaded) => {
+                loaded.value.recent.truncate(MAX_RECENT);
+                loaded
+            }
+            Err(error) => defaults(vec![format!(
+                "{error}; the preferences are those of a new installation"
+            )]),
+        }
+    }
+
+    /// Writes the preferences, atomically; the folder is made if necessary.
+    ///
+    /// # Errors
+    /// If a number makes no sense or the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), WriteError> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|error| WriteError::io(folder, error))?;
+        }
+        write_document(path, self)
+    }
+
+    /// The sessions that were open, the latest first; their files need not be there any more.
+    #[must_use]
+    pub fn recent(&self) -> &[RecentSession] {
+        &self.recent
+    }
+
+    /// Puts a session first among the recent ones. A path that is no text is not remembered.
+    pub fn remember(&mut self, path: &Path, name: &str, when: Timestamp) {
+        self.forget(path);
+        if let Some(path) = absolute(path) {
+            let name = name.into();
+            self.recent.insert(0, RecentSession { path, name, when });
+            self.recent.truncate(MAX_RECENT);
+        }
+    }
+
+    /// Takes a session out of the recent ones.
+    pub fn forget(&mut self, path: &Path) {
+        let path = absolute(path);
+        self.recent
+            .retain(|recent| Some(&recent.path) != path.as_ref());
+    }
+}
+
+fn absolute(path: &Path) -> Option<String> {
+    let path = std::path::absolute(path).ok()?;
+    path.to_str().map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(seconds: i64) -> Timestamp {
+        Timestamp::from_unix_seconds(seconds)
+    }
+
+    #[test]
+    fn preferences_read_back() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("new/preferences.json");
+        let mut preferences = Preferences {
+            theme: Theme::Dark,
+            interface_scale: 1.5,
+            window_size: Some([1280.0, 800.0]),
+            operator: "B. Smith".into(),
+            ..Preferences::default()
+        };
+        preferences.remember(&folder.path().join("a.json"), "Monday", at(1));
+        preferences.save(&path).expect("written");
+        let loaded = Preferences::load(&path);
+        assert_eq!((loaded.value, loaded.notices), (preferences, Vec::new()));
+    }
+
+    #[test]
+    fn no_file_is_no_news_and_a_broken_one_is_no_error() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("preferences.json");
+        let loaded = Preferences::load(&path);
+        assert_eq!(
+            (loaded.value, loaded.notices.len()),
+            (Preferences::default(), 0)
+        );
+        let head = r#"{"format": "tautline-preferences", "version": "#;
+        for (text, pointer) in [
+            ("", "empty file"),
+            ("{", "cut off"),
+            (&format!("{head}2}}"), "/version"),
+            (&format!("{head}1, \"theme\": \"pink\"}}"), "/theme"),
+            (
+                &format!("{head}1, \"interface_scale\": 0}}"),
+                "/interface_scale",
+            ),
+            (
+                &format!("{head}1, \"window_size\": [0, 1]}}"),
+                "/window_size",
+            ),
+        ] {
+            std::fs::write(&path, text).expect("written");
+            let loaded = Preferences::load(&path);
+            assert_eq!(loaded.value, Preferences::default());
+            assert_eq!(loaded.notices.len(), 1);
+            assert!(loaded.notices[0].contains(pointer), "{:?}", loaded.notices);
+        }
+        std::fs::write(&path, format!("{head}1}}")).expect("written");
+        assert_eq!(Preferences::load(&path).value, Preferences::default());
+    }
+
+    #[test]
+    fn recent_sessions_come_latest_first_and_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |k: usize| folder.path().join(format!("{k}.json"));
+        let mut preferences = Preferences::default();
+        for k in 0..20 {
+            preferences.remember(&path(k), "x", at(k as i64));
+        }
+        preferences.remember(&path(15), "again", at(30));
+        std::fs::write(path(15), "").expect("written");
+        let recent = preferences.recent();
+        assert_eq!(recent.len(), MAX_RECENT);
+        assert_eq!(
+            (recent[0].path(), recent[0].when),
+            (path(15).as_path(), at(30))
+        );
+        assert!(recent[0].exists() && !recent[1].exists());
+        assert_eq!(recent[1].path(), path(19));
+        assert_eq!(recent.iter().filter(|r| r.path() == path(15)).count(), 1);
+        preferences.forget(&path(19));
+        assert_eq!(preferences.recent()[1].path(), path(18));
+    }
+}

@@ -1,0 +1,113 @@
+//! The journal: one measured pose per line, each with a check.
+//!
+//! A line is a JSON array of two: the fingerprint of the text that follows, and the pose. A line
+//! that was not written to its end has no right fingerprint.
+
+use std::fs::OpenOptions;
+use std::io::{Read, Result as IoResult, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::atomic::write_atomically;
+use crate::error::WriteError;
+use crate::fingerprint::Fingerprint;
+use crate::session::{MeasuredPose, MeasurementTable};
+
+/// One pose of the journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Entry {
+    /// The readings, one row.
+    pub table: MeasurementTable,
+    /// Label of the pose that it was measured instead of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repeats: Option<i64>,
+}
+
+/// What a journal says.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Journal {
+    /// Its poses in the order in which they were measured.
+    pub entries: Vec<Entry>,
+    /// Numbers of damaged lines, from 1, that are not the last.
+    pub damaged: Vec<usize>,
+    /// Whether the last line was not written to its end.
+    pub is_torn: bool,
+}
+
+impl Entry {
+    pub fn of(pose: &MeasuredPose) -> Self {
+        Self {
+            table: pose.table(),
+            repeats: pose.repeats,
+        }
+    }
+
+    /// The line with its line end.
+    pub fn line(&self) -> IoResult<String> {
+        let body = serde_json::to_string(self)?;
+        let check = Fingerprint::of(body.as_bytes()).to_hex();
+        Ok(format!("[\"{check}\",{body}]\n"))
+    }
+
+    /// The pose of a line without its line end, if nothing of it is missing or changed.
+    fn parse(line: &[u8]) -> Option<Self> {
+        let inside = line.strip_prefix(b"[\"")?.strip_suffix(b"]")?;
+        let (check, rest) = inside.split_at_checked(16)?;
+        let body = rest.strip_prefix(b"\",")?;
+        if Fingerprint::of(body).to_hex().as_bytes() != check {
+            return None;
+        }
+        serde_json::from_slice(body).ok()
+    }
+}
+
+impl Journal {
+    /// Reads a journal, whatever is in it.
+    pub fn parse(bytes: &[u8]) -> Self {
+        let mut journal = Self::default();
+        let mut lines = bytes.split_inclusive(|byte| *byte == b'\n').enumerate();
+        let mut next = lines.next();
+        while let Some((k, line)) = next {
+            next = lines.next();
+            let complete = line.strip_suffix(b"\n");
+            match complete.and_then(Entry::parse) {
+                Some(entry) => journal.entries.push(entry),
+                None if complete == Some(b"") => {}
+                None if next.is_none() => journal.is_torn = true,
+                None => journal.damaged.push(k + 1),
+            }
+        }
+        journal
+    }
+}
+
+/// Replaces a journal, atomically.
+pub(super) fn write(path: &Path, lines: impl Iterator<Item = String>) -> Result<(), WriteError> {
+    write_atomically(path, |out| {
+        let mut lines = lines;
+        lines.try_for_each(|line| out.write_all(line.as_bytes()))
+    })
+}
+
+/// Appends a line; it is on disk when this returns.
+pub(super) fn append(path: &Path, line: &str) -> Result<(), WriteError> {
+    append_line(path, line).map_err(|error| WriteError::io(path, error))
+}
+
+fn append_line(path: &Path, line: &str) -> IoResult<()> {
+    let mut file = OpenOptions::new().read(true).append(true).open(path)?;
+    let mut text = String::with_capacity(line.len() + 1);
+    // What an earlier failure left unfinished gets a line of its own.
+    if file.metadata()?.len() > 0 {
+        let mut last = [0];
+        file.seek(SeekFrom::End(-1))?;
+        file.read_exact(&mut last)?;
+        if last != *b"\n" {
+            text.push('\n');
+        }
+    }
+    text.push_str(line);
+    file.write_all(text.as_bytes())?;
+    file.sync_data()
+}

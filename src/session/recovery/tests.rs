@@ -1,0 +1,317 @@
+//! A kill at any moment loses no pose that was measured.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::*;
+use crate::session::tests::session;
+use crate::session::{MeasuredPose, Session};
+
+fn pose(label: i64) -> MeasuredPose {
+    MeasuredPose {
+        label,
+        time_s: Some(label as f64),
+        length_m: vec![1.0, 0.1 + 0.2 * label as f64],
+        ..MeasuredPose::default()
+    }
+}
+
+/// The session of the tests with poses measured afterwards.
+fn with_poses(labels: impl IntoIterator<Item = i64>) -> Session {
+    let mut session = session();
+    for label in labels {
+        session.append_pose(&pose(label)).expect("a pose");
+    }
+    session
+}
+
+struct Bench {
+    root: tempfile::TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self {
+            root: tempfile::tempdir().expect("a folder"),
+        }
+    }
+
+    fn begin(&self, session: &Session) -> Keeper {
+        Keeper::begin(self.root.path(), None, session).expect("a keeper")
+    }
+
+    fn left(&self) -> Vec<LeftBehind> {
+        left_behind(self.root.path()).expect("a list")
+    }
+
+    /// The folder of the only session.
+    fn own(&self) -> PathBuf {
+        let entries = fs::read_dir(self.root.path()).expect("a folder");
+        let mut folders = entries.map(|e| e.expect("an entry").path());
+        folders.find(|path| path.is_dir()).expect("a session")
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.own().join(name)
+    }
+
+    /// What comes back of the only session, and the notices.
+    fn recovered(&self) -> (Session, Vec<String>) {
+        let left = self.left();
+        assert_eq!(left.len(), 1);
+        assert_eq!(left[0].problem, None);
+        let loaded = left[0].recover().expect("a session");
+        assert_eq!(left[0].poses, loaded.value.session.measurements.len());
+        (loaded.value.session, loaded.notices)
+    }
+
+    fn assert_recovers(&self, expected: &Session) {
+        let (session, notices) = self.recovered();
+        assert!(notices.is_empty(), "{notices:?}");
+        assert_eq!(format!("{session:?}"), format!("{expected:?}"));
+    }
+}
+
+#[test]
+fn a_session_that_is_kept_is_not_left_behind() {
+    let bench = Bench::new();
+    let keeper = bench.begin(&session());
+    assert!(bench.left().is_empty(), "its program runs");
+    drop(keeper);
+    let left = bench.left();
+    assert_eq!((left.len(), left[0].name.as_str()), (1, "Monday"));
+    assert_eq!((left[0].poses, &left[0].origin), (2, &None));
+    assert!(left[0].when.unix_seconds() > 1_500_000_000);
+    assert!(bench.left().is_empty(), "the other program has it");
+    drop(left);
+    bench.assert_recovers(&session());
+}
+
+#[test]
+fn a_folder_that_does_not_exist_is_empty() {
+    let bench = Bench::new();
+    let folder = bench.root.path().join("none");
+    assert!(left_behind(&folder).expect("a list").is_empty());
+}
+
+#[test]
+fn what_is_finished_leaves_nothing() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    keeper.finish().expect("removed");
+    let mut entries = fs::read_dir(bench.root.path()).expect("a folder");
+    assert!(entries.next().is_none());
+    // A kill while the files are removed.
+    drop(bench.begin(&session()));
+    fs::rename(bench.own(), bench.own().with_extension(FINISHED)).expect("renamed");
+    assert!(bench.left().is_empty());
+    let mut entries = fs::read_dir(bench.root.path()).expect("a folder");
+    assert!(entries.next().is_none(), "the remains are removed");
+}
+
+#[test]
+fn a_kill_while_it_begins_leaves_nothing() {
+    for kept in [&[][..], &[ORIGIN], &[ORIGIN, JOURNAL]] {
+        let bench = Bench::new();
+        drop(bench.begin(&session()));
+        for name in [ORIGIN, JOURNAL, SNAPSHOT] {
+            if !kept.contains(&name) {
+                fs::remove_file(bench.file(name)).expect("removed");
+            }
+        }
+        assert!(bench.left().is_empty());
+        let mut entries = fs::read_dir(bench.root.path()).expect("a folder");
+        assert!(entries.next().is_none(), "the remains are removed");
+    }
+}
+
+#[test]
+fn a_journal_cut_off_at_any_byte_keeps_every_whole_line() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    let again = MeasuredPose {
+        repeats: Some(1),
+        ..pose(7)
+    };
+    for pose in [&pose(5), &pose(6), &again] {
+        keeper.measured(pose).expect("on disk");
+    }
+    drop(keeper);
+    let whole = fs::read(bench.file(JOURNAL)).expect("a journal");
+    for length in 0..=whole.len() {
+        let kept = &whole[..length];
+        fs::write(bench.file(JOURNAL), kept).expect("written");
+        let lines = kept.iter().filter(|byte| **byte == b'\n').count();
+        let mut expected = with_poses((5..7).take(lines));
+        if lines == 3 {
+            expected.append_pose(&again).expect("a pose");
+        }
+        let (session, notices) = bench.recovered();
+        assert_eq!(format!("{session:?}"), format!("{expected:?}"), "{length}");
+        let is_whole = kept.is_empty() || kept.ends_with(b"\n");
+        assert_eq!(notices.is_empty(), is_whole, "{length}: {notices:?}");
+    }
+}
+
+#[test]
+fn a_changed_byte_costs_one_line_and_is_named() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    for label in 5..8 {
+        keeper.measured(&pose(label)).expect("on disk");
+    }
+    drop(keeper);
+    let whole = fs::read(bench.file(JOURNAL)).expect("a journal");
+    let ends = whole.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    let ends: Vec<usize> = ends.map(|(at, _)| at).collect();
+    for at in ends[0] + 1..ends[1] {
+        let mut changed = whole.clone();
+        changed[at] ^= 1;
+        fs::write(bench.file(JOURNAL), &changed).expect("written");
+        let (session, notices) = bench.recovered();
+        assert_eq!(session.measurements.labels, [3, 1, 5, 7], "{at}");
+        assert!(notices[0].contains("line 2: damaged"), "{notices:?}");
+    }
+}
+
+#[test]
+fn a_line_after_a_torn_one_is_whole() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    let whole = fs::read(bench.file(JOURNAL)).expect("a journal");
+    fs::write(bench.file(JOURNAL), &whole[..20]).expect("a disk that was full");
+    keeper.measured(&pose(6)).expect("on disk");
+    drop(keeper);
+    let (session, notices) = bench.recovered();
+    assert_eq!(session.measurements.labels, [3, 1, 6]);
+    assert!(notices[0].contains("line 1: damaged"), "{notices:?}");
+}
+
+#[test]
+fn a_kill_between_snapshot_and_journal_counts_no_pose_twice() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    keeper.measured(&pose(6)).expect("on disk");
+    let before = fs::read(bench.file(JOURNAL)).expect("a journal");
+    keeper.snapshot(&with_poses(5..7)).expect("kept");
+    assert_eq!(fs::read(bench.file(JOURNAL)).expect("a journal"), b"");
+    drop(keeper);
+    bench.assert_recovers(&with_poses(5..7));
+    fs::write(bench.file(JOURNAL), before).expect("the journal as it was before");
+    bench.assert_recovers(&with_poses(5..7));
+    // Killed while the new snapshot or journal was being written: only a temporary file more.
+    fs::write(bench.file(".tautline-x"), "{").expect("written");
+    bench.assert_recovers(&with_poses(5..7));
+}
+
+#[test]
+fn a_snapshot_of_an_older_state_keeps_the_poses_measured_since() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    for label in 5..8 {
+        keeper.measured(&pose(label)).expect("on disk");
+    }
+    keeper.snapshot(&with_poses(5..6)).expect("kept");
+    keeper.measured(&pose(8)).expect("on disk");
+    drop(keeper);
+    bench.assert_recovers(&with_poses(5..9));
+}
+
+#[test]
+fn a_failed_snapshot_loses_nothing() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    let mut broken = with_poses(5..6);
+    broken.name.clear();
+    assert!(keeper.snapshot(&broken).is_err());
+    drop(keeper);
+    bench.assert_recovers(&with_poses(5..6));
+}
+
+#[test]
+fn readings_that_no_file_can_hold_are_refused() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    let mut infinite = pose(5);
+    infinite.length_m[0] = f64::INFINITY;
+    let error = keeper.measured(&infinite).expect_err("infinite");
+    assert!(error.to_string().contains("infinite value"), "{error}");
+    drop(keeper);
+    bench.assert_recovers(&session());
+}
+
+#[test]
+fn poses_that_do_not_fit_are_named() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    let mut three_cables = pose(5);
+    three_cables.length_m.push(1.0);
+    let mut other_readings = pose(1);
+    other_readings.length_m[0] = 1.5;
+    for pose in [&three_cables, &other_readings, &pose(6)] {
+        keeper.measured(pose).expect("on disk");
+    }
+    drop(keeper);
+    let (session, notices) = bench.recovered();
+    assert_eq!(session.measurements.labels, [3, 1, 6]);
+    assert!(notices[0].contains("pose 5 does not fit"), "{notices:?}");
+    assert!(
+        notices[1].contains("pose 1 was measured twice"),
+        "{notices:?}"
+    );
+}
+
+#[test]
+fn the_origin_follows_the_session() {
+    let bench = Bench::new();
+    let first = bench.root.path().join("first.json");
+    let second = bench.root.path().join("second.json");
+    let keeper = Keeper::begin(bench.root.path(), Some(&first), &session()).expect("a keeper");
+    keeper.moved_to(&second).expect("written");
+    drop(keeper);
+    let left = bench.left();
+    assert_eq!(left[0].origin.as_deref(), Some(second.as_path()));
+    let recovered = left[0].recover().expect("a session").value;
+    assert_eq!(recovered.origin.as_deref(), Some(second.as_path()));
+    drop(left);
+    fs::write(bench.file(ORIGIN), "x").expect("written");
+    let (_, notices) = bench.recovered();
+    assert!(notices[0].contains("saved under a name"), "{notices:?}");
+}
+
+#[test]
+fn what_cannot_be_read_is_shown_and_moved_aside() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    drop(keeper);
+    fs::write(bench.file(SNAPSHOT), "{").expect("written");
+    let left = bench.left().pop().expect("one");
+    let problem = left.problem.clone().expect("a problem").to_string();
+    assert!(problem.contains("snapshot.json"), "{problem}");
+    assert!(left.recover().is_err());
+    let kept = left.discard().expect("moved");
+    assert!(kept.starts_with(bench.root.path().join(DISCARDED)));
+    assert!(kept.join(JOURNAL).exists());
+    assert!(bench.left().is_empty());
+}
+
+#[test]
+fn a_recovered_session_is_kept_again_before_the_remains_go() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    drop(keeper);
+    let left = bench.left().pop().expect("one");
+    let recovered = left.recover().expect("a session").value;
+    let keeper = bench.begin(&recovered.session);
+    left.discard().expect("moved");
+    assert!(bench.left().is_empty());
+    drop(keeper);
+    let left = bench.left();
+    assert_eq!((left.len(), left[0].poses), (1, 3));
+}

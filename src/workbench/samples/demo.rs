@@ -1,0 +1,160 @@
+//! The demonstration: MINI as drawn, MINI as measured behind it, and one fault drawn at random.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tautline_core::effect::{EffectSetting, find};
+use tautline_core::robot::{Robot, presets};
+use tautline_core::simulation::{SimulationError, SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{LogEntry, Phase, Session, Simulator, Timestamp};
+
+use super::tables::{bench, home_platform};
+
+/// Faults that may be hidden, and sizes at which 25 poses of MINI show them: identifier, smallest, largest.
+const FAULTS: [(&str, f64, f64); 5] = [
+    ("winch_scale", 0.012, 0.025),
+    ("payload_mass", 0.15, 0.3),
+    ("laser_scale", 0.008, 0.01),
+    ("force_gain", 0.1, 0.2),
+    ("cable_creep", 0.004, 0.008),
+];
+
+/// A session of the simulated MINI, nothing measured yet but the tables of the first two phases.
+///
+/// # Errors
+/// If the robot cannot be simulated, which no seed that was tried shows.
+pub fn demo(seed: u64, now: Timestamp) -> Result<Session, SimulationError> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let preset = mini();
+    let fault = fault(&preset.robot, &mut rng);
+    let options = SimulationOptions {
+        geometry: preset
+            .measured_entry_points_m
+            .map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
+        effects: vec![fault],
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(1, seed)
+    };
+    let mut nominal = preset.robot;
+    let truth = simulate(&nominal, &options)?.truth;
+    nominal.home_platform = Some(home_platform());
+    let home = truth.home.map(|home| home.pose());
+    let mut session = Session::new("Demo robot", nominal.clone(), now);
+    if let Some(home) = home {
+        session.phases = bench(&nominal, &home, &mut rng);
+    }
+    session.simulator = Some(Simulator {
+        truth,
+        seed,
+        revealed: false,
+    });
+    let text = "Opened the demonstration: a simulated robot with a hidden fault.".into();
+    session.record(LogEntry {
+        time: now,
+        phase: Phase::Session,
+        text,
+    });
+    Ok(session)
+}
+
+fn mini() -> presets::Preset {
+    presets::find("mini").expect("a preset of this name exists")
+}
+
+fn fault(robot: &Robot, rng: &mut ChaCha8Rng) -> EffectSetting {
+    let (id, smallest, largest) = FAULTS[rng.random_range(0..FAULTS.len())];
+    let effect = find(id).expect("the effect is in the catalogue");
+    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    let size = sign * rng.random_range(smallest..largest);
+    let takes_cable = matches!(
+        effect.scope(),
+        tautline_core::effect::Scope::Cable | tautline_core::effect::Scope::CableOrAll
+    );
+    let cable = rng.random_range(0..robot.cable_count());
+    let targets = if takes_cable {
+        vec![robot.cables[cable].name.clone()]
+    } else {
+        Vec::new()
+    };
+    let parameter = &effect.parameters()[0];
+    EffectSetting {
+        effect: id.into(),
+        targets,
+        parameters: [(parameter.name.to_owned(), size)].into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::diagnosis::{DiagnosisOptions, Verdict, diagnose};
+    use tautline_core::estimation::Control;
+    use tautline_core::instrument::calibrate_winch;
+
+    use super::*;
+
+    /// Poses as the demonstration's plan has them.
+    const POSES: usize = 25;
+
+    #[test]
+    fn the_hidden_fault_is_found_from_the_poses_of_a_plan() {
+        let (mut named, mut listed, count) = (0, 0, 18);
+        for seed in 0..count {
+            let session = demo(seed, Timestamp::from_unix_seconds(0)).expect("a session");
+            let truth = session.simulator.expect("a virtual robot").truth;
+            let hidden = &truth.effects[0];
+            let preset = mini();
+            let options = SimulationOptions {
+                geometry: TrueGeometry::EntryPoints(
+                    truth
+                        .cables
+                        .iter()
+                        .map(|c| c.pulley.entry_point_m)
+                        .collect(),
+                ),
+                effects: vec![hidden.clone()],
+                workspace: Some(preset.workspace),
+                tension: Some(preset.tension),
+                ..SimulationOptions::new(POSES, seed)
+            };
+            let dataset = simulate(&session.robot, &options)
+                .expect("simulated")
+                .dataset;
+            let found = diagnose(&dataset, &DiagnosisOptions::default(), &mut |_| {
+                Control::Continue
+            })
+            .expect("diagnosed");
+            let is_it =
+                |cause: &tautline_core::diagnosis::Cause| cause.effect().id() == hidden.effect;
+            let first = found.findings.first();
+            let right = first.is_some_and(|f| is_it(&f.cause) && f.verdict == Verdict::Named);
+            let among = first.is_some_and(|f| is_it(&f.cause) || f.alternatives.iter().any(is_it));
+            named += usize::from(right);
+            listed += usize::from(among);
+        }
+        assert_eq!(listed, count as usize, "every fault is found");
+        assert!(named >= 15, "{named} of {count} are named alone");
+    }
+
+    #[test]
+    fn the_bench_shows_good_winches() {
+        let session = demo(3, Timestamp::from_unix_seconds(0)).expect("a session");
+        assert_eq!(session.phases.home.len() % 6, 0);
+        assert!(!session.phases.home.is_empty() && !session.phases.elongation.is_empty());
+        for cable in 0..8 {
+            let pairs = session
+                .phases
+                .winch
+                .iter()
+                .filter(|pair| pair.cable == cable);
+            let pairs: Vec<_> = pairs
+                .map(|pair| tautline_core::instrument::WinchPair {
+                    revolutions: pair.revolutions,
+                    length_m: pair.length_m,
+                    tension_n: pair.tension_n,
+                })
+                .collect();
+            let fit = calibrate_winch(&pairs).expect("a fit");
+            assert!(fit.passed, "largest residual {} m", fit.largest_residual_m);
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Sample sessions in folders: `NAME/session.json` with a `README.md` that says what to see.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A sample session.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sample {
+    /// Its title.
+    pub title: String,
+    /// What it shows, one line.
+    pub shows: String,
+    /// Its session file.
+    pub session: PathBuf,
+}
+
+/// Sample sessions in the first of the folders that has any, by the name of their folder.
+#[must_use]
+pub fn find(folders: &[PathBuf]) -> Vec<Sample> {
+    let found = folders.iter().map(|folder| samples_in(folder));
+    found
+        .into_iter()
+        .find(|samples| !samples.is_empty())
+        .unwrap_or_default()
+}
+
+fn samples_in(folder: &Path) -> Vec<Sample> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    folders.sort();
+    folders
+        .iter()
+        .flat_map(|folder| samples_of(folder))
+        .collect()
+}
+
+/// The sessions of one folder; its README has a title and, after an empty line, what it shows.
+fn samples_of(folder: &Path) -> Vec<Sample> {
+    let Ok(text) = fs::read_to_string(folder.join("README.md")) else {
+        return Vec::new();
+    };
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let title = lines
+        .next()
+        .unwrap_or_default()
+        .trim_start_matches('#')
+        .trim()
+        .to_owned();
+    let shows = lines.next().unwrap_or_default().to_owned();
+    let session = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
+    let sample = |suffix: &str, session| Sample {
+        title: format!("{title}{suffix}"),
+        shows: shows.clone(),
+        session,
+    };
+    let pair = [
+        ("session.json", ""),
+        ("before.json", ", before"),
+        ("after.json", ", after"),
+    ];
+    pair.iter()
+        .filter_map(|(name, suffix)| Some(sample(suffix, session(name)?)))
+        .collect()
+}
