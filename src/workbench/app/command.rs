@@ -1,7 +1,9 @@
 //! Everything the operator can make the program do, in one place: menus, shortcuts, the command palette and buttons
 //! all send these, and each kind has one handler in `commands/`.
 
-use super::commands::{FileCommand, FileOutcome, ModelCommand, ModelOutcome, ViewCommand};
+use super::commands::{
+    FileCommand, FileOutcome, ModelCommand, ModelOutcome, ReportCommand, ReportOutcome, ViewCommand,
+};
 use super::edit::Edit;
 
 /// What is to be done.
@@ -19,6 +21,8 @@ pub enum Command {
     View(ViewCommand),
     /// Identification and diagnosis.
     Model(ModelCommand),
+    /// The report.
+    Report(ReportCommand),
 }
 
 /// What a task came to.
@@ -28,6 +32,8 @@ pub enum Outcome {
     File(FileOutcome),
     /// Of identification or diagnosis.
     Model(ModelOutcome),
+    /// Of a task with the report.
+    Report(ReportOutcome),
     /// The task broke down.
     Panicked {
         /// Its title.
@@ -50,8 +56,10 @@ from!(
     Edit => Command::Edit,
     ViewCommand => Command::View,
     ModelCommand => Command::Model,
+    ReportCommand => Command::Report,
     FileOutcome => Outcome::File,
     ModelOutcome => Outcome::Model,
+    ReportOutcome => Outcome::Report,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

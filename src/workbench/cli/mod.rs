@@ -10,6 +10,7 @@ mod input;
 mod output;
 mod precalibrate;
 mod published;
+mod report;
 mod schemas;
 mod simulate;
 mod table;
@@ -50,6 +51,8 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// Fit winches, force sensors, home platform and cable elongation of a dataset
     Precalibrate(precalibrate::Arguments),
+    /// Identify, diagnose and write a report as HTML or PDF
+    Report(report::Arguments),
     /// List the physical effects that simulate can hide and identify can free
     Effects,
     /// Write the JSON Schemas of the file formats
@@ -79,15 +82,16 @@ impl BadInput {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let Some(command) = arguments.command else {
-        return report(workbench(arguments.path));
+        return finish(workbench(arguments.path));
     };
-    report(match command {
+    finish(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Effects => {
             effects::run();
             Ok(())
@@ -105,7 +109,7 @@ fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
 }
 
 /// Prints what went wrong, in one line, and gives the exit code.
-fn report(result: anyhow::Result<()>) -> ExitCode {
+fn finish(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else {
         return ExitCode::SUCCESS;
     };

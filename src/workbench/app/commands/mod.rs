@@ -3,10 +3,12 @@
 mod file;
 mod import;
 mod model;
+mod report;
 mod view;
 
 pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
+pub use report::{ReportCommand, ReportOutcome};
 pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
@@ -19,6 +21,7 @@ pub fn perform(state: &mut State, command: Command) {
         Command::File(command) => file::perform(state, command),
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
+        Command::Report(command) => report::perform(state, command),
         Command::Edit(edit) => {
             if let Some(document) = &mut state.document {
                 document.edit(edit);
@@ -48,6 +51,7 @@ pub fn receive(state: &mut State, outcome: Outcome) {
     match outcome {
         Outcome::File(outcome) => file::receive(state, outcome),
         Outcome::Model(outcome) => model::receive(state, outcome),
+        Outcome::Report(outcome) => report::receive(state, outcome),
         Outcome::Panicked { task } => {
             state.messages.error(format!(
                 "{task} broke down; the session is untouched. Please report this with the log."
