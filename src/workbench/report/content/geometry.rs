@@ -55,7 +55,7 @@ fn entry_points(fit: &Fit) -> Table {
         2,
         &[
             "Cable",
-            "",
+            "axis",
             "nominal",
             "identified",
             "difference",

@@ -22,12 +22,8 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     match (input.diagnosis, input.fit) {
         (Some(diagnosed), _) => {
             section.lead(diagnosed.headline());
-            let findings = diagnosed.diagnosis.findings.iter().enumerate();
-            section.list(
-                findings
-                    .map(|(k, finding)| format!("{}. {}", k + 1, diagnosed.heading(finding)))
-                    .collect(),
-            );
+            let findings = diagnosed.diagnosis.findings.iter();
+            section.list(findings.map(|f| diagnosed.heading(f)).collect());
         }
         (None, Some(fit)) => section.lead(verdict(&fit.solution, input.session)),
         (None, None) => section.lead(nothing(input.session)),

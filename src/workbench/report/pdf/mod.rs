@@ -118,3 +118,36 @@ fn date(now: Timestamp) -> DateTime {
         .second(part(17))
         .utc_offset_hour(0)
 }
+
+/// Insists that every line of text and every shape is inside of the margins.
+#[cfg(test)]
+pub fn assert_on_pages(document: &Document) {
+    let faces = Faces::new().expect("fonts");
+    let layout = Layout::of(document, &faces);
+    assert!(layout.pages.len() > 1);
+    for shape in layout.pages.iter().flat_map(|page| &page.shapes) {
+        let (from, to, y) = match shape {
+            Shape::Line { from, to, .. } => (from[0], to[0], from[1].max(to[1])),
+            Shape::Area { at, size, .. } => (at[0], at[0] + size[0], at[1] + size[1]),
+            Shape::Dot { at, radius, .. } => (at[0] - radius, at[0] + radius, at[1]),
+            Shape::Text {
+                at,
+                size,
+                anchor,
+                bold,
+                text,
+                ..
+            } => {
+                let width = faces.width(text, *size, *bold);
+                let start = match anchor {
+                    Anchor::Start => at[0],
+                    Anchor::Middle => at[0] - 0.5 * width,
+                    Anchor::End => at[0] - width,
+                };
+                (start, start + width, at[1])
+            }
+        };
+        let is_inside = from >= LEFT - 0.5 && to <= LEFT + WIDTH + 0.5 && y <= BOTTOM + 0.5;
+        assert!(is_inside, "{shape:?}");
+    }
+}

@@ -85,15 +85,28 @@ impl Layout<'_> {
 
     /// Width of each column, and by what the font has to shrink.
     fn widths(&self, table: &Table) -> (Vec<f64>, f64) {
-        let natural = |k: usize| {
-            let head = self.faces.width(&table.columns[k].0, HEAD.size, HEAD.bold);
+        let head_width = |text: &str| self.faces.width(text, HEAD.size, HEAD.bold);
+        let natural = |k: usize, breaks: bool| {
+            let (text, align) = &table.columns[k];
+            let head = if breaks && *align == Align::Right {
+                text.split(' ').map(head_width).fold(0.0, f64::max)
+            } else {
+                head_width(text)
+            };
             let cells = table.rows.iter().filter_map(|row| row.get(k));
             let cells = cells.map(|text| self.faces.width(text, CELL.size, CELL.bold));
             cells.fold(head, f64::max) + 2.0 * PADDING + 0.1
         };
-        let mut widths: Vec<f64> = (0..table.columns.len()).map(natural).collect();
+        let all = |breaks| -> Vec<f64> {
+            let columns = 0..table.columns.len();
+            columns.map(|k| natural(k, breaks)).collect()
+        };
+        let mut widths = all(false);
+        if widths.iter().sum::<f64>() > WIDTH {
+            widths = all(true);
+        }
         let mut excess = widths.iter().sum::<f64>() - WIDTH;
-        // The widest text gives way first.
+        // Headings of numbers break first, then the widest text gives way.
         while excess > 0.0 {
             let texts = (0..widths.len()).filter(|k| table.columns[*k].1 == Align::Left);
             let widest = texts.max_by(|a, b| widths[*a].total_cmp(&widths[*b]));
