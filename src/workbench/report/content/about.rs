@@ -38,7 +38,7 @@ pub fn log(session: &Session) -> Option<Section> {
     );
     for entry in session.log() {
         table.push([
-            when(entry.time),
+            when(entry.time).replace(' ', "\u{a0}"),
             phase(entry.phase).to_owned(),
             entry.text.clone(),
         ]);

@@ -8,7 +8,7 @@ use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
 use crate::wording::units::{range, significant, unit_of};
-use crate::wording::{count, list, odds, ratio};
+use crate::wording::{count, list, odds, ratio, sentence};
 
 /// Standard deviations on either side within which the true value lies 19 times out of 20.
 const INTERVAL: f64 = 1.96;
@@ -70,13 +70,13 @@ fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
             add("19 times out of 20", list(&intervals));
         }
     }
-    add("Evidence", evidence(finding));
+    add("Evidence", sentence(&evidence(finding)));
     if let Some(text) = runner_up(told, finding) {
         add("Runner-up", text);
     }
-    add("What it gains", gain(&finding.gain));
+    add("What it gains", sentence(&gain(&finding.gain)));
     if let Some(text) = gain_interval(finding) {
-        add("Gain, 19 times out of 20", text);
+        add("Gain, 19 times out of 20", sentence(&text));
     }
     if !finding.advice.is_empty() {
         add("What to do", finding.advice.clone());

@@ -2,12 +2,17 @@
 
 use super::faces::Faces;
 
+/// What lines may break at: a space that does not forbid it.
+fn is_gap(letter: char) -> bool {
+    letter.is_whitespace() && letter != '\u{a0}'
+}
+
 /// Breaks text at spaces; a word that is wider than the width is broken where it must be.
 pub fn wrap(faces: &Faces, text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
     let fits = |text: &str| faces.width(text, size, bold) <= width;
     let mut lines = Vec::new();
     let mut line = String::new();
-    for word in text.split_whitespace() {
+    for word in text.split(is_gap).filter(|word| !word.is_empty()) {
         let longer = if line.is_empty() {
             word.to_owned()
         } else {
@@ -64,6 +69,11 @@ mod tests {
             assert_eq!(letters(&lines.concat()), letters(text));
         }
         assert_eq!(wrap(&faces, "", 9.0, false, 50.0), [""]);
+        let kept = "12.3\u{a0}mm";
+        assert_eq!(
+            wrap(&faces, &format!("up to {kept}"), 9.0, false, 40.0),
+            ["up to", kept]
+        );
     }
 
     #[test]
