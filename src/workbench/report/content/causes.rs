@@ -23,7 +23,7 @@ pub fn section(told: &Diagnosed) -> Section {
         section.paragraph("No cause was found.");
     }
     for (index, finding) in diagnosis.findings.iter().enumerate() {
-        self::finding(&told, index + 1, finding, &mut section);
+        self::finding(told, index + 1, finding, &mut section);
     }
     let remaining = diagnosis.remaining.iter();
     section.list(remaining.map(|left| told.remaining_line(left)).collect());
