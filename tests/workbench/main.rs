@@ -5,6 +5,7 @@ mod gl;
 mod identification;
 mod measured;
 mod modeling;
+mod plots;
 mod precalibration;
 mod renderer;
 mod robot_3d;

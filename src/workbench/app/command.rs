@@ -3,7 +3,7 @@
 
 use super::commands::{
     FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome,
-    PlotCommand, PlotOutcome, ViewCommand,
+    PlotCommand, PlotOutcome, ReportCommand, ReportOutcome, ViewCommand,
 };
 use super::edit::Edit;
 
@@ -26,6 +26,8 @@ pub enum Command {
     Model(ModelCommand),
     /// Preparing and saving plots.
     Plot(PlotCommand),
+    /// The report.
+    Report(ReportCommand),
 }
 
 /// What a task came to.
@@ -39,6 +41,8 @@ pub enum Outcome {
     Model(ModelOutcome),
     /// Of preparing or saving plots.
     Plot(PlotOutcome),
+    /// Of a task with the report.
+    Report(ReportOutcome),
     /// The task broke down.
     Panicked {
         /// Its title.
@@ -63,10 +67,12 @@ from!(
     ViewCommand => Command::View,
     ModelCommand => Command::Model,
     PlotCommand => Command::Plot,
+    ReportCommand => Command::Report,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
     PlotOutcome => Outcome::Plot,
+    ReportOutcome => Outcome::Report,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

@@ -1,7 +1,7 @@
 //! The workbench: what it knows, what it can do, and its window.
 
 mod breakdown;
-mod clock;
+pub(crate) mod clock;
 pub mod command;
 pub mod commands;
 pub mod document;

@@ -183,15 +183,9 @@ pub fn install(ctx: &egui::Context) {
 
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
-    let files: [(&str, &'static [u8]); 2] = [
-        (
-            "inter",
-            include_bytes!("../../../assets/fonts/Inter-Regular-tabular.otf"),
-        ),
-        (
-            "inter-strong",
-            include_bytes!("../../../assets/fonts/Inter-SemiBold-tabular.otf"),
-        ),
+    let files = [
+        ("inter", crate::fonts::REGULAR),
+        ("inter-strong", crate::fonts::STRONG),
     ];
     for (name, bytes) in files {
         fonts

@@ -328,10 +328,8 @@ fn imported(state: &mut State, path: PathBuf, loaded: Loaded<Import>) {
             None,
         ),
         Import::Dataset(folder) => {
-            tell(state, folder.notices);
-            let mut session = Session::new(named(&path), folder.dataset.robot, clock::now());
-            session.measurements = folder.dataset.measurements;
-            session.phases = folder.phases;
+            tell(state, folder.notices.clone());
+            let session = Session::of_dataset(named(&path), *folder, clock::now());
             begin(state, session, None);
         }
         table => tables::take(state, &named(&path), table),

@@ -4,6 +4,7 @@ mod file;
 mod import;
 mod model;
 mod plots;
+mod report;
 mod tables;
 mod view;
 
@@ -11,6 +12,7 @@ pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
+pub use report::{ReportCommand, ReportOutcome};
 pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
@@ -25,6 +27,7 @@ pub fn perform(state: &mut State, command: Command) {
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
         Command::Plot(command) => plots::perform(state, command),
+        Command::Report(command) => report::perform(state, command),
         Command::Edit(edit) => changed(state, None, |document| {
             let name = edit.name();
             document.edit(edit).then_some(name)
@@ -66,6 +69,7 @@ pub fn receive(state: &mut State, outcome: Outcome) {
         Outcome::Import(outcome) => import::receive(state, outcome),
         Outcome::Model(outcome) => model::receive(state, outcome),
         Outcome::Plot(outcome) => plots::receive(state, outcome),
+        Outcome::Report(outcome) => report::receive(state, outcome),
         Outcome::Panicked { task } => {
             state.messages.error(format!(
                 "{task} broke down; the session is untouched. Please report this with the log."

@@ -17,7 +17,7 @@ use super::input;
 use super::output::{is_readable, line, write_json};
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::identification::identified;
-use progress::Shown;
+pub use progress::Shown;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {

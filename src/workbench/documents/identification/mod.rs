@@ -89,7 +89,7 @@ impl Solved<'_> {
     #[must_use]
     pub fn suspect(&self, reading: &Reading) -> String {
         let size = reading.normalised().unwrap_or(f64::NAN);
-        let what = self.reading_name(reading.kind);
+        let what = reading_name(self.robot(), reading.kind);
         format!("{what}: off by {size:+.1} standard deviations")
     }
 
@@ -99,20 +99,6 @@ impl Solved<'_> {
         let words =
             |reading: &Reading| format!("pose {}, {}", labels[reading.row], self.suspect(reading));
         suspects.iter().map(words).collect()
-    }
-
-    fn reading_name(&self, kind: ReadingKind) -> String {
-        let cable = |index: usize| self.robot().cables[index].name.as_str();
-        let axis = |k: usize| ["x", "y", "z"][k];
-        match kind {
-            ReadingKind::Length(index) => format!("length of {}", cable(index)),
-            ReadingKind::Equilibrium(c) => format!("tensions, balance of {}", c.describe()),
-            ReadingKind::Laser => "laser distance".to_owned(),
-            ReadingKind::Swivel(index) => format!("swivel angle of {}", cable(index)),
-            ReadingKind::TrackerPosition(k) => format!("measured position {}", axis(k)),
-            ReadingKind::TrackerOrientation(k) => format!("measured rotation about {}", axis(k)),
-            ReadingKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
-        }
     }
 
     /// Machine form.
@@ -157,5 +143,21 @@ impl Solved<'_> {
             undetermined: self.open.iter().map(|d| d.sentence.clone()).collect(),
             suspect_readings: self.suspects(),
         }
+    }
+}
+
+/// What was read: `length of cable-3`.
+#[must_use]
+pub fn reading_name(robot: &Robot, kind: ReadingKind) -> String {
+    let cable = |index: usize| robot.cables[index].name.as_str();
+    let axis = |k: usize| ["x", "y", "z"][k];
+    match kind {
+        ReadingKind::Length(index) => format!("length of {}", cable(index)),
+        ReadingKind::Equilibrium(c) => format!("tensions, balance of {}", c.describe()),
+        ReadingKind::Laser => "laser distance".to_owned(),
+        ReadingKind::Swivel(index) => format!("swivel angle of {}", cable(index)),
+        ReadingKind::TrackerPosition(k) => format!("measured position {}", axis(k)),
+        ReadingKind::TrackerOrientation(k) => format!("measured rotation about {}", axis(k)),
+        ReadingKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
     }
 }
