@@ -17,7 +17,6 @@ fn identifying_says_whether_the_model_explains_the_data() {
     press(&mut harness, "Identify");
     harness.get_by_label("The model explains the data.");
     assert!(document(&harness).fit_is_current());
-    // A pulley of MINI is found within five of its standard deviations: once in a million times it is not.
     let fit = document(&harness).fit().expect("a fit");
     assert!(fit.solution.converged());
     let record = &document(&harness).session().results()[0];

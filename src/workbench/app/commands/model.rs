@@ -76,6 +76,7 @@ pub(super) fn perform(state: &mut State, command: ModelCommand) {
             start_diagnosis(state);
         }
         ModelCommand::Stop => {
+            state.screens.identification.live.stop();
             state.tasks.cancel(IDENTIFYING);
             state.tasks.cancel(DIAGNOSING);
         }
@@ -298,12 +299,13 @@ pub(super) fn receive(state: &mut State, outcome: ModelOutcome) {
     if !document.knows(inputs) {
         return;
     }
+    let stopped = state.screens.identification.live.is_stopped();
     let said = match outcome {
         ModelOutcome::Identified {
             record,
             result: Ok(Some(fit)),
             ..
-        } => Ok(take_fit(document, inputs, *fit, record)),
+        } if !stopped => Ok(take_fit(document, inputs, *fit, record)),
         ModelOutcome::Diagnosed {
             result: Ok(Some(examined)),
             ..
@@ -316,9 +318,7 @@ pub(super) fn receive(state: &mut State, outcome: ModelOutcome) {
                 examined.record,
             ))
         }
-        ModelOutcome::Identified {
-            result: Ok(None), ..
-        }
+        ModelOutcome::Identified { result: Ok(_), .. }
         | ModelOutcome::Diagnosed {
             result: Ok(None), ..
         } => {

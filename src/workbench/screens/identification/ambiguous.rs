@@ -1,6 +1,6 @@
 //! Causes that the data cannot tell apart, on one card.
 
-use egui::Ui;
+use egui::{Align, Layout, Ui};
 use tautline_core::diagnosis::{Cause, Finding, Separation};
 use tautline_core::geometry::Pose;
 use tautline_session::PlannedPose;
@@ -12,6 +12,9 @@ use crate::app::theme::{self, GRID};
 use crate::documents::diagnosis::Diagnosed;
 use crate::widgets::{Verdict, muted, verdict};
 use crate::wording::count;
+
+/// Width that a cause needs to stand beside others (points).
+const NARROWEST: f32 = 150.0;
 
 /// Draws the body of the card.
 pub fn body(
@@ -33,11 +36,20 @@ pub fn body(
         Verdict::Doubtful,
         "These data cannot tell the causes below apart: each changes the readings at these poses in nearly the same way.",
     );
-    ui.columns(causes.len(), |columns| {
-        for (ui, cause) in columns.iter_mut().zip(&causes) {
+    if ui.available_width() < NARROWEST * causes.len() as f32 {
+        for cause in causes {
+            ui.separator();
             alternative(ui, panel, diagnosed, cause);
         }
-    });
+        ui.separator();
+    } else {
+        ui.columns(causes.len(), |columns| {
+            for (ui, cause) in columns.iter_mut().zip(causes) {
+                let layout = Layout::top_down(Align::Min);
+                ui.with_layout(layout, |ui| alternative(ui, panel, diagnosed, cause));
+            }
+        });
+    }
     card::evidence(ui, finding);
     gain::show(ui, &finding.gain);
     if let Some(separation) = &finding.separation {

@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
     };
     ui.add_space(GRID);
     let frame = Frame::new()
-        .fill(theme::of(ui).raised)
+        .fill(ui.visuals().faint_bg_color)
         .corner_radius(CornerRadius::same(6))
         .inner_margin(Margin::same(3 * GRID as i8));
     frame.show(ui, |ui| {

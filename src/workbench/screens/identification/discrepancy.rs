@@ -3,7 +3,7 @@
 
 use egui::Ui;
 use tautline_core::diagnosis::{Discrepancy, Quantity};
-use tautline_core::effect::measurements_as_modelled;
+use tautline_core::effect::{Search, measurements_as_modelled};
 use tautline_core::estimation::{Analysis, Problem, ReadingKind};
 use tautline_core::measurement::{Dataset, Variable};
 
@@ -63,6 +63,11 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, after: Option<&Analysis>) 
         ..Point::new(x(*variable), *residual)
     };
     let points: Vec<Point> = found.points.iter().map(point).collect();
+    let window = if has_event(diagnosed) {
+        1
+    } else {
+        (points.len() / WINDOWS).max(3)
+    };
     let series = match found.cable {
         Some(cable) => {
             Series::of_cable(cable, diagnosed.robot().cables[cable].name.as_str(), points)
@@ -74,7 +79,7 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, after: Option<&Analysis>) 
         name: "what was found explains".to_owned(),
         ink: Ink::Text,
         dashed: false,
-        points: smooth(points.into_iter().map(|[v, y]| [x(v), y]).collect()),
+        points: smooth(points.into_iter().map(|[v, y]| [x(v), y]).collect(), window),
     });
     Figure {
         x: Axis::new(sentence(found.variable.name()), unit),
@@ -115,10 +120,19 @@ fn explained(found: &Discrepancy, after: &Analysis) -> Option<Vec<[f64; 2]>> {
     (points.len() > 2).then_some(points)
 }
 
-/// The running mean over neighbours along x.
-fn smooth(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+/// Whether something that was found acts at one pose, or from one on: then neighbours along a variable have nothing to do
+/// with each other.
+fn has_event(diagnosed: &Diagnosed) -> bool {
+    diagnosed.diagnosis.findings.iter().any(|finding| {
+        let search = finding.cause.effect().search();
+        matches!(search, Search::AtPose(_) | Search::FromPose(_))
+    })
+}
+
+/// The running mean over this many neighbours along x.
+fn smooth(mut points: Vec<[f64; 2]>, window: usize) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let half = (points.len() / WINDOWS).max(2) / 2;
+    let half = window / 2;
     let mean = |k: usize| {
         let around = &points[k.saturating_sub(half)..(k + half + 1).min(points.len())];
         let count = around.len() as f64;
@@ -199,7 +213,7 @@ mod tests {
             .rev()
             .map(|k| [f64::from(k), 2.0 * f64::from(k)])
             .collect();
-        let smoothed = smooth(line);
+        let smoothed = smooth(line, 5);
         assert_eq!(smoothed.len(), 40);
         assert!(smoothed.is_sorted_by(|a, b| a[0] < b[0]));
         assert!(smoothed.iter().all(|[x, y]| (y - 2.0 * x).abs() < 1e-12));

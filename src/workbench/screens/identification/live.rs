@@ -12,6 +12,7 @@ pub struct Live(Arc<Mutex<Course>>);
 struct Course {
     readings: usize,
     missed: Vec<f64>,
+    stopped: bool,
 }
 
 impl Live {
@@ -33,6 +34,16 @@ impl Live {
     /// Root mean square of the residuals over their noise after each step.
     pub fn missed(&self) -> Vec<f64> {
         self.course(|course| course.missed.clone())
+    }
+
+    /// The operator does not want the result any more, even if it is there by now.
+    pub fn stop(&self) {
+        self.course(|course| course.stopped = true);
+    }
+
+    /// Whether the operator stopped it.
+    pub fn is_stopped(&self) -> bool {
+        self.course(|course| course.stopped)
     }
 
     fn course<T>(&self, of: impl FnOnce(&mut Course) -> T) -> T {
