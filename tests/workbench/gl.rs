@@ -7,7 +7,7 @@ use image::RgbaImage;
 use tautline_core::geometry::Vec3;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
-use tautline_workbench::app::{self, App, theme};
+use tautline_workbench::app::{App, theme};
 use tautline_workbench::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
@@ -16,6 +16,7 @@ use tautline_workbench::views::robot_3d::scene::{CableView, Scene, Subject};
 
 use crate::renderer::GlowTestRenderer;
 use crate::robot_3d::{in_window, open, session_of};
+use crate::support::options;
 
 const SIZE: [u32; 2] = [900, 600];
 
@@ -169,7 +170,7 @@ fn harness(renderer: &GlowTestRenderer, scale: f32) -> Harness<'static, App> {
         .with_pixels_per_point(scale)
         .with_max_steps(60)
         .renderer(renderer.clone())
-        .build_eframe(|creation| App::new(creation, app::Options::default()))
+        .build_eframe(|creation| App::new(creation, options()))
 }
 
 fn draws(harness: &Harness<'_, App>) -> u64 {

@@ -3,6 +3,7 @@
 mod doctor;
 mod gl;
 mod identification;
+mod layout;
 mod measured;
 mod modeling;
 mod plots;

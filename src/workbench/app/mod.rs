@@ -114,7 +114,7 @@ pub fn run(start: Options) -> Result<(), eframe::Error> {
         .with_title("Tautline")
         .with_app_id("tautline")
         .with_inner_size([1440.0, 900.0])
-        .with_min_inner_size([1024.0, 680.0]);
+        .with_min_inner_size([640.0, 400.0]);
     let options = eframe::NativeOptions {
         viewport,
         ..Default::default()

@@ -8,6 +8,7 @@ use super::breakdown::Breakdown;
 use super::command::Outbox;
 use super::commands::Leaving;
 use super::document::Document;
+use super::frame::Part;
 use super::keeping::Keeping;
 use super::messages::Messages;
 use super::screen::Screen;
@@ -36,6 +37,8 @@ pub struct Windows {
     pub leaving: Option<Leaving>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
+    /// What a small window shows.
+    pub part: Part,
     /// Whether the log is open.
     pub log: bool,
 }
