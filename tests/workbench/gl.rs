@@ -25,7 +25,7 @@ fn scene_of(robot: &Robot) -> Scene {
 }
 
 fn preset(name: &str) -> Robot {
-    presets::find(name).unwrap().robot
+    presets::find(name).expect("a preset").robot
 }
 
 fn bare() -> Options {
@@ -36,7 +36,7 @@ fn bare() -> Options {
 }
 
 fn draw(scene: &Scene, camera: &Camera, theme: Theme) -> RgbaImage {
-    render_scene(scene, &bare(), camera, SIZE, theme).unwrap()
+    render_scene(scene, &bare(), camera, SIZE, theme).expect("a picture")
 }
 
 fn rgb(image: &RgbaImage, x: u32, y: u32) -> [i32; 3] {
@@ -142,7 +142,9 @@ fn check_cables(picture: &Picture<'_>, image: &RgbaImage, theme: Theme) -> usize
     for cable in &picture.scene.cables {
         let ends = &cable.path[cable.path.len() - 2..];
         for share in [0.3, 0.5, 0.7] {
-            let at = picture.on_screen(&ends[0].lerp(&ends[1], share)).unwrap();
+            let at = picture
+                .on_screen(&ends[0].lerp(&ends[1], share))
+                .expect("a place on the screen");
             let Some(Thing::Cable(index)) = picture.pick(at.x, at.y) else {
                 continue;
             };

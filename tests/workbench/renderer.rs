@@ -23,7 +23,9 @@ impl GlowTestRenderer {
     /// The picture of what the harness drew last.
     pub fn picture(&self, harness: &Harness<'_, App>) -> RgbaImage {
         let mut painter = self.0.borrow_mut();
-        painter.picture(&harness.ctx, harness.output()).unwrap()
+        painter
+            .picture(&harness.ctx, harness.output())
+            .expect("a picture")
     }
 }
 
@@ -33,6 +35,6 @@ impl TestRenderer for GlowTestRenderer {
     }
 
     fn handle_delta(&mut self, delta: &mut TexturesDelta) {
-        self.0.borrow_mut().take_textures(delta).unwrap();
+        self.0.borrow_mut().take_textures(delta).expect("textures");
     }
 }
