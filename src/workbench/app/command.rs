@@ -2,7 +2,8 @@
 //! all send these, and each kind has one handler in `commands/`.
 
 use super::commands::{
-    FileCommand, FileOutcome, ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, ViewCommand,
+    FileCommand, FileOutcome, ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, RobotCommand,
+    RobotOutcome, ViewCommand,
 };
 use super::edit::Edit;
 
@@ -23,6 +24,8 @@ pub enum Command {
     Model(ModelCommand),
     /// Preparing and saving plots.
     Plot(PlotCommand),
+    /// Measuring, adjusting, verifying.
+    Robot(RobotCommand),
 }
 
 /// What a task came to.
@@ -34,6 +37,8 @@ pub enum Outcome {
     Model(ModelOutcome),
     /// Of preparing or saving plots.
     Plot(PlotOutcome),
+    /// Of planning, or of a file of phases 3 and 5.
+    Robot(RobotOutcome),
     /// The task broke down.
     Panicked {
         /// Its title.
@@ -60,6 +65,8 @@ from!(
     FileOutcome => Outcome::File,
     ModelOutcome => Outcome::Model,
     PlotOutcome => Outcome::Plot,
+    RobotCommand => Command::Robot,
+    RobotOutcome => Outcome::Robot,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

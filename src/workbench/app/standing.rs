@@ -1,5 +1,8 @@
 //! How far each phase is, in one line.
 
+use tautline_session::{Outcome, Stage};
+
+use super::commands::robot::missing;
 use super::document::Document;
 use super::screen::{Progress, Standing, Step};
 
@@ -11,7 +14,7 @@ pub fn of(document: &Document, step: Step) -> Standing {
         Step::Modeling => modeling(document),
         Step::Measuring => measuring(document),
         Step::Identification => identification(document),
-        Step::Adjustment => Standing::new(Progress::NotStarted, "nothing written yet"),
+        Step::Adjustment => adjustment(document),
     }
 }
 
@@ -31,9 +34,44 @@ fn modeling(document: &Document) -> Standing {
 }
 
 fn measuring(document: &Document) -> Standing {
-    match document.session().measurements.len() {
-        0 => Standing::new(Progress::NotStarted, "no poses measured"),
-        poses => Standing::new(Progress::Done, format!("{poses} poses measured")),
+    let session = document.session();
+    let measured = session.measurements.len();
+    let missing = missing(session);
+    let poses = |count: usize| match count {
+        1 => "1 pose".to_owned(),
+        count => format!("{count} poses"),
+    };
+    match (measured, missing) {
+        (0, 0) => Standing::new(Progress::NotStarted, "no poses measured"),
+        (0, _) => Standing::new(Progress::NotStarted, format!("{} planned", poses(missing))),
+        (_, 0) => Standing::new(Progress::Done, format!("{} measured", poses(measured))),
+        _ => Standing::new(
+            Progress::InProgress,
+            format!("{} measured, {missing} to go", poses(measured)),
+        ),
+    }
+}
+
+fn adjustment(document: &Document) -> Standing {
+    let session = document.session();
+    let verified = |stage: Stage| session.verifications().iter().any(|run| run.stage == stage);
+    let Some(last) = session.adjustments().last() else {
+        return if verified(Stage::Before) {
+            Standing::new(Progress::InProgress, "measured before the adjustment")
+        } else {
+            Standing::new(Progress::NotStarted, "nothing written yet")
+        };
+    };
+    match &last.outcome {
+        Outcome::Written if document.fit().is_some() && !document.fit_is_current() => {
+            Standing::new(Progress::OutOfDate, "data changed since it was written")
+        }
+        Outcome::Written if verified(Stage::After) => {
+            Standing::new(Progress::Done, "written and verified")
+        }
+        Outcome::Written => Standing::new(Progress::InProgress, "written, not verified"),
+        Outcome::RolledBack => Standing::new(Progress::NotStarted, "rolled back"),
+        Outcome::Failed(_) => Standing::new(Progress::Attention, "writing failed"),
     }
 }
 

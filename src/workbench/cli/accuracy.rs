@@ -1,7 +1,7 @@
 //! `tautline accuracy`.
 
 mod document;
-mod group;
+pub(crate) mod group;
 mod report;
 
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! Headless commands: arguments, exit codes, output.
 
-mod accuracy;
+pub(crate) mod accuracy;
 mod compare;
 mod diagnose;
 mod effects;

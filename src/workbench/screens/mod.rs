@@ -1,9 +1,9 @@
 //! The screens: a panel for each phase, the start screen, the comparison.
 
-mod adjustment;
+pub mod adjustment;
 pub mod compare;
 mod identification;
-mod measuring;
+pub mod measuring;
 mod modeling;
 mod precalibration;
 pub mod start;
@@ -18,6 +18,10 @@ use crate::app::screen::Step;
 pub struct Screens {
     /// Of the start screen.
     pub start: start::Remembered,
+    /// Of the phase Measuring.
+    pub measuring: measuring::Remembered,
+    /// Of the phase Adjustment.
+    pub adjustment: adjustment::Remembered,
 }
 
 /// Draws the panel of a phase.

@@ -4,11 +4,13 @@ mod file;
 mod import;
 mod model;
 mod plots;
+pub mod robot;
 mod view;
 
 pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
+pub use robot::{RobotCommand, RobotOutcome};
 pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
@@ -21,6 +23,7 @@ pub fn perform(state: &mut State, command: Command) {
         Command::File(command) => file::perform(state, command),
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
+        Command::Robot(command) => robot::perform(state, command),
         Command::Plot(command) => plots::perform(state, command),
         Command::Edit(edit) => {
             if let Some(document) = &mut state.document {
@@ -41,8 +44,11 @@ fn told(state: &mut State, what: &str, step: impl FnOnce(&mut super::Document) -
 /// Takes what the keeper of unsaved sessions has to tell.
 pub fn kept(state: &mut State, kept: Kept) {
     match kept {
-        Kept::Measured(_) => {}
-        Kept::Failed(text) => state.messages.error(text),
+        Kept::Measured(label) => robot::kept(state, label),
+        Kept::Failed(text) => {
+            robot::not_kept(state);
+            state.messages.error(text);
+        }
     }
 }
 
@@ -51,6 +57,7 @@ pub fn receive(state: &mut State, outcome: Outcome) {
     match outcome {
         Outcome::File(outcome) => file::receive(state, outcome),
         Outcome::Model(outcome) => model::receive(state, outcome),
+        Outcome::Robot(outcome) => robot::receive(state, outcome),
         Outcome::Plot(outcome) => plots::receive(state, outcome),
         Outcome::Panicked { task } => {
             state.messages.error(format!(
