@@ -120,8 +120,7 @@ mod tests {
             difference: None,
             sd: Some(1e-3),
         }];
-        let expected =
-            "name,unit,controller,identified,difference,sd\n\"a,b\",m,,0.25,,0.001\n";
+        let expected = "name,unit,controller,identified,difference,sd\n\"a,b\",m,,0.25,,0.001\n";
         assert_eq!(differences_csv(&lines), expected);
     }
 }

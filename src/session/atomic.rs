@@ -24,7 +24,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Writes a file such as a picture atomically.
+/// Writes a file of any kind atomically.
 ///
 /// # Errors
 /// If the file cannot be written.

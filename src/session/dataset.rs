@@ -87,9 +87,19 @@ pub fn read_calibration_tables(folder: &Path) -> Result<Loaded<(Robot, PhaseData
 /// # Errors
 /// If the file cannot be read or a row is wrong.
 pub fn read_check_file(path: &Path) -> Result<Loaded<Vec<phases::CheckRow>>, ReadError> {
+    read_table_file(path, phases::read_check)
+}
+
+/// Reads any table by itself, wherever it lies; `read` gets its content and its name for messages.
+///
+/// # Errors
+/// If the file cannot be read or a row is wrong.
+pub fn read_table_file<T>(
+    path: &Path,
+    read: impl FnOnce(BufReader<File>, &str) -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
     let file = path.display().to_string();
-    let reader = open(path, &file)?;
-    phases::read_check(reader, &file)
+    read(open(path, &file)?, &file)
 }
 
 fn require_folder(folder: &Path) -> Result<(), ReadError> {

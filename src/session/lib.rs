@@ -22,7 +22,8 @@ mod table;
 
 pub use atomic::{write_bytes, write_text};
 pub use dataset::{
-    DatasetFolder, read_calibration_tables, read_check_file, read_dataset, write_dataset,
+    DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
+    write_dataset,
 };
 pub use error::{Loaded, Place, ReadError, WriteError};
 pub use folders::Folders;

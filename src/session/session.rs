@@ -19,6 +19,7 @@ use std::path::Path;
 use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::{FieldError, Robot};
 
+use crate::dataset::DatasetFolder;
 use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
@@ -87,6 +88,15 @@ impl Session {
             verifications: Vec::new(),
             log: Vec::new(),
         }
+    }
+
+    /// A session that begins with a dataset; its notices are the caller's to tell.
+    #[must_use]
+    pub fn of_dataset(name: impl Into<String>, folder: DatasetFolder, now: Timestamp) -> Self {
+        let mut session = Self::new(name, folder.dataset.robot, now);
+        session.measurements = folder.dataset.measurements;
+        session.phases = folder.phases;
+        session
     }
 
     /// The robot and its measurements as identification takes them: without the poses that the

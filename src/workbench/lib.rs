@@ -2,8 +2,13 @@
 
 pub mod app;
 pub mod cli;
+pub mod documents;
+mod fonts;
 pub mod offscreen;
+mod precalibration;
+pub mod report;
 pub mod samples;
 mod screens;
 pub mod views;
 mod widgets;
+mod wording;

@@ -7,7 +7,7 @@ use image::RgbaImage;
 use tautline_core::geometry::Vec3;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
-use tautline_workbench::app::{App, theme};
+use tautline_workbench::app::{self, App, theme};
 use tautline_workbench::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
@@ -169,7 +169,7 @@ fn harness(renderer: &GlowTestRenderer, scale: f32) -> Harness<'static, App> {
         .with_pixels_per_point(scale)
         .with_max_steps(60)
         .renderer(renderer.clone())
-        .build_eframe(|creation| App::new(creation, None))
+        .build_eframe(|creation| App::new(creation, app::Options::default()))
 }
 
 fn draws(harness: &Harness<'_, App>) -> u64 {

@@ -2,10 +2,16 @@
 
 mod adjustment;
 mod demo;
+mod doctor;
 mod gl;
+mod identification;
+mod measured;
 mod measuring;
+mod modeling;
+mod plots;
+mod precalibration;
 mod renderer;
 mod robot_3d;
-mod plots;
 mod start;
 mod support;
+mod tables;

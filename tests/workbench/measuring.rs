@@ -24,18 +24,24 @@ fn paused(state: &State) -> bool {
 fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     let mut bench = Bench::demo(3);
     bench.go(Step::Measuring);
-    bench.harness.get_by_label_contains("No poses are planned yet");
+    bench
+        .harness
+        .get_by_label_contains("No poses are planned yet");
     bench.press("Plan poses");
     bench.settle("a plan");
     assert_eq!(bench.session().plan.len(), 26, "home and 25 poses");
-    bench.harness.get_by_label_contains("The pulleys will be known to");
+    bench
+        .harness
+        .get_by_label_contains("The pulleys will be known to");
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("three poses", |state| measured(state) >= 3);
     bench.press("Pause");
     bench.wait("a pause", paused);
     let before = bench.session().measurements.len();
-    bench.harness.get_by_label_contains("Waiting: paused by the operator");
+    bench
+        .harness
+        .get_by_label_contains("Waiting: paused by the operator");
     bench.press("Skip pose");
     bench.wait("another pose", |state| measured(state) > before);
     bench.press("Repeat last pose");
@@ -46,20 +52,29 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     bench.press("Abort");
     bench.wait("the end", |state| !state.link.is_measuring());
     let ended = bench.session().measurements.len();
-    bench.harness.get_by_label_contains("What is measured is kept");
+    bench
+        .harness
+        .get_by_label_contains("What is measured is kept");
     assert!(ended < 26, "{ended} poses");
     bench.press("Continue measuring");
     bench.wait("all poses", |state| !state.link.is_measuring());
     // Home, 25 poses and the one that was repeated.
     assert_eq!(bench.session().measurements.len(), 27);
     assert_eq!(bench.session().excluded().len(), 1);
-    bench.harness.get_by_label_contains("All planned poses are measured");
+    bench
+        .harness
+        .get_by_label_contains("All planned poses are measured");
     bench.give(ModelCommand::Identify);
     bench.settle("an identification");
     let document = bench.state().document.as_ref().expect("a session");
     assert!(document.fit_is_current());
     bench.press("Go to identification");
-    assert!(bench.harness.query_by_label("Go to identification").is_none());
+    assert!(
+        bench
+            .harness
+            .query_by_label("Go to identification")
+            .is_none()
+    );
     let log = bench.session().log().iter();
     let told: Vec<&str> = log.map(|entry| entry.text.as_str()).collect();
     for text in ["Planned 25 poses.", "Measuring of 26 poses started."] {
@@ -126,14 +141,18 @@ fn a_laser_without_distance_is_told_with_what_to_do() {
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("a pause", paused);
-    bench.harness.get_by_label_contains("Free the way of the beam");
+    bench
+        .harness
+        .get_by_label_contains("Free the way of the beam");
     assert_eq!(bench.session().measurements.len(), 0);
     bench.press("Abort");
     bench.wait("the end", |state| !state.link.is_measuring());
 
     let mut bench = Bench::of_session(&without_beam(false));
     bench.go(Step::Measuring);
-    bench.harness.get_by_label_contains("This robot has no laser");
+    bench
+        .harness
+        .get_by_label_contains("This robot has no laser");
 }
 
 #[test]
@@ -143,6 +162,8 @@ fn a_closed_session_takes_its_robot_along() {
     bench.connect_and_arm();
     let state = &mut bench.harness.state_mut().state;
     state.document = None;
-    bench.wait("the end of the connection", |state| !state.link.is_connected());
+    bench.wait("the end of the connection", |state| {
+        !state.link.is_connected()
+    });
     assert!(bench.state().link.connected.is_none());
 }

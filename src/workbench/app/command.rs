@@ -2,8 +2,9 @@
 //! all send these, and each kind has one handler in `commands/`.
 
 use super::commands::{
-    FileCommand, FileOutcome, ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, RobotCommand,
-    RobotOutcome, ViewCommand,
+    FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome,
+    PlotCommand, PlotOutcome, ReportCommand, ReportOutcome, RobotCommand, RobotOutcome,
+    ViewCommand,
 };
 use super::edit::Edit;
 
@@ -12,6 +13,8 @@ use super::edit::Edit;
 pub enum Command {
     /// Opening, saving, closing.
     File(FileCommand),
+    /// Tables of phases 1 and 2.
+    Import(ImportCommand),
     /// A change that can be undone.
     Edit(Edit),
     /// Undoes the last edit.
@@ -26,6 +29,8 @@ pub enum Command {
     Plot(PlotCommand),
     /// Measuring, adjusting, verifying.
     Robot(RobotCommand),
+    /// The report.
+    Report(ReportCommand),
 }
 
 /// What a task came to.
@@ -33,12 +38,16 @@ pub enum Command {
 pub enum Outcome {
     /// Of a task with files.
     File(FileOutcome),
+    /// Of an import.
+    Import(ImportOutcome),
     /// Of identification or diagnosis.
     Model(ModelOutcome),
     /// Of preparing or saving plots.
     Plot(PlotOutcome),
     /// Of planning, or of a file of phases 3 and 5.
     Robot(RobotOutcome),
+    /// Of a task with the report.
+    Report(ReportOutcome),
     /// The task broke down.
     Panicked {
         /// Its title.
@@ -58,15 +67,19 @@ macro_rules! from {
 
 from!(
     FileCommand => Command::File,
+    ImportCommand => Command::Import,
     Edit => Command::Edit,
     ViewCommand => Command::View,
     ModelCommand => Command::Model,
     PlotCommand => Command::Plot,
+    ReportCommand => Command::Report,
     FileOutcome => Outcome::File,
+    ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
     PlotOutcome => Outcome::Plot,
     RobotCommand => Command::Robot,
     RobotOutcome => Outcome::Robot,
+    ReportOutcome => Outcome::Report,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

@@ -1,42 +1,60 @@
 //! The open session with what was computed from it.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
-use tautline_core::diagnosis::Diagnosis;
-use tautline_core::measurement::Dataset;
-use tautline_session::{LogEntry, Phase, ResultRecord, Session};
+use tautline_session::{Document as _, LogEntry, Phase, ResultRecord, Session};
 
 use super::clock;
-use super::edit::{Edit, History};
+use super::edit::{Edit, History, Inputs};
 use super::fit::Fit;
+pub use crate::documents::diagnosis::Diagnosed;
+use crate::documents::identification::Identification;
+use crate::precalibration::Calibration;
 
-/// A diagnosis with what it is about.
-#[derive(Debug)]
-pub struct Diagnosed {
-    /// Robot and measurements, excluded poses left out.
-    pub dataset: Arc<Dataset>,
-    /// What was found.
-    pub diagnosis: Diagnosis,
-    /// Probability of a false alarm that was asked for.
-    pub alpha: f64,
-    /// Time that it took (s).
-    pub seconds: f64,
-}
+/// Numbers of inputs, never used twice, so that a result that comes late belongs to no other document. A document is known
+/// by the first of its own.
+static NUMBERS: AtomicU64 = AtomicU64::new(0);
 
-/// A result with the revision of the inputs it was computed from.
+/// A result with the number of the inputs it was computed from.
 #[derive(Debug, Clone)]
 pub struct Computed<T> {
     value: Arc<T>,
     inputs: u64,
 }
 
-static NEXT: AtomicU64 = AtomicU64::new(0);
+/// The last identification that the session keeps from before.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Stored {
+    /// There is none.
+    #[default]
+    None,
+    /// It is of the data that the session was opened with.
+    Current,
+    /// The data were changed after it.
+    OutOfDate,
+}
+
+impl Stored {
+    fn of(session: &Session) -> Self {
+        let of_identification =
+            |record: &&ResultRecord| record.format() == Some(Identification::FORMAT);
+        let Some(last) = session.results().iter().rev().find(of_identification) else {
+            return Self::None;
+        };
+        if last.basis == Some(session.basis()) {
+            Self::Current
+        } else {
+            Self::OutOfDate
+        }
+    }
+}
 
 /// The open session.
 ///
-/// It has two counters: `revision` counts every change, `inputs` those that identification and diagnosis depend on.
+/// `revision` counts every change; `inputs` is a number that what identification and diagnosis depend on has for itself:
+/// undoing an edit brings the number back, too.
 pub struct Document {
     identity: u64,
     session: Session,
@@ -45,8 +63,10 @@ pub struct Document {
     revision: u64,
     inputs: u64,
     saved: Option<u64>,
+    stored: Stored,
     fit: Option<Computed<Fit>>,
     diagnosis: Option<Computed<Diagnosed>>,
+    calibration: OnceLock<Arc<Calibration>>,
 }
 
 impl Document {
@@ -54,16 +74,19 @@ impl Document {
     #[must_use]
     pub fn new(session: Session, path: Option<PathBuf>) -> Self {
         let saved = path.as_ref().map(|_| 0);
+        let inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
         Self {
-            identity: NEXT.fetch_add(1, Ordering::Relaxed),
+            identity: inputs,
+            stored: Stored::of(&session),
             session,
             path,
             history: History::default(),
             revision: 0,
-            inputs: 0,
+            inputs,
             saved,
             fit: None,
             diagnosis: None,
+            calibration: OnceLock::new(),
         }
     }
 
@@ -100,10 +123,16 @@ impl Document {
         self.revision
     }
 
-    /// Counts the changes that results depend on.
+    /// The number of what results depend on; no two documents share one.
     #[must_use]
     pub fn inputs(&self) -> u64 {
         self.inputs
+    }
+
+    /// Whether inputs of this number were those of this document once.
+    #[must_use]
+    pub fn knows(&self, inputs: u64) -> bool {
+        inputs >= self.identity
     }
 
     /// Whether there are changes that the file does not have.
@@ -126,31 +155,29 @@ impl Document {
 
     /// Does an edit; says whether anything changed.
     pub fn edit(&mut self, edit: Edit) -> bool {
-        let changed = self.history.perform(edit, &mut self.session);
-        if changed {
-            self.touch();
-        }
-        changed
+        let inputs = self.history.perform(edit, &mut self.session, self.inputs);
+        inputs.map(|inputs| self.touch(&inputs)).is_some()
     }
 
     /// Undoes the last edit and gives its name.
     pub fn undo(&mut self) -> Option<String> {
-        let name = self.history.undo(&mut self.session)?;
-        self.touch();
+        let (name, inputs) = self.history.undo(&mut self.session, self.inputs)?;
+        self.touch(&inputs);
         Some(name)
     }
 
     /// Does the last undone edit again and gives its name.
     pub fn redo(&mut self) -> Option<String> {
-        let name = self.history.redo(&mut self.session)?;
-        self.touch();
+        let (name, inputs) = self.history.redo(&mut self.session, self.inputs)?;
+        self.touch(&inputs);
         Some(name)
     }
 
     /// Adds what cannot be undone, such as a measurement; results depend on it.
     pub fn append(&mut self, change: impl FnOnce(&mut Session)) {
         change(&mut self.session);
-        self.touch();
+        self.history.forget_inputs();
+        self.touch(&Inputs::New);
     }
 
     /// Adds what cannot be undone and no result depends on, such as what was written to a controller.
@@ -175,21 +202,46 @@ impl Document {
         self.revision += 1;
     }
 
-    fn touch(&mut self) {
+    fn touch(&mut self, inputs: &Inputs) {
         self.revision += 1;
-        self.inputs += 1;
+        match inputs {
+            Inputs::Same => {}
+            Inputs::Again(number) => self.inputs = *number,
+            Inputs::New => {
+                self.inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
+            }
+        }
         self.session.modified = self.session.modified.max(clock::now());
+        if let Some(calibration) = self.calibration.get()
+            && !calibration.is_of(&self.session)
+        {
+            self.calibration.take();
+        }
     }
 
-    /// Takes an identification that was computed from the inputs of the given count.
+    /// What the tables of phases 1 and 2 tell; computed when it is first asked for.
+    #[must_use]
+    pub fn calibration(&self) -> &Arc<Calibration> {
+        self.calibration
+            .get_or_init(|| Arc::new(Calibration::of(&self.session)))
+    }
+
+    /// The identification that the session keeps from before it was opened.
+    #[must_use]
+    pub fn stored(&self) -> Stored {
+        self.stored
+    }
+
+    /// Takes an identification that was computed from the inputs of the given number.
     pub fn set_fit(&mut self, fit: Fit, inputs: u64) {
+        self.stored = Stored::None;
         self.fit = Some(Computed {
             value: Arc::new(fit),
             inputs,
         });
     }
 
-    /// Takes a diagnosis that was computed from the inputs of the given count.
+    /// Takes a diagnosis that was computed from the inputs of the given number.
     pub fn set_diagnosis(&mut self, diagnosed: Diagnosed, inputs: u64) {
         self.diagnosis = Some(Computed {
             value: Arc::new(diagnosed),

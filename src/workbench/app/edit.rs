@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::Robot;
 use tautline_session::{Method, PhaseData, PlannedPose, Session, Settings};
 
@@ -17,8 +17,8 @@ pub enum Edit {
     SetAlpha(f64),
     /// Adds effects to the model: their parameters are identified, too. The text says which, for the undo menu.
     AddEffects(Vec<EffectSetting>, String),
-    /// Takes an effect out of the model, by its place.
-    RemoveEffect(usize),
+    /// Takes effects out of the model, whatever their values; the text says which, for the undo menu.
+    RemoveEffects(Vec<EffectSetting>, String),
     /// Leaves a pose out.
     Exclude(i64),
     /// Takes a pose back in.
@@ -31,6 +31,17 @@ pub enum Edit {
     SetPhases(Box<PhaseData>, String),
 }
 
+/// Whether two settings are of the same effect on the same cables at the same pose, whatever its size.
+#[must_use]
+pub fn same_effect(one: &EffectSetting, other: &EffectSetting) -> bool {
+    let pose = |setting: &EffectSetting| {
+        let effect = find(&setting.effect)?;
+        let name = effect.parameters()[effect.pose_parameter()?].name;
+        setting.parameters.get(name).copied()
+    };
+    one.effect == other.effect && one.targets == other.targets && pose(one) == pose(other)
+}
+
 impl Edit {
     /// What the undo menu calls it.
     #[must_use]
@@ -39,10 +50,10 @@ impl Edit {
             Self::Rename(_) => "rename session".into(),
             Self::SetMethod(_) => "choose method".into(),
             Self::SetAlpha(_) => "choose false alarm probability".into(),
-            Self::RemoveEffect(_) => "remove effect from the model".into(),
             Self::Exclude(label) => format!("exclude pose {label}"),
             Self::Include(label) => format!("include pose {label}"),
             Self::AddEffects(_, what)
+            | Self::RemoveEffects(_, what)
             | Self::SetPlan(_, what)
             | Self::SetRobot(_, what)
             | Self::SetPhases(_, what) => what.clone(),
@@ -53,11 +64,13 @@ impl Edit {
     fn apply(self, session: &mut Session) {
         let effects = &mut session.settings.identification.effects;
         match self {
-            Self::AddEffects(added, _) => effects.extend(added),
-            Self::RemoveEffect(place) if place < effects.len() => {
-                effects.remove(place);
+            Self::AddEffects(added, _) => {
+                effects.retain(|old| !added.iter().any(|new| same_effect(old, new)));
+                effects.extend(added);
             }
-            Self::RemoveEffect(_) => {}
+            Self::RemoveEffects(removed, _) => {
+                effects.retain(|one| !removed.iter().any(|other| same_effect(one, other)));
+            }
             Self::Exclude(label) => {
                 let _ = session.exclude(label);
             }
@@ -99,6 +112,13 @@ impl Editable {
         }
     }
 
+    /// Whether the results of `session` are those of this state: what they depend on is the same.
+    fn has_inputs_of(&self, session: &Session) -> bool {
+        self.robot == session.robot
+            && self.settings.identification == session.settings.identification
+            && self.excluded == *session.excluded()
+    }
+
     /// Puts it back.
     fn restore(self, session: &mut Session) {
         session.name = self.name;
@@ -121,6 +141,19 @@ impl Editable {
 struct Step {
     name: String,
     state: Editable,
+    /// Which inputs of results it has; `None` once something was measured since.
+    inputs: Option<u64>,
+}
+
+/// What an edit, or undoing it, came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Inputs {
+    /// The inputs of results are what they were.
+    Same,
+    /// They are new.
+    New,
+    /// They are those of this number again.
+    Again(u64),
 }
 
 /// Edits that can be undone and redone.
@@ -134,32 +167,41 @@ pub struct History {
 const MOST: usize = 200;
 
 impl History {
-    /// Does an edit and remembers what was before; says whether anything changed.
-    pub fn perform(&mut self, edit: Edit, session: &mut Session) -> bool {
+    /// Does an edit and remembers what was before, with the number of its inputs; `None` if nothing changed.
+    pub fn perform(&mut self, edit: Edit, session: &mut Session, inputs: u64) -> Option<Inputs> {
         let step = Step {
             name: edit.name(),
             state: Editable::of(session),
+            inputs: Some(inputs),
         };
         edit.apply(session);
         if step.state == Editable::of(session) {
-            return false;
+            return None;
         }
+        let same = step.state.has_inputs_of(session);
         self.redo.clear();
         if self.undo.len() == MOST {
             self.undo.remove(0);
         }
         self.undo.push(step);
-        true
+        Some(if same { Inputs::Same } else { Inputs::New })
     }
 
     /// Undoes the last edit and gives its name.
-    pub fn undo(&mut self, session: &mut Session) -> Option<String> {
-        step(&mut self.undo, &mut self.redo, session)
+    pub fn undo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, Inputs)> {
+        step(&mut self.undo, &mut self.redo, session, inputs)
     }
 
     /// Does the last undone edit again and gives its name.
-    pub fn redo(&mut self, session: &mut Session) -> Option<String> {
-        step(&mut self.redo, &mut self.undo, session)
+    pub fn redo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, Inputs)> {
+        step(&mut self.redo, &mut self.undo, session, inputs)
+    }
+
+    /// Something was measured: no state before has the inputs that it had.
+    pub fn forget_inputs(&mut self) {
+        for step in self.undo.iter_mut().chain(&mut self.redo) {
+            step.inputs = None;
+        }
     }
 
     /// Name of the edit that undo would undo.
@@ -175,14 +217,26 @@ impl History {
     }
 }
 
-fn step(from: &mut Vec<Step>, to: &mut Vec<Step>, session: &mut Session) -> Option<String> {
-    let Step { name, state } = from.pop()?;
+fn step(
+    from: &mut Vec<Step>,
+    to: &mut Vec<Step>,
+    session: &mut Session,
+    inputs: u64,
+) -> Option<(String, Inputs)> {
+    let left = from.pop()?;
     to.push(Step {
-        name: name.clone(),
+        name: left.name.clone(),
         state: Editable::of(session),
+        inputs: Some(inputs),
     });
-    state.restore(session);
-    Some(name)
+    let same = left.state.has_inputs_of(session);
+    left.state.restore(session);
+    let inputs = match left.inputs {
+        _ if same => Inputs::Same,
+        Some(number) => Inputs::Again(number),
+        None => Inputs::New,
+    };
+    Some((left.name, inputs))
 }
 
 #[cfg(test)]
@@ -232,7 +286,7 @@ mod tests {
             Edit::SetMethod(Method::Simple),
             Edit::SetAlpha(0.05),
             Edit::AddEffects(vec![effect()], "add winch scale".into()),
-            Edit::RemoveEffect(0),
+            Edit::RemoveEffects(vec![effect()], "remove winch scale".into()),
             Edit::Exclude(2),
             Edit::Include(2),
             Edit::SetPlan(vec![planned], "plan".into()),
@@ -244,18 +298,18 @@ mod tests {
         for edit in edits.clone() {
             let name = edit.name();
             assert!(
-                history.perform(edit, &mut session),
+                history.perform(edit, &mut session, 0).is_some(),
                 "{name} changes something"
             );
             assert_eq!(history.next_undo(), Some(name.as_str()));
             states.push(Editable::of(&session));
         }
         for before in states.iter().rev().skip(1) {
-            history.undo(&mut session).expect("a step");
+            history.undo(&mut session, 0).expect("a step");
             assert_eq!(Editable::of(&session), *before);
         }
         for after in states.iter().skip(1) {
-            history.redo(&mut session).expect("a step");
+            history.redo(&mut session, 0).expect("a step");
             assert_eq!(Editable::of(&session), *after);
         }
     }
@@ -265,10 +319,28 @@ mod tests {
         let mut session = session();
         let mut history = History::default();
         assert!(
-            !history.perform(Edit::Exclude(0), &mut session),
+            history.perform(Edit::Exclude(0), &mut session, 0).is_none(),
             "the home pose stays"
         );
-        assert!(!history.perform(Edit::RemoveEffect(3), &mut session));
+        let remove = Edit::RemoveEffects(vec![effect()], "remove winch scale".into());
+        assert!(history.perform(remove, &mut session, 0).is_none());
         assert_eq!(history.next_undo(), None);
+    }
+
+    #[test]
+    fn undoing_brings_the_inputs_back() {
+        let mut session = session();
+        let mut history = History::default();
+        let rename = history.perform(Edit::Rename("other".into()), &mut session, 7);
+        assert_eq!(rename, Some(Inputs::Same), "a name changes no result");
+        let add = Edit::AddEffects(vec![effect()], "add winch scale".into());
+        assert_eq!(history.perform(add, &mut session, 7), Some(Inputs::New));
+        let undone = history.undo(&mut session, 8).map(|(_, inputs)| inputs);
+        assert_eq!(undone, Some(Inputs::Again(7)));
+        let redone = history.redo(&mut session, 7).map(|(_, inputs)| inputs);
+        assert_eq!(redone, Some(Inputs::Again(8)));
+        history.forget_inputs();
+        let undone = history.undo(&mut session, 9).map(|(_, inputs)| inputs);
+        assert_eq!(undone, Some(Inputs::New), "something was measured since");
     }
 }

@@ -3,9 +3,12 @@
 use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 
 use super::command::Command;
-use super::commands::{FileCommand, ModelCommand, ViewCommand};
+use super::commands::{
+    DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, ReportCommand, ViewCommand,
+};
 use super::screen::{Screen, Step};
 use super::state::State;
+use crate::report::ReportFormat;
 
 /// A menu.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +120,20 @@ fn file(state: &State) -> Vec<Item> {
             keys(CONTROL_SHIFT, Key::S),
             open,
             FileCommand::AskSaveAs,
+        ),
+        item(
+            Menu::File,
+            "Save report as HTML…",
+            None,
+            open,
+            ReportCommand::AskSave(ReportFormat::Html),
+        ),
+        item(
+            Menu::File,
+            "Save report as PDF…",
+            None,
+            open,
+            ReportCommand::AskSave(ReportFormat::Pdf),
         ),
         item(
             Menu::File,
@@ -240,6 +257,9 @@ fn view(state: &State) -> Vec<Item> {
 }
 
 fn model(state: &State) -> Vec<Item> {
+    let computing = [IDENTIFYING, DIAGNOSING]
+        .iter()
+        .any(|title| state.tasks.runs(title));
     let measured = state
         .document
         .as_ref()
@@ -258,6 +278,13 @@ fn model(state: &State) -> Vec<Item> {
             keys(CONTROL, Key::D),
             measured,
             ModelCommand::Diagnose,
+        ),
+        item(
+            Menu::Model,
+            "Stop computing",
+            None,
+            computing,
+            ModelCommand::Stop,
         ),
     ]
 }

@@ -1,7 +1,7 @@
 //! The workbench: what it knows, what it can do, and its window.
 
 mod breakdown;
-mod clock;
+pub(crate) mod clock;
 pub mod command;
 pub mod commands;
 pub mod document;
@@ -15,7 +15,7 @@ mod messages;
 pub mod robot;
 pub mod screen;
 mod selection;
-mod standing;
+pub mod standing;
 pub mod state;
 pub mod tasks;
 pub mod theme;

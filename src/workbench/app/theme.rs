@@ -7,6 +7,8 @@ use egui::{
     Vec2,
 };
 
+use super::screen::Progress;
+
 /// Grid on which everything is aligned (points).
 pub const GRID: f32 = 4.0;
 /// Family of headings and of what is important.
@@ -72,7 +74,7 @@ const DARK: Palette = Palette {
     on_accent: rgb(0x0008_1420),
     good: rgb(0x0052_bd86),
     warning: rgb(0x00e5_a93c),
-    bad: rgb(0x00ec_6a5a),
+    bad: rgb(0x00f0_7264),
     frame: rgb(0x004a_5563),
     ghost: rgb(0x006d_7a89),
     platform: rgb(0x00c9_d1da),
@@ -144,6 +146,17 @@ impl Palette {
         self.cables[index % self.cables.len()]
     }
 
+    /// Colour of how far a phase is.
+    #[must_use]
+    pub fn progress(&self, progress: Progress) -> Color32 {
+        match progress {
+            Progress::NotStarted => self.muted,
+            Progress::InProgress => self.accent,
+            Progress::Done => self.good,
+            Progress::Attention | Progress::OutOfDate => self.warning,
+        }
+    }
+
     /// Colour of a residual in standard deviations, saturated at three.
     #[must_use]
     pub fn residual(&self, standardised: f64) -> Color32 {
@@ -170,15 +183,9 @@ pub fn install(ctx: &egui::Context) {
 
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
-    let files: [(&str, &'static [u8]); 2] = [
-        (
-            "inter",
-            include_bytes!("../../../assets/fonts/Inter-Regular-tabular.otf"),
-        ),
-        (
-            "inter-strong",
-            include_bytes!("../../../assets/fonts/Inter-SemiBold-tabular.otf"),
-        ),
+    let files = [
+        ("inter", crate::fonts::REGULAR),
+        ("inter-strong", crate::fonts::STRONG),
     ];
     for (name, bytes) in files {
         fonts

@@ -1,14 +1,14 @@
 //! `tautline accuracy`.
 
 mod document;
-pub(crate) mod group;
+mod group;
 mod report;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
 use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
-use tautline_session::{CheckKind, read_check_file};
+use tautline_session::{CheckKind, CheckRow, read_check_file};
 
 use super::BadInput;
 use super::output::{is_readable, write_json};
@@ -55,6 +55,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn is_partly_oriented(group: &Group) -> bool {
     let some = group.points.iter().any(|p| p.some_oriented);
     some && !group.points.iter().all(|p| p.oriented)
+}
+
+/// Figures of the rows of a check.
+///
+/// # Errors
+/// One sentence if the rows of a pose or path do not make one.
+pub fn figures(rows: &[CheckRow]) -> Result<Accuracy, String> {
+    accuracy(&group(rows)?)
 }
 
 fn accuracy(groups: &[Group]) -> Result<Accuracy, String> {

@@ -9,10 +9,11 @@ use tautline_core::measurement::Dataset;
 use tautline_session::write_robot;
 
 use super::BadInput;
-pub use super::fitted::Identification;
+
 use super::fitted::{self, Fitted};
 use super::input;
 use super::output::{is_readable, write_json};
+use crate::documents::identification::Identification;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {

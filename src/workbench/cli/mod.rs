@@ -12,10 +12,10 @@ mod output;
 mod plan;
 mod precalibrate;
 mod published;
+mod report;
 mod schemas;
 mod simulate;
 mod table;
-mod units;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -57,6 +57,8 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// Fit winches, force sensors, home platform and cable elongation of a dataset
     Precalibrate(precalibrate::Arguments),
+    /// Identify, diagnose and write a report as HTML or PDF
+    Report(report::Arguments),
     /// List the physical effects that simulate can hide and identify can free
     Effects,
     /// Write the JSON Schemas of the file formats
@@ -86,9 +88,9 @@ impl BadInput {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let Some(command) = arguments.command else {
-        return report(workbench(arguments.path));
+        return finish(workbench(arguments.path));
     };
-    report(match command {
+    finish(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
@@ -97,6 +99,7 @@ pub fn run() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Effects => {
             effects::run();
             Ok(())
@@ -114,7 +117,7 @@ fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
 }
 
 /// Prints what went wrong, in one line, and gives the exit code.
-fn report(result: anyhow::Result<()>) -> ExitCode {
+fn finish(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else {
         return ExitCode::SUCCESS;
     };

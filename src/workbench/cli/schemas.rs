@@ -6,12 +6,12 @@ use anyhow::{Context, Result};
 
 use super::accuracy::Accuracy;
 use super::compare::ComparisonDocument;
-use super::diagnose::DiagnosisDocument;
-use super::identify::Identification;
 use super::output::write_json;
 use super::plan::PlanDocument;
 use super::precalibrate::Precalibration;
 use crate::cli::output::say;
+use crate::documents::diagnosis::DiagnosisDocument;
+use crate::documents::identification::Identification;
 
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;

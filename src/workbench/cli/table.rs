@@ -2,6 +2,8 @@
 
 use comfy_table::{Cell, CellAlignment, Table, presets};
 
+pub use crate::wording::units::mm;
+
 /// A table with a header whose columns are all text.
 pub fn texts(header: &[&str]) -> Table {
     let mut table = Table::new();
@@ -30,9 +32,4 @@ fn aligned(column: usize, text: &str) -> Cell {
         CellAlignment::Right
     };
     Cell::new(text).set_alignment(alignment)
-}
-
-/// Metres as millimetres with the decimals given.
-pub fn mm(metres: f64, decimals: usize) -> String {
-    format!("{:.decimals$}", metres * 1e3)
 }

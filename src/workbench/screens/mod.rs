@@ -2,10 +2,11 @@
 
 pub mod adjustment;
 pub mod compare;
-mod identification;
+mod desk;
+pub mod identification;
 pub mod measuring;
-mod modeling;
-mod precalibration;
+pub mod modeling;
+pub mod precalibration;
 pub mod start;
 
 use egui::{ScrollArea, Ui};
@@ -22,6 +23,12 @@ pub struct Screens {
     pub measuring: measuring::Remembered,
     /// Of the phase Adjustment.
     pub adjustment: adjustment::Remembered,
+    /// Of the phase Identification.
+    pub identification: identification::Remembered,
+    /// Of phase 1.
+    pub precalibration: precalibration::Remembered,
+    /// Of phase 2.
+    pub modeling: modeling::Remembered,
 }
 
 /// Draws the panel of a phase.

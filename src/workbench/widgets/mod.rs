@@ -1,7 +1,19 @@
 //! Parts that screens are made of.
 
 mod button;
+mod import_row;
+mod number;
+mod part_row;
+mod rows;
+mod scatter;
+mod table;
 mod text;
 
 pub use button::{icon_button, icon_only, primary};
+pub use import_row::{Import, import_row};
+pub use number::{Entered, Number, number};
+pub use part_row::part_row;
+pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
+pub use scatter::{Scatter, Series, scatter};
+pub use table::{Cell, Column, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

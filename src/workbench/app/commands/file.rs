@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::ViewportCommand;
 use tautline_session::{Import, Loaded, Session, import, write_session};
 
-use super::import as tables;
+use super::tables;
 use crate::app::Document;
 use crate::app::clock;
 use crate::app::command::Outcome;
@@ -328,10 +328,8 @@ fn imported(state: &mut State, path: PathBuf, loaded: Loaded<Import>) {
             None,
         ),
         Import::Dataset(folder) => {
-            tell(state, folder.notices);
-            let mut session = Session::new(named(&path), folder.dataset.robot, clock::now());
-            session.measurements = folder.dataset.measurements;
-            session.phases = folder.phases;
+            tell(state, folder.notices.clone());
+            let session = Session::of_dataset(named(&path), *folder, clock::now());
             begin(state, session, None);
         }
         table => tables::take(state, &named(&path), table),
@@ -373,4 +371,5 @@ fn open(state: &mut State, opening: Opening) {
     } else {
         Step::Precalibration
     });
+    super::model::reopened(state);
 }

@@ -1,78 +1,129 @@
-//! Tables that are imported into the open session.
+//! Import of the tables of phases 1 and 2.
 
-use tautline_session::{Import, Phase, PhaseData};
+use std::path::PathBuf;
 
-use crate::app::Document;
+use tautline_session::Loaded;
+
+use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
+use crate::precalibration::{Table, TableRows};
+use crate::screens::precalibration::Part;
 
-/// Takes a table into the open session; `file` is its name for messages.
-pub(super) fn take(state: &mut State, file: &str, table: Import) {
-    let Some(document) = &mut state.document else {
-        state.messages.error(format!(
-            "{file}: open a session first, then import tables into it."
-        ));
-        return;
-    };
-    match put(document, file, table) {
-        Ok(step) => {
-            state.messages.info(format!("Imported {file}."));
-            state.screen = Screen::Phase(step);
-        }
-        Err(message) => state.messages.error(message),
+/// Imports a table.
+#[derive(Debug, Clone)]
+pub enum ImportCommand {
+    /// Asks for its file.
+    Ask(Table),
+    /// Reads it from a file.
+    Read(Table, PathBuf),
+}
+
+/// What an import came to.
+#[derive(Debug)]
+pub enum ImportOutcome {
+    /// A file dialog was closed.
+    Picked {
+        /// The table it was for.
+        table: Table,
+        /// What was picked; `None` if the dialog was cancelled or is not available.
+        path: Option<PathBuf>,
+    },
+    /// A file was read.
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Its rows, or one sentence.
+        result: Result<Loaded<TableRows>, String>,
+    },
+}
+
+pub(super) fn perform(state: &mut State, command: ImportCommand) {
+    match command {
+        ImportCommand::Ask(table) => state.tasks.start("File dialog", move |_| {
+            let dialog = rfd::FileDialog::new().add_filter(table.file_name(), &["csv"]);
+            let path = dialog.pick_file();
+            ImportOutcome::Picked { table, path }.into()
+        }),
+        ImportCommand::Read(table, path) => read(state, table, path),
     }
 }
 
-fn put(document: &mut Document, file: &str, table: Import) -> Result<Step, String> {
-    let (step, phase) = match table {
-        Import::Winch(rows) => (
-            Step::Precalibration,
-            phases(document, file, |phases| phases.winch = rows),
-        ),
-        Import::Force(rows) => (
-            Step::Precalibration,
-            phases(document, file, |phases| phases.force = rows),
-        ),
-        Import::Home(rows) => (
-            Step::Precalibration,
-            phases(document, file, |phases| phases.home = rows),
-        ),
-        Import::Elongation(rows) => (
-            Step::Modeling,
-            phases(document, file, |phases| phases.elongation = rows),
-        ),
-        Import::Check(rows) => (
-            Step::Adjustment,
-            phases(document, file, |phases| phases.check = rows),
-        ),
-        Import::Plan(plan) => {
-            document.edit(Edit::SetPlan(plan, format!("import {file}")));
-            (Step::Measuring, Phase::Poses)
-        }
-        Import::Poses(measurements) => {
-            let there = document.session().measurements.len();
-            if there > 0 {
-                return Err(format!(
-                    "{file}: the session has {there} measured poses already, and these are never replaced; open the \
-                     folder of this file as a session of its own."
-                ));
-            }
-            document.append(|session| session.measurements = *measurements);
-            (Step::Measuring, Phase::Poses)
-        }
-        // What begins a session is handled before.
-        Import::Session(_) | Import::Robot(_) | Import::Dataset(_) => {
-            return Err(format!("{file}: this is no table."));
-        }
+fn read(state: &mut State, table: Table, path: PathBuf) {
+    let Some(document) = &state.document else {
+        let name = path.display();
+        state.messages.error(format!(
+            "{name}: is a table, expected a session, a robot.json or a dataset folder to be opened first."
+        ));
+        return;
     };
-    document.log(phase, format!("Imported {file}."));
-    Ok(step)
+    let robot = document.session().robot.clone();
+    state.tasks.start("Importing", move |_| {
+        let result = table.read(&path, &robot).map_err(|error| error.to_string());
+        Outcome::Import(ImportOutcome::Read { path, result })
+    });
 }
 
-fn phases(document: &mut Document, file: &str, change: impl FnOnce(&mut PhaseData)) -> Phase {
+pub(super) fn receive(state: &mut State, outcome: ImportOutcome) {
+    match outcome {
+        ImportOutcome::Picked {
+            table,
+            path: Some(path),
+        } => read(state, table, path),
+        ImportOutcome::Picked { path: None, .. } => state.messages.info(
+            "No file was chosen. If no dialog appeared, type the path or drop the file on the window.",
+        ),
+        ImportOutcome::Read {
+            result: Err(error), ..
+        } => state.messages.error(error),
+        ImportOutcome::Read {
+            path,
+            result: Ok(loaded),
+        } => {
+            let name = path.file_name().unwrap_or(path.as_os_str());
+            take(state, &name.to_string_lossy(), loaded);
+        }
+    }
+}
+
+/// Puts rows into the open session; `name` is that of their file.
+pub(super) fn take(state: &mut State, name: &str, loaded: Loaded<TableRows>) {
+    let Some(document) = &mut state.document else {
+        return;
+    };
+    let rows = loaded.value;
+    let table = rows.table();
+    if !rows.suit(document.session().robot.cable_count()) {
+        let message = format!("{name}: the robot was changed while it was read, import it again.");
+        state.messages.error(message);
+        return;
+    }
+    for notice in loaded.notices {
+        state.messages.warning(notice);
+    }
+    let count = rows.len();
     let mut phases = document.session().phases.clone();
-    change(&mut phases);
-    document.edit(Edit::SetPhases(Box::new(phases), format!("import {file}")));
-    Phase::Instruments
+    rows.replace(&mut phases);
+    document.edit(Edit::SetPhases(Box::new(phases), format!("import {name}")));
+    state
+        .messages
+        .info(format!("Imported {count} rows from {name}."));
+    show(state, table);
+}
+
+/// Goes to where the table is shown.
+fn show(state: &mut State, table: Table) {
+    let part = match table {
+        Table::Winch => Part::Winches,
+        Table::Force => Part::ForceSensors,
+        Table::Home => Part::Home,
+        Table::Elongation => {
+            state.screen = Screen::Phase(Step::Modeling);
+            state.screens.modeling.show_elongation();
+            return;
+        }
+    };
+    state.screen = Screen::Phase(Step::Precalibration);
+    state.screens.precalibration.part = part;
 }

@@ -1,19 +1,24 @@
 //! Identification and diagnosis.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use tautline_core::diagnosis::{DiagnosisOptions, Stage, diagnose};
-use tautline_core::estimation::{Control, Method};
+use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
+use tautline_core::effect::EffectSetting;
+use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
-use tautline_session::Phase;
+use tautline_session::{Method, Phase, ResultRecord, Session};
 
-use crate::app::Document;
-use crate::app::command::Outcome;
-use crate::app::document::Diagnosed;
-use crate::app::fit::{Fit, FitOrder, fit};
+use crate::app::clock;
+use crate::app::document::{Diagnosed, Document, Stored};
+use crate::app::fit::{Fit, FitOrder, compare_published, fit};
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
+use crate::documents::diagnosis::stage;
+use crate::screens::identification::{Before, Half, Live, discrepancy_figures};
+use crate::views::plots::figure::Figure;
+use crate::wording::{count, ratio};
 
 /// Title of the task that identifies.
 pub const IDENTIFYING: &str = "Identifying";
@@ -27,63 +32,127 @@ pub enum ModelCommand {
     Identify,
     /// Asks what the model gets wrong.
     Diagnose,
+    /// Ends what is being computed.
+    Stop,
 }
 
-/// What it came to; `inputs` counts the inputs it was computed from.
+/// What it came to; `inputs` is the number of the inputs it was computed from.
 #[derive(Debug)]
 pub enum ModelOutcome {
     /// Of an identification.
     Identified {
-        /// Count of the inputs.
+        /// Number of the inputs.
         inputs: u64,
-        /// The fit, or one sentence.
-        result: Result<Box<Fit>, String>,
+        /// The document for the session; none where the session has it already.
+        record: Option<Box<ResultRecord>>,
+        /// The fit, or one sentence; `None` if it was stopped.
+        result: Result<Option<Box<Fit>>, String>,
     },
     /// Of a diagnosis.
     Diagnosed {
-        /// Count of the inputs.
+        /// Number of the inputs.
         inputs: u64,
-        /// The diagnosis, or one sentence.
-        result: Result<Box<Diagnosed>, String>,
+        /// The diagnosis, or one sentence; `None` if it was stopped.
+        result: Result<Option<Box<Examined>>, String>,
     },
 }
 
+/// A diagnosis with what the panel shows of it.
+#[derive(Debug)]
+pub struct Examined {
+    diagnosed: Diagnosed,
+    record: ResultRecord,
+    figures: Vec<Figure>,
+}
+
 pub(super) fn perform(state: &mut State, command: ModelCommand) {
+    match command {
+        ModelCommand::Identify => {
+            state.screens.identification.half = Half::Geometry;
+            identify(state, true);
+        }
+        ModelCommand::Diagnose => {
+            state.screens.identification.half = Half::Doctor;
+            start_diagnosis(state);
+        }
+        ModelCommand::Stop => {
+            state.screens.identification.live.stop();
+            state.tasks.cancel(IDENTIFYING);
+            state.tasks.cancel(DIAGNOSING);
+        }
+    }
+}
+
+fn identify(state: &mut State, keep: bool) {
     let Some(document) = &state.document else {
         return;
     };
-    let inputs = document.inputs();
-    match command {
-        ModelCommand::Identify => {
-            let order = order(document);
-            state
-                .tasks
-                .start(IDENTIFYING, move |task| identified(order, inputs, task));
+    if document.session().measurements.is_empty() {
+        return;
+    }
+    state.tasks.cancel(IDENTIFYING);
+    let (session, inputs) = (document.session().clone(), document.inputs());
+    let live = Live::default();
+    state.screens.identification.live = live.clone();
+    state.tasks.start(IDENTIFYING, move |task| {
+        let result = identified(&session, &live, task);
+        let record = match &result {
+            Ok(Some(fit)) if keep => Some(Box::new(identification_record(&session, fit))),
+            _ => None,
+        };
+        let result = result.map(|fit| fit.map(Box::new));
+        ModelOutcome::Identified {
+            inputs,
+            record,
+            result,
         }
-        ModelCommand::Diagnose => {
-            let dataset = Arc::new(document.session().dataset());
-            let alpha = document.session().settings.diagnosis.alpha;
-            state.tasks.start(DIAGNOSING, move |task| {
-                diagnosed(dataset, alpha, inputs, task)
-            });
-        }
+        .into()
+    });
+}
+
+/// After a session was opened: identifies again what it has a result of, so that there is something to look at.
+pub(super) fn reopened(state: &mut State) {
+    let stored = state.document.as_ref().map(Document::stored);
+    state.screens.identification = Default::default();
+    if stored == Some(Stored::Current) {
+        identify(state, false);
     }
 }
 
-fn order(document: &Document) -> FitOrder {
-    FitOrder {
-        dataset: Arc::new(document.session().dataset()),
-        method: method(document),
-        effects: Vec::new(),
+/// What the operator changes of the problem while looking at its solution.
+#[derive(PartialEq)]
+pub(super) struct Model {
+    effects: Vec<EffectSetting>,
+    excluded: BTreeSet<i64>,
+}
+
+impl Model {
+    pub(super) fn of(state: &State) -> Option<Self> {
+        let session = state.document.as_ref()?.session();
+        Some(Self {
+            effects: session.settings.identification.effects.clone(),
+            excluded: session.excluded().clone(),
+        })
     }
 }
 
-/// The method that the operator chose.
-pub(super) fn method(document: &Document) -> Method {
-    match document.session().settings.identification.method {
-        tautline_session::Method::Simple => Method::Simple,
-        _ => Method::Joint,
+/// After an edit: identifies again where effects were added or removed or poses left out, if there are results to compare
+/// with.
+pub(super) fn follow(state: &mut State, before: Option<&Model>, what: &str) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let changed = Model::of(state).as_ref() != before;
+    if !changed || document.fit().is_none() && document.diagnosis().is_none() {
+        return;
     }
+    state.screens.identification.before = document.fit().map(|fit| Before {
+        what: what.to_owned(),
+        missed: fit.missed(),
+        chi2: fit.solution.chi2,
+        degrees_of_freedom: fit.solution.degrees_of_freedom,
+    });
+    identify(state, true);
 }
 
 fn control(task: &TaskHandle) -> Control {
@@ -94,98 +163,212 @@ fn control(task: &TaskHandle) -> Control {
     }
 }
 
-fn identified(order: FitOrder, inputs: u64, task: &TaskHandle) -> Outcome {
-    let result = fit(order, &mut |progress| {
+fn identified(session: &Session, live: &Live, task: &TaskHandle) -> Result<Option<Fit>, String> {
+    let order = FitOrder::of(session).map_err(|error| error.to_string())?;
+    live.begin(&order.dataset);
+    let found = fit(order, &mut |progress| {
+        let missed = live.step(progress.loss);
+        let step = progress.iteration;
         task.tell(
             None,
-            format!(
-                "step {}, chi-square {:.1}",
-                progress.iteration, progress.loss
-            ),
+            format!("step {step}, residuals {} of their noise", ratio(missed)),
         );
         control(task)
     });
-    let result = result.map(Box::new).map_err(|error| error.to_string());
-    ModelOutcome::Identified { inputs, result }.into()
+    let mut found = found.map_err(|error| error.to_string())?;
+    if task.cancelled() {
+        return Ok(None);
+    }
+    if session.settings.identification.method == Method::Published {
+        task.tell(None, "the published method, for comparison");
+        found.published = Some(compare_published(&found.dataset));
+    }
+    Ok(Some(found))
 }
 
-fn diagnosed(dataset: Arc<Dataset>, alpha: f64, inputs: u64, task: &TaskHandle) -> Outcome {
+/// The document that `identify --json` writes, for the session.
+fn identification_record(session: &Session, fit: &Fit) -> ResultRecord {
+    let document = match &fit.published {
+        Some(Ok(compared)) => compared.identification.clone(),
+        _ => fit.solved().identification(),
+    };
+    record(session, "Identification", &document)
+}
+
+fn record<D: tautline_session::Document + serde::Serialize>(
+    session: &Session,
+    title: &str,
+    document: &D,
+) -> ResultRecord {
+    let document = tautline_session::document(document);
+    ResultRecord {
+        time: clock::now(),
+        title: title.to_owned(),
+        // Only keys that are no texts could fail, and there are none.
+        document: serde_json::to_value(document).unwrap_or_default(),
+        basis: Some(session.basis()),
+    }
+}
+
+fn start_diagnosis(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    if document.session().measurements.is_empty() || state.tasks.runs(DIAGNOSING) {
+        return;
+    }
+    let (session, inputs) = (document.session().clone(), document.inputs());
+    let current = document
+        .fit()
+        .filter(|_| document.fit_is_current())
+        .cloned();
+    state.tasks.start(DIAGNOSING, move |task| {
+        let result = diagnosed(&session, current, task);
+        ModelOutcome::Diagnosed { inputs, result }.into()
+    });
+}
+
+/// Diagnoses the model as it is, the effects that were added to it included. A diagnosis holds those at the values that
+/// identification found: their directions have nothing left in the residuals, so the gain of any further cause is
+/// understated rather than overstated and there are no more false alarms than asked for; the standard deviations of new
+/// causes are a little too small until they are added and all is identified together.
+fn diagnosed(
+    session: &Session,
+    current: Option<Arc<Fit>>,
+    task: &TaskHandle,
+) -> Result<Option<Box<Examined>>, String> {
+    let mut dataset = session.dataset();
+    if !session.settings.identification.effects.is_empty() {
+        let fitted = match current {
+            Some(fit) => fit,
+            None => match identified(session, &Live::default(), task)? {
+                Some(fit) => Arc::new(fit),
+                None => return Ok(None),
+            },
+        };
+        dataset.robot.effects.clone_from(&fitted.model.effects);
+    }
+    let alpha = session.settings.diagnosis.alpha;
+    let Some(diagnosed) = examined(dataset, alpha, task)? else {
+        return Ok(None);
+    };
+    let record = record(session, "Diagnosis", &diagnosed.document());
+    let figures = discrepancy_figures(&diagnosed);
+    Ok(Some(Box::new(Examined {
+        diagnosed,
+        record,
+        figures,
+    })))
+}
+
+fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Diagnosed>, String> {
     let options = DiagnosisOptions {
         alpha,
         ..DiagnosisOptions::default()
     };
     let started = Instant::now();
     let found = diagnose(&dataset, &options, &mut |progress| {
-        task.tell(None, stage(progress.stage));
+        let words = stage(progress.stage);
+        let text = match progress.findings {
+            0 => words.to_owned(),
+            some => format!("{} so far, {words}", count(some, "finding")),
+        };
+        task.tell(None, text);
         control(task)
     });
+    let diagnosis = found.map_err(|error| error.to_string())?;
     let seconds = started.elapsed().as_secs_f64();
-    let result = match found {
-        Ok(diagnosis) => Ok(Box::new(Diagnosed {
-            dataset,
-            diagnosis,
-            alpha,
-            seconds,
-        })),
-        Err(error) => Err(error.to_string()),
-    };
-    ModelOutcome::Diagnosed { inputs, result }.into()
-}
-
-fn stage(stage: Stage) -> &'static str {
-    match stage {
-        Stage::BaseFit => "fitting the model as it is",
-        Stage::Discrepancy => "asking where the model is wrong",
-        Stage::Scores => "asking every effect on every cable",
-        Stage::Refits => "fitting the most likely causes completely",
-        Stage::HeldOut => "predicting poses that were held out",
-        Stage::Separation => "looking for poses that would tell causes apart",
-    }
+    // Without its last tests a diagnosis that found nothing yet looks like one that found nothing.
+    let worthless = diagnosis.cancelled && diagnosis.findings.is_empty();
+    Ok((!worthless).then(|| Diagnosed {
+        dataset: Arc::new(dataset),
+        diagnosis,
+        alpha,
+        seconds,
+    }))
 }
 
 pub(super) fn receive(state: &mut State, outcome: ModelOutcome) {
+    let (inputs, what) = match &outcome {
+        ModelOutcome::Identified { inputs, .. } => (*inputs, "Identification"),
+        ModelOutcome::Diagnosed { inputs, .. } => (*inputs, "Diagnosis"),
+    };
     let Some(document) = &mut state.document else {
         return;
     };
-    match outcome {
-        ModelOutcome::Identified {
-            inputs,
-            result: Ok(fit),
-        } => {
-            let poses = fit.dataset.measurements.len();
-            document.set_fit(*fit, inputs);
-            document.log(
-                Phase::Identification,
-                format!("Identified from {poses} poses."),
-            );
-            state
-                .messages
-                .info(format!("Identified from {poses} poses."));
-        }
-        ModelOutcome::Diagnosed {
-            inputs,
-            result: Ok(diagnosed),
-        } => {
-            let found = diagnosed.diagnosis.findings.len();
-            document.set_diagnosis(*diagnosed, inputs);
-            document.log(Phase::Diagnosis, format!("Diagnosed: {found} findings."));
-            state
-                .messages
-                .info(format!("Diagnosis finished with {found} findings."));
-        }
-        ModelOutcome::Identified {
-            result: Err(error), ..
-        } => {
-            state
-                .messages
-                .error(format!("Identification is not possible: {error}."));
-        }
-        ModelOutcome::Diagnosed {
-            result: Err(error), ..
-        } => {
-            state
-                .messages
-                .error(format!("Diagnosis is not possible: {error}."));
-        }
+    if !document.knows(inputs) {
+        return;
     }
+    let stopped = state.screens.identification.live.is_stopped();
+    let said = match outcome {
+        ModelOutcome::Identified {
+            record,
+            result: Ok(Some(fit)),
+            ..
+        } if !stopped => Ok(take_fit(document, inputs, *fit, record)),
+        ModelOutcome::Diagnosed {
+            result: Ok(Some(examined)),
+            ..
+        } => {
+            state.screens.identification.examined(examined.figures);
+            Ok(take_diagnosis(
+                document,
+                inputs,
+                examined.diagnosed,
+                examined.record,
+            ))
+        }
+        ModelOutcome::Identified { result: Ok(_), .. }
+        | ModelOutcome::Diagnosed {
+            result: Ok(None), ..
+        } => {
+            // One that was overtaken by a newer one needs no word.
+            let overtaken = document.inputs() != inputs || state.tasks.runs(IDENTIFYING);
+            if overtaken {
+                return;
+            }
+            Ok(format!("{what} was stopped; nothing has changed."))
+        }
+        ModelOutcome::Identified {
+            result: Err(error), ..
+        }
+        | ModelOutcome::Diagnosed {
+            result: Err(error), ..
+        } => Err(format!("{what} is not possible: {error}.")),
+    };
+    match said {
+        Ok(text) => state.messages.info(text),
+        Err(text) => state.messages.error(text),
+    }
+}
+
+fn take_fit(
+    document: &mut Document,
+    inputs: u64,
+    fit: Fit,
+    record: Option<Box<ResultRecord>>,
+) -> String {
+    let text = format!(
+        "Identified from {}.",
+        count(fit.dataset.measurements.len(), "pose")
+    );
+    document.set_fit(fit, inputs);
+    if let Some(record) = record {
+        document.add_result(*record);
+        document.log(Phase::Identification, text.as_str());
+    }
+    text
+}
+
+fn take_diagnosis(
+    document: &mut Document,
+    inputs: u64,
+    diagnosed: Diagnosed,
+    record: ResultRecord,
+) -> String {
+    let found = count(diagnosed.diagnosis.findings.len(), "finding");
+    document.set_diagnosis(diagnosed, inputs);
+    document.add_result(record);
+    document.log(Phase::Diagnosis, format!("Diagnosed: {found}."));
+    format!("Diagnosis finished with {found}.")
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use egui::{ColorImage, Rect};
+use tautline_core::estimation::Method;
 use tautline_session::{write_bytes, write_text};
 
 use crate::app::command::Outcome;
@@ -68,7 +69,7 @@ fn prepare(state: &mut State) {
         return;
     };
     let (fit, diagnosed) = (document.fit().cloned(), document.diagnosis().cloned());
-    let method = super::model::method(document);
+    let method = fit.as_ref().map_or(Method::Joint, |fit| fit.method);
     state.tasks.start(PREPARING, move |task| {
         let prepared = Preparation::new(fit, diagnosed, method, &|| task.cancelled());
         PlotOutcome::Prepared(Box::new(prepared)).into()

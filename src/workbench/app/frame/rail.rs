@@ -3,10 +3,10 @@
 use egui::{Align, Layout, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::app::commands::ViewCommand;
-use crate::app::screen::{Progress, Screen, Standing, Step};
+use crate::app::screen::{Screen, Standing, Step};
 use crate::app::standing;
 use crate::app::state::State;
-use crate::app::theme::{self, GRID, Palette};
+use crate::app::theme::{self, GRID};
 
 /// Draws the rail.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -19,15 +19,6 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         if entry(ui, step, &standing, state.screen == Screen::Phase(step)) {
             state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
         }
-    }
-}
-
-fn colour(progress: Progress, palette: &Palette) -> egui::Color32 {
-    match progress {
-        Progress::NotStarted => palette.muted,
-        Progress::InProgress => palette.accent,
-        Progress::Done => palette.good,
-        Progress::Attention | Progress::OutOfDate => palette.warning,
     }
 }
 
@@ -49,7 +40,7 @@ fn entry(ui: &mut Ui, step: Step, standing: &Standing, selected: bool) -> bool {
         let edge = rect.with_max_x(rect.min.x + 3.0);
         ui.painter().rect_filled(edge, 1.0, palette.accent);
     }
-    let inside = rect.shrink2(Vec2::new(3.0 * GRID, 2.0 * GRID));
+    let inside = rect.shrink2(Vec2::new(2.0 * GRID, 2.0 * GRID));
     let builder = UiBuilder::new()
         .max_rect(inside)
         .layout(Layout::top_down(Align::Min));
@@ -64,7 +55,7 @@ fn words(ui: &mut Ui, title: &str, standing: &Standing) {
     ui.spacing_mut().item_spacing = Vec2::new(1.5 * GRID, 0.5 * GRID);
     ui.horizontal(|ui| {
         let icon = standing.progress.icon().rich_text().size(16.0);
-        ui.label(icon.color(colour(standing.progress, palette)));
+        ui.label(icon.color(palette.progress(standing.progress)));
         ui.label(RichText::new(title).font(theme::strong(13.0)));
     });
     let line = RichText::new(&standing.line).small().color(palette.muted);

@@ -53,8 +53,7 @@ impl Rig {
         let mut nominal = session.robot.clone();
         let held = parameters.iter().filter_map(|(name, _)| effect_of(name));
         let model = session.settings.identification.effects.iter();
-        let wanted: Vec<EffectSetting> =
-            held.chain(model.chain(identified).map(neutral)).collect();
+        let wanted: Vec<EffectSetting> = held.chain(model.chain(identified).map(neutral)).collect();
         for setting in wanted {
             let is_it = |known: &EffectSetting| same(known, &setting);
             if !nominal.effects.iter().any(is_it) {

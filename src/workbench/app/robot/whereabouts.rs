@@ -67,7 +67,10 @@ mod tests {
             let states = inverse_kinematics(&robot, pose).expect("paths");
             states.iter().map(|state| state.length_m).collect()
         };
-        let per_revolution = robot.cables.iter().map(|c| c.winch.cable_per_revolution_m());
+        let per_revolution = robot
+            .cables
+            .iter()
+            .map(|c| c.winch.cable_per_revolution_m());
         let changes = lengths(&there).into_iter().zip(lengths(&home));
         let mut sample = Sample {
             time_s: 0.0,

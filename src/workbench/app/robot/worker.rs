@@ -290,7 +290,9 @@ impl Worker {
             Some(connection) => {
                 let sample = connection.controller.last.clone();
                 let whereabouts = connection.whereabouts.as_mut();
-                let pose = whereabouts.zip(sample.as_ref()).map(|(w, s)| w.of_sample(s));
+                let pose = whereabouts
+                    .zip(sample.as_ref())
+                    .map(|(w, s)| w.of_sample(s));
                 Live {
                     state: Some(connection.controller.state()),
                     pose,

@@ -3,7 +3,7 @@
 use super::document::{ComparisonDocument, PulleyDocument, ScalarDocument};
 use crate::cli::output::say;
 use crate::cli::table::{self, mm};
-use crate::cli::units::{quantity, significant, with_sd};
+use crate::wording::units::{quantity, significant, with_sd};
 
 /// Probability of a fit below which its differences are not to be trusted.
 const BAD_FIT: f64 = 0.01;

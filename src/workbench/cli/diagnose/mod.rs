@@ -1,27 +1,23 @@
 //! `tautline diagnose`.
 
-mod convert;
-mod document;
 mod progress;
 mod report;
-#[cfg(test)]
-mod samples;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
-use tautline_core::diagnosis::{Cause, Diagnosis, DiagnosisOptions, diagnose};
-use tautline_core::measurement::Dataset;
-use tautline_core::robot::Robot;
+use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
 use tautline_session::write_robot;
 
 use super::BadInput;
-use super::fitted::{identified, refuse_extrapolation};
+use super::fitted::refuse_extrapolation;
 use super::input;
 use super::output::{is_readable, line, write_json};
-pub use document::DiagnosisDocument;
-use progress::Shown;
+use crate::documents::diagnosis::Diagnosed;
+use crate::documents::identification::identified;
+pub use progress::Shown;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -40,15 +36,6 @@ pub struct Arguments {
     /// Print the numbers behind the verdicts, too
     #[arg(long)]
     explain: bool,
-}
-
-/// A diagnosis with what it is about.
-struct Diagnosed<'a> {
-    dataset: &'a Dataset,
-    diagnosis: Diagnosis,
-    alpha: f64,
-    /// Time that it took (s).
-    seconds: f64,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -71,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // A model that misses the readings may well lead out of the range: what counts is the last one.
     refuse_extrapolation(&dataset, &diagnosis.extended_solution)?;
     let diagnosed = Diagnosed {
-        dataset: &dataset,
+        dataset: Arc::new(dataset),
         diagnosis,
         alpha,
         seconds,
@@ -80,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Writes and prints what was asked for.
-fn deliver(arguments: &Arguments, diagnosed: &Diagnosed<'_>) -> Result<()> {
+fn deliver(arguments: &Arguments, diagnosed: &Diagnosed) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         let solution = &diagnosed.diagnosis.extended_solution;
         write_robot(path, &identified(diagnosed.robot(), solution))?;
@@ -92,27 +79,4 @@ fn deliver(arguments: &Arguments, diagnosed: &Diagnosed<'_>) -> Result<()> {
         line(&report::text(diagnosed, arguments.explain));
     }
     Ok(())
-}
-
-impl Diagnosed<'_> {
-    fn robot(&self) -> &Robot {
-        &self.dataset.robot
-    }
-
-    /// Label of a row.
-    fn label(&self, row: usize) -> i64 {
-        self.dataset.measurements.labels[row]
-    }
-
-    /// Name of a cable.
-    fn cable(&self, index: Option<usize>) -> Option<String> {
-        index.map(|index| self.robot().cables[index].name.clone())
-    }
-
-    /// Names of the cables that a cause is about; none for an effect of the robot, an instrument or all cables
-    /// together.
-    fn targets(&self, cause: &Cause) -> Vec<String> {
-        let cables = cause.cables().into_iter();
-        cables.filter_map(|index| self.cable(Some(index))).collect()
-    }
 }

@@ -5,8 +5,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use tautline_core::diagnosis::{DiagnosisProgress, Stage};
+use tautline_core::diagnosis::DiagnosisProgress;
 use tautline_core::estimation::Control;
+
+use crate::documents::diagnosis::stage;
 
 /// A diagnosis that is done sooner shows nothing.
 const QUIET: Duration = Duration::from_secs(1);
@@ -78,14 +80,7 @@ fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duratio
 }
 
 fn words(progress: &DiagnosisProgress) -> String {
-    let stage = match progress.stage {
-        Stage::BaseFit => "fitting the model as it is",
-        Stage::Discrepancy => "looking at which readings it misses",
-        Stage::Scores => "asking every possible cause",
-        Stage::Refits => "fitting the likeliest causes",
-        Stage::HeldOut => "testing on poses left out of the fit",
-        Stage::Separation => "looking for poses that tell causes apart",
-    };
+    let stage = stage(progress.stage);
     match progress.findings {
         0 => format!("{stage} ..."),
         found => format!("{found} found, {stage} ..."),
@@ -94,6 +89,8 @@ fn words(progress: &DiagnosisProgress) -> String {
 
 #[cfg(test)]
 mod tests {
+    use tautline_core::diagnosis::Stage;
+
     use super::*;
 
     fn shown(quiet: Duration) -> String {

@@ -1,8 +1,9 @@
 //! The readable report of an identification.
 
-use super::{Fitted, Identification};
+use super::Fitted;
 use crate::cli::output::say;
 use crate::cli::table;
+use crate::documents::identification::{Explains, Identification};
 
 /// Most suspect readings that a report lists.
 const SUSPECTS_SHOWN: usize = 10;
@@ -101,17 +102,14 @@ fn headline(fitted: &Fitted<'_>, identification: &Identification) -> String {
 fn adequacy(identification: &Identification) -> String {
     let (chi2, dof) = (identification.chi2, identification.dof);
     let figures = format!("chi-square {chi2:.1} for {dof:.0} degrees of freedom");
+    let explains = Explains::of(identification.p_value);
+    let words = explains.words();
     match identification.p_value {
-        None => format!("{figures}: the data cannot be checked, nothing is redundant"),
-        Some(p) if p < 1e-4 => format!(
+        Some(_) if explains == Explains::No => format!(
             "{figures}: the model does NOT explain the data; the standard deviations hold only if it did"
         ),
-        Some(p) if p < 0.01 => {
-            format!("{figures} (p = {p:.4}): the model hardly explains the data")
-        }
-        Some(p) if p > 0.9999 => {
-            format!("{figures}: the data scatter less than the stated noise")
-        }
-        Some(p) => format!("{figures} (p = {p:.3}): the model explains the data"),
+        Some(p) if explains == Explains::Hardly => format!("{figures} (p = {p:.4}): {words}"),
+        Some(p) if explains == Explains::Yes => format!("{figures} (p = {p:.3}): {words}"),
+        _ => format!("{figures}: {words}"),
     }
 }

@@ -12,6 +12,7 @@ use tautline_core::robot::Robot;
 
 use super::Fitted;
 use crate::cli::BadInput;
+use crate::documents::identification::extrapolated;
 
 impl<'a> Fitted<'a> {
     /// Solves `problem` `repeat` times, keeps the least time, and analyses the residuals.
@@ -84,17 +85,8 @@ fn depends_on_poses(problem: &Problem<'_>) -> bool {
 
 /// A measured elongation is never extrapolated.
 pub fn refuse_extrapolation(dataset: &Dataset, solution: &Solution) -> Result<()> {
-    let Some(first) = solution.outside_surface.first() else {
-        return Ok(());
-    };
-    let label = dataset.measurements.labels[first.row];
-    let cable = &dataset.robot.cables[first.cable].name;
-    let more = match solution.outside_surface.len() - 1 {
-        0 => String::new(),
-        count => format!(" (and {count} more)"),
-    };
-    Err(BadInput::new(format!(
-        "pose {label}, {cable}: {} of its elongation surface{more}",
-        first.range
-    )))
+    match extrapolated(dataset, solution) {
+        None => Ok(()),
+        Some(where_it_is) => Err(BadInput::new(where_it_is)),
+    }
 }

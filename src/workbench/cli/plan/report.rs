@@ -3,7 +3,7 @@
 use super::document::PlanDocument;
 use crate::cli::output::say;
 use crate::cli::table;
-use crate::cli::units::quantity;
+use crate::wording::units::quantity;
 
 /// Prints what to expect.
 pub fn print(plan: &PlanDocument) {

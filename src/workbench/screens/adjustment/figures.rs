@@ -1,9 +1,8 @@
 //! Figures of ISO 9283 before and after, from the verification runs of a session.
 
-use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
-use tautline_session::{CheckKind, Session, Stage, Verification};
+use tautline_session::{Session, Stage, Verification};
 
-use crate::cli::accuracy::group::{Group, group};
+use crate::cli::accuracy;
 
 /// One figure of accuracy (m), before and after.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +30,7 @@ pub struct Figures {
     pub lines: Vec<Figure>,
 }
 
-type Named = Vec<(String, Option<f64>)>;
+type Named = Vec<(String, f64)>;
 
 /// The figures of the last run of each stage.
 ///
@@ -49,7 +48,7 @@ pub fn figures(session: &Session) -> Result<Figures, String> {
     let mut lines: Vec<Figure> = Vec::new();
     for name in names {
         if lines.iter().all(|line| line.name != *name) {
-            let of = |side: &Named| side.iter().find(|(n, _)| n == name).and_then(|(_, m)| *m);
+            let of = |side: &Named| side.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
             lines.push(Figure {
                 name: name.clone(),
                 before_m: of(&before),
@@ -61,35 +60,32 @@ pub fn figures(session: &Session) -> Result<Figures, String> {
 }
 
 fn of_run(run: &Verification) -> Result<Named, String> {
-    let groups = group(&run.rows)?;
-    let targets = |group: &Group| -> Vec<Target> {
-        group.points.iter().map(|p| p.target.clone()).collect()
-    };
-    let poses = groups.iter().filter(|group| group.kind == CheckKind::Pose);
-    let poses: Vec<Target> = poses.flat_map(targets).collect();
+    let accuracy = accuracy::figures(&run.rows)?;
     let mut figures = Vec::new();
-    if !poses.is_empty() {
-        let summary = pose_accuracy(&poses).map_err(|error| error.to_string())?;
+    if let Some(poses) = accuracy.poses {
         figures.extend([
-            ("Pose accuracy, mean".to_owned(), Some(summary.mean_accuracy_m)),
-            ("Pose accuracy, largest".to_owned(), Some(summary.largest_accuracy_m)),
-            ("Pose repeatability, largest".to_owned(), summary.largest_repeatability_m),
+            ("Pose accuracy, mean".to_owned(), poses.mean_accuracy_m),
+            (
+                "Pose accuracy, largest".to_owned(),
+                poses.largest_accuracy_m,
+            ),
+            (
+                "Pose repeatability, largest".to_owned(),
+                poses.largest_repeatability_m,
+            ),
         ]);
     }
-    for path in groups.iter().filter(|group| group.kind == CheckKind::Path) {
-        let path_figures = path_accuracy(&targets(path)).map_err(|error| error.to_string())?;
-        figures.push((
-            format!("Path accuracy, {}", path.name.to_lowercase()),
-            Some(path_figures.accuracy_m),
-        ));
-    }
+    figures.extend(accuracy.paths.into_iter().map(|path| {
+        let name = format!("Path accuracy, {}", path.target.to_lowercase());
+        (name, path.accuracy_m)
+    }));
     Ok(figures)
 }
 
 #[cfg(test)]
 mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::{CheckPose, CheckRow, Timestamp};
+    use tautline_session::{CheckKind, CheckPose, CheckRow, Timestamp};
 
     use super::*;
 

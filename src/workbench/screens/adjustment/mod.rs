@@ -126,9 +126,9 @@ fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
         );
     }
     table::show(ui, state, differences);
-    let unknown = differences.iter().any(|line| {
-        line.name.starts_with("effect.") && line.controller.is_none()
-    });
+    let unknown = differences
+        .iter()
+        .any(|line| line.name.starts_with("effect.") && line.controller.is_none());
     if unknown && state.link.is_connected() {
         muted(
             ui,
@@ -165,7 +165,10 @@ fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
 }
 
 fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference]) {
-    let changes = differences.iter().filter(|d| d.is_writable_change()).count();
+    let changes = differences
+        .iter()
+        .filter(|d| d.is_writable_change())
+        .count();
     ui.add_space(GRID);
     operator(ui, state);
     let ready = state.link.is_armed() && !state.link.is_busy();
@@ -192,7 +195,9 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
     } else {
         let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
         let note = match kind {
-            Some(Kind::OfDescription) => " This controller is simulated: a real one does not change.",
+            Some(Kind::OfDescription) => {
+                " This controller is simulated: a real one does not change."
+            }
             _ => "",
         };
         muted(
@@ -209,7 +214,9 @@ fn operator(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         let label = ui.label("Operator");
         let field = TextEdit::singleline(&mut name).hint_text("Your name, for the record");
-        let field = ui.add(field.desired_width(60.0 * GRID)).labelled_by(label.id);
+        let field = ui
+            .add(field.desired_width(60.0 * GRID))
+            .labelled_by(label.id);
         if field.lost_focus() {
             let typed = name.trim().to_owned();
             state.change_preferences(|preferences| preferences.operator = typed);

@@ -19,7 +19,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     };
     section(ui, "The demonstration");
     if !simulator.revealed {
-        muted(ui, "This robot has a fault that was drawn at random. Look at it last.");
+        muted(
+            ui,
+            "This robot has a fault that was drawn at random. Look at it last.",
+        );
         if ui.button("Reveal the hidden fault").clicked() {
             state.outbox.send(RobotCommand::Reveal);
         }
@@ -32,13 +35,23 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     }
     let added = model.map_or(&[][..], |model| &model.effects);
     for extra in added {
-        let real = simulator.truth.effects.iter().any(|hidden| same(hidden, extra));
+        let real = simulator
+            .truth
+            .effects
+            .iter()
+            .any(|hidden| same(hidden, extra));
         if !real && !session.robot.effects.contains(extra) {
-            let text = format!("In the model, but not in the robot: {}", words(&session.robot, extra));
+            let text = format!(
+                "In the model, but not in the robot: {}",
+                words(&session.robot, extra)
+            );
             verdict(ui, Verdict::Doubtful, &text);
         }
     }
-    muted(ui, "Distance of the pulleys from where they really are, root mean square:");
+    muted(
+        ui,
+        "Distance of the pulleys from where they really are, root mean square:",
+    );
     let drawn = distance_m(&session.robot, &simulator.truth);
     value(ui, "As drawn", &format!("{:.2}", drawn * 1e3), "mm");
     if let Some(model) = model {
@@ -71,10 +84,8 @@ fn same(a: &EffectSetting, b: &EffectSetting) -> bool {
 
 /// The cause in words, with its size.
 fn words(robot: &Robot, setting: &EffectSetting) -> String {
-    BoundEffect::from_setting(setting, robot).map_or_else(
-        |error| error.to_string(),
-        |bound| bound.cause(robot),
-    )
+    BoundEffect::from_setting(setting, robot)
+        .map_or_else(|error| error.to_string(), |bound| bound.cause(robot))
 }
 
 /// Root mean square distance of the entry points of two robots (m).

@@ -19,46 +19,57 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
         .filter(|line| all || line.sd.is_some() || line.is_writable_change())
         .collect();
     let cables = &document.session().robot.cables;
-    Grid::new("differences").num_columns(5).striped(false).show(ui, |ui| {
-        for head in ["Parameter", "Controller", "Identified", "Difference", "± (1 sd)"] {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let label = muted(ui, head);
-                if head.starts_with('±') {
-                    label.on_hover_text("Standard deviation of the identified value");
+    Grid::new("differences")
+        .num_columns(5)
+        .striped(false)
+        .show(ui, |ui| {
+            for head in [
+                "Parameter",
+                "Controller",
+                "Identified",
+                "Difference",
+                "± (1 sd)",
+            ] {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let label = muted(ui, head);
+                    if head.starts_with('±') {
+                        label.on_hover_text("Standard deviation of the identified value");
+                    }
+                });
+            }
+            ui.end_row();
+            for (index, cable) in cables.iter().enumerate() {
+                let of_cable = |line: &&&Difference| is_of(&line.name, &cable.name);
+                let mut lines = shown.iter().filter(of_cable).peekable();
+                if lines.peek().is_none() {
+                    continue;
                 }
-            });
-        }
-        ui.end_row();
-        for (index, cable) in cables.iter().enumerate() {
-            let of_cable = |line: &&&Difference| is_of(&line.name, &cable.name);
-            let mut lines = shown.iter().filter(of_cable).peekable();
-            if lines.peek().is_none() {
-                continue;
+                cable_mark(ui, index, &cable.name);
+                muted(ui, "mm");
+                ui.end_row();
+                for line in lines {
+                    let name = line.name.get(cable.name.len() + 1..).unwrap_or(&line.name);
+                    row(ui, name, line);
+                }
             }
-            cable_mark(ui, index, &cable.name);
-            muted(ui, "mm");
-            ui.end_row();
+            let of_none =
+                |line: &&&Difference| !cables.iter().any(|cable| is_of(&line.name, &cable.name));
+            let mut lines = shown.iter().filter(of_none).peekable();
+            if lines.peek().is_some() {
+                ui.label(RichText::new("Robot").font(theme::strong(13.0)));
+                ui.end_row();
+            }
             for line in lines {
-                let name = line.name.get(cable.name.len() + 1..).unwrap_or(&line.name);
-                row(ui, name, line);
+                row(ui, &line.name, line);
             }
-        }
-        let of_none = |line: &&&Difference| !cables.iter().any(|cable| is_of(&line.name, &cable.name));
-        let mut lines = shown.iter().filter(of_none).peekable();
-        if lines.peek().is_some() {
-            ui.label(RichText::new("Robot").font(theme::strong(13.0)));
-            ui.end_row();
-        }
-        for line in lines {
-            row(ui, &line.name, line);
-        }
-    });
+        });
     ui.add_space(GRID);
     ui.checkbox(&mut state.screens.adjustment.all, "Show all parameters");
 }
 
 fn is_of(name: &str, cable: &str) -> bool {
-    name.strip_prefix(cable).is_some_and(|rest| rest.starts_with('.'))
+    name.strip_prefix(cable)
+        .is_some_and(|rest| rest.starts_with('.'))
 }
 
 fn row(ui: &mut Ui, name: &str, line: &Difference) {
@@ -86,7 +97,8 @@ fn row(ui: &mut Ui, name: &str, line: &Difference) {
         number(line.controller, false),
         number(Some(line.identified), false),
         number(line.difference, true),
-        line.sd.map_or_else(String::new, |sd| number(Some(sd), false)),
+        line.sd
+            .map_or_else(String::new, |sd| number(Some(sd), false)),
     ];
     for (k, text) in cells.into_iter().enumerate() {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -146,7 +158,10 @@ mod tests {
     fn parameters_have_words() {
         assert_eq!(words("entry_point.x_m"), "Entry point x");
         assert_eq!(words("home.ry_rad"), "Home turn about y");
-        assert_eq!(words("effect.winch_scale.cable-3.scale"), "winch scale cable-3 scale");
+        assert_eq!(
+            words("effect.winch_scale.cable-3.scale"),
+            "winch scale cable-3 scale"
+        );
         assert!(is_of("cable-1.pulley.radius_m", "cable-1"));
         assert!(!is_of("cable-10.pulley.radius_m", "cable-1"));
     }

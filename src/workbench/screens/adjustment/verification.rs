@@ -31,7 +31,12 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         return;
     }
     let key = (document.identity(), document.revision());
-    match state.screens.adjustment.figures.get(key, || figures(session)) {
+    match state
+        .screens
+        .adjustment
+        .figures
+        .get(key, || figures(session))
+    {
         Ok(figures) => table(ui, &figures.lines),
         Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
     }
@@ -41,7 +46,10 @@ fn buttons(ui: &mut Ui, state: &mut State) {
     let ready = state.link.is_armed() && !state.link.is_busy();
     let hint = "Connect and arm the controller first";
     ui.horizontal_wrapped(|ui| {
-        for (text, stage) in [("Measure before", Stage::Before), ("Measure after", Stage::After)] {
+        for (text, stage) in [
+            ("Measure before", Stage::Before),
+            ("Measure after", Stage::After),
+        ] {
             let button = icon_button(ui, icons::ICON_STRAIGHTEN, text, ready);
             if button.on_disabled_hover_text(hint).clicked() {
                 state.outbox.send(RobotCommand::Verify(stage));
@@ -94,9 +102,15 @@ fn imported(ui: &mut Ui, state: &mut State) {
     if check.is_empty() || taken {
         return;
     }
-    ui.label(format!("{} measurements were imported. They are of the run", check.len()));
+    ui.label(format!(
+        "{} measurements were imported. They are of the run",
+        check.len()
+    ));
     ui.horizontal(|ui| {
-        for (text, stage) in [("before the adjustment", Stage::Before), ("after it", Stage::After)] {
+        for (text, stage) in [
+            ("before the adjustment", Stage::Before),
+            ("after it", Stage::After),
+        ] {
             if ui.button(text).clicked() {
                 state.outbox.send(RobotCommand::TakeCheck(stage));
             }
@@ -124,9 +138,8 @@ fn table(ui: &mut Ui, lines: &[Figure]) {
         ui.end_row();
         for line in lines {
             ui.label(&line.name);
-            let millimetres = |m: Option<f64>| {
-                m.map_or_else(|| "–".to_owned(), |m| format!("{:.3}", m * 1e3))
-            };
+            let millimetres =
+                |m: Option<f64>| m.map_or_else(|| "–".to_owned(), |m| format!("{:.3}", m * 1e3));
             let gain = line.gain();
             let percent = gain.map_or_else(String::new, |g| format!("{:.0} %", 100.0 * g));
             for text in [millimetres(line.before_m), millimetres(line.after_m)] {

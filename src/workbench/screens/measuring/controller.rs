@@ -30,7 +30,12 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
                  this description can be connected to try the procedure.",
             );
         }
-        let pressed = step_button(ui, "Connect the simulated robot", next == Next::Connect, true);
+        let pressed = step_button(
+            ui,
+            "Connect the simulated robot",
+            next == Next::Connect,
+            true,
+        );
         if pressed {
             state.outbox.send(RobotCommand::Connect);
         }
@@ -48,7 +53,10 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         (Activity::Fault(text), _) => (format!("fault: {text}"), palette.bad),
         (Activity::Moving, _) => ("armed, moving".to_owned(), palette.warning),
         (_, true) => ("armed, standing".to_owned(), palette.warning),
-        (_, false) => ("not armed: it neither moves nor changes".to_owned(), palette.muted),
+        (_, false) => (
+            "not armed: it neither moves nor changes".to_owned(),
+            palette.muted,
+        ),
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(&state.link.identity);

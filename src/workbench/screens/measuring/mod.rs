@@ -191,7 +191,10 @@ fn plan(ui: &mut Ui, state: &mut State, next: Next) {
         if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import plan…", free).clicked() {
             state.outbox.send(FileCommand::AskOpen);
         }
-        let planned = state.document.as_ref().is_some_and(|d| !d.session().plan.is_empty());
+        let planned = state
+            .document
+            .as_ref()
+            .is_some_and(|d| !d.session().plan.is_empty());
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export plan…", planned).clicked() {
             state.outbox.send(RobotCommand::AskExport(Export::Plan));
         }

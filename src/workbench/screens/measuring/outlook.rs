@@ -82,33 +82,47 @@ fn enough(ui: &mut Ui, remembered: &Remembered, done: usize) {
     };
     let sd_m = outlook.after_m.get(done).copied().flatten();
     let all = outlook.after_m.len().saturating_sub(1);
-    if let Some(sd_mm) = sd_m.map(|sd_m| sd_m * 1e3).filter(|_| done > 0 && done < all) {
+    if let Some(sd_mm) = sd_m
+        .map(|sd_m| sd_m * 1e3)
+        .filter(|_| done > 0 && done < all)
+    {
         if sd_mm <= remembered.target_mm {
             let text = format!(
                 "Good enough: after {done} poses the pulleys are known to {sd_mm:.2} mm. One may stop here."
             );
             verdict(ui, Verdict::Good, &text);
         } else {
-            muted(
-                ui,
-                &format!("After {done} of {all} poses: {sd_mm:.2} mm."),
-            );
+            muted(ui, &format!("After {done} of {all} poses: {sd_mm:.2} mm."));
         }
     }
 }
 
 fn details(ui: &mut Ui, outlook: &Outlook) {
-    value(ui, "Length of the way", &format!("{:.1}", outlook.way_m), "m");
+    value(
+        ui,
+        "Length of the way",
+        &format!("{:.1}", outlook.way_m),
+        "m",
+    );
     muted(ui, "Of these poses, and of as many at random:");
     let metres = |of: fn(&Indices) -> Option<f64>| {
-        [of(&outlook.expected), of(&outlook.random)].map(|value_m| {
-            value_m.map_or_else(|| "open".to_owned(), |v| format!("{:.2}", v * 1e3))
-        })
+        [of(&outlook.expected), of(&outlook.random)]
+            .map(|value_m| value_m.map_or_else(|| "open".to_owned(), |v| format!("{:.2}", v * 1e3)))
     };
     let [mean, mean_random] = metres(|indices| indices.mean_m);
-    value(ui, "A: mean of the coordinates", &format!("{mean} / {mean_random}"), "mm");
+    value(
+        ui,
+        "A: mean of the coordinates",
+        &format!("{mean} / {mean_random}"),
+        "mm",
+    );
     let [worst, worst_random] = metres(|indices| indices.worst_m);
-    value(ui, "E: along the worst direction", &format!("{worst} / {worst_random}"), "mm");
+    value(
+        ui,
+        "E: along the worst direction",
+        &format!("{worst} / {worst_random}"),
+        "mm",
+    );
     let det = |indices: &Indices| format!("{:.1}", indices.log_det);
     let numbers = format!("{} / {}", det(&outlook.expected), det(&outlook.random));
     value(ui, "D: logarithm of the information", &numbers, "");

@@ -86,7 +86,9 @@ mod tests {
         turned.orientation =
             turned.orientation * nalgebra::UnitQuaternion::from_euler_angles(0.1, 0.0, 0.0);
         let planned = [(0, home), (1, home), (2, home), (9, turned)];
-        session.plan = planned.map(|(label, p)| PlannedPose::new(label, &p)).to_vec();
+        session.plan = planned
+            .map(|(label, p)| PlannedPose::new(label, &p))
+            .to_vec();
         session.exclude(1).expect("it is measured");
         let rows = rows(&session);
         let standings: Vec<_> = rows.iter().map(|row| (row.label, row.standing)).collect();

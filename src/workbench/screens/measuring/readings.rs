@@ -15,7 +15,8 @@ pub(in crate::screens) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
         ui.spacing_mut().item_spacing.x = GRID;
         let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
         let colour = theme::of(ui).cable(index);
-        ui.painter().circle_filled(rect.center(), 1.125 * GRID, colour);
+        ui.painter()
+            .circle_filled(rect.center(), 1.125 * GRID, colour);
         ui.label((index + 1).to_string()).on_hover_text(name);
     });
 }
@@ -43,7 +44,9 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         muted(ui, "No readings yet.");
         return;
     };
-    let grid = Grid::new("readings").num_columns(3).min_col_width(24.0 * GRID);
+    let grid = Grid::new("readings")
+        .num_columns(3)
+        .min_col_width(24.0 * GRID);
     grid.show(ui, |ui| {
         muted(ui, "Cable");
         for head in ["Revolutions", "Force reading, N"] {
@@ -79,9 +82,24 @@ pub(super) fn settling(ui: &mut Ui, place: &str, rates: Option<Rates>, limits: R
         return;
     };
     let channels = [
-        ("Lengths", rates.length_m_per_s * 1e3, limits.length_m_per_s * 1e3, "mm/s"),
-        ("Tensions", rates.tension_n_per_s, limits.tension_n_per_s, "N/s"),
-        ("Laser", rates.laser_m_per_s * 1e3, limits.laser_m_per_s * 1e3, "mm/s"),
+        (
+            "Lengths",
+            rates.length_m_per_s * 1e3,
+            limits.length_m_per_s * 1e3,
+            "mm/s",
+        ),
+        (
+            "Tensions",
+            rates.tension_n_per_s,
+            limits.tension_n_per_s,
+            "N/s",
+        ),
+        (
+            "Laser",
+            rates.laser_m_per_s * 1e3,
+            limits.laser_m_per_s * 1e3,
+            "mm/s",
+        ),
     ];
     for (name, rate, limit, unit) in channels {
         if limit <= 0.0 {

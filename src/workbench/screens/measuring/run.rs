@@ -31,7 +31,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         progress(ui, state);
     } else {
         let ready = state.link.is_armed() && missing > 0 && !state.link.is_busy();
-        let text = if begun { "Continue measuring" } else { "Start measuring" };
+        let text = if begun {
+            "Continue measuring"
+        } else {
+            "Start measuring"
+        };
         if missing > 0 {
             if step_button(ui, text, next == Next::Start, ready) {
                 state.outbox.send(RobotCommand::Start);
@@ -39,7 +43,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
             if !state.link.is_armed() {
                 muted(ui, "Connect and arm the controller first.");
             } else if begun {
-                muted(ui, &format!("{missing} of the planned poses are not measured yet."));
+                muted(
+                    ui,
+                    &format!("{missing} of the planned poses are not measured yet."),
+                );
             }
         } else if begun {
             verdict(ui, Verdict::Good, "All planned poses are measured.");
@@ -80,7 +87,12 @@ fn buttons(ui: &mut Ui, state: &mut State) {
             state.outbox.send(RobotCommand::Stop);
         }
     });
-    if let Some(reason) = state.link.run.as_ref().and_then(|run| run.paused.as_deref()) {
+    if let Some(reason) = state
+        .link
+        .run
+        .as_ref()
+        .and_then(|run| run.paused.as_deref())
+    {
         let kind = if reason.contains("operator") {
             Verdict::Neutral
         } else {
@@ -104,7 +116,10 @@ fn progress(ui: &mut Ui, state: &State) {
     };
     let (done, of) = (run.done(), run.of());
     let text = match run.remaining_s() {
-        Some(left_s) => format!("{done} of {of} poses, {} left", duration(left_s / state.link.speed())),
+        Some(left_s) => format!(
+            "{done} of {of} poses, {} left",
+            duration(left_s / state.link.speed())
+        ),
         None => format!("{done} of {of} poses"),
     };
     ui.add(ProgressBar::new(done as f32 / of.max(1) as f32).desired_height(2.0 * GRID));
@@ -212,14 +227,17 @@ fn warnings(ui: &mut Ui, run: &RunLog) {
         count => format!("{count} warnings"),
     };
     let header = CollapsingHeader::new(egui::RichText::new(title).color(theme::of(ui).warning));
-    header.id_salt("warnings").default_open(true).show(ui, |ui| {
-        ScrollArea::vertical()
-            .id_salt("list of warnings")
-            .max_height(30.0 * GRID)
-            .show(ui, |ui| {
-                for text in run.warnings.iter().rev() {
-                    ui.add(egui::Label::new(text).wrap());
-                }
-            });
-    });
+    header
+        .id_salt("warnings")
+        .default_open(true)
+        .show(ui, |ui| {
+            ScrollArea::vertical()
+                .id_salt("list of warnings")
+                .max_height(30.0 * GRID)
+                .show(ui, |ui| {
+                    for text in run.warnings.iter().rev() {
+                        ui.add(egui::Label::new(text).wrap());
+                    }
+                });
+        });
 }

@@ -44,7 +44,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     match selected {
         Some(row) => actions(ui, state, row),
         None => {
-            muted(ui, "Select a pose to leave it out, to repeat it or to remove it.");
+            muted(
+                ui,
+                "Select a pose to leave it out, to repeat it or to remove it.",
+            );
         }
     }
 }

@@ -3,7 +3,8 @@
 use egui::{Align2, Color32, FontId, Pos2, Rangef, Rect, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
-use super::figure::{Columns, Figure, Heat, Ink, Marker, Series, Shades};
+use super::figure::{Columns, Figure, Ink, Marker, Series};
+use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
 use super::scale::{Scale, Tick, fixed, ticks};
 use super::thin::{Thinned, thin};
 use crate::app::Selection;
@@ -13,8 +14,6 @@ use crate::app::theme::{GRID, Palette};
 pub const TEXT: f32 = 11.5;
 /// Markers up to which every point has its own shape; beyond they are small squares.
 const MOST_SHAPES: usize = 3000;
-/// Width of the colour scale of a heat map.
-const SCALE_WIDTH: f32 = 12.0;
 
 /// An entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +45,8 @@ pub struct Layout {
     pub plot: Rect,
     /// The legend, above the data.
     pub legend: Vec<Entry>,
+    /// Where the title along x begins if it stands beside the ticks, else infinite.
+    x_title: f32,
     x_ticks: Vec<Tick>,
     y_ticks: Vec<Tick>,
 }
@@ -63,7 +64,10 @@ pub fn arrange(
     let legend = legend(figure, whole, title, width);
     let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
     let top = lines.fold(line, f32::max) + GRID;
-    let bottom = 2.0 * line + GRID;
+    // A short title stands beside the ticks, a long one below; names say what they are themselves.
+    let x_title = width(&figure.x.title());
+    let is_long = x_title > 0.2 * whole.width();
+    let bottom = if is_long { 2.0 * line } else { line } + GRID;
     let height = (whole.height() - top - bottom).max(16.0);
     let y_ticks = ticks(&figure.y, view[1], (height / 28.0) as usize);
     let widest = y_ticks
@@ -87,6 +91,10 @@ pub fn arrange(
         (plot.width() / longest.max(40.0)) as usize,
     );
     Layout {
+        x_title: match is_long || !figure.x.names.is_empty() {
+            true => f32::INFINITY,
+            false => plot.max.x - x_title,
+        },
         whole,
         plot,
         legend,
@@ -97,12 +105,16 @@ pub fn arrange(
 
 fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
     let mut signs: Vec<(Sign, &str, Option<usize>)> = Vec::new();
+    // Many cables are named by their numbers alone, so that the data keep the space.
+    let is_short = figure.series.len() > 4;
     for series in &figure.series {
-        signs.push((
-            Sign::Marker(series.marker, series.ink),
-            &series.name,
-            series.cable,
-        ));
+        let text = if is_short {
+            &series.short
+        } else {
+            &series.name
+        };
+        let sign = Sign::Marker(series.marker, series.ink);
+        signs.push((sign, text, series.cable));
     }
     for columns in &figure.columns {
         signs.push((
@@ -285,42 +297,6 @@ fn grid(
     }
 }
 
-fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, palette: &Palette) {
-    let columns = heat.x.len().saturating_sub(1).max(1);
-    for (index, value) in heat.values.iter().enumerate() {
-        let (row, column) = (index / columns, index % columns);
-        let (Some(x), Some(y)) = (heat.x.get(column..column + 2), heat.y.get(row..row + 2)) else {
-            continue;
-        };
-        let rect = Rect::from_two_pos(scale.place(x[0], y[0]), scale.place(x[1], y[1]));
-        canvas.fill(rect, shade(heat.shades, *value, palette));
-    }
-}
-
-/// Colour of a value of a heat map.
-#[must_use]
-pub fn shade(shades: Shades, value: f64, palette: &Palette) -> Color32 {
-    match shades {
-        // Zero is the ground itself, so that what is large stands out.
-        Shades::Diverging(most) => {
-            let t = (value / most).clamp(-1.0, 1.0) as f32;
-            let end = palette.diverging[if t < 0.0 { 0 } else { 2 }];
-            palette.ground.lerp_to_gamma(end, t.abs())
-        }
-        Shades::Rising(low, high) => {
-            let t = ((value - low) / (high - low)).clamp(0.0, 1.0) as f32;
-            palette.ground.lerp_to_gamma(palette.accent, 0.08 + 0.8 * t)
-        }
-    }
-}
-
-fn limits(shades: Shades) -> [f64; 2] {
-    match shades {
-        Shades::Diverging(most) => [-most, most],
-        Shades::Rising(low, high) => [low, high],
-    }
-}
-
 fn histogram(canvas: &mut dyn Canvas, columns: &Columns, scale: &Scale, palette: &Palette) {
     let colour = columns.ink.colour(palette);
     let mut outline = Vec::new();
@@ -414,7 +390,7 @@ fn axes(
     for (value, text) in &layout.x_ticks {
         // Names can be closer than their width.
         let (x, half) = (scale.x(*value), 0.3 * TEXT * text.chars().count() as f32);
-        if x - half < free {
+        if x - half < free || x + half + 2.0 * GRID > layout.x_title {
             continue;
         }
         free = x + half + GRID;
@@ -431,14 +407,13 @@ fn axes(
         let at = Pos2::new(plot.min.x - GRID, y);
         canvas.text(at, Align2::RIGHT_CENTER, text, TEXT, palette.muted);
     }
-    let below = Pos2::new(plot.center().x, layout.whole.max.y);
-    canvas.text(
-        below,
-        Align2::CENTER_BOTTOM,
-        &figure.x.title(),
-        TEXT,
-        palette.text,
-    );
+    if figure.x.names.is_empty() {
+        let is_beside = layout.x_title.is_finite();
+        let down = if is_beside { GRID } else { TEXT + 2.0 * GRID };
+        let at = Pos2::new(plot.max.x, plot.max.y + down);
+        let title = figure.x.title();
+        canvas.text(at, Align2::RIGHT_TOP, &title, TEXT, palette.text);
+    }
     canvas.text(
         layout.whole.min,
         Align2::LEFT_TOP,
@@ -481,45 +456,6 @@ fn sign(canvas: &mut dyn Canvas, entry: &Entry, selection: Selection, palette: &
     };
     let at = entry.rect.left_center() + vec2(5.0 * GRID, 0.0);
     canvas.text(at, Align2::LEFT_CENTER, &entry.text, TEXT, colour);
-}
-
-fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, palette: &Palette) {
-    const STEPS: usize = 64;
-    let bar = Rect::from_min_max(
-        Pos2::new(plot.max.x + 3.0 * GRID, plot.min.y + TEXT + 2.0 * GRID),
-        Pos2::new(plot.max.x + 3.0 * GRID + SCALE_WIDTH, plot.max.y),
-    );
-    let [low, high] = limits(heat.shades);
-    let height = bar.height() / STEPS as f32;
-    for k in 0..STEPS {
-        let share = (k as f64 + 0.5) / STEPS as f64;
-        let rect = Rect::from_min_size(
-            Pos2::new(bar.min.x, bar.max.y - (k + 1) as f32 * height),
-            vec2(SCALE_WIDTH, height),
-        );
-        canvas.fill(
-            rect,
-            shade(heat.shades, low + share * (high - low), palette),
-        );
-    }
-    for share in [0.0, 0.5, 1.0] {
-        let text = fixed(low + share * (high - low), (high - low) / 100.0);
-        let y = egui::lerp(bar.max.y..=bar.min.y, share as f32);
-        let at = Pos2::new(bar.max.x + GRID, y);
-        canvas.text(at, Align2::LEFT_CENTER, &text, TEXT, palette.muted);
-    }
-    let unit = if heat.axis.unit.is_empty() {
-        ""
-    } else {
-        heat.axis.unit
-    };
-    canvas.text(
-        plot.right_top() + vec2(3.0 * GRID, 0.0),
-        Align2::LEFT_TOP,
-        unit,
-        TEXT,
-        palette.muted,
-    );
 }
 
 /// Width of a text of the size [`TEXT`] on screen.

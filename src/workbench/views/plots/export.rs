@@ -3,7 +3,7 @@
 use egui::Theme;
 
 use super::draw::{Layout, Seen, draw};
-use super::figure::{Figure, Heat};
+use super::figure::{Axis, Figure, Heat, Point};
 use super::scale::Scale;
 use super::svg::Svg;
 use crate::app::{Selection, theme};
@@ -78,55 +78,49 @@ pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
         "standard deviation along y",
         "excluded",
     ]);
-    let value = |axis: &super::figure::Axis, v: f64| {
-        if axis.is_logarithmic {
-            10_f64.powf(v)
-        } else {
-            v
+    for (name, point) in values(figure) {
+        if !is_seen(point.x, point.y) {
+            continue;
         }
-        .to_string()
+        let pose = point.pose.map_or_else(String::new, |pose| pose.to_string());
+        let [sd_x, sd_y] = point.sd.map(|sd| match sd > 0.0 {
+            true => sd.to_string(),
+            false => String::new(),
+        });
+        let excluded = if point.excluded { "yes" } else { "" };
+        let (x, y) = (number(&figure.x, point.x), number(&figure.y, point.y));
+        table += &row(&[name, &pose, &x, &y, &sd_x, &sd_y, excluded]);
+    }
+    table
+}
+
+fn number(axis: &Axis, value: f64) -> String {
+    let linear = if axis.is_logarithmic {
+        10_f64.powf(value)
+    } else {
+        value
     };
-    let mut add = |name: &str, pose: String, [x, y]: [f64; 2], rest: [String; 3]| {
-        if is_seen(x, y) {
-            let [a, b, c] = rest;
-            table += &row(&[
-                name,
-                &pose,
-                &value(&figure.x, x),
-                &value(&figure.y, y),
-                &a,
-                &b,
-                &c,
-            ]);
-        }
-    };
-    let sd = |sd: f64| {
-        if sd > 0.0 {
-            sd.to_string()
-        } else {
-            String::new()
-        }
-    };
+    linear.to_string()
+}
+
+/// Points, places of named lines, and middles of columns, with the names of what they belong to.
+fn values(figure: &Figure) -> Vec<(&str, Point)> {
+    let mut values = Vec::new();
     for series in &figure.series {
-        for point in series.points() {
-            let pose = point.pose.map_or_else(String::new, |pose| pose.to_string());
-            let excluded = if point.excluded { "yes" } else { "" }.to_owned();
-            let rest = [sd(point.sd[0]), sd(point.sd[1]), excluded];
-            add(&series.name, pose, [point.x, point.y], rest);
-        }
+        let points = series.points().iter();
+        values.extend(points.map(|point| (series.name.as_str(), *point)));
     }
     for curve in figure.curves.iter().filter(|curve| !curve.name.is_empty()) {
-        for place in &curve.points {
-            add(&curve.name, String::new(), *place, Default::default());
-        }
+        let places = curve.points.iter();
+        values.extend(places.map(|[x, y]| (curve.name.as_str(), Point::new(*x, *y))));
     }
     for columns in &figure.columns {
         for (edges, height) in columns.edges.windows(2).zip(&columns.heights) {
-            let place = [0.5 * (edges[0] + edges[1]), *height];
-            add(&columns.name, String::new(), place, Default::default());
+            let middle = Point::new(0.5 * (edges[0] + edges[1]), *height);
+            values.push((columns.name.as_str(), middle));
         }
     }
-    table
+    values
 }
 
 fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
@@ -170,7 +164,7 @@ fn row(cells: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::views::plots::figure::{Axis, Point, Series};
+    use crate::views::plots::figure::Series;
 
     #[test]
     fn the_table_has_what_is_in_the_view() {

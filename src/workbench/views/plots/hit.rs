@@ -4,6 +4,7 @@ use egui::Pos2;
 
 use super::draw::Seen;
 use super::figure::{Axis, Figure};
+use super::heat::limits;
 use super::scale::{Scale, readable};
 use crate::app::Selection;
 
@@ -101,10 +102,7 @@ fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
 pub fn cell_words(figure: &Figure, [x, y]: [f64; 2]) -> Option<String> {
     let heat = figure.heat.as_ref()?;
     let (column, row, value) = heat.cell(x, y)?;
-    let limits = match heat.shades {
-        super::figure::Shades::Diverging(most) => [-most, most],
-        super::figure::Shades::Rising(low, high) => [low, high],
-    };
+    let limits = limits(heat.shades);
     let shown = line(&heat.axis, value, 0.0, limits);
     let [columns, rows] = &heat.names;
     Some(match (columns.get(column), rows.get(row)) {

@@ -6,6 +6,7 @@ mod contour;
 mod draw;
 mod export;
 pub mod figure;
+mod heat;
 mod hit;
 mod panel;
 mod prepare;

@@ -218,7 +218,7 @@ impl Panel {
         let [a, b] = self.cursors?.map(|share| low + share * (high - low));
         let number = |value: f64, axis: usize| readable(value, scale.view[axis]);
         let mut text = format!(
-            "A {}  B {}  difference {} {}",
+            "A {}, B {}, B \u{2212} A {} {}",
             number(a, 0),
             number(b, 0),
             number(b - a, 0),
@@ -233,7 +233,7 @@ impl Panel {
             && let (Some(at_a), Some(at_b)) = (closest(series, a), closest(series, b))
         {
             text += &format!(
-                "   {}: {} and {}, difference {} {}",
+                "; {}: {}, {}, B \u{2212} A {} {}",
                 series.name,
                 number(at_a, 1),
                 number(at_b, 1),
@@ -284,14 +284,13 @@ impl Panel {
         }
         let menu = self.menu;
         Popup::context_menu(response).show(|ui| {
-            if let Some(pose) = menu.pose.filter(|pose| *pose != 0) {
-                if ui
-                    .button(format!("Exclude or include pose {pose}"))
-                    .clicked()
-                {
-                    frame.done.push(Done::Excluded(pose));
-                    ui.close();
-                }
+            let pose = menu.pose.filter(|pose| *pose != 0);
+            let text = |pose: i64| format!("Exclude or include pose {pose}");
+            if let Some(pose) = pose
+                && ui.button(text(pose)).clicked()
+            {
+                frame.done.push(Done::Excluded(pose));
+                ui.close();
             }
             if ui.button("Show everything").clicked() {
                 self.reset();
@@ -345,6 +344,11 @@ mod tests {
 
     fn harness() -> Harness<'static, Seen> {
         let show = |ui: &mut Ui, (panel, done): &mut Seen| {
+            if ui.ctx().cumulative_pass_nr() == 0 {
+                // Fonts are there from the next frame on.
+                theme::install(ui.ctx());
+                return;
+            }
             let shown = Shown {
                 name: "Plot",
                 figure: &figure(),
@@ -356,7 +360,6 @@ mod tests {
         let mut harness = Harness::builder()
             .with_size(vec2(640.0, 240.0))
             .build_ui_state(show, Seen::default());
-        theme::install(&harness.ctx);
         harness.run();
         harness
     }
@@ -414,6 +417,6 @@ mod tests {
         assert!((a - 0.5).abs() < 0.02 && b == 0.75, "{a} {b}");
         assert_eq!(scale(&harness).view, before.view);
         let text = harness.state().0.reading(&figure(), Selection::default());
-        assert!(text.is_some_and(|text| text.contains("difference") && text.contains("mm")));
+        assert!(text.is_some_and(|text| text.contains("B \u{2212} A") && text.contains("mm")));
     }
 }

@@ -110,7 +110,10 @@ fn ended(state: &mut State, result: Result<(), String>) {
     let done = run.done();
     let text = match &result {
         Ok(()) => format!("Measured {done} poses."),
-        Err(why) => format!("Measuring ended after {done} poses: {}.", why.trim_end_matches('.')),
+        Err(why) => format!(
+            "Measuring ended after {done} poses: {}.",
+            why.trim_end_matches('.')
+        ),
     };
     run.current = None;
     run.paused = None;

@@ -1,34 +1,28 @@
 //! The readable report of a diagnosis.
 
 mod finding;
-mod invisible;
 mod tables;
 #[cfg(test)]
 mod tests;
-mod words;
-
-use tautline_core::diagnosis::{Adequacy, Discrepancy, GlobalTest, NoiseStatement, Quantity};
 
 use super::Diagnosed;
-use crate::cli::units::significant;
-use words::{count, odds, ratio, readings, sentence};
 
 /// Most remaining dependences that are listed unless all numbers are asked for.
 const REMAINING_SHOWN: usize = 5;
 
 /// The report; with `explain` with the numbers behind the verdicts.
-pub fn text(diagnosed: &Diagnosed<'_>, explain: bool) -> String {
+pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     let diagnosis = &diagnosed.diagnosis;
     let mut lines = vec![diagnosed.headline()];
     lines.extend(diagnosed.fit());
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         lines.push(String::new());
-        lines.extend(diagnosed.finding_lines(index + 1, finding));
+        lines.extend(finding::lines(diagnosed, index + 1, finding));
     }
     lines.extend(section(
         diagnosis.noise.iter().map(|n| diagnosed.noise_line(n)),
     ));
-    lines.extend(section(diagnosed.remaining_lines(explain).into_iter()));
+    lines.extend(section(remaining_lines(diagnosed, explain).into_iter()));
     lines.extend(section(diagnosed.invisible_lines().into_iter()));
     if diagnosis.findings.iter().any(|f| !f.parameters.is_empty()) {
         lines.extend(section(std::iter::once(
@@ -51,124 +45,20 @@ fn section(lines: impl Iterator<Item = String>) -> Vec<String> {
     }
 }
 
-/// By how many times their noise the readings are missed; `None` if nothing is redundant.
-fn missed(test: &GlobalTest) -> Option<f64> {
-    (test.degrees_of_freedom > 0.0).then(|| (test.chi2 / test.degrees_of_freedom).sqrt())
-}
-
-/// How well the model fits the readings.
-fn missed_by(adequacy: &Adequacy) -> String {
-    let test = &adequacy.global;
-    match missed(test) {
-        Some(by) if adequacy.adequate => {
-            format!(
-                "It misses them by {} times their noise; a right model does so by about 1.",
-                ratio(by)
-            )
-        }
-        Some(by) if test.p_value.is_finite() => format!(
-            "It misses them by {} times their noise; a right model would do so or worse {}.",
-            ratio(by),
-            odds(test.p_value)
-        ),
-        _ => "The readings are just enough to find the pulleys: they cannot be checked.".to_owned(),
+fn remaining_lines(diagnosed: &Diagnosed, all: bool) -> Vec<String> {
+    let remaining = &diagnosed.diagnosis.remaining;
+    let shown = if all {
+        remaining.len()
+    } else {
+        REMAINING_SHOWN
+    };
+    let mut lines: Vec<_> = remaining
+        .iter()
+        .take(shown)
+        .map(|d| diagnosed.remaining_line(d))
+        .collect();
+    if let Some(more @ 1..) = remaining.len().checked_sub(shown) {
+        lines.push(format!("... and {more} more (--explain lists them)"));
     }
-}
-
-impl Diagnosed<'_> {
-    /// Whether the model explains the readings.
-    fn headline(&self) -> String {
-        let diagnosis = &self.diagnosis;
-        let poses = count(self.dataset.measurements.len(), "pose");
-        let name = &self.robot().name;
-        let found = match diagnosis.findings.len() {
-            1 => "the finding".to_owned(),
-            several => format!("the {several} findings"),
-        };
-        let end = match diagnosis.findings.len() {
-            _ if diagnosis.base.adequate => {
-                return format!("{name}: the model explains the readings of {poses}.");
-            }
-            0 if diagnosis.noise.is_empty() => "No cause was found.".to_owned(),
-            0 => "No cause was found, but their noise is not as robot.json says.".to_owned(),
-            _ if diagnosis.extended.adequate => format!("With {found} below it does."),
-            _ => format!("With {found} below it is closer, but not there yet."),
-        };
-        format!("{name}: the model does NOT explain the readings of {poses}. {end}")
-    }
-
-    /// How well the model fits, and what casts doubt on the whole.
-    fn fit(&self) -> Vec<String> {
-        let diagnosis = &self.diagnosis;
-        let mut lines = vec![missed_by(&diagnosis.base)];
-        let is_extended = !diagnosis.findings.is_empty();
-        if is_extended && !diagnosis.base_solution.converged() {
-            lines.push(
-                "Its fit did not converge: by how much it misses them is a guess.".to_owned(),
-            );
-        }
-        if let Some(after) = missed(&diagnosis.extended.global).filter(|_| is_extended) {
-            lines.push(format!("With what was found: by {} times.", ratio(after)));
-        }
-        if !diagnosis.extended_solution.converged() {
-            lines.push("The fit did NOT converge: do not rely on the numbers.".to_owned());
-        }
-        if diagnosis.cancelled {
-            lines.push("The diagnosis was stopped before its end.".to_owned());
-        }
-        lines
-    }
-
-    fn noise_line(&self, noise: &NoiseStatement) -> String {
-        let cable = self.cable(noise.cable);
-        let readings = sentence(&readings(noise.quantity, cable.as_deref()));
-        let [from, to] = noise.interval.map(|ratio| significant(ratio, 2));
-        let ratio = significant(noise.ratio, 2);
-        let only = if noise.ratio < 1.0 { "only " } else { "" };
-        format!(
-            "{readings} scatter {only}{ratio} times as much as given ({from} to {to}): correct {} in robot.json.",
-            noise_key(noise.quantity)
-        )
-    }
-
-    fn remaining_lines(&self, all: bool) -> Vec<String> {
-        let remaining = &self.diagnosis.remaining;
-        let shown = if all {
-            remaining.len()
-        } else {
-            REMAINING_SHOWN
-        };
-        let mut lines: Vec<_> = remaining
-            .iter()
-            .take(shown)
-            .map(|d| self.remaining_line(d))
-            .collect();
-        if let Some(more @ 1..) = remaining.len().checked_sub(shown) {
-            lines.push(format!("... and {more} more (--explain lists them)"));
-        }
-        lines
-    }
-
-    fn remaining_line(&self, left: &Discrepancy) -> String {
-        let cable = self.cable(left.cable);
-        format!(
-            "What is left: {} are missed by {:.2} times their noise, depending on {}.",
-            readings(left.quantity, cable.as_deref()),
-            left.rms_over_sd,
-            left.variable.name()
-        )
-    }
-}
-
-/// Where robot.json says how much readings scatter.
-fn noise_key(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Length => "winch.length_sd_m",
-        Quantity::Tension => "force_sensor.tension_sd_n",
-        Quantity::Laser => "laser.sd_m",
-        Quantity::Swivel => "pulley.swivel_sd_rad",
-        Quantity::Inclination => "inclinometer.sd_rad",
-        Quantity::TrackerPosition => "tracker.position_sd_m",
-        Quantity::TrackerOrientation => "tracker.orientation_sd_rad",
-    }
+    lines
 }

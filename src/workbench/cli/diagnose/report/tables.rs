@@ -5,10 +5,10 @@ use tautline_core::diagnosis::{Adequacy, Discrepancy, Finding, GroupTest};
 
 use super::Diagnosed;
 use crate::cli::table;
-use crate::cli::units::{quantity, unit_of};
+use crate::wording::units::{quantity, unit_of};
 
 /// Everything, for those who ask how it was concluded.
-pub fn lines(diagnosed: &Diagnosed<'_>) -> Vec<String> {
+pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
     let diagnosis = &diagnosed.diagnosis;
     let mut lines = Vec::new();
     let mut add = |title: String, table: &Table| {
@@ -95,7 +95,7 @@ fn kinds(finding: &Finding) -> Table {
     rows
 }
 
-impl Diagnosed<'_> {
+impl Diagnosed {
     fn ranking(&self, finding: &Finding) -> Table {
         let mut rows = table::numbers(&[
             "Cause",

@@ -1,7 +1,7 @@
 use tautline_core::diagnosis::Verdict;
 
-use super::super::samples::{dataset, diagnosed};
 use super::*;
+use crate::documents::diagnosis::samples::{dataset, diagnosed};
 
 fn report(verdicts: &[Verdict], explain: bool) -> String {
     let dataset = dataset();

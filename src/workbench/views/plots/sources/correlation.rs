@@ -48,7 +48,8 @@ pub fn figure(fit: &Fit) -> Figure {
             start = end;
         }
     }
-    let upwards = groups.iter().map(|(at, name)| (-at, name.clone()));
+    // Upwards, as ticks are.
+    let upwards = groups.iter().rev().map(|(at, name)| (-at, name.clone()));
     let mut y = Axis::new(
         "Correlation of parameters; numbers are the pulleys' entry points",
         "",

@@ -17,6 +17,9 @@ const PLACES: usize = 120;
 /// Readings that are averaged for each place of the effect's line.
 const AVERAGED: usize = 24;
 
+/// Legend of the residuals of the extended model.
+const AFTER: &str = "after, with what was found";
+
 /// What is plotted along what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
@@ -49,6 +52,14 @@ impl Choice {
         })
     }
 
+    /// The dependence that a diagnosis found here, if it did.
+    fn dependence(self, diagnosed: &Diagnosed) -> Option<&Discrepancy> {
+        let mut found = diagnosed.diagnosis.discrepancies.iter();
+        found.find(|d| {
+            (d.quantity, d.cable, d.variable) == (self.quantity, self.cable, self.variable)
+        })
+    }
+
     /// Values of the variable by row, if they are known.
     #[must_use]
     pub fn values(self, prepared: &Prepared) -> Option<&[f64]> {
@@ -70,7 +81,7 @@ fn axis(variable: Variable) -> (Axis, f64) {
         }
         Variable::Time => ("s", 1.0),
         Variable::Temperature => ("K", 1.0),
-        Variable::Revolutions | Variable::DrumFraction => ("revolutions", 1.0),
+        Variable::Revolutions | Variable::DrumFraction => ("", 1.0),
         Variable::Direction => ("1 paid out, \u{2212}1 reeled in", 1.0),
     };
     (Axis::new(capitalised(variable.name()), unit), factor)
@@ -85,6 +96,9 @@ pub fn capitalised(name: &str) -> String {
     })
 }
 
+/// Row, variable and residual.
+type Place = (usize, f64, f64);
+
 /// The residuals along the variable.
 #[must_use]
 pub fn figure(
@@ -97,24 +111,12 @@ pub fn figure(
         return Figure::default();
     };
     let (x, factor) = axis(choice.variable);
-    let places = |fit: &Fit| -> Vec<(usize, f64, f64)> {
-        residuals(fit, choice.quantity, choice.cable)
-            .into_iter()
-            .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
-            .collect()
+    let data = &prepared.base.dataset;
+    let points = |places: &[Place]| -> Vec<Point> {
+        let point = |(row, x, y): &Place| at_row(data, excluded, *row, *x, *y);
+        places.iter().map(point).collect()
     };
-    let points = |places: &[(usize, f64, f64)]| -> Vec<Point> {
-        let dataset = &prepared.base.dataset;
-        places
-            .iter()
-            .map(|(row, x, y)| at_row(dataset, excluded, *row, *x, *y))
-            .collect()
-    };
-    let before = places(&prepared.base);
-    let cables = &prepared.base.dataset.robot.cables;
-    let named = choice
-        .cable
-        .and_then(|index| Some((index, cables.get(index)?)));
+    let before = places(&prepared.base, choice, values, factor);
     let mut figure = Figure {
         x,
         y: Axis::new("Prediction minus reading", "standard deviations"),
@@ -122,40 +124,39 @@ pub fn figure(
             name: "3 standard deviations".into(),
             y: [-3.0, 3.0],
         }],
+        series: vec![series(choice, &prepared.base, points(&before))],
         has_zero_line: true,
         ..Figure::default()
     };
-    figure.series.push(match named {
-        Some((index, cable)) => Series::of_cable(index, &cable.name, points(&before)),
-        None => Series::new(
-            choice.quantity.name(),
-            Ink::Accent,
-            Marker::Circle,
-            points(&before),
-        ),
-    });
     if let Some(extended) = &prepared.extended {
-        let after = places(extended);
-        let mut series = Series::new(
-            "after, with what was found",
-            Ink::Muted,
-            Marker::Circle,
-            points(&after),
-        );
+        let after = places(extended, choice, values, factor);
+        let mut series = Series::new(AFTER, Ink::Muted, Marker::Circle, points(&after));
         series.cable = choice.cable;
         figure.series.push(series);
         figure.curves.push(effect(&before, &after));
     }
-    let found = diagnosed.and_then(|found| {
-        let mut all = found.diagnosis.discrepancies.iter();
-        all.find(|d| {
-            (d.quantity, d.cable, d.variable) == (choice.quantity, choice.cable, choice.variable)
-        })
-    });
+    let found = diagnosed.and_then(|found| choice.dependence(found));
+    let curve = found.and_then(|found| dependence(found, factor));
+    figure.curves.extend(curve);
     figure
-        .curves
-        .extend(found.and_then(|found| dependence(found, factor)));
-    figure
+}
+
+fn places(fit: &Fit, choice: Choice, values: &[f64], factor: f64) -> Vec<Place> {
+    residuals(fit, choice.quantity, choice.cable)
+        .into_iter()
+        .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
+        .collect()
+}
+
+fn series(choice: Choice, fit: &Fit, points: Vec<Point>) -> Series {
+    let cables = &fit.dataset.robot.cables;
+    match choice
+        .cable
+        .and_then(|index| Some((index, cables.get(index)?)))
+    {
+        Some((index, cable)) => Series::of_cable(index, &cable.name, points),
+        None => Series::new(choice.quantity.name(), Ink::Accent, Marker::Circle, points),
+    }
 }
 
 /// The curve through the residuals of a dependence: least squares in the functions that the diagnosis asked with.
@@ -195,7 +196,7 @@ fn dependence(found: &Discrepancy, factor: f64) -> Option<Curve> {
 }
 
 /// What the causes found explain of the residuals: before minus after, neighbours along the variable averaged.
-fn effect(before: &[(usize, f64, f64)], after: &[(usize, f64, f64)]) -> Curve {
+fn effect(before: &[Place], after: &[Place]) -> Curve {
     let by_row: std::collections::HashMap<usize, f64> =
         after.iter().map(|(row, _, value)| (*row, *value)).collect();
     let mut explained: Vec<[f64; 2]> = before

@@ -26,7 +26,7 @@ fn finite_pair(pair: [f64; 2]) -> Option<[f64; 2]> {
     pair.iter().all(|v| v.is_finite()).then_some(pair)
 }
 
-impl Diagnosed<'_> {
+impl Diagnosed {
     /// Machine form.
     pub fn document(&self) -> DiagnosisDocument {
         let diagnosis = &self.diagnosis;

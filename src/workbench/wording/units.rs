@@ -1,7 +1,7 @@
 //! Quantities in the units in which people read them: millimetres, degrees, percent.
 
 /// Factor from a unit of files, and the unit that people read.
-fn people(unit: &str) -> (f64, &str) {
+pub fn people(unit: &str) -> (f64, &str) {
     match unit {
         "m" => (1e3, "mm"),
         "rad" => (1.0_f64.to_degrees(), "degrees"),
@@ -58,6 +58,18 @@ pub fn range([from, to]: [f64; 2], unit: &str) -> String {
     format!("{size} to {to}")
 }
 
+/// Decimals to which a value of this standard deviation, positive, has sense.
+pub fn decimals(sd: f64) -> usize {
+    let leading = sd.log10().floor();
+    // Two digits where the first is a 1: 0.1 could be anything from 0.05 to 0.15.
+    let digits = if sd / 10_f64.powf(leading) < 1.95 {
+        1
+    } else {
+        0
+    };
+    usize::try_from(digits - leading as i32).unwrap_or(0)
+}
+
 /// A quantity with its standard deviation: `0.31 ± 0.04 %`. The digits are those that the deviation leaves sense.
 pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
     let (factor, name) = people(unit);
@@ -67,17 +79,15 @@ pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
             .trim_end()
             .to_owned();
     }
-    let leading = sd.log10().floor();
-    // Two digits where the first is a 1: 0.1 could be anything from 0.05 to 0.15.
-    let digits = if sd / 10_f64.powf(leading) < 1.95 {
-        1
-    } else {
-        0
-    };
-    let decimals = usize::try_from(digits - leading as i32).unwrap_or(0);
+    let decimals = decimals(sd);
     format!("{value:.decimals$} ± {sd:.decimals$} {name}")
         .trim_end()
         .to_owned()
+}
+
+/// Metres as millimetres with the decimals given.
+pub fn mm(metres: f64, decimals: usize) -> String {
+    format!("{:.decimals$}", metres * 1e3)
 }
 
 #[cfg(test)]

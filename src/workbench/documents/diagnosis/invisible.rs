@@ -3,7 +3,7 @@
 use tautline_core::diagnosis::Invisible;
 
 use super::Diagnosed;
-use crate::cli::units::{range, unit_of};
+use crate::wording::units::{range, unit_of};
 
 /// All that is invisible of one effect on cables or on the whole robot, in one unit.
 struct Group<'a> {
@@ -13,22 +13,47 @@ struct Group<'a> {
     members: Vec<&'a Invisible>,
 }
 
-impl Diagnosed<'_> {
-    /// One line per effect, and one for those that no size would show.
-    pub fn invisible_lines(&self) -> Vec<String> {
+/// What a diagnosis cannot show, by effect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Hidden {
+    /// Effects with the smallest size that would show.
+    pub sized: Vec<String>,
+    /// Effects of which no size would show.
+    pub never: Vec<&'static str>,
+}
+
+/// What stands above the effects that have a size.
+pub const HIDDEN: &str = "These poses do not show the following faults at their usual sizes. Smallest size that would show:";
+
+impl Diagnosed {
+    /// What the data cannot show.
+    #[must_use]
+    pub fn hidden_effects(&self) -> Hidden {
         let groups = groups(&self.diagnosis.invisible);
-        if groups.is_empty() {
-            return Vec::new();
-        }
         let has_size = |group: &&Group<'_>| group.sizes().next().is_some();
         let (sized, never): (Vec<_>, Vec<_>) = groups.iter().partition(has_size);
-        let heading = "These poses do not show the following faults at their usual sizes. Smallest size that would show:";
-        let mut lines = vec![heading.to_owned()];
-        lines.extend(sized.iter().map(|group| self.line(group)));
-        if !never.is_empty() {
-            let mut titles: Vec<_> = never.iter().map(|group| group.title()).collect();
-            titles.dedup();
-            lines.push(format!("   No size would show: {}", titles.join(", ")));
+        let mut never: Vec<_> = never.iter().map(|group| group.title()).collect();
+        never.dedup();
+        Hidden {
+            sized: sized.iter().map(|group| self.line(group)).collect(),
+            never,
+        }
+    }
+
+    /// The same in lines of text, none if there is nothing.
+    #[must_use]
+    pub fn invisible_lines(&self) -> Vec<String> {
+        let hidden = self.hidden_effects();
+        if hidden.sized.is_empty() && hidden.never.is_empty() {
+            return Vec::new();
+        }
+        let mut lines = vec![HIDDEN.to_owned()];
+        lines.extend(hidden.sized.iter().map(|line| format!("   {line}")));
+        if !hidden.never.is_empty() {
+            lines.push(format!(
+                "   No size would show: {}",
+                hidden.never.join(", ")
+            ));
         }
         lines
     }
@@ -41,11 +66,7 @@ impl Diagnosed<'_> {
             some => format!(" ({some} of {} at no size)", group.members.len()),
         };
         let sizes = range([least, most], group.unit);
-        format!(
-            "   {}{}: {sizes}{never}",
-            group.title(),
-            self.cables_of(group)
-        )
+        format!("{}{}: {sizes}{never}", group.title(), self.cables_of(group))
     }
 
     /// The cables of a group in brackets, after a space.

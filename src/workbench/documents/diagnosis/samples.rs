@@ -1,5 +1,7 @@
 //! Diagnoses put together by hand, around plain solutions of a small simulated dataset.
 
+use std::sync::Arc;
+
 use tautline_core::diagnosis::{
     Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
@@ -176,7 +178,7 @@ fn invisible(robot: &Robot) -> Vec<Invisible> {
 }
 
 /// A diagnosis with these findings; without any the model explains the data.
-pub fn diagnosed<'a>(dataset: &'a Dataset, verdicts: &[Verdict]) -> Diagnosed<'a> {
+pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
     let robot = &dataset.robot;
     let is_clean = verdicts.is_empty();
     let found = |v: &Verdict| finding(robot, *v);
@@ -205,7 +207,7 @@ pub fn diagnosed<'a>(dataset: &'a Dataset, verdicts: &[Verdict]) -> Diagnosed<'a
         cancelled: false,
     };
     Diagnosed {
-        dataset,
+        dataset: Arc::new(dataset.clone()),
         diagnosis,
         alpha: 0.01,
         seconds: 0.1,

@@ -1,9 +1,8 @@
-//! Causes, readings and probabilities in words.
+//! Lists, numbers, readings and probabilities in words, the same for reports, screens and the terminal.
 
-use tautline_core::diagnosis::{Cause, Quantity};
-use tautline_core::effect::{Scope, Search};
+pub mod units;
 
-use super::Diagnosed;
+use tautline_core::diagnosis::Quantity;
 
 /// `a, b and c`.
 pub fn list(items: &[String]) -> String {
@@ -61,44 +60,6 @@ pub fn readings(quantity: Quantity, cable: Option<&str>) -> String {
     match cable {
         Some(cable) => format!("{readings} of {cable}"),
         None => readings.to_owned(),
-    }
-}
-
-impl Diagnosed<'_> {
-    /// Title and cables of a cause: `Winch scale (cable-3)`.
-    pub fn title(&self, cause: &Cause) -> String {
-        format!("{}{}", cause.effect().title(), self.on(cause))
-    }
-
-    /// Cables and pose of a cause in brackets, after a space: ` (cable-3, from pose 17)`.
-    pub fn on(&self, cause: &Cause) -> String {
-        let cables = self.cables(cause, &self.targets(cause));
-        let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
-        if words.is_empty() {
-            return String::new();
-        }
-        format!(" ({})", words.join(", "))
-    }
-
-    /// The cables `targets` of a cause; `None` for an effect of the robot or an instrument.
-    pub fn cables(&self, cause: &Cause, targets: &[String]) -> Option<String> {
-        match targets.len() {
-            0 if cause.effect().scope() == Scope::CableOrAll => Some("all cables".to_owned()),
-            0 => None,
-            all if all > 1 && all == self.robot().cable_count() => Some("each cable".to_owned()),
-            1..=4 => Some(list(targets)),
-            several => Some(count(several, "cable")),
-        }
-    }
-}
-
-/// When a cause acts, if that is not always.
-fn event(cause: &Cause) -> Option<String> {
-    let value = |index: usize| cause.instances[0].values[index];
-    match cause.effect().search() {
-        Search::FromPose(index) => Some(format!("from pose {}", value(index))),
-        Search::AtPose(index) => Some(format!("pose {}", value(index))),
-        Search::Direct | Search::Wave { .. } | Search::Exchange => None,
     }
 }
 

@@ -1,0 +1,75 @@
+//! One finding in words.
+
+use tautline_core::diagnosis::{Finding, FoundParameter, Gain, Verdict};
+
+use super::Diagnosed;
+use crate::wording::units::{significant, unit_of, with_sd};
+use crate::wording::{count, ratio};
+
+impl Diagnosed {
+    /// What it is and how sure that is.
+    #[must_use]
+    pub fn heading(&self, finding: &Finding) -> String {
+        let title = self.title(&finding.cause);
+        match finding.verdict {
+            Verdict::Named => format!("{title}, clearly"),
+            Verdict::Ambiguous => {
+                let others: Vec<_> = finding.alternatives.iter().map(|c| self.title(c)).collect();
+                format!("{title}, cannot be told apart from: {}", others.join("; "))
+            }
+            Verdict::Unknown => format!("Unknown cause{}", self.on(&finding.cause)),
+        }
+    }
+
+    /// The values found, where there are any.
+    #[must_use]
+    pub fn size(&self, parameters: &[FoundParameter]) -> Option<String> {
+        let name_each = parameters
+            .iter()
+            .any(|p| p.name != parameters[0].name && p.sd.is_some());
+        let words = |p: &FoundParameter| {
+            let value = match p.sd {
+                None => return format!("{} {}", p.name, significant(p.value, 6)),
+                Some(sd) => with_sd(p.value, sd, unit_of(p.name, p.unit)),
+            };
+            let name = if name_each { Some(p.name) } else { None };
+            let cable = self.cable(p.cable);
+            let before = cable.as_deref().into_iter().chain(name);
+            let words: Vec<_> = before.chain([value.as_str()]).collect();
+            words.join(" ")
+        };
+        let words: Vec<_> = parameters.iter().map(words).collect();
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+}
+
+/// What the finding does to the prediction and to the robot.
+#[must_use]
+pub fn gain(gain: &Gain) -> String {
+    let position = gain.position;
+    let [from, to] = position.interval_m.map(|m| significant(1e3 * m, 2));
+    let moved = format!(
+        "the platform is {} ({from} to {to}) away from where the old model has it, {} at most",
+        short(position.rms_m),
+        short(position.largest_m)
+    );
+    let [before, after] = [gain.before, gain.after].map(ratio);
+    if gain.poses_held_out == 0 || !(gain.before.is_finite() && gain.after.is_finite()) {
+        return format!("{moved}. There are too few poses to test it on others.");
+    }
+    let poses = count(gain.poses_held_out, "pose");
+    let readings = format!("the readings at {poses} that were not used for fitting are");
+    let change = if before == after {
+        format!("still missed by {after} times their noise")
+    } else if gain.after > gain.before {
+        format!("now missed by {after} instead of {before} times their noise, which is no gain")
+    } else {
+        format!("now missed by {after} instead of {before} times their noise")
+    };
+    format!("{readings} {change}; {moved}.")
+}
+
+/// A length in millimetres with as many digits as anyone reads.
+fn short(length_m: f64) -> String {
+    format!("{} mm", significant(1e3 * length_m, 2))
+}

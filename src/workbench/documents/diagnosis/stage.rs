@@ -1,0 +1,16 @@
+//! What a running diagnosis is about, in words.
+
+use tautline_core::diagnosis::Stage;
+
+/// A stage in words.
+#[must_use]
+pub fn stage(stage: Stage) -> &'static str {
+    match stage {
+        Stage::BaseFit => "fitting the model as it is",
+        Stage::Discrepancy => "looking at which readings it misses",
+        Stage::Scores => "asking every possible cause",
+        Stage::Refits => "fitting the likeliest causes",
+        Stage::HeldOut => "testing on poses left out of the fit",
+        Stage::Separation => "looking for poses that tell causes apart",
+    }
+}

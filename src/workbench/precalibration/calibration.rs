@@ -1,0 +1,188 @@
+//! What the tables of phases 1 and 2 of a session tell, computed once for each state of them.
+
+use tautline_core::geometry::Pose;
+use tautline_core::instrument::{ForceSensorCalibration, HomeMeasurement, WinchCalibration};
+use tautline_core::robot::{Home, Robot};
+use tautline_session::{PhaseData, Session};
+
+use super::fits::{ElongationFit, fit_elongation, fit_force_sensor, fit_home, fit_winch};
+use super::put::{put_force_sensor, put_home, put_surface, put_winch};
+
+/// The fit of one cable's instrument, or one sentence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PerCable<T> {
+    /// Index of the cable.
+    pub cable: usize,
+    /// The fit.
+    pub fit: Result<T, String>,
+}
+
+/// The robot with fitted values in place of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// The robot, or one sentence why it cannot have the values.
+    pub robot: Result<Robot, String>,
+    /// Whether the robot of the session has the values already.
+    pub is_used: bool,
+    /// Values that have no place in the robot, one sentence each.
+    pub left_out: Vec<String>,
+}
+
+/// Fits of phases 1 and 2; empty where nothing was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    robot: Robot,
+    phases: PhaseData,
+    /// Winches that were measured, in the order of the cables.
+    pub winches: Vec<PerCable<WinchCalibration>>,
+    /// The robot with their values.
+    pub with_winches: Proposal,
+    /// Force sensors that were measured, in the order of the cables.
+    pub force_sensors: Vec<PerCable<ForceSensorCalibration>>,
+    /// The robot with their values.
+    pub with_force_sensors: Proposal,
+    /// The home pose.
+    pub home: Option<Result<HomeMeasurement, String>>,
+    /// The robot with it.
+    pub with_home: Proposal,
+    /// The elongation of the cables.
+    pub elongation: Option<Result<ElongationFit, String>>,
+    /// The robot with it.
+    pub with_elongation: Proposal,
+}
+
+impl Calibration {
+    /// Fits everything that was measured.
+    #[must_use]
+    pub fn of(session: &Session) -> Self {
+        let (robot, phases) = (&session.robot, &session.phases);
+        let winches = per_cable(robot, |cable| {
+            let measured = phases.winch.iter().any(|pair| pair.cable == cable);
+            measured.then(|| fit_winch(robot, &phases.winch, cable))
+        });
+        let force_sensors = per_cable(robot, |cable| {
+            let measured = phases.force.iter().any(|pair| pair.cable == cable);
+            measured.then(|| fit_force_sensor(robot, &phases.force, cable))
+        });
+        let home = (!phases.home.is_empty()).then(|| fit_home(robot, &phases.home));
+        let elongation =
+            (!phases.elongation.is_empty()).then(|| fit_elongation(&phases.elongation));
+        Self {
+            with_winches: with_winches(robot, &winches),
+            with_force_sensors: with_force_sensors(robot, &force_sensors),
+            with_home: with_home(robot, home.as_ref()),
+            with_elongation: with_elongation(robot, elongation.as_ref()),
+            winches,
+            force_sensors,
+            home,
+            elongation,
+            robot: robot.clone(),
+            phases: PhaseData {
+                check: Vec::new(),
+                ..phases.clone()
+            },
+        }
+    }
+
+    /// Whether it was computed from the present robot and tables of a session.
+    #[must_use]
+    pub fn is_of(&self, session: &Session) -> bool {
+        let (ours, theirs) = (&self.phases, &session.phases);
+        ours.winch == theirs.winch
+            && ours.force == theirs.force
+            && ours.home == theirs.home
+            && ours.elongation == theirs.elongation
+            && self.robot == session.robot
+    }
+}
+
+fn per_cable<T>(
+    robot: &Robot,
+    fit: impl Fn(usize) -> Option<Result<T, String>>,
+) -> Vec<PerCable<T>> {
+    let cables = 0..robot.cable_count();
+    let fits = cables.filter_map(|cable| fit(cable).map(|fit| PerCable { cable, fit }));
+    fits.collect()
+}
+
+impl Proposal {
+    /// The robot after `change`, which adds what has no place in it to its second argument.
+    fn new(
+        robot: &Robot,
+        change: impl FnOnce(&mut Robot, &mut Vec<String>) -> Result<(), String>,
+    ) -> Self {
+        let (mut changed, mut left_out) = (robot.clone(), Vec::new());
+        let result = change(&mut changed, &mut left_out).and_then(|()| {
+            let checked = changed.check();
+            checked.map_err(|error| format!("The values make no possible robot: {error}"))
+        });
+        Self {
+            is_used: result.is_ok() && changed == *robot,
+            robot: result.map(|()| changed),
+            left_out,
+        }
+    }
+}
+
+fn with_winches(robot: &Robot, fits: &[PerCable<WinchCalibration>]) -> Proposal {
+    Proposal::new(robot, |robot, _| {
+        for PerCable { cable, fit } in fits {
+            let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) else {
+                continue;
+            };
+            put_winch(&mut cable.winch, fit.cable_per_revolution_m)
+                .map_err(|message| format!("{}: {message}", cable.name))?;
+        }
+        Ok(())
+    })
+}
+
+fn with_force_sensors(robot: &Robot, fits: &[PerCable<ForceSensorCalibration>]) -> Proposal {
+    Proposal::new(robot, |robot, left_out| {
+        for PerCable { cable, fit } in fits {
+            if let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) {
+                left_out.extend(put_force_sensor(cable, fit.gain, fit.bias_n).err());
+            }
+        }
+        Ok(())
+    })
+}
+
+fn with_home(robot: &Robot, fit: Option<&Result<HomeMeasurement, String>>) -> Proposal {
+    let proposal = Proposal::new(robot, |robot, left_out| {
+        if let Some(Ok(HomeMeasurement { fix, .. })) = fit {
+            let pose = &fix.platform_in_base;
+            let position = (pose.position.into(), fix.position_sd_m);
+            let orientation = (pose.orientation_wxyz(), fix.orientation_sd_rad);
+            left_out.extend(put_home(robot, position, orientation).err());
+        }
+        Ok(())
+    });
+    // The fit starts from the home pose of the robot, so that it changes by rounding once it is used.
+    let is_used = match (&proposal.robot, &robot.home) {
+        (Ok(changed), Some(now)) => changed.home.is_some_and(|new| is_same_home(&new, now)),
+        _ => proposal.is_used,
+    };
+    Proposal {
+        is_used,
+        ..proposal
+    }
+}
+
+/// The same up to rounding (m, rad).
+fn is_same_home(a: &Home, b: &Home) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let (pose_a, pose_b): (Pose, Pose) = (a.pose(), b.pose());
+    pose_a.difference(&pose_b).amax() < ROUNDING
+        && (a.position_sd_m - b.position_sd_m).abs() < ROUNDING
+        && (a.orientation_sd_rad - b.orientation_sd_rad).abs() < ROUNDING
+}
+
+fn with_elongation(robot: &Robot, fit: Option<&Result<ElongationFit, String>>) -> Proposal {
+    Proposal::new(robot, |robot, _| {
+        if let Some(Ok(fit)) = fit {
+            put_surface(robot, &fit.choice.surface);
+        }
+        Ok(())
+    })
+}

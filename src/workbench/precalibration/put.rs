@@ -1,0 +1,66 @@
+//! Putting the values of phases 1 and 2 into a robot.
+
+use std::f64::consts::PI;
+
+use tautline_core::cable::ElongationSurface;
+use tautline_core::robot::{Cable, Robot, Winch};
+
+/// Chooses the drum's diameter so that a motor revolution pays out `metres`; pitch and gear ratio stay.
+///
+/// # Errors
+/// One sentence if no drum of this pitch does that.
+pub fn put_winch(winch: &mut Winch, metres: f64) -> Result<(), String> {
+    let (per_turn, pitch) = (metres * winch.gear_ratio, winch.drum_pitch_m);
+    if per_turn <= pitch {
+        return Err(format!(
+            "found {per_turn} m of cable per turn of the drum, expected more than its pitch of {pitch} m"
+        ));
+    }
+    // (a - b)(a + b) loses less to rounding than a^2 - b^2.
+    let round = ((per_turn - pitch) * (per_turn + pitch)).sqrt();
+    winch.drum_diameter_m = round / PI;
+    Ok(())
+}
+
+/// Sets gain and bias (N) of a cable's force sensor.
+///
+/// # Errors
+/// One sentence if the cable has none.
+pub fn put_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(), String> {
+    let Some(sensor) = &mut cable.force_sensor else {
+        return Err(format!(
+            "{} has no force_sensor in robot.json: its gain and bias are not in the model",
+            cable.name
+        ));
+    };
+    sensor.tension_gain = gain;
+    sensor.bias_n = bias_n;
+    Ok(())
+}
+
+/// Sets the home pose; the standard deviation of all coordinates (m, rad) is that of the worst.
+///
+/// # Errors
+/// One sentence if the robot has no home pose.
+pub fn put_home(
+    robot: &mut Robot,
+    (position_m, position_sd_m): ([f64; 3], [f64; 3]),
+    (orientation_wxyz, orientation_sd_rad): ([f64; 4], [f64; 3]),
+) -> Result<(), String> {
+    let largest = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
+    let Some(home) = &mut robot.home else {
+        return Err("robot.json has no home: the home pose is not in the model".to_owned());
+    };
+    home.position_m = position_m;
+    home.orientation_wxyz = orientation_wxyz;
+    home.position_sd_m = largest(position_sd_m);
+    home.orientation_sd_rad = largest(orientation_sd_rad);
+    Ok(())
+}
+
+/// Gives all cables the measured elongation.
+pub fn put_surface(robot: &mut Robot, surface: &ElongationSurface) {
+    for cable in &mut robot.cables {
+        cable.cable.elongation_surface = Some(surface.clone());
+    }
+}

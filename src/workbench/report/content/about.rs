@@ -1,0 +1,60 @@
+//! What made this report, and the log of the session.
+
+use tautline_session::{Phase, Session, schemas};
+
+use super::when;
+use crate::report::document::{Block, Section, Table};
+use crate::report::{PROGRAM, ReportInput};
+use crate::wording::list;
+
+pub fn section(input: &ReportInput<'_>) -> Section {
+    let mut section = Section::new("About this report");
+    let formats: Vec<String> = schemas()
+        .iter()
+        .map(|schema| schema.file_name.trim_end_matches(".schema.json").to_owned())
+        .collect();
+    let facts = [
+        ("Program", PROGRAM.to_owned()),
+        ("File formats", list(&formats)),
+        ("Made on", when(input.now)),
+        ("Session", input.session.name.clone()),
+        ("Fingerprint of the inputs", input.session.basis()),
+    ];
+    let facts = facts.map(|(name, value)| (name.to_owned(), value));
+    section.blocks.push(Block::Facts(facts.into()));
+    section
+}
+
+/// Every step of the operator.
+pub fn log(session: &Session) -> Option<Section> {
+    if session.log().is_empty() {
+        return None;
+    }
+    let mut section = Section::new("Appendix: log of the session");
+    let mut table = Table::new(
+        "Steps of the operator, the oldest first",
+        3,
+        &["Time", "Part", "Step"],
+    );
+    for entry in session.log() {
+        table.push([
+            when(entry.time).replace(' ', "\u{a0}"),
+            phase(entry.phase).to_owned(),
+            entry.text.clone(),
+        ]);
+    }
+    section.table(table);
+    Some(section)
+}
+
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Instruments => "Instruments",
+        Phase::Cables => "Cables",
+        Phase::Poses => "Measuring",
+        Phase::Identification => "Identification",
+        Phase::Diagnosis => "Diagnosis",
+        Phase::Accuracy => "Accuracy",
+        Phase::Session => "Session",
+    }
+}

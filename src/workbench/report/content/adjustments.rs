@@ -1,0 +1,63 @@
+//! What was written to the controller.
+
+use tautline_session::{Adjustment, Outcome, Session};
+
+use super::{number, signed, when};
+use crate::report::document::{Section, Table};
+use crate::wording::units::people;
+
+pub fn section(session: &Session) -> Option<Section> {
+    if session.adjustments().is_empty() {
+        return None;
+    }
+    let mut section = Section::new("Adjustments of the controller");
+    for adjustment in session.adjustments() {
+        section.heading(when(adjustment.time));
+        section.paragraph(sentence(adjustment));
+        section.table(changes(adjustment));
+    }
+    Some(section)
+}
+
+fn sentence(adjustment: &Adjustment) -> String {
+    let Adjustment {
+        operator,
+        controller,
+        outcome,
+        ..
+    } = adjustment;
+    let outcome = match outcome {
+        Outcome::Written => "all values were written and read back".to_owned(),
+        Outcome::RolledBack => "the old values were written back".to_owned(),
+        Outcome::Failed(reason) => format!("it failed: {reason}"),
+    };
+    let who = if operator.trim().is_empty() {
+        String::new()
+    } else {
+        format!(" by {operator}")
+    };
+    format!(
+        "Controller {controller}{who}: {}.",
+        outcome.trim_end_matches('.')
+    )
+}
+
+fn changes(adjustment: &Adjustment) -> Table {
+    let mut table = Table::new(
+        "Parameters of the controller",
+        2,
+        &["Parameter", "unit", "before", "written", "change"],
+    );
+    for change in &adjustment.changes {
+        let (factor, unit) = people(&change.unit);
+        let digits = 3;
+        table.push([
+            change.name.clone(),
+            unit.to_owned(),
+            number(factor * change.before, digits),
+            number(factor * change.after, digits),
+            signed(factor * (change.after - change.before), digits),
+        ]);
+    }
+    table
+}

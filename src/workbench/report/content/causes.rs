@@ -1,0 +1,158 @@
+//! What the model gets wrong.
+
+use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
+use tautline_core::effect::{Effect, Unknown};
+
+use super::number;
+use crate::documents::diagnosis::Diagnosed;
+use crate::documents::diagnosis::gain;
+use crate::report::document::{Block, Section, Table};
+use crate::wording::units::{range, significant, unit_of};
+use crate::wording::{count, list, odds, ratio, sentence};
+
+/// Standard deviations on either side within which the true value lies 19 times out of 20.
+const INTERVAL: f64 = 1.96;
+
+pub fn section(told: &Diagnosed) -> Section {
+    let diagnosis = &told.diagnosis;
+    let mut section = Section::new("What the model gets wrong");
+    for line in told.fit() {
+        section.paragraph(line);
+    }
+    if diagnosis.findings.is_empty() {
+        section.paragraph("No cause was found.");
+    }
+    for (index, finding) in diagnosis.findings.iter().enumerate() {
+        self::finding(told, index + 1, finding, &mut section);
+    }
+    let remaining = diagnosis.remaining.iter();
+    section.list(remaining.map(|left| told.remaining_line(left)).collect());
+    section.note(format!(
+        "Data that the model explains would lead to any finding with probability {}.",
+        significant(told.alpha, 2)
+    ));
+    section
+}
+
+fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Section) {
+    section.heading(format!("{number}. {}", told.heading(finding)));
+    section.paragraph(finding.sentence.clone());
+    match finding.verdict {
+        Verdict::Named => {}
+        Verdict::Ambiguous => {
+            let mut titles = vec![told.title(&finding.cause)];
+            titles.extend(finding.alternatives.iter().map(|cause| told.title(cause)));
+            section.paragraph(format!(
+                "These data cannot tell which of these it is: {}. The values below hold if it is the first.",
+                list(&titles)
+            ));
+        }
+        Verdict::Unknown => section.paragraph(
+            "The readings depend on something that no effect of the catalogue explains. What it is, is not known: no size is given, and the geometry was kept free of it.",
+        ),
+    }
+    section.blocks.push(Block::Facts(facts(told, finding)));
+    if let Some(separation) = &finding.separation {
+        section.paragraph(format!("To tell them apart: {}", separation.advice));
+        section.table(poses(separation));
+    }
+}
+
+fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
+    let mut facts = Vec::new();
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
+    if finding.cause.effect().id() != Unknown.id() {
+        if let Some(size) = told.size(&finding.parameters) {
+            add("Size", size);
+        }
+        let intervals = intervals(&finding.parameters);
+        if !intervals.is_empty() {
+            add("19 times out of 20", list(&intervals));
+        }
+    }
+    add("Evidence", sentence(&evidence(finding)));
+    if let Some(text) = runner_up(told, finding) {
+        add("Runner-up", text);
+    }
+    add("What it gains", sentence(&gain(&finding.gain)));
+    if let Some(text) = gain_interval(finding) {
+        add("Gain, 19 times out of 20", sentence(&text));
+    }
+    if !finding.advice.is_empty() {
+        add("What to do", finding.advice.clone());
+    }
+    if let Some(check) = finding.cause.effect().check() {
+        add("What to check", check.to_owned());
+    }
+    facts
+}
+
+/// Where the true values are, for those that were fitted.
+fn intervals(parameters: &[FoundParameter]) -> Vec<String> {
+    let interval = |p: &FoundParameter| {
+        let half = INTERVAL * p.sd.filter(|sd| sd.is_finite() && *sd > 0.0)?;
+        let unit = unit_of(p.name, p.unit);
+        Some(range([p.value - half, p.value + half], unit))
+    };
+    parameters.iter().filter_map(interval).collect()
+}
+
+fn evidence(finding: &Finding) -> String {
+    let evidence = &finding.evidence;
+    format!(
+        "without this cause, readings that speak as much for it would occur {}, the {} questions that were asked taken into account (chi-square falls by {:.1} for {} more)",
+        odds(evidence.p_value),
+        evidence.questions,
+        evidence.delta_chi2,
+        count(evidence.parameters, "parameter")
+    )
+}
+
+/// What came closest.
+fn runner_up(told: &Diagnosed, finding: &Finding) -> Option<String> {
+    let rival = finding.evidence.ranking.get(1)?;
+    let own = finding.evidence.ranking.first()?;
+    Some(format!(
+        "{}: chi-square falls by {:.1} instead of {:.1}, readings held out are missed by {} instead of {} times their noise",
+        told.title(&rival.cause),
+        rival.delta_chi2,
+        own.delta_chi2,
+        ratio(rival.holdout),
+        ratio(own.holdout)
+    ))
+}
+
+fn gain_interval(finding: &Finding) -> Option<String> {
+    let gain = &finding.gain;
+    let [from, to] = gain.interval;
+    let is_known = gain.poses_held_out > 0 && from.is_finite() && to.is_finite();
+    is_known.then(|| {
+        format!(
+            "readings held out are missed by {} to {} times their noise less than before",
+            number(from, 2),
+            number(to, 2)
+        )
+    })
+}
+
+fn poses(separation: &Separation) -> Table {
+    let mut table = Table::new(
+        format!(
+            "Poses to measure, the most telling first: chi-square of the two best causes is expected to differ by {:.0} then. Angles: rotation vector about the axes of the base",
+            separation.expected_delta_chi2
+        ),
+        1,
+        &["Pose", "x mm", "y mm", "z mm", "rx °", "ry °", "rz °"],
+    );
+    for (index, pose) in separation.poses.iter().enumerate() {
+        let position = pose.position.map(|v| number(1e3 * v, 0));
+        let rotation = pose
+            .orientation
+            .scaled_axis()
+            .map(|v| number(v.to_degrees(), 1));
+        let [x, y, z]: [String; 3] = position.into();
+        let [rx, ry, rz]: [String; 3] = rotation.into();
+        table.push([(index + 1).to_string(), x, y, z, rx, ry, rz]);
+    }
+    table
+}

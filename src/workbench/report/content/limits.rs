@@ -1,0 +1,73 @@
+//! What the data cannot say, and what was taken for granted.
+
+use tautline_core::robot::Robot;
+
+use crate::documents::diagnosis::HIDDEN;
+use crate::report::ReportInput;
+use crate::report::document::Section;
+use crate::wording::{count, sentence};
+
+pub fn section(input: &ReportInput<'_>) -> Section {
+    let mut section = Section::new("Limits");
+    if let Some(fit) = input.fit {
+        if fit.open.is_empty() {
+            section.paragraph("The data determine everything that was to be identified.");
+        } else {
+            section.paragraph("The data leave this open:");
+            let open = fit.open.iter();
+            section.list(
+                open.map(|d| format!("{}.", sentence(&d.sentence)))
+                    .collect(),
+            );
+        }
+    }
+    match input.diagnosis {
+        Some(diagnosed) => {
+            let hidden = diagnosed.hidden_effects();
+            if !hidden.sized.is_empty() {
+                section.paragraph(HIDDEN);
+                section.list(hidden.sized);
+            }
+            if !hidden.never.is_empty() {
+                section.paragraph(format!(
+                    "These poses would show the following faults at no size: {}.",
+                    hidden.never.join(", ")
+                ));
+            }
+        }
+        None => section.paragraph(
+            "It was not asked what the model gets wrong: faults that imitate a displaced pulley may be in the values.",
+        ),
+    }
+    section.paragraph("Taken for granted:");
+    section.list(assumptions(&input.session.robot, input));
+    section
+}
+
+fn assumptions(robot: &Robot, input: &ReportInput<'_>) -> Vec<String> {
+    let mut all = vec![
+        "Pulley radii, swivel axes, anchors on the platform and drums are as the drawing says, unless an effect above says otherwise.".to_owned(),
+        "Readings scatter as the robot's description says, independently of each other.".to_owned(),
+    ];
+    let inelastic = robot
+        .cables
+        .iter()
+        .filter(|c| c.cable.axial_stiffness_n.is_none() && c.cable.elongation_surface.is_none());
+    match inelastic.count() {
+        0 => {}
+        some if some == robot.cable_count() => all.push("No cable stretches.".to_owned()),
+        some => all.push(format!("{} taken as inelastic.", count(some, "cable"))),
+    }
+    if robot.cables.iter().all(|c| c.cable.weight_n_per_m == 0.0) {
+        all.push("No cable sags under its weight.".to_owned());
+    }
+    if robot.platform.mass_kg.is_some() && !input.session.measurements.force_n.is_empty() {
+        all.push("The platform is at rest at every pose, and nothing but gravity and the cables acts on it.".to_owned());
+    }
+    if input.session.phases.home.is_empty() && robot.home.is_some() {
+        all.push(
+            "The platform was at its home pose when the encoders were set to zero.".to_owned(),
+        );
+    }
+    all
+}

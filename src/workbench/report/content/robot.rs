@@ -1,0 +1,118 @@
+//! The robot as the drawings describe it.
+
+use tautline_core::robot::Robot;
+
+use super::{NONE, number};
+use crate::report::document::{Block, Section, Table};
+use crate::wording::units::mm;
+use crate::wording::units::quantity;
+use crate::wording::{count, list};
+
+pub fn section(robot: &Robot) -> Section {
+    let mut section = Section::new("Robot");
+    section.blocks.push(Block::Facts(facts(robot)));
+    section.table(cables(robot));
+    section
+}
+
+fn facts(robot: &Robot) -> Vec<(String, String)> {
+    let mut facts = Vec::new();
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
+    add("Name", robot.name.clone());
+    add("Cables", robot.cable_count().to_string());
+    let free = robot.platform.freedom();
+    let free: Vec<String> = free
+        .coordinates()
+        .iter()
+        .map(|c| c.describe().to_owned())
+        .collect();
+    add("Platform moves in", list(&free));
+    let mass = robot.platform.mass_kg;
+    add(
+        "Mass of the platform",
+        mass.map_or_else(
+            || "not given, so the balance of forces is not used".to_owned(),
+            |mass| quantity(mass, "kg"),
+        ),
+    );
+    add("Instruments", instruments(robot));
+    if let Some(home) = &robot.home {
+        add(
+            "Home pose",
+            format!(
+                "known to {} and {}",
+                quantity(home.position_sd_m, "m"),
+                quantity(home.orientation_sd_rad, "rad")
+            ),
+        );
+    }
+    facts
+}
+
+/// What measures, with its noise.
+fn instruments(robot: &Robot) -> String {
+    let mut all = vec!["winch encoders".to_owned()];
+    let sensors = robot.cables.iter().filter(|c| c.force_sensor.is_some());
+    match sensors.count() {
+        0 => {}
+        some if some == robot.cable_count() => all.push("force sensors on all cables".to_owned()),
+        some => all.push(format!("force sensors on {}", count(some, "cable"))),
+    }
+    if let Some(laser) = &robot.laser {
+        all.push(format!(
+            "laser distance sensor (±{})",
+            quantity(laser.sd_m, "m")
+        ));
+    }
+    if let Some(inclinometer) = &robot.inclinometer {
+        all.push(format!(
+            "inclinometer (±{})",
+            quantity(inclinometer.sd_rad, "rad")
+        ));
+    }
+    if let Some(tracker) = &robot.tracker {
+        let sd = tracker.position_sd_m.each().into_iter().fold(0.0, f64::max);
+        all.push(format!("external instrument (±{})", quantity(sd, "m")));
+    }
+    if robot.home_platform.is_some() {
+        all.push("home reference platform".to_owned());
+    }
+    list(&all)
+}
+
+fn cables(robot: &Robot) -> Table {
+    let mut table = Table::new(
+        "Cables as the drawing and the first two phases describe them",
+        1,
+        &[
+            "Cable",
+            "Pulley radius mm",
+            "Drum diameter mm",
+            "Length noise mm",
+            "Tension noise N",
+            "Stiffness kN",
+            "Weight N/m",
+        ],
+    );
+    for cable in &robot.cables {
+        let stiffness = match (
+            &cable.cable.elongation_surface,
+            cable.cable.axial_stiffness_n,
+        ) {
+            (Some(_), _) => "measured".to_owned(),
+            (None, Some(stiffness_n)) => number(1e-3 * stiffness_n, 1),
+            (None, None) => "inelastic".to_owned(),
+        };
+        let sensor = cable.force_sensor.as_ref();
+        table.push([
+            cable.name.clone(),
+            mm(cable.pulley.radius_m, 1),
+            mm(cable.winch.drum_diameter_m, 1),
+            mm(cable.winch.length_sd_m, 2),
+            sensor.map_or_else(|| NONE.to_owned(), |s| number(s.tension_sd_n, 1)),
+            stiffness,
+            number(cable.cable.weight_n_per_m, 3),
+        ]);
+    }
+    table
+}

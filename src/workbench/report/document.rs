@@ -1,0 +1,141 @@
+//! What a report consists of; the renderers know nothing else.
+
+use super::drawing::Drawing;
+
+/// A whole report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Document {
+    /// What it is about.
+    pub title: String,
+    /// Lines below the title.
+    pub subtitle: Vec<String>,
+    /// Its parts.
+    pub sections: Vec<Section>,
+}
+
+/// A part with a heading.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Its heading.
+    pub title: String,
+    /// What it says, in order.
+    pub blocks: Vec<Block>,
+}
+
+/// A piece of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Block {
+    /// A heading inside the section.
+    Heading(String),
+    /// A sentence that carries the section: what a hurried reader reads.
+    Lead(String),
+    /// Text.
+    Paragraph(String),
+    /// Text for those who want the numbers.
+    Note(String),
+    /// Short lines.
+    List(Vec<String>),
+    /// Names with their values.
+    Facts(Vec<(String, String)>),
+    /// A table.
+    Table(Table),
+    /// Plots side by side as far as there is room.
+    Plots(Vec<Drawing>),
+    /// A picture.
+    Picture {
+        /// PNG.
+        png: Vec<u8>,
+        /// What it shows.
+        caption: String,
+    },
+}
+
+/// Alignment of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Text.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// A table. Every row has one cell for each column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// What it shows.
+    pub caption: String,
+    /// Headings and alignments of the columns.
+    pub columns: Vec<(String, Align)>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table whose first `texts` columns are text, the others numbers.
+    pub fn new(caption: impl Into<String>, texts: usize, headings: &[&str]) -> Self {
+        let align = |k| if k < texts { Align::Left } else { Align::Right };
+        let headings = headings.iter().enumerate();
+        Self {
+            caption: caption.into(),
+            columns: headings
+                .map(|(k, text)| ((*text).to_owned(), align(k)))
+                .collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a row.
+    pub fn push<const N: usize>(&mut self, cells: [String; N]) {
+        debug_assert_eq!(N, self.columns.len(), "one cell for each column");
+        self.rows.push(cells.into());
+    }
+
+    /// Whether it has no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+}
+
+impl Section {
+    /// A section without content yet.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            blocks: Vec::new(),
+        }
+    }
+
+    /// Adds a heading.
+    pub fn heading(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Heading(text.into()));
+    }
+
+    /// Adds the sentence that carries the section.
+    pub fn lead(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Lead(text.into()));
+    }
+
+    /// Adds text.
+    pub fn paragraph(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Paragraph(text.into()));
+    }
+
+    /// Adds text for those who want the numbers.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Note(text.into()));
+    }
+
+    /// Adds short lines, if there are any.
+    pub fn list(&mut self, lines: Vec<String>) {
+        if !lines.is_empty() {
+            self.blocks.push(Block::List(lines));
+        }
+    }
+
+    /// Adds a table, if it has rows.
+    pub fn table(&mut self, table: Table) {
+        if !table.is_empty() {
+            self.blocks.push(Block::Table(table));
+        }
+    }
+}

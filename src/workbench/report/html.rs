@@ -1,0 +1,100 @@
+//! A report as one HTML file that needs nothing else: no network, no script. Everything that comes from files is escaped.
+
+use base64::prelude::{BASE64_STANDARD, Engine as _};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::document::{Align, Block, Document, Section, Table};
+
+const STYLE: &str = include_str!("report.css");
+
+/// The report as text of an HTML file.
+pub fn render(document: &Document) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (document.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    h1 { (document.title) }
+                    p.subtitle {
+                        @for line in &document.subtitle { span { (line) } " " }
+                    }
+                    @for part in &document.sections { (section(part)) }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn section(section: &Section) -> Markup {
+    html! {
+        section {
+            h2 { (section.title) }
+            @for block in &section.blocks { (self::block(block)) }
+        }
+    }
+}
+
+fn block(block: &Block) -> Markup {
+    html! {
+        @match block {
+            Block::Heading(text) => h3 { (text) },
+            Block::Lead(text) => p.lead { (text) },
+            Block::Paragraph(text) => p { (text) },
+            Block::Note(text) => p.note { (text) },
+            Block::List(lines) => ul { @for line in lines { li { (line) } } },
+            Block::Facts(facts) => dl {
+                @for (name, value) in facts { dt { (name) } dd { (value) } }
+            },
+            Block::Table(table) => (self::table(table)),
+            Block::Plots(plots) => div.plots {
+                @for plot in plots { (PreEscaped(plot.svg())) }
+            },
+            Block::Picture { png, caption } => figure {
+                img src=(data_uri(png)) alt=(caption);
+                figcaption { (caption) }
+            },
+        }
+    }
+}
+
+fn table(table: &Table) -> Markup {
+    let class = |align: Align| match align {
+        Align::Left => None,
+        Align::Right => Some("number"),
+    };
+    html! {
+        div.table {
+            table {
+                caption { (table.caption) }
+                thead {
+                    tr {
+                        @for (text, align) in &table.columns {
+                            th scope="col" class=[class(*align)] { (text) }
+                        }
+                    }
+                }
+                tbody {
+                    @for row in &table.rows {
+                        tr {
+                            @for (cell, (_, align)) in row.iter().zip(&table.columns) {
+                                td class=[class(*align)] { (cell) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A PNG inside of a document.
+fn data_uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png))
+}

@@ -1,0 +1,153 @@
+//! A report as PDF: A4, numbered pages, an outline of the headings, text that can be selected, plots as vectors.
+
+mod faces;
+mod layout;
+mod paint;
+mod table;
+mod wrap;
+
+use krilla::Document as Pdf;
+use krilla::destination::XyzDestination;
+use krilla::geom::Point;
+use krilla::metadata::{DateTime, Metadata};
+use krilla::outline::{Outline, OutlineNode};
+use krilla::page::PageSettings;
+use tautline_session::Timestamp;
+
+use super::document::Document;
+use super::drawing::{Anchor, Ink, Shape};
+use faces::Faces;
+use layout::{BOTTOM, LEFT, Layout, PAGE, Page, WIDTH};
+
+/// Why there is no PDF.
+#[derive(Debug, thiserror::Error)]
+pub enum PdfError {
+    /// A font of the program cannot be used.
+    #[error("the fonts of the program cannot be read")]
+    Font,
+    /// The picture is no PNG.
+    #[error("the picture of the robot cannot be read: {0}")]
+    Picture(String),
+    /// The library refused.
+    #[error("the PDF cannot be made: {0}")]
+    Library(String),
+}
+
+/// The report as bytes of a PDF file.
+///
+/// # Errors
+/// If the picture is no PNG.
+pub fn render(document: &Document, now: Timestamp) -> Result<Vec<u8>, PdfError> {
+    let faces = Faces::new()?;
+    let Layout {
+        mut pages, marks, ..
+    } = Layout::of(document, &faces);
+    let count = pages.len();
+    for (k, page) in pages.iter_mut().enumerate() {
+        page.shapes.extend(footer(&document.title, k + 1, count));
+    }
+    let mut pdf = Pdf::new();
+    pdf.set_metadata(
+        Metadata::new()
+            .title(document.title.clone())
+            .language("en".to_owned())
+            .creator(super::PROGRAM.to_owned())
+            .creation_date(date(now)),
+    );
+    for page in &pages {
+        draw(&mut pdf, page, &faces)?;
+    }
+    let mut outline = Outline::new();
+    for mark in marks {
+        let at = Point::from_xy(LEFT as f32, mark.y as f32);
+        outline.push_child(OutlineNode::new(
+            mark.title,
+            XyzDestination::new(mark.page, at),
+        ));
+    }
+    pdf.set_outline(outline);
+    pdf.finish()
+        .map_err(|error| PdfError::Library(format!("{error:?}")))
+}
+
+fn draw(pdf: &mut Pdf, page: &Page, faces: &Faces) -> Result<(), PdfError> {
+    let settings = PageSettings::from_wh(PAGE[0] as f32, PAGE[1] as f32)
+        .ok_or_else(|| PdfError::Library("the size of a page".to_owned()))?;
+    let mut sheet = pdf.start_page_with(settings);
+    let mut surface = sheet.surface();
+    for shape in &page.shapes {
+        paint::shape(&mut surface, shape, faces);
+    }
+    for picture in &page.pictures {
+        paint::picture(&mut surface, picture)?;
+    }
+    surface.finish();
+    sheet.finish();
+    Ok(())
+}
+
+/// Title and number of the page.
+fn footer(title: &str, number: usize, count: usize) -> [Shape; 2] {
+    let text = |x: f64, anchor, text: String| Shape::Text {
+        at: [x, BOTTOM + 30.0],
+        size: 7.5,
+        anchor,
+        ink: Ink::Muted,
+        bold: false,
+        text,
+    };
+    [
+        text(LEFT, Anchor::Start, title.chars().take(90).collect()),
+        text(
+            LEFT + WIDTH,
+            Anchor::End,
+            format!("Page {number} of {count}"),
+        ),
+    ]
+}
+
+fn date(now: Timestamp) -> DateTime {
+    let text = now.to_string();
+    let number = |from: usize, to: usize| text.get(from..to).and_then(|t| t.parse::<u16>().ok());
+    let part = |from: usize| number(from, from + 2).map_or(0, |n| n as u8);
+    DateTime::new(number(0, 4).unwrap_or(0))
+        .month(part(5))
+        .day(part(8))
+        .hour(part(11))
+        .minute(part(14))
+        .second(part(17))
+        .utc_offset_hour(0)
+}
+
+/// Insists that every line of text and every shape is inside of the margins.
+#[cfg(test)]
+pub fn assert_on_pages(document: &Document) {
+    let faces = Faces::new().expect("fonts");
+    let layout = Layout::of(document, &faces);
+    assert!(layout.pages.len() > 1);
+    for shape in layout.pages.iter().flat_map(|page| &page.shapes) {
+        let (from, to, y) = match shape {
+            Shape::Line { from, to, .. } => (from[0], to[0], from[1].max(to[1])),
+            Shape::Area { at, size, .. } => (at[0], at[0] + size[0], at[1] + size[1]),
+            Shape::Dot { at, radius, .. } => (at[0] - radius, at[0] + radius, at[1]),
+            Shape::Text {
+                at,
+                size,
+                anchor,
+                bold,
+                text,
+                ..
+            } => {
+                let width = faces.width(text, *size, *bold);
+                let start = match anchor {
+                    Anchor::Start => at[0],
+                    Anchor::Middle => at[0] - 0.5 * width,
+                    Anchor::End => at[0] - width,
+                };
+                (start, start + width, at[1])
+            }
+        };
+        let is_inside = from >= LEFT - 0.5 && to <= LEFT + WIDTH + 0.5 && y <= BOTTOM + 0.5;
+        assert!(is_inside, "{shape:?}");
+    }
+}

@@ -1,0 +1,192 @@
+//! What the panels of phases 1 and 2 work with, and what they have in common.
+
+use egui::Ui;
+use egui_material_icons::icons;
+use tautline_core::robot::Robot;
+use tautline_session::{PhaseData, Session};
+
+use crate::app::command::Outbox;
+use crate::app::commands::{ImportCommand, ViewCommand};
+use crate::app::edit::Edit;
+use crate::app::theme;
+use crate::app::{Document, Messages, Selection};
+use crate::precalibration::{Calibration, PerCable, Proposal, Table};
+use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
+
+/// The open session with what its tables tell, and where commands go.
+pub struct Desk<'a> {
+    /// The open session.
+    pub document: &'a Document,
+    /// What its tables tell.
+    pub calibration: &'a Calibration,
+    /// What is selected.
+    pub selection: Selection,
+    /// Commands of this frame.
+    pub outbox: &'a mut Outbox,
+    /// For sentences about wrong input.
+    pub messages: &'a mut Messages,
+}
+
+impl<'a> Desk<'a> {
+    /// The session.
+    pub fn session(&self) -> &'a Session {
+        self.document.session()
+    }
+
+    /// The robot.
+    pub fn robot(&self) -> &'a Robot {
+        &self.document.session().robot
+    }
+
+    /// Draws the row for importing a table.
+    pub fn import(&mut self, ui: &mut Ui, table: Table, path: &mut String) {
+        match import_row(ui, table.file_name(), path) {
+            Some(Import::Browse) => self.outbox.send(ImportCommand::Ask(table)),
+            Some(Import::Path(path)) => self.outbox.send(ImportCommand::Read(table, path)),
+            None => {}
+        }
+    }
+
+    /// Changes the tables; `what` names the change in the undo menu.
+    pub fn edit(&mut self, what: impl Into<String>, change: impl FnOnce(&mut PhaseData)) {
+        let mut phases = self.session().phases.clone();
+        change(&mut phases);
+        self.outbox
+            .send(Edit::SetPhases(Box::new(phases), what.into()));
+    }
+
+    /// Tells wrong input, and changes the tables otherwise.
+    pub fn edit_rows(
+        &mut self,
+        noun: &str,
+        edit: RowsEdit,
+        change: impl FnOnce(&mut PhaseData, RowsEdit),
+    ) {
+        let what = match &edit {
+            RowsEdit::Wrong(message) => {
+                self.messages.error(message.clone());
+                return;
+            }
+            RowsEdit::Set(row, ..) => format!("change {noun} {}", row + 1),
+            RowsEdit::Add(rows) if rows.len() == 1 => format!("add {noun}"),
+            RowsEdit::Add(rows) => format!("add {} {noun}s", rows.len()),
+            RowsEdit::Remove(row) => format!("remove {noun} {}", row + 1),
+        };
+        self.edit(what, |phases| change(phases, edit));
+    }
+
+    /// Draws the step that puts fitted values into the robot; `what` names it in the undo menu.
+    pub fn propose(&mut self, ui: &mut Ui, proposal: &Proposal, button: &str, what: &str) {
+        for sentence in &proposal.left_out {
+            verdict(ui, Verdict::Doubtful, &format!("{sentence}."));
+        }
+        match &proposal.robot {
+            Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+            Ok(_) if proposal.is_used && proposal.left_out.is_empty() => {
+                muted(ui, "The robot has these values.");
+            }
+            Ok(robot) => {
+                if primary(ui, button, !proposal.is_used).clicked() {
+                    let robot = Box::new(robot.clone());
+                    self.outbox.send(Edit::SetRobot(robot, what.to_owned()));
+                }
+            }
+        }
+    }
+
+    /// Selects a cable everywhere.
+    pub fn select_cable(&mut self, cable: usize) {
+        let selection = Selection {
+            cable: Some(cable),
+            ..self.selection
+        };
+        self.outbox.send(ViewCommand::Select(selection));
+    }
+
+    /// The selected cable, else the first whose fit fails, else the first that was measured.
+    pub fn chosen_cable<T>(&self, fits: &[PerCable<T>], passes: impl Fn(&T) -> bool) -> usize {
+        let failed = |one: &&PerCable<T>| !one.fit.as_ref().is_ok_and(&passes);
+        let first = fits.iter().find(failed).or(fits.first());
+        self.selection
+            .cable
+            .filter(|cable| *cable < self.robot().cable_count())
+            .unwrap_or_else(|| first.map_or(0, |one| one.cable))
+    }
+
+    /// The cell that names a cable.
+    pub fn cable_cell(&self, ui: &Ui, cable: usize) -> Cell {
+        Cell::new(self.cable_name(cable)).with_dot(theme::of(ui).cable(cable))
+    }
+
+    /// Name of a cable, with its number where the name does not have it.
+    pub fn cable_name(&self, cable: usize) -> String {
+        let number = (cable + 1).to_string();
+        match self.robot().cables.get(cable) {
+            Some(found) if found.name.contains(&number) => found.name.clone(),
+            Some(found) => format!("{number} {}", found.name),
+            None => number,
+        }
+    }
+
+    /// Draws a small button for each cable.
+    pub fn choose_cable(&mut self, ui: &mut Ui, chosen: usize) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = theme::GRID;
+            for cable in 0..self.robot().cable_count() {
+                let text = egui::RichText::new((cable + 1).to_string());
+                let response = ui.selectable_label(cable == chosen, text);
+                let line = response.rect.with_min_y(response.rect.bottom() - 2.0);
+                ui.painter()
+                    .rect_filled(line, 1.0, theme::of(ui).cable(cable));
+                let name = self.cable_name(cable);
+                response.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::Tab, true, cable == chosen, &name)
+                });
+                if response.on_hover_text(&name).clicked() {
+                    self.select_cable(cable);
+                }
+            }
+        });
+    }
+}
+
+/// The cell of a verdict.
+pub fn verdict_cell(ui: &Ui, passed: bool) -> Cell {
+    let palette = theme::of(ui);
+    if passed {
+        Cell::new("passed")
+            .with_icon(icons::ICON_CHECK_CIRCLE)
+            .coloured(palette.good)
+    } else {
+        Cell::new("failed")
+            .with_icon(icons::ICON_ERROR)
+            .coloured(palette.bad)
+    }
+}
+
+/// A number that may be missing.
+pub fn or_dash(value: Option<f64>, decimals: usize) -> Cell {
+    Cell::new(value.map_or("–".to_owned(), |value| format!("{value:.decimals$}")))
+}
+
+/// Decimals that show two digits of a standard deviation, within limits.
+pub fn decimals_for(sd: f64, least: usize, most: usize) -> usize {
+    if !(sd > 0.0 && sd.is_finite()) {
+        return most;
+    }
+    let wanted = 1.0 - sd.log10().floor();
+    (wanted.max(0.0) as usize).clamp(least, most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decimals_for;
+
+    #[test]
+    fn decimals_show_two_digits_of_the_standard_deviation() {
+        for (sd, decimals) in [(0.012, 3), (0.5, 2), (3.0, 1), (40.0, 1), (1e-9, 6)] {
+            assert_eq!(decimals_for(sd, 1, 6), decimals, "{sd}");
+        }
+        assert_eq!(decimals_for(f64::NAN, 1, 4), 4);
+    }
+}

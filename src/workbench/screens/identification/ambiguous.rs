@@ -1,0 +1,155 @@
+//! Causes that the data cannot tell apart, on one card.
+
+use egui::{Align, Layout, Ui};
+use tautline_core::diagnosis::{Cause, Finding, Separation};
+use tautline_core::geometry::Pose;
+use tautline_session::PlannedPose;
+
+use super::rows::{Cell, heads, row};
+use super::{Panel, card, gain};
+use crate::app::edit::Edit;
+use crate::app::theme::{self, GRID};
+use crate::documents::diagnosis::Diagnosed;
+use crate::widgets::{Verdict, muted, verdict};
+use crate::wording::count;
+
+/// Width that a cause needs to stand beside others (points).
+const NARROWEST: f32 = 150.0;
+
+/// Draws the body of the card.
+pub fn body(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    diagnosed: &Diagnosed,
+    finding: &Finding,
+    number: usize,
+) {
+    let causes: Vec<&Cause> = std::iter::once(&finding.cause)
+        .chain(&finding.alternatives)
+        .collect();
+    card::title(
+        ui,
+        &format!("{}. One of {} causes", number + 1, causes.len()),
+    );
+    verdict(
+        ui,
+        Verdict::Doubtful,
+        "These data cannot tell the causes below apart: each changes the readings at these poses in nearly the same way.",
+    );
+    if ui.available_width() < NARROWEST * causes.len() as f32 {
+        for cause in causes {
+            ui.separator();
+            alternative(ui, panel, diagnosed, cause);
+        }
+        ui.separator();
+    } else {
+        ui.columns(causes.len(), |columns| {
+            for (ui, cause) in columns.iter_mut().zip(causes) {
+                let layout = Layout::top_down(Align::Min);
+                ui.with_layout(layout, |ui| alternative(ui, panel, diagnosed, cause));
+            }
+        });
+    }
+    card::evidence(ui, finding);
+    gain::show(ui, &finding.gain);
+    if let Some(separation) = &finding.separation {
+        separating(ui, panel, separation);
+    }
+    muted(
+        ui,
+        "Whichever is chosen, the data did not decide: sizes and geometry hold only if it is the right one.",
+    );
+}
+
+fn alternative(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, cause: &Cause) {
+    let robot = diagnosed.robot();
+    let name = diagnosed.title(cause);
+    ui.add(egui::Label::new(egui::RichText::new(&name).font(theme::strong(13.0))).wrap());
+    let mut said: Vec<String> = Vec::new();
+    let mut checks: Vec<String> = Vec::new();
+    for bound in &cause.instances {
+        for (list, text) in [
+            (&mut said, bound.cause(robot)),
+            (&mut checks, bound.workshop(robot)),
+        ] {
+            if !list.contains(&text) {
+                list.push(text);
+            }
+        }
+    }
+    card::paragraph(ui, &said.join(" "));
+    card::advice(ui, &checks.join(" "));
+    let settings = card::settings(diagnosed, cause);
+    card::add_or_remove(ui, panel, &settings, &name, "Use this anyway", false);
+}
+
+fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
+    ui.add_space(GRID);
+    muted(ui, "To tell them apart");
+    card::paragraph(ui, &separation.advice);
+    if separation.poses.is_empty() {
+        return;
+    }
+    let shares = [2.0, 3.0, 3.0, 3.0, 2.5, 2.5, 2.5];
+    heads(
+        ui,
+        &shares,
+        &["Pose", "x mm", "y mm", "z mm", "rx °", "ry °", "rz °"],
+    );
+    for (index, pose) in separation.poses.iter().enumerate() {
+        let position = <[f64; 3]>::from(pose.position).map(|v| format!("{:.0}", 1e3 * v));
+        let rotation = <[f64; 3]>::from(pose.orientation.scaled_axis());
+        let rotation = rotation.map(|angle| format!("{:.1}", angle.to_degrees()));
+        let texts: Vec<String> = position.into_iter().chain(rotation).collect();
+        let name = format!("Separating pose {}: {}", index + 1, texts.join(", "));
+        let mut cells = vec![Cell::new((index + 1).to_string()).coloured(theme::of(ui).muted)];
+        cells.extend(texts.into_iter().map(Cell::new));
+        row(ui, &shares, &cells, None, &name);
+    }
+    muted(ui, "rx, ry, rz: rotation vector about the axes of the base");
+    if is_planned(panel, &separation.poses) {
+        verdict(
+            ui,
+            Verdict::Good,
+            "These poses are in the plan: measure them in phase 3, then identify again.",
+        );
+        return;
+    }
+    let add = ui.button("Add these poses to the plan");
+    let tip = format!(
+        "{} more to measure; can be undone",
+        count(separation.poses.len(), "pose")
+    );
+    if add.on_hover_text(tip).clicked() {
+        let plan = plan_with(panel, &separation.poses);
+        let what = format!("add {} to the plan", count(separation.poses.len(), "pose"));
+        panel.outbox.send(Edit::SetPlan(plan, what));
+    }
+}
+
+/// The plan with further poses, under labels that are free.
+fn plan_with(panel: &Panel<'_>, poses: &[Pose]) -> Vec<PlannedPose> {
+    let session = panel.document.session();
+    let labels = session.measurements.labels.iter().copied();
+    let planned = session.plan.iter().map(|pose| pose.label);
+    let first = labels
+        .chain(planned)
+        .max()
+        .map_or(1, |most| most.max(0) + 1);
+    let added = (first..)
+        .zip(poses)
+        .map(|(label, pose)| PlannedPose::new(label, pose));
+    session.plan.iter().copied().chain(added).collect()
+}
+
+/// Whether all these poses are to be measured.
+fn is_planned(panel: &Panel<'_>, poses: &[Pose]) -> bool {
+    let plan = &panel.document.session().plan;
+    let position = |pose: &Pose| <[f64; 3]>::from(pose.position);
+    poses.iter().all(|pose| {
+        plan.iter().any(|planned| {
+            planned.position_m == position(pose)
+                && planned.orientation_wxyz == pose.orientation_wxyz()
+        })
+    })
+}

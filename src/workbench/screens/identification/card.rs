@@ -1,0 +1,243 @@
+//! A cause that was found.
+
+use egui::{CornerRadius, Frame, Margin, RichText, Ui};
+use tautline_core::diagnosis::{Cause, Finding, FoundParameter, Verdict as Sure};
+use tautline_core::effect::{Effect, EffectSetting, Unknown};
+
+use super::{Panel, ambiguous, effects, gain};
+use crate::app::edit::Edit;
+use crate::app::theme::{self, GRID};
+use crate::documents::diagnosis::Diagnosed;
+use crate::widgets::{Verdict, muted, verdict};
+use crate::wording::units::{range, unit_of};
+use crate::wording::{count, odds};
+
+/// Lead in evidence (twice its logarithm) from which the next best cause is far behind, and clearly behind.
+const FAR: f64 = 20.0;
+const CLEARLY: f64 = 6.0;
+
+/// Draws a finding.
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
+    let Some(finding) = diagnosed.diagnosis.findings.get(number) else {
+        return;
+    };
+    ui.add_space(GRID);
+    let frame = Frame::new()
+        .fill(ui.visuals().faint_bg_color)
+        .corner_radius(CornerRadius::same(6))
+        .inner_margin(Margin::same(3 * GRID as i8));
+    frame.show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.push_id(("finding", number), |ui| match finding.verdict {
+            Sure::Ambiguous => ambiguous::body(ui, panel, diagnosed, finding, number),
+            Sure::Named => named(ui, panel, diagnosed, finding, number),
+            Sure::Unknown => unknown(ui, panel, diagnosed, finding, number),
+        });
+    });
+}
+
+/// The heading of a card.
+pub fn title(ui: &mut Ui, text: &str) {
+    ui.add(egui::Label::new(RichText::new(text).font(theme::strong(14.0))).wrap());
+}
+
+/// A paragraph.
+pub fn paragraph(ui: &mut Ui, text: &str) {
+    ui.add(egui::Label::new(text).wrap());
+}
+
+/// The effects of a cause as the model takes them.
+pub fn settings(diagnosed: &Diagnosed, cause: &Cause) -> Vec<EffectSetting> {
+    let robot = diagnosed.robot();
+    cause
+        .instances
+        .iter()
+        .map(|bound| bound.setting(robot))
+        .collect()
+}
+
+fn named(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    diagnosed: &Diagnosed,
+    finding: &Finding,
+    number: usize,
+) {
+    let name = diagnosed.title(&finding.cause);
+    title(ui, &format!("{}. {name}", number + 1));
+    paragraph(ui, &finding.sentence);
+    size(ui, diagnosed, finding);
+    evidence(ui, finding);
+    runner_up(ui, diagnosed, finding);
+    gain::show(ui, &finding.gain);
+    advice(ui, &finding.advice);
+    add_or_remove(
+        ui,
+        panel,
+        &settings(diagnosed, &finding.cause),
+        &name,
+        "Add to model",
+        true,
+    );
+}
+
+fn unknown(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    diagnosed: &Diagnosed,
+    finding: &Finding,
+    number: usize,
+) {
+    title(
+        ui,
+        &format!("{}. {}", number + 1, diagnosed.heading(finding)),
+    );
+    paragraph(ui, &finding.sentence);
+    verdict(
+        ui,
+        Verdict::Doubtful,
+        "This names no cause. It only says on which reading something depends, and on what.",
+    );
+    evidence(ui, finding);
+    gain::show(ui, &finding.gain);
+    advice(ui, &finding.advice);
+    muted(
+        ui,
+        "In the model it is a smooth curve that keeps the pattern out of the geometry; it does not say how the robot behaves outside the measured poses.",
+    );
+    let name = format!("an unexplained pattern{}", diagnosed.on(&finding.cause));
+    let settings = settings(diagnosed, &finding.cause);
+    add_or_remove(
+        ui,
+        panel,
+        &settings,
+        &name,
+        "Add as unexplained pattern",
+        false,
+    );
+}
+
+/// The size with its interval.
+pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
+    if finding.cause.effect().id() == Unknown.id() {
+        return;
+    }
+    let Some(size) = diagnosed.size(&finding.parameters) else {
+        return;
+    };
+    let label = ui.add(egui::Label::new(format!("Size: {size}")).wrap());
+    let intervals: Vec<_> = finding
+        .parameters
+        .iter()
+        .filter_map(|p| interval(diagnosed, p))
+        .collect();
+    label.on_hover_text(intervals.join("\n"));
+    if let ([one], [_]) = (&intervals[..], &finding.parameters[..]) {
+        muted(ui, one);
+    }
+}
+
+/// The 95 % interval of a parameter.
+fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter) -> Option<String> {
+    let sd = parameter.sd.filter(|sd| sd.is_finite())?;
+    let ends = [parameter.value - 1.96 * sd, parameter.value + 1.96 * sd];
+    let of = diagnosed
+        .cable(parameter.cable)
+        .map_or_else(String::new, |cable| format!("{cable} "));
+    let ends = range(ends, unit_of(parameter.name, parameter.unit));
+    Some(format!("95 % interval of {of}{}: {ends}", parameter.name))
+}
+
+/// How unlikely it is without a cause.
+pub fn evidence(ui: &mut Ui, finding: &Finding) {
+    let evidence = &finding.evidence;
+    if !evidence.p_value.is_finite() {
+        return;
+    }
+    let text = format!("Chance alone would give this {}.", odds(evidence.p_value));
+    let tip = format!(
+        "p = {:.1e} after {} questions; chi-square falls by {:.1} for {} more parameters",
+        evidence.p_value, evidence.questions, evidence.delta_chi2, evidence.parameters
+    );
+    ui.add(egui::Label::new(text).wrap()).on_hover_text(tip);
+}
+
+fn runner_up(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
+    let [own, next, ..] = &finding.evidence.ranking[..] else {
+        return;
+    };
+    let lead = own.score - next.score;
+    let how = if lead > FAR {
+        "far behind"
+    } else if lead > CLEARLY {
+        "clearly behind"
+    } else {
+        "close behind"
+    };
+    let part = (100.0 * next.delta_chi2 / own.delta_chi2).clamp(0.0, 100.0);
+    let price = match next.parameters.checked_sub(own.parameters) {
+        Some(more @ 1..) => format!(", with {}", count(more, "more parameter")),
+        _ => String::new(),
+    };
+    let text = format!(
+        "Next best: {}, {how}. It explains {part:.0} % of what this explains{price}.",
+        diagnosed.title(&next.cause)
+    );
+    let tip = format!(
+        "Chi-square falls by {:.1} with this cause and by {:.1} with the next best; twice the logarithm of the evidence is {:.1} and {:.1}.",
+        own.delta_chi2, next.delta_chi2, own.score, next.score
+    );
+    muted(ui, &text).on_hover_text(tip);
+}
+
+/// What to do in the workshop.
+pub fn advice(ui: &mut Ui, advice: &str) {
+    if !advice.is_empty() {
+        muted(ui, "Check in the workshop");
+        paragraph(ui, advice);
+    }
+}
+
+/// The button that adds a cause to the model, or takes it out again.
+pub fn add_or_remove(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    settings: &[EffectSetting],
+    name: &str,
+    add: &str,
+    is_next: bool,
+) {
+    ui.add_space(GRID);
+    if effects::has(panel.document, settings) {
+        verdict(ui, Verdict::Good, "In the model");
+        let button = ui.button("Remove from model");
+        button.widget_info(|| {
+            let name = format!("Remove {name} from model");
+            egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+        });
+        if button.clicked() {
+            panel.outbox.send(Edit::RemoveEffects(
+                settings.to_vec(),
+                effects::removing(name),
+            ));
+        }
+        return;
+    }
+    let button = if is_next {
+        crate::widgets::primary(ui, add, true)
+    } else {
+        ui.button(add)
+    };
+    button.widget_info(|| {
+        let name = format!("{add}: {name}");
+        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+    });
+    if button
+        .on_hover_text("Adds it and identifies again; can be undone")
+        .clicked()
+    {
+        panel
+            .outbox
+            .send(Edit::AddEffects(settings.to_vec(), effects::adding(name)));
+    }
+}

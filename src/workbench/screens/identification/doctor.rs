@@ -1,0 +1,186 @@
+//! What the model gets wrong.
+
+use egui::{CollapsingHeader, Ui};
+use tautline_session::ResultRecord;
+
+use super::{Panel, card, discrepancy, effects, results};
+use crate::app::commands::{DIAGNOSING, ModelCommand};
+use crate::app::theme::GRID;
+use crate::documents::diagnosis::{Diagnosed, adequacy};
+use crate::widgets::{Verdict, muted, primary, section, verdict};
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    muted(
+        ui,
+        "Asks every known fault of cables, pulleys, winches and sensors whether it explains what is left, and tests the answer on poses left out.",
+    );
+    if !panel
+        .document
+        .session()
+        .settings
+        .identification
+        .effects
+        .is_empty()
+    {
+        section(ui, "Effects in the model");
+        effects::show(ui, panel);
+        if let Some(fit) = panel
+            .document
+            .fit()
+            .filter(|_| panel.document.fit_is_current())
+        {
+            results::adequacy(ui, panel, fit);
+        }
+    }
+    ui.add_space(GRID);
+    let task = panel
+        .tasks
+        .running()
+        .iter()
+        .find(|task| task.title == DIAGNOSING);
+    if let Some(task) = task {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            let text = crate::wording::sentence(&task.progress().text);
+            ui.add(egui::Label::new(format!("{text} …")).wrap());
+        });
+        if ui.button("Cancel diagnosis").clicked() {
+            panel.outbox.send(ModelCommand::Stop);
+        }
+    } else {
+        ask(ui, panel);
+    }
+    match panel.document.diagnosis().cloned() {
+        Some(diagnosed) => answer(ui, panel, &diagnosed),
+        None => stored(ui, panel),
+    }
+}
+
+/// The button that asks.
+pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let document = panel.document;
+    let is_next = document.fit_is_current() && !document.diagnosis_is_current();
+    let text = "What does the model get wrong?";
+    let clicked = if is_next {
+        primary(ui, text, true).clicked()
+    } else {
+        ui.button(text).clicked()
+    };
+    if clicked {
+        panel.outbox.send(ModelCommand::Diagnose);
+    }
+    let effects = document.session().settings.identification.effects.len();
+    if effects > 0 {
+        muted(
+            ui,
+            "Effects that were added to the model are held at the values identified while others are looked for.",
+        );
+    }
+}
+
+fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
+    if !panel.document.diagnosis_is_current() {
+        verdict(
+            ui,
+            Verdict::Doubtful,
+            "The model or the data were changed since: what follows is of the state before. Ask again.",
+        );
+    }
+    let diagnosis = &diagnosed.diagnosis;
+    let kind = match (diagnosis.base.adequate, diagnosis.extended.adequate) {
+        (true, _) => Verdict::Good,
+        (false, true) if !diagnosis.findings.is_empty() => Verdict::Doubtful,
+        _ => Verdict::Bad,
+    };
+    verdict(ui, kind, &diagnosed.headline());
+    for (index, line) in diagnosed.fit().iter().enumerate() {
+        let test = diagnosis.base.global;
+        let tip = format!(
+            "Chi-square {:.1} for {:.0} degrees of freedom, p = {:.1e}; a false alarm was allowed {:.1} times in 100.",
+            test.chi2,
+            test.degrees_of_freedom,
+            test.p_value,
+            100.0 * diagnosed.alpha
+        );
+        let label = muted(ui, line);
+        if index == 0 && *line == adequacy(&diagnosis.base) {
+            label.on_hover_text(tip);
+        }
+    }
+    discrepancy::show(ui, panel, diagnosed);
+    if !diagnosis.findings.is_empty() {
+        section(ui, "Causes, the clearest first");
+    }
+    for number in 0..diagnosis.findings.len() {
+        card::show(ui, panel, diagnosed, number);
+    }
+    rest(ui, panel, diagnosed);
+}
+
+/// Noise, what is left, what the data cannot show.
+fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
+    let diagnosis = &diagnosed.diagnosis;
+    if !diagnosis.noise.is_empty() {
+        section(ui, "Noise");
+    }
+    for noise in &diagnosis.noise {
+        verdict(ui, Verdict::Doubtful, &diagnosed.noise_line(noise));
+    }
+    if !diagnosis.findings.is_empty() {
+        for left in diagnosis.remaining.iter().take(3) {
+            muted(ui, &diagnosed.remaining_line(left));
+        }
+    }
+    let lines = diagnosed.invisible_lines();
+    let [heading, lines @ ..] = &lines[..] else {
+        return;
+    };
+    ui.add_space(2.0 * GRID);
+    let clean = diagnosis.findings.is_empty();
+    let header = CollapsingHeader::new("What these poses cannot show")
+        .open(Some(panel.memory.show_invisible))
+        .show(ui, |ui| {
+            muted(ui, heading);
+            for line in lines {
+                ui.add(egui::Label::new(line.trim()).wrap());
+            }
+        });
+    if header.header_response.clicked() {
+        panel.memory.show_invisible = !panel.memory.show_invisible;
+    }
+    if clean && !panel.memory.show_invisible {
+        muted(
+            ui,
+            "Nothing found does not mean that nothing is there: the list says from which size on each fault would have been seen.",
+        );
+    }
+}
+
+/// What the session keeps of a diagnosis from before.
+fn stored(ui: &mut Ui, panel: &Panel<'_>) {
+    let of_diagnosis = |record: &&ResultRecord| record.format() == Some("tautline-diagnosis");
+    let results = panel.document.session().results();
+    let Some(record) = results.iter().rev().find(of_diagnosis) else {
+        return;
+    };
+    muted(
+        ui,
+        &format!("From the diagnosis of {} in this session:", record.time),
+    );
+    let findings = record
+        .document
+        .get("findings")
+        .and_then(|list| list.as_array());
+    let findings = findings.map_or(&[][..], |list| list);
+    for cause in findings
+        .iter()
+        .filter_map(|finding| finding.get("cause")?.as_str())
+    {
+        ui.add(egui::Label::new(cause).wrap());
+    }
+    if findings.is_empty() {
+        muted(ui, "No cause was found.");
+    }
+    muted(ui, "Ask again for plots and cards.");
+}

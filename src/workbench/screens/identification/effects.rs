@@ -1,0 +1,147 @@
+//! The effects that were added to the model.
+
+use egui::Ui;
+use tautline_core::effect::{BoundEffect, Effect, EffectSetting, Unknown, find};
+use tautline_core::estimation::ParameterId;
+
+use super::Panel;
+use crate::app::Document;
+use crate::app::edit::{Edit, same_effect};
+use crate::app::fit::Fit;
+use crate::app::theme;
+use crate::widgets::muted;
+use crate::wording::list;
+use crate::wording::units::{significant, unit_of, with_sd};
+
+/// Draws the list.
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let described = &panel.document.session().robot.effects;
+    let added = &panel.document.session().settings.identification.effects;
+    if described.is_empty() && added.is_empty() {
+        muted(
+            ui,
+            "None besides the geometry. The search below proposes what to add.",
+        );
+        return;
+    }
+    for setting in described {
+        ui.label(title(std::slice::from_ref(setting)));
+        muted(ui, "held at the value of the robot's description");
+    }
+    let fit = panel
+        .document
+        .fit()
+        .filter(|_| panel.document.fit_is_current());
+    for group in added.chunk_by(|one, other| one.effect == other.effect) {
+        let title = title(group);
+        ui.horizontal(|ui| {
+            ui.add(egui::Label::new(egui::RichText::new(&title).font(theme::strong(13.0))).wrap());
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let button = ui.button("Remove");
+                button.widget_info(|| {
+                    let name = format!("Remove {title}");
+                    egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+                });
+                if button
+                    .on_hover_text("Takes it out of the model and identifies again")
+                    .clicked()
+                {
+                    panel
+                        .outbox
+                        .send(Edit::RemoveEffects(group.to_vec(), removing(&title)));
+                }
+            });
+        });
+        match fit {
+            Some(fit) => {
+                for setting in group {
+                    muted(ui, &size(panel.document, fit, setting));
+                }
+            }
+            None => {
+                muted(ui, "its size is found by identifying");
+            }
+        }
+    }
+}
+
+/// What the undo menu says of adding.
+pub fn adding(name: &str) -> String {
+    format!("add {name} to the model")
+}
+
+/// What the undo menu says of removing.
+pub fn removing(name: &str) -> String {
+    format!("remove {name} from the model")
+}
+
+/// Whether a cause is part of the model.
+pub fn has(document: &Document, settings: &[EffectSetting]) -> bool {
+    let added = &document.session().settings.identification.effects;
+    settings
+        .iter()
+        .all(|one| added.iter().any(|other| same_effect(one, other)))
+}
+
+/// Name of effects of one kind: `Winch scale (cable-1 and cable-3)`.
+fn title(settings: &[EffectSetting]) -> String {
+    let id = settings
+        .first()
+        .map_or("", |setting| setting.effect.as_str());
+    let name = match find(id) {
+        _ if id == Unknown.id() => "Unexplained pattern",
+        Some(effect) => effect.title(),
+        None => id,
+    };
+    let targets: Vec<String> = settings.iter().flat_map(|s| s.targets.clone()).collect();
+    if targets.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{name} ({})", list(&targets))
+    }
+}
+
+/// The size that was identified, in words.
+fn size(document: &Document, fit: &Fit, setting: &EffectSetting) -> String {
+    let robot = &document.session().robot;
+    let effects = fit.solution.globals.effects.iter().enumerate();
+    let mut same = effects.filter(|(_, bound)| same_effect(&bound.setting(robot), setting));
+    let Some((index, bound)) = same.next_back() else {
+        return "acts at no pose of these data".to_owned();
+    };
+    if bound.effect.id() == Unknown.id() {
+        return bound.cause(robot);
+    }
+    if bound.values.is_empty() {
+        return "as found; there is nothing to estimate".to_owned();
+    }
+    let cable = match &setting.targets[..] {
+        [] => String::new(),
+        targets => format!("{}: ", list(targets)),
+    };
+    let values: Vec<_> = (0..bound.values.len())
+        .map(|k| value(fit, index, bound, k))
+        .collect();
+    format!("{cable}{}", values.join(", "))
+}
+
+fn value(fit: &Fit, index: usize, bound: &BoundEffect, which: usize) -> String {
+    let parameter = &bound.effect.parameters()[which];
+    let number = bound.values[which];
+    let is_it = |id: &ParameterId| match *id {
+        ParameterId::Effect { effect, parameter } => {
+            fit.held + effect == index && parameter == which
+        }
+        _ => false,
+    };
+    let place = fit.solution.parameters.iter().position(|p| is_it(&p.id));
+    let unit = unit_of(parameter.name, parameter.unit);
+    match place.map(|place| fit.solution.standard_deviation(place)) {
+        Some(sd) => format!(
+            "{} {}",
+            parameter.name,
+            with_sd(number, sd.unwrap_or(f64::NAN), unit)
+        ),
+        None => format!("{} {}", parameter.name, significant(number, 6)),
+    }
+}

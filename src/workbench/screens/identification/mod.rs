@@ -1,0 +1,142 @@
+//! The panel of the phase Identification: the geometry, and what the model still lacks.
+
+mod ambiguous;
+mod card;
+mod discrepancy;
+mod doctor;
+mod effects;
+mod gain;
+mod identify;
+mod live;
+mod results;
+mod rows;
+mod suspects;
+
+use egui::Ui;
+
+use crate::app::command::Outbox;
+use crate::app::document::Stored;
+use crate::app::tasks::Tasks;
+use crate::app::{Document, Selection, State};
+use crate::views::plots::figure::Figure;
+use crate::widgets::{Verdict, heading, muted, verdict};
+
+pub use discrepancy::figures as discrepancy_figures;
+pub use live::Live;
+
+/// The two halves of the panel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Half {
+    /// Method and geometry.
+    #[default]
+    Geometry,
+    /// What the model gets wrong.
+    Doctor,
+}
+
+/// What the panel remembers.
+#[derive(Debug, Default)]
+pub struct Remembered {
+    /// Which half is shown.
+    pub half: Half,
+    /// Whether the table shows every coordinate.
+    show_axes: bool,
+    /// The running identification.
+    pub live: Live,
+    /// The model before the last change.
+    pub before: Option<Before>,
+    /// Plots of the dependences that the last diagnosis found.
+    figures: Vec<Figure>,
+    /// Which of them is open.
+    open: Option<usize>,
+    /// Whether it is said in full what the data cannot show.
+    show_invisible: bool,
+}
+
+impl Remembered {
+    /// Takes the plots of a new diagnosis.
+    pub fn examined(&mut self, figures: Vec<Figure>) {
+        self.figures = figures;
+        self.open = Some(0);
+        self.before = None;
+    }
+}
+
+/// How well the model fitted before a change.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Before {
+    /// The change.
+    pub what: String,
+    /// By how many times their noise the readings were missed.
+    pub missed: Option<f64>,
+    /// Chi-square.
+    pub chi2: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: f64,
+}
+
+/// What the parts of the panel see and change.
+struct Panel<'a> {
+    document: &'a Document,
+    tasks: &'a Tasks,
+    selection: Selection,
+    outbox: &'a mut Outbox,
+    memory: &'a mut Remembered,
+}
+
+/// Draws the panel.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    heading(ui, "Identification");
+    let State {
+        document: Some(document),
+        tasks,
+        selection,
+        outbox,
+        screens,
+        ..
+    } = state
+    else {
+        return;
+    };
+    let poses = document.session().measurements.len();
+    if poses == 0 {
+        muted(
+            ui,
+            "Once poses are measured, the positions of the pulleys are found here, and what the model gets wrong. Measure in phase 3, or open a dataset folder.",
+        );
+        return;
+    }
+    let panel = &mut Panel {
+        document,
+        tasks,
+        selection: *selection,
+        outbox,
+        memory: &mut screens.identification,
+    };
+    ui.horizontal(|ui| {
+        let halves = [(Half::Geometry, "Geometry"), (Half::Doctor, "Model doctor")];
+        for (half, name) in halves {
+            ui.selectable_value(&mut panel.memory.half, half, name);
+        }
+    });
+    match panel.memory.half {
+        Half::Geometry => geometry(ui, panel),
+        Half::Doctor => doctor::show(ui, panel),
+    }
+}
+
+fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
+    muted(
+        ui,
+        "Finds where the pulleys really are from the measured poses.",
+    );
+    if panel.document.stored() == Stored::OutOfDate {
+        verdict(
+            ui,
+            Verdict::Doubtful,
+            "The result in this session is of other data: identify again.",
+        );
+    }
+    identify::show(ui, panel);
+    results::show(ui, panel);
+}

@@ -1,0 +1,300 @@
+//! What identification found.
+
+use std::sync::Arc;
+
+use egui::Ui;
+use nalgebra::Vector3;
+use tautline_core::estimation::{ParameterId, Solution};
+
+use super::rows::{Cell, deviation, heads, millimetres, row};
+use super::{Panel, doctor, identify, suspects};
+use crate::app::Selection;
+use crate::app::commands::{IDENTIFYING, ViewCommand};
+use crate::app::fit::Fit;
+use crate::app::theme::{self, GRID};
+use crate::documents::identification::{Explains, entry_point_sd, extrapolated};
+use crate::widgets::{Verdict, muted, section, verdict};
+use crate::wording::units::with_sd;
+use crate::wording::{ratio, sentence};
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let Some(fit) = panel.document.fit().cloned() else {
+        return;
+    };
+    section(ui, "Result");
+    if !panel.document.fit_is_current() && !panel.tasks.runs(IDENTIFYING) {
+        verdict(
+            ui,
+            Verdict::Doubtful,
+            "Something was changed since: identify again.",
+        );
+    }
+    adequacy(ui, panel, &fit);
+    if panel.document.fit_is_current() && !panel.document.diagnosis_is_current() {
+        doctor::ask(ui, panel);
+    }
+    published(ui, &fit);
+    pulleys(ui, panel, &fit);
+    others(ui, &fit);
+    if !fit.open.is_empty() {
+        section(ui, "What the data cannot fix");
+        for open in &fit.open {
+            verdict(
+                ui,
+                Verdict::Doubtful,
+                &format!("{}.", sentence(&open.sentence)),
+            );
+        }
+    }
+    suspects::show(ui, panel, &fit);
+}
+
+/// Whether the model explains the data, and how well it did before the last change.
+pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
+    let solution = &fit.solution;
+    if !solution.converged() {
+        verdict(
+            ui,
+            Verdict::Bad,
+            "The fit did not converge: do not rely on the numbers.",
+        );
+    }
+    if let Some(place) = extrapolated(&fit.dataset, solution) {
+        let text = format!("{}: the result does not hold there.", sentence(&place));
+        verdict(ui, Verdict::Bad, &text);
+    }
+    let explains = Explains::of(solution.p_value());
+    let kind = match explains {
+        Explains::Yes => Verdict::Good,
+        Explains::Hardly | Explains::TooWell => Verdict::Doubtful,
+        Explains::No => Verdict::Bad,
+        Explains::Unchecked => Verdict::Neutral,
+    };
+    verdict(ui, kind, &format!("{}.", sentence(explains.words())));
+    if explains == Explains::No {
+        muted(ui, "The standard deviations hold only if it did.");
+    }
+    if let Some(missed) = fit.missed() {
+        let before = panel.memory.before.as_ref();
+        let text = format!(
+            "The readings are missed by {} times their noise.",
+            ratio(missed)
+        );
+        let p_value = solution
+            .p_value()
+            .map_or_else(String::new, |p| format!(", p = {p:.3}"));
+        let tip = format!(
+            "Chi-square {:.1} for {:.0} degrees of freedom{p_value}; a right model misses them by about 1.",
+            solution.chi2, solution.degrees_of_freedom
+        );
+        muted(ui, &text).on_hover_text(tip);
+        if let Some((before, old)) = before.and_then(|before| Some((before, before.missed?))) {
+            let text = format!(
+                "Before: {} times (chi-square {:.1} for {:.0} degrees of freedom, now {:.1} for {:.0}). Last change: {}.",
+                ratio(old),
+                before.chi2,
+                before.degrees_of_freedom,
+                solution.chi2,
+                solution.degrees_of_freedom,
+                before.what
+            );
+            muted(ui, &text);
+        }
+    }
+}
+
+fn published(ui: &mut Ui, fit: &Fit) {
+    match &fit.published {
+        None => {}
+        Some(Err(error)) => verdict(
+            ui,
+            Verdict::Doubtful,
+            &format!("{}: it cannot be compared.", sentence(error)),
+        ),
+        Some(Ok(compared)) => {
+            let identification = &compared.identification;
+            let missed = (identification.chi2 / identification.dof.max(1.0)).sqrt();
+            let end = if compared.fit.converged() {
+                ""
+            } else {
+                " It did not converge."
+            };
+            let text = format!(
+                "The published method misses the readings by {} times their noise.{end} It takes some coordinates as given and weighs nothing: for comparison, not for use.",
+                ratio(missed)
+            );
+            verdict(ui, Verdict::Doubtful, &text);
+        }
+    }
+}
+
+/// How far a point moved, with the standard deviation of that along the way; `None` where it is not determined.
+fn moved(solution: &Solution, cable: usize, way: Vector3<f64>) -> (f64, Option<f64>) {
+    let size = way.norm();
+    let axes: Vec<Option<usize>> = (0..3)
+        .map(|axis| {
+            let id = ParameterId::EntryPoint { cable, axis };
+            solution.parameters.iter().position(|p| p.id == id)
+        })
+        .collect();
+    let Some(covariance) = &solution.covariance else {
+        return (size, None);
+    };
+    let mut along = if size > 0.0 {
+        way / size
+    } else {
+        Vector3::zeros()
+    };
+    if size == 0.0 {
+        along.x = 1.0;
+    }
+    let mut variance = 0.0;
+    for (i, a) in axes.iter().enumerate() {
+        for (k, b) in axes.iter().enumerate() {
+            if let (Some(a), Some(b)) = (a, b) {
+                variance += along[i] * along[k] * covariance[(*a, *b)];
+            }
+        }
+    }
+    (size, Some(variance.max(0.0).sqrt()))
+}
+
+fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Fit>) {
+    ui.add_space(2.0 * GRID);
+    ui.horizontal(|ui| {
+        ui.label(egui::RichText::new("Pulleys").font(theme::strong(13.0)));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Max), |ui| {
+            ui.checkbox(&mut panel.memory.show_axes, "Show axes");
+        });
+    });
+    let compared = match &fit.published {
+        Some(Ok(compared)) => Some(&compared.fit.result.entry_points_m),
+        _ => None,
+    };
+    let mut shares = vec![5.0, 4.0, 4.0];
+    let mut titles = vec!["Cable", "Moved mm", "± mm"];
+    if compared.is_some() {
+        shares.push(5.0);
+        titles.push("Published mm");
+    }
+    heads(ui, &shares, &titles);
+    for (index, cable) in panel.document.session().robot.cables.iter().enumerate() {
+        let nominal = Vector3::from(cable.pulley.entry_point_m);
+        let Some(found) = fit
+            .solution
+            .globals
+            .entry_points
+            .get(index)
+            .map(|p| Vector3::from(*p))
+        else {
+            return;
+        };
+        let (size, sd) = moved(&fit.solution, index, found - nominal);
+        let selected = panel.selection.cable == Some(index);
+        let mut cells = vec![
+            Cell::new(format!("{}  {}", index + 1, cable.name))
+                .coloured(theme::of(ui).cable(index))
+                .strong(),
+            Cell::new(millimetres(size, sd)),
+            Cell::new(deviation(sd)),
+        ];
+        let other = compared
+            .and_then(|points| points.get(index))
+            .map(|p| Vector3::from(*p));
+        if let Some(other) = other {
+            cells.push(Cell::new(millimetres((other - nominal).norm(), sd)));
+        }
+        let name = format!(
+            "Cable {}: moved {} mm, standard deviation {} mm",
+            index + 1,
+            millimetres(size, sd),
+            deviation(sd)
+        );
+        if row(ui, &shares, &cells, Some(selected), &name).clicked() {
+            let selection = if selected {
+                Selection::default()
+            } else {
+                Selection::cable(index)
+            };
+            panel.outbox.send(ViewCommand::Select(selection));
+        }
+        if panel.memory.show_axes || selected {
+            axes(ui, &fit.solution, index, [nominal, found], other);
+        }
+    }
+    muted(
+        ui,
+        "Moved: from where the drawing has it. After ±: the standard deviation, along the way it moved.",
+    );
+}
+
+/// The coordinates of a pulley.
+fn axes(
+    ui: &mut Ui,
+    solution: &Solution,
+    cable: usize,
+    [nominal, found]: [Vector3<f64>; 2],
+    published: Option<Vector3<f64>>,
+) {
+    let mut shares = vec![1.6, 3.5, 3.5, 3.5, 2.6];
+    let mut titles = vec!["mm", "Nominal", "Identified", "Difference", "±"];
+    if published.is_some() {
+        shares.push(3.6);
+        titles.push("Published");
+    }
+    heads(ui, &shares, &titles);
+    for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
+        let sd = entry_point_sd(solution, cable, axis);
+        let number = |value: f64| millimetres(value, sd);
+        let difference = found[axis] - nominal[axis];
+        let mut texts = vec![
+            number(nominal[axis]),
+            number(found[axis]),
+            format!(
+                "{}{}",
+                if difference > 0.0 { "+" } else { "" },
+                number(difference)
+            ),
+            deviation(sd),
+        ];
+        texts.extend(published.map(|point| number(point[axis])));
+        let name = format!("Cable {} {letter}: {}", cable + 1, texts.join(", "));
+        let mut cells = vec![Cell::new(letter).coloured(theme::of(ui).muted)];
+        cells.extend(texts.into_iter().map(Cell::new));
+        row(ui, &shares, &cells, None, &name);
+    }
+}
+
+/// Home pose and target plane: what changed, with standard deviations.
+fn others(ui: &mut Ui, fit: &Fit) {
+    let robot = &fit.dataset.robot;
+    let globals = &fit.solution.globals;
+    let home = robot.home.map(|home| globals.home.difference(&home.pose()));
+    let plane = robot
+        .laser
+        .map(|laser| globals.plane_offset_m - laser.target_plane.offset_m);
+    let lines: Vec<(String, String)> = fit
+        .solution
+        .parameters
+        .iter()
+        .enumerate()
+        .filter_map(|(index, parameter)| {
+            let change = match parameter.id {
+                ParameterId::Home(coordinate) => home?[coordinate.index()],
+                ParameterId::PlaneOffset => plane?,
+                _ => return None,
+            };
+            let sd = fit.solution.standard_deviation(index).unwrap_or(f64::NAN);
+            Some((
+                sentence(&parameter.name),
+                with_sd(change, sd, parameter.unit),
+            ))
+        })
+        .collect();
+    if lines.is_empty() {
+        return;
+    }
+    section(ui, "Home pose and target plane: change");
+    identify::pair(ui, "home and plane", &lines);
+}

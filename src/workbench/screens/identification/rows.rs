@@ -1,0 +1,148 @@
+//! Rows of numbers that can be selected.
+
+use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+
+use crate::app::theme::{self, GRID};
+
+/// One cell.
+pub struct Cell {
+    text: String,
+    colour: Option<Color32>,
+    strong: bool,
+}
+
+impl Cell {
+    /// A number or a word.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            colour: None,
+            strong: false,
+        }
+    }
+
+    /// The same in a colour.
+    pub fn coloured(self, colour: Color32) -> Self {
+        Self {
+            colour: Some(colour),
+            ..self
+        }
+    }
+
+    /// The same in bold.
+    pub fn strong(self) -> Self {
+        Self {
+            strong: true,
+            ..self
+        }
+    }
+}
+
+/// Height of a row.
+const HEIGHT: f32 = 5.5 * GRID;
+
+/// Draws a row: the first cell at the left, the others at the right ends of their shares of the width. `selected` is
+/// `None` where there is nothing to select. `name` is what a reader of the screen is told.
+pub fn row(
+    ui: &mut Ui,
+    shares: &[f32],
+    cells: &[Cell],
+    selected: Option<bool>,
+    name: &str,
+) -> Response {
+    let palette = theme::of(ui);
+    let size = Vec2::new(ui.available_width(), HEIGHT);
+    let sense = if selected.is_some() {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
+    let (rect, response) = ui.allocate_exact_size(size, sense);
+    response.widget_info(|| match selected {
+        Some(selected) => WidgetInfo::selected(Role::Button, true, selected, name),
+        None => WidgetInfo::labeled(Role::Label, true, name),
+    });
+    if !ui.is_rect_visible(rect) {
+        return response;
+    }
+    if selected == Some(true) {
+        ui.painter()
+            .rect_filled(rect, 4.0, palette.accent.gamma_multiply(0.25));
+    } else if selected.is_some() && (response.hovered() || response.has_focus()) {
+        ui.painter()
+            .rect_filled(rect, 4.0, palette.hovered.gamma_multiply(0.6));
+    }
+    let inside = rect.shrink2(Vec2::new(GRID, 0.0));
+    let total: f32 = shares.iter().sum();
+    let mut right = inside.left();
+    for (k, (cell, share)) in cells.iter().zip(shares).enumerate() {
+        right += inside.width() * share / total;
+        let font = if cell.strong {
+            theme::strong(13.0)
+        } else {
+            FontId::proportional(13.0)
+        };
+        let (anchor, x) = if k == 0 {
+            (Align2::LEFT_CENTER, inside.left())
+        } else {
+            (Align2::RIGHT_CENTER, right)
+        };
+        let colour = cell.colour.unwrap_or(palette.text);
+        let at = pos2(x, inside.center().y);
+        ui.painter().text(at, anchor, &cell.text, font, colour);
+    }
+    response
+}
+
+/// Draws the heads of columns.
+pub fn heads(ui: &mut Ui, shares: &[f32], heads: &[&str]) {
+    let muted = theme::of(ui).muted;
+    let cells: Vec<_> = heads
+        .iter()
+        .map(|head| Cell::new(*head).coloured(muted))
+        .collect();
+    row(ui, shares, &cells, None, &heads.join(", "));
+}
+
+/// Millimetres with the decimals that a standard deviation (m) leaves sense; two without one.
+pub fn millimetres(value_m: f64, sd_m: Option<f64>) -> String {
+    let decimals = sd_m.map_or(2, decimals);
+    format!("{:.decimals$}", 1e3 * value_m)
+}
+
+/// A standard deviation (m) in millimetres; a dash where the data do not determine it.
+pub fn deviation(sd_m: Option<f64>) -> String {
+    match sd_m {
+        Some(0.0) => "given".to_owned(),
+        Some(sd) if sd.is_finite() => format!("{:.*}", decimals(sd), 1e3 * sd),
+        _ => "–".to_owned(),
+    }
+}
+
+/// Decimals of millimetres for a standard deviation (m): two digits that count, one to three decimals.
+fn decimals(sd_m: f64) -> usize {
+    let sd = 1e3 * sd_m;
+    if !(sd.is_finite() && sd > 0.0) {
+        return 2;
+    }
+    (1.0 - sd.log10().floor()).clamp(0.0, 3.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_follow_the_standard_deviation() {
+        for (sd_m, value, sd) in [
+            (Some(0.000_12), "12.35", "0.12"),
+            (Some(0.0034), "12.3", "3.4"),
+            (Some(0.05), "12", "50"),
+            (Some(0.0), "12.35", "given"),
+            (None, "12.35", "–"),
+        ] {
+            assert_eq!(millimetres(0.012_345_6, sd_m), value);
+            assert_eq!(deviation(sd_m), sd);
+        }
+    }
+}

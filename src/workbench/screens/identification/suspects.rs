@@ -1,0 +1,100 @@
+//! Readings that do not fit, poses that are left out.
+
+use egui::Ui;
+use tautline_core::estimation::Reading;
+
+use super::Panel;
+use crate::app::commands::ViewCommand;
+use crate::app::edit::Edit;
+use crate::app::fit::Fit;
+use crate::app::{Selection, theme};
+use crate::documents::identification::SUSPECT_LEVEL;
+use crate::widgets::{muted, section};
+use crate::wording::count;
+
+/// Most suspect poses that are listed.
+const SHOWN: usize = 5;
+
+/// Draws both lists.
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit) {
+    let suspects = fit.analysis.suspects(SUSPECT_LEVEL);
+    let mut poses: Vec<Vec<Reading>> = Vec::new();
+    for reading in suspects {
+        match poses.iter_mut().find(|pose| pose[0].row == reading.row) {
+            Some(pose) => pose.push(reading),
+            None => poses.push(vec![reading]),
+        }
+    }
+    if !poses.is_empty() {
+        section(ui, "Suspicious readings");
+        muted(
+            ui,
+            "They do not fit the model. An isolated one may be a mistake; many of one cable mean that the model lacks something.",
+        );
+    }
+    for pose in poses.iter().take(SHOWN) {
+        suspect(ui, panel, fit, pose);
+    }
+    if poses.len() > SHOWN {
+        muted(
+            ui,
+            &format!("and {} more", count(poses.len() - SHOWN, "pose")),
+        );
+    }
+    excluded(ui, panel);
+}
+
+fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit, readings: &[Reading]) {
+    let label = fit.dataset.measurements.labels[readings[0].row];
+    let more = match readings.len() {
+        1 => String::new(),
+        several => format!(", and {} more", several - 1),
+    };
+    let text = format!("Pose {label}, {}{more}", fit.solved().suspect(&readings[0]));
+    let selected = panel.selection.pose == Some(label);
+    let colour = if selected {
+        theme::of(ui).accent
+    } else {
+        theme::of(ui).text
+    };
+    let words = egui::Label::new(egui::RichText::new(text).color(colour)).wrap();
+    if ui
+        .add(words.sense(egui::Sense::click()))
+        .on_hover_text("Select this pose")
+        .clicked()
+    {
+        panel
+            .outbox
+            .send(ViewCommand::Select(Selection::pose(label)));
+    }
+    let is_home = fit
+        .solution
+        .poses
+        .first()
+        .is_some_and(|(row, _)| *row == readings[0].row)
+        && fit.dataset.measurements.home_row() == Some(readings[0].row);
+    if is_home {
+        muted(
+            ui,
+            "The home pose cannot be left out: all revolutions count from it.",
+        );
+    } else if ui.button(format!("Exclude pose {label}")).clicked() {
+        panel.outbox.send(Edit::Exclude(label));
+    }
+}
+
+fn excluded(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let excluded = panel.document.session().excluded();
+    if excluded.is_empty() {
+        return;
+    }
+    section(ui, "Poses left out");
+    ui.horizontal_wrapped(|ui| {
+        for label in excluded {
+            let button = ui.button(format!("Take pose {label} back in"));
+            if button.clicked() {
+                panel.outbox.send(Edit::Include(*label));
+            }
+        }
+    });
+}

@@ -1,0 +1,304 @@
+//! Elongation of the cables over length and tension.
+
+use egui::Ui;
+use tautline_core::cable::ElongationSurface;
+use tautline_session::{ElongationPoint, PhaseData};
+
+use crate::app::theme;
+use crate::precalibration::{ElongationFit, Table};
+use crate::screens::desk::{Desk, or_dash};
+use crate::screens::precalibration::Typed;
+use crate::widgets::{
+    Cell, Column, Numbers, RowField, Rows, RowsEdit, Scatter, Series, Verdict, muted, rows,
+    scatter, section, table, value, verdict,
+};
+
+const FIELDS: [RowField; 3] = [
+    RowField {
+        title: "Length",
+        unit: "mm",
+        per_si: 1e3,
+        decimals: 1,
+        optional: false,
+        accepts: |value| value > 0.0 && value <= 1e3,
+        expects: "more than 0 and at most 1 km",
+    },
+    RowField {
+        title: "Tension",
+        unit: "N",
+        per_si: 1.0,
+        decimals: 2,
+        optional: false,
+        accepts: |value| value >= 0.0,
+        expects: "a tension of 0 or more",
+    },
+    RowField {
+        title: "Elongation",
+        unit: "mm",
+        per_si: 1e3,
+        decimals: 4,
+        optional: false,
+        accepts: |value| value.abs() < 1e3,
+        expects: "less than the length of the cable",
+    },
+];
+
+/// Lengths at which the surface is drawn.
+const SLICES: usize = 4;
+/// Points this near to a slice are drawn with it, in halves of the measured range.
+const NEAR: f64 = 0.02;
+/// Points of a drawn slice.
+const STEPS: usize = 32;
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
+    desk.import(ui, Table::Elongation, &mut typed.path);
+    let calibration = desk.calibration;
+    match &calibration.elongation {
+        None => {
+            let now = now(desk);
+            muted(
+                ui,
+                &format!(
+                    "The measured elongation appears here. Until then {now}. Pull cables of several lengths with several tensions, and import the table or type it below."
+                ),
+            );
+        }
+        Some(Err(message)) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+        Some(Ok(fit)) => {
+            judge(ui, fit);
+            degrees(ui, fit);
+            let now = now(desk);
+            muted(ui, &format!("At present {now}."));
+            let proposal = &calibration.with_elongation;
+            desk.propose(ui, proposal, "Use this surface", "use measured elongation");
+            slices(ui, desk, &fit.choice.surface);
+            residuals(ui, desk, fit);
+        }
+    }
+    points(ui, desk, typed);
+}
+
+/// What the robot has, in words.
+fn now(desk: &Desk<'_>) -> String {
+    let cables = desk.robot().cables.iter().map(|cable| &cable.cable);
+    let surfaces = cables.clone().filter_map(|c| c.elongation_surface.as_ref());
+    if let Some(surface) = surfaces.clone().next() {
+        let (degree, count) = (surface.degree, surfaces.count());
+        return format!("{count} cables have a measured surface of degree {degree}");
+    }
+    let stiffness: Vec<f64> = cables.filter_map(|c| c.axial_stiffness_n).collect();
+    let low = stiffness.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = stiffness.iter().copied().fold(0.0, f64::max);
+    match stiffness.len() {
+        0 => "cables do not stretch in the model".to_owned(),
+        _ if low == high => format!("a constant stiffness of {low:.0} N is used"),
+        _ => format!("constant stiffnesses from {low:.0} to {high:.0} N are used"),
+    }
+}
+
+fn judge(ui: &mut Ui, fit: &ElongationFit) {
+    let surface = &fit.choice.surface;
+    let worst = fit.largest_residual_m * 1e3;
+    let text = format!(
+        "A surface of degree {} follows all {} points within {worst:.3} mm.",
+        surface.degree,
+        fit.residuals_m.len()
+    );
+    verdict(ui, Verdict::Good, &text);
+    let span = |centre: f64, scale: f64, decimals: usize| {
+        let (low, high) = (centre - scale, centre + scale);
+        format!("{low:.decimals$} to {high:.decimals$}")
+    };
+    let lengths = span(
+        surface.length_center_m * 1e3,
+        surface.length_scale_m * 1e3,
+        0,
+    );
+    let tensions = span(surface.tension_center_n, surface.tension_scale_n, 1);
+    value(ui, "Valid for lengths", &lengths, "mm");
+    value(ui, "Valid for tensions", &tensions, "N");
+    let spread = format!("{:.4}", surface.residual_sd_m * 1e3);
+    value(ui, "Spread about the surface", &spread, "mm");
+}
+
+fn degrees(ui: &mut Ui, fit: &ElongationFit) {
+    section(ui, "Degree, by cross-validation");
+    let columns = [
+        Column::words("Degree"),
+        Column::number("Coefficients", ""),
+        Column::number("Error at points left out", "mm"),
+        Column::words("Choice"),
+    ];
+    let chosen = fit.choice.surface.degree;
+    let good = theme::of(ui).good;
+    let rows: Vec<Vec<Cell>> = fit
+        .choice
+        .scores
+        .iter()
+        .map(|score| {
+            let terms = (score.degree + 1) * (score.degree + 2) / 2;
+            let choice = match score.error_m {
+                _ if score.degree == chosen => Cell::new("chosen").coloured(good),
+                None => Cell::new("too few points"),
+                Some(_) => Cell::default(),
+            };
+            vec![
+                Cell::new(score.degree.to_string()),
+                Cell::new(terms.to_string()),
+                or_dash(score.error_m.map(|error| error * 1e3), 4),
+                choice,
+            ]
+        })
+        .collect();
+    let selected = rows.len().min(chosen).checked_sub(1);
+    table(ui, &columns, &rows, selected);
+    muted(
+        ui,
+        "The smallest degree is taken whose error is not clearly larger than the least.",
+    );
+}
+
+/// Colour of a slice: from the diverging scale, short to long.
+fn slice_colour(ui: &Ui, length_m: f64, surface: &ElongationSurface) -> egui::Color32 {
+    let x = (length_m - surface.length_center_m) / surface.length_scale_m;
+    theme::of(ui).residual(3.0 * x)
+}
+
+fn slices(ui: &mut Ui, desk: &Desk<'_>, surface: &ElongationSurface) {
+    section(ui, "Slices at four measured lengths");
+    let spread = |k: usize, count: usize, centre: f64, scale: f64| {
+        centre + scale * (2.0 * k as f64 / (count - 1) as f64 - 1.0)
+    };
+    let points = &desk.session().phases.elongation;
+    let mut series = Vec::new();
+    for slice in 0..SLICES {
+        let wanted = spread(
+            slice,
+            SLICES,
+            surface.length_center_m,
+            surface.length_scale_m,
+        );
+        let away = |p: &&ElongationPoint| (p.length_m - wanted).abs();
+        let nearest = points.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        let length = nearest.map_or(wanted, |point| point.length_m);
+        let colour = slice_colour(ui, length, surface);
+        let name = format!("{:.0} mm", length * 1e3);
+        let line = (0..STEPS).map(|k| {
+            let tension = spread(k, STEPS, surface.tension_center_n, surface.tension_scale_n);
+            let value = surface.evaluate_unchecked(length, tension);
+            [tension, value.elongation_m * 1e3]
+        });
+        series.push(Series {
+            name: name.clone(),
+            colour,
+            points: line.collect(),
+            joined: true,
+            strong: false,
+        });
+        let near = points
+            .iter()
+            .filter(|p| (p.length_m - length).abs() <= NEAR * surface.length_scale_m);
+        series.push(Series {
+            name,
+            colour,
+            points: near.map(|p| [p.tension_n, p.elongation_m * 1e3]).collect(),
+            joined: false,
+            strong: true,
+        });
+    }
+    let plot = Scatter {
+        name: "Slices of the elongation surface",
+        x: "Tension (N)",
+        y: "Elongation (mm)",
+        band: None,
+        height: 184.0,
+    };
+    scatter(ui, &plot, &series);
+    ui.horizontal_wrapped(|ui| {
+        for one in series.iter().filter(|one| one.joined) {
+            let text = egui::RichText::new(&one.name).small().color(one.colour);
+            ui.label(text);
+        }
+    });
+}
+
+fn residuals(ui: &mut Ui, desk: &Desk<'_>, fit: &ElongationFit) {
+    section(ui, "Residuals");
+    let surface = &fit.choice.surface;
+    let points = desk.session().phases.elongation.iter();
+    let series = Series {
+        name: "Measured minus surface".to_owned(),
+        colour: theme::of(ui).accent,
+        points: points
+            .zip(&fit.residuals_m)
+            .map(|(point, residual)| [point.tension_n, residual * 1e3])
+            .collect(),
+        joined: false,
+        strong: false,
+    };
+    let plot = Scatter {
+        name: "Residuals of the elongation",
+        x: "Tension (N)",
+        y: "Residual (mm)",
+        band: Some(3.0 * surface.residual_sd_m * 1e3).filter(|band| *band > 0.0),
+        height: 152.0,
+    };
+    scatter(ui, &plot, &[series]);
+    muted(
+        ui,
+        "The band is three standard deviations about the surface.",
+    );
+}
+
+fn points(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
+    section(ui, "Measured points");
+    let points = &desk.session().phases.elongation;
+    let numbers: Vec<Numbers> = points
+        .iter()
+        .map(|p| [Some(p.length_m), Some(p.tension_n), Some(p.elongation_m)])
+        .collect();
+    let fit = desk.calibration.elongation.as_ref();
+    let fit = fit.and_then(|fit| fit.as_ref().ok());
+    let remarks: Vec<String> = fit
+        .iter()
+        .flat_map(|fit| &fit.residuals_m)
+        .map(|residual| format!("{:+.4}", residual * 1e3))
+        .collect();
+    let editor = Rows {
+        noun: "Point",
+        fields: &FIELDS,
+        rows: &numbers,
+        remarks: ("Residual", "mm"),
+        remark: &remarks,
+    };
+    if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
+        desk.edit_rows("point", edit, change);
+    }
+}
+
+fn change(phases: &mut PhaseData, edit: RowsEdit) {
+    let points = &mut phases.elongation;
+    match edit {
+        RowsEdit::Set(row, column, Some(value)) => {
+            if let Some(point) = points.get_mut(row) {
+                match column {
+                    0 => point.length_m = value,
+                    1 => point.tension_n = value,
+                    _ => point.elongation_m = value,
+                }
+            }
+        }
+        RowsEdit::Add(rows) => points.extend(rows.into_iter().filter_map(|row| {
+            Some(ElongationPoint {
+                length_m: row[0]?,
+                tension_n: row[1]?,
+                elongation_m: row[2]?,
+            })
+        })),
+        RowsEdit::Remove(row) if row < points.len() => {
+            points.remove(row);
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,165 @@
+//! Where the length of every cable goes at the pose shown.
+
+use egui::{Color32, Rect, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
+
+use super::pose;
+use crate::app::theme::{self, GRID, Palette};
+use crate::precalibration::{CableShares, cable_shares};
+use crate::screens::desk::{Desk, or_dash};
+use crate::widgets::{Cell, Column, Verdict, muted, table, verdict};
+
+/// Height of a bar (points).
+const BAR: f32 = 3.0 * GRID;
+/// Least width of a part that is not zero (points).
+const LEAST: f32 = 3.0;
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
+    let Some(shown) = pose::shown(desk) else {
+        muted(
+            ui,
+            "Select a pose to see where the length of its cables goes: this robot has no home pose.",
+        );
+        return;
+    };
+    let shares = match cable_shares(desk.robot(), &shown.pose, shown.tensions_n.as_deref()) {
+        Ok(shares) => shares,
+        Err(error) => return verdict(ui, Verdict::Bad, &format!("{error}.")),
+    };
+    muted(
+        ui,
+        &format!(
+            "Cable beyond the pulley's entry point at {}. Select a pose to see others.",
+            shown.name
+        ),
+    );
+    legend(ui);
+    let longest = shares.iter().map(total).fold(1e-9, f64::max);
+    for (cable, share) in shares.iter().enumerate() {
+        bar(ui, desk, cable, share, longest);
+    }
+    muted(
+        ui,
+        "Parts are at least 3 pixels wide, so that small ones can be seen. Elongation is that of the whole cable from its drum on.",
+    );
+    for reason in reasons(&shares) {
+        verdict(ui, Verdict::Neutral, &format!("{reason}."));
+    }
+    numbers(ui, desk, &shares);
+}
+
+/// Every reason once why something is not known.
+fn reasons(shares: &[CableShares]) -> Vec<&str> {
+    let mut reasons: Vec<&str> = Vec::new();
+    for share in shares {
+        if let Err(reason) = &share.under_load
+            && !reasons.contains(&reason.as_str())
+        {
+            reasons.push(reason);
+        }
+    }
+    reasons
+}
+
+/// Everything that a bar shows (m).
+fn total(share: &CableShares) -> f64 {
+    parts(share).iter().map(|(_, metres)| metres).sum()
+}
+
+/// Name and size of the parts (m).
+fn parts(share: &CableShares) -> [(&'static str, f64); 4] {
+    let load = share.under_load.as_ref().ok();
+    [
+        ("Free span", share.free_m),
+        ("Wrap", share.wrapped_m),
+        ("Elongation", load.map_or(0.0, |load| load.elastic_m)),
+        ("Sag", load.map_or(0.0, |load| load.sag_m)),
+    ]
+}
+
+fn colours(palette: &Palette) -> [Color32; 4] {
+    [palette.ghost, palette.accent, palette.warning, palette.good]
+}
+
+fn legend(ui: &mut Ui) {
+    let colours = colours(theme::of(ui));
+    ui.horizontal_wrapped(|ui| {
+        for (name, colour) in ["Free span", "Wrap", "Elongation", "Sag"]
+            .iter()
+            .zip(colours)
+        {
+            let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.0 * GRID), Sense::hover());
+            ui.painter().rect_filled(rect, 2.0, colour);
+            ui.label(RichText::new(*name).small());
+        }
+    });
+}
+
+fn bar(ui: &mut Ui, desk: &mut Desk<'_>, cable: usize, share: &CableShares, longest: f64) {
+    let palette = theme::of(ui);
+    let size = Vec2::new(ui.available_width(), BAR + 2.0 * GRID);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let title = desk.cable_name(cable);
+    let words: Vec<String> = parts(share)
+        .iter()
+        .map(|(name, metres)| format!("{} {:.3} mm", name.to_lowercase(), metres * 1e3))
+        .collect();
+    let text = format!("{title}: {}", words.join(", "));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
+    let selected = desk.selection.cable == Some(cable);
+    if selected || response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, 2.0, palette.raised);
+    }
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let left = rect.left() + GRID;
+    let dot = egui::pos2(left + GRID, rect.center().y);
+    ui.painter().circle_filled(dot, GRID, palette.cable(cable));
+    let place = egui::pos2(left + 3.0 * GRID, rect.center().y);
+    let align = egui::Align2::LEFT_CENTER;
+    ui.painter()
+        .text(place, align, (cable + 1).to_string(), font, palette.text);
+    let start = left + 8.0 * GRID;
+    let width = rect.right() - start - 5.0 * LEAST;
+    let mut x = start;
+    for ((_, metres), colour) in parts(share).iter().zip(colours(palette)) {
+        let wide = (metres / longest) as f32 * width;
+        let wide = if *metres > 0.0 { wide.max(LEAST) } else { 0.0 };
+        let top = rect.center().y - 0.5 * BAR;
+        let part = Rect::from_min_size(egui::pos2(x, top), Vec2::new(wide, BAR));
+        ui.painter().rect_filled(part, 0.0, colour);
+        x += wide;
+    }
+    if response.on_hover_text(words.join("\n")).clicked() {
+        desk.select_cable(cable);
+    }
+}
+
+fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[CableShares]) {
+    let columns = [
+        Column::words("Cable"),
+        Column::number("Free span", "mm"),
+        Column::number("Wrap", "mm"),
+        Column::number("Elongation", "mm"),
+        Column::number("Sag", "mm"),
+        Column::number("Tension", "N"),
+    ];
+    let rows: Vec<Vec<Cell>> = shares
+        .iter()
+        .enumerate()
+        .map(|(cable, share)| {
+            let load = share.under_load.as_ref().ok();
+            vec![
+                desk.cable_cell(ui, cable),
+                Cell::new(format!("{:.1}", share.free_m * 1e3)),
+                Cell::new(format!("{:.2}", share.wrapped_m * 1e3)),
+                or_dash(load.map(|load| load.elastic_m * 1e3), 3),
+                or_dash(load.map(|load| load.sag_m * 1e3), 3),
+                or_dash(load.map(|load| load.tension_n), 1),
+            ]
+        })
+        .collect();
+    let chosen = desk.selection.cable;
+    if let Some(cable) = table(ui, &columns, &rows, chosen).clicked {
+        desk.select_cable(cable);
+    }
+}

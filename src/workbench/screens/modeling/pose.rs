@@ -1,0 +1,58 @@
+//! The pose that the panel is about: the selected one, else home.
+
+use tautline_core::geometry::Pose;
+
+use crate::screens::desk::Desk;
+
+/// A pose with what is known there.
+pub struct Shown {
+    /// What it is called, such as "home".
+    pub name: String,
+    /// Where the platform is.
+    pub pose: Pose,
+    /// Tensions (N), if all cables were measured there.
+    pub tensions_n: Option<Vec<f64>>,
+}
+
+/// The selected pose as it was identified or else commanded; home if none is selected or its place is
+/// not known.
+pub fn shown(desk: &Desk<'_>) -> Option<Shown> {
+    let measurements = &desk.session().measurements;
+    let row = |label: i64| measurements.labels.iter().position(|l| *l == label);
+    if let Some(label) = desk.selection.pose
+        && let Some(row) = row(label)
+        && let Some(pose) =
+            identified(desk, label).or_else(|| measurements.commanded.get(row).copied().flatten())
+    {
+        return Some(Shown {
+            name: format!("pose {label}"),
+            pose,
+            tensions_n: tensions(desk, row),
+        });
+    }
+    let home = desk.robot().home.as_ref()?;
+    Some(Shown {
+        name: "home".to_owned(),
+        pose: home.pose(),
+        tensions_n: measurements.home_row().and_then(|row| tensions(desk, row)),
+    })
+}
+
+fn identified(desk: &Desk<'_>, label: i64) -> Option<Pose> {
+    let fit = desk.document.fit()?;
+    let labels = &fit.dataset.measurements.labels;
+    let poses = fit.solution.poses.iter();
+    let found = poses.filter(|(row, _)| labels.get(*row) == Some(&label));
+    found.map(|(_, pose)| *pose).next()
+}
+
+fn tensions(desk: &Desk<'_>, row: usize) -> Option<Vec<f64>> {
+    let force = &desk.session().measurements.force_n;
+    let cables = desk.robot().cables.iter().enumerate();
+    let tensions = cables.map(|(k, cable)| {
+        let reading = force.get(row, k);
+        let tension = cable.force_sensor.as_ref()?.tension_n(reading);
+        tension.is_finite().then_some(tension)
+    });
+    tensions.collect()
+}

@@ -1,0 +1,129 @@
+//! A pulley to scale, seen across its plane.
+
+use std::f32::consts::PI;
+
+use egui::{Align2, Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo};
+use tautline_core::geometry::Vec3;
+use tautline_core::kinematics::CableState;
+use tautline_core::robot::Robot;
+
+use crate::app::theme::{self, GRID};
+use crate::widgets::muted;
+
+/// Height of the picture (points).
+const HEIGHT: f32 = 208.0;
+/// What is shown around the wheel, in radii to each side of its middle.
+const REACH: f32 = 2.1;
+
+/// Draws wheel, incoming cable, wrap and free cable. The swivel axis is upright; it points down where
+/// the cable comes from above.
+pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
+    let Some(cable) = robot.cables.get(index) else {
+        return;
+    };
+    let radius_mm = cable.pulley.radius_m * 1e3;
+    if radius_mm <= 0.0 {
+        muted(ui, "This cable passes an eyelet: nothing is wrapped.");
+        return;
+    }
+    let size = Vec2::new(ui.available_width(), HEIGHT);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let wrap = state.wrap_rad as f32;
+    let name = format!("Picture of the pulley of {}", cable.name);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    let palette = theme::of(ui);
+    ui.painter().rect_filled(rect, 4.0, palette.ground);
+    let axis = Vec3::from(cable.pulley.swivel_axis);
+    let up = if axis.dot(&robot.gravity()) > 0.0 {
+        1.0
+    } else {
+        -1.0
+    };
+    let view = View::of(rect, up);
+    wheel(ui, &view, wrap);
+    cables(ui, &view, rect, wrap, palette.cable(index));
+    let font = TextStyle::Small.resolve(ui.style());
+    let text = |place: Pos2, align: Align2, text: String| {
+        ui.painter()
+            .text(place, align, text, font.clone(), palette.muted);
+    };
+    let corner = rect.left_top() + Vec2::splat(2.0 * GRID);
+    let wrapped_mm = radius_mm * state.wrap_rad;
+    text(
+        corner,
+        Align2::LEFT_TOP,
+        format!("radius {radius_mm:.2} mm"),
+    );
+    let line = Vec2::new(0.0, 4.0 * GRID);
+    text(
+        corner + line,
+        Align2::LEFT_TOP,
+        format!(
+            "wrap {:.1}°, {wrapped_mm:.2} mm",
+            state.wrap_rad.to_degrees()
+        ),
+    );
+    let free_mm = state.free_length_m * 1e3;
+    text(
+        corner + 2.0 * line,
+        Align2::LEFT_TOP,
+        format!("then {free_mm:.1} mm to the platform"),
+    );
+    response.on_hover_text("The wheel in its plane, to scale. The dashed line is the swivel axis, along which the cable comes from the drum; the arc is what is wrapped.");
+}
+
+/// From radii about the middle of the wheel to the screen.
+struct View {
+    centre: Pos2,
+    radius: f32,
+    up: f32,
+}
+
+impl View {
+    fn of(rect: Rect, up: f32) -> Self {
+        Self {
+            centre: rect.center() + Vec2::new(4.0 * GRID, 0.0),
+            radius: rect.height() / (2.0 * REACH),
+            up,
+        }
+    }
+
+    /// `across` away from the swivel axis, `along` it in the direction of travel.
+    fn at(&self, across: f32, along: f32) -> Pos2 {
+        self.centre + Vec2::new(across, self.up * along) * self.radius
+    }
+
+    /// Point of the rim after a wrap.
+    fn rim(&self, wrap: f32) -> Pos2 {
+        self.at(-wrap.cos(), wrap.sin())
+    }
+}
+
+fn wheel(ui: &Ui, view: &View, wrap: f32) {
+    let palette = theme::of(ui);
+    let painter = ui.painter();
+    let stroke = Stroke::new(1.5, palette.ghost);
+    painter.circle(view.centre, view.radius - 1.5, palette.panel, stroke);
+    painter.circle_filled(view.centre, 3.0, palette.muted);
+    for angle in [0.0, wrap] {
+        let spoke = [view.centre, view.rim(angle)];
+        painter.line_segment(spoke, Stroke::new(1.0, palette.line));
+    }
+    let axis = [view.at(-1.0, -REACH), view.at(-1.0, REACH)];
+    let dashes = Shape::dashed_line(&axis, Stroke::new(1.0, palette.muted), 4.0, 4.0);
+    painter.extend(dashes);
+}
+
+fn cables(ui: &Ui, view: &View, rect: Rect, wrap: f32, colour: egui::Color32) {
+    let painter = ui.painter().with_clip_rect(rect);
+    let thin = Stroke::new(2.0, colour);
+    painter.line_segment([view.at(-1.0, -REACH), view.at(-1.0, 0.0)], thin);
+    let steps = (wrap / PI * 48.0).ceil().max(1.0);
+    let arc = (0..=steps as usize).map(|k| view.rim(wrap * k as f32 / steps));
+    painter.add(Shape::line(arc.collect(), Stroke::new(4.0, colour)));
+    // The free cable leaves along the tangent.
+    let exit = view.rim(wrap);
+    let (sin, cos) = wrap.sin_cos();
+    let direction = Vec2::new(sin, view.up * cos);
+    painter.arrow(exit, direction * 1.4 * view.radius, thin);
+}

@@ -1,0 +1,164 @@
+//! Pulleys: radius, swivel axis, and what they do at the pose shown.
+
+use egui::Ui;
+use tautline_core::geometry::Vec3;
+use tautline_core::kinematics::{CableState, inverse_kinematics};
+use tautline_core::robot::Robot;
+
+use super::{pose, pulley_picture};
+use crate::app::edit::Edit;
+use crate::screens::desk::{Desk, or_dash};
+use crate::widgets::{
+    Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,
+};
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
+    let chosen = desk.selection.cable;
+    let chosen = chosen
+        .filter(|cable| *cable < desk.robot().cable_count())
+        .unwrap_or(0);
+    let shown = pose::shown(desk);
+    let states = shown
+        .as_ref()
+        .map(|shown| inverse_kinematics(desk.robot(), &shown.pose));
+    match (&shown, &states) {
+        (Some(shown), Some(Ok(_))) => {
+            let name = &shown.name;
+            muted(
+                ui,
+                &format!("Wrap and swivel angle at {name}. Select a pose to see others."),
+            );
+        }
+        (_, Some(Err(error))) => verdict(ui, Verdict::Bad, &format!("{error}.")),
+        _ => {
+            muted(
+                ui,
+                "Wrap and swivel angle appear here once a pose is selected: this robot has no home pose.",
+            );
+        }
+    }
+    let states = states.and_then(Result::ok);
+    overview(ui, desk, chosen, states.as_deref());
+    section(ui, &format!("Pulley of {}", desk.cable_name(chosen)));
+    fields(ui, desk, chosen);
+    if let Some(state) = states.as_ref().and_then(|states| states.get(chosen)) {
+        pulley_picture::show(ui, desk.robot(), chosen, state);
+    }
+}
+
+fn overview(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, states: Option<&[CableState]>) {
+    let columns = [
+        Column::words("Cable"),
+        Column::number("Radius", "mm"),
+        Column::number("Swivel axis", "x, y, z"),
+        Column::number("Wrap", "°"),
+        Column::number("Swivel", "°"),
+    ];
+    let cables = desk.robot().cables.iter().enumerate();
+    let rows: Vec<Vec<Cell>> = cables
+        .map(|(k, cable)| {
+            let state = states.and_then(|states| states.get(k));
+            let [x, y, z] = cable.pulley.swivel_axis;
+            let wrap = state.map(|state| state.wrap_rad.to_degrees());
+            let swivel = state.and_then(|state| state.swivel_rad);
+            vec![
+                desk.cable_cell(ui, k),
+                Cell::new(format!("{:.2}", cable.pulley.radius_m * 1e3)),
+                Cell::new(format!("{x:.2}, {y:.2}, {z:.2}")),
+                or_dash(wrap, 1),
+                or_dash(swivel.map(f64::to_degrees), 1),
+            ]
+        })
+        .collect();
+    if let Some(cable) = table(ui, &columns, &rows, Some(chosen)).clicked {
+        desk.select_cable(cable);
+    }
+}
+
+fn fields(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
+    let Some(cable) = desk.robot().cables.get(chosen) else {
+        return;
+    };
+    let pulley = cable.pulley;
+    ui.horizontal(|ui| {
+        ui.label("Radius");
+        let field = Number {
+            name: "Pulley radius",
+            value: Some(pulley.radius_m * 1e3),
+            decimals: 3,
+            unit: "mm",
+            optional: false,
+            width: 72.0,
+        };
+        let entered = number(ui, &field);
+        let what = format!("change pulley radius of {}", cable.name);
+        change(desk, entered, what, |robot, value| {
+            if value < 0.0 {
+                return Err(format!(
+                    "Pulley radius: found {value} mm, expected 0 for an eyelet or more."
+                ));
+            }
+            if let Some(cable) = robot.cables.get_mut(chosen) {
+                cable.pulley.radius_m = value * 1e-3;
+            }
+            Ok(())
+        });
+    });
+    ui.horizontal(|ui| {
+        ui.label("Swivel axis").on_hover_text(
+            "Direction in which the cable travels when it reaches the pulley, in the base frame; it is made one unit long.",
+        );
+        for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let name = format!("Swivel axis {name}");
+            let field = Number {
+                name: &name,
+                value: Some(pulley.swivel_axis[k]),
+                decimals: 4,
+                unit: "",
+                optional: false,
+                width: 64.0,
+            };
+            let entered = number(ui, &field);
+            let what = format!("change swivel axis of {}", cable.name);
+            change(desk, entered, what, |robot, value| turn(robot, chosen, k, value));
+        }
+    });
+}
+
+/// Sets a coordinate of the axis and makes it a unit vector again.
+fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Result<(), String> {
+    let Some(cable) = robot.cables.get_mut(cable) else {
+        return Ok(());
+    };
+    let mut axis = cable.pulley.swivel_axis;
+    axis[coordinate] = value;
+    let unit = Vec3::from(axis).try_normalize(1e-6).ok_or(
+        "Swivel axis: found 0 in all three coordinates, expected a direction. Set another coordinate first.",
+    )?;
+    cable.pulley.swivel_axis = unit.into();
+    Ok(())
+}
+
+/// Does what was entered, or tells why not.
+fn change(
+    desk: &mut Desk<'_>,
+    entered: Option<Entered>,
+    what: String,
+    change: impl FnOnce(&mut Robot, f64) -> Result<(), String>,
+) {
+    let value = match entered {
+        Some(Entered::Value(value)) => value,
+        Some(Entered::Wrong(message)) => return desk.messages.error(message),
+        Some(Entered::Nothing) | None => return,
+    };
+    let mut robot = desk.robot().clone();
+    let changed = change(&mut robot, value).and_then(|()| {
+        let checked = robot.check();
+        checked.map_err(|error| format!("This value makes no possible robot: {error}."))
+    });
+    match changed {
+        Ok(()) => desk.outbox.send(Edit::SetRobot(Box::new(robot), what)),
+        Err(message) => desk.messages.error(message),
+    }
+}

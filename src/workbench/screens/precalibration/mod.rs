@@ -1,0 +1,88 @@
+//! The panel of the phase Pre-calibration: winches, force sensors, home platform.
+
+mod force_sensors;
+mod home;
+mod home_picture;
+mod winches;
+
+use std::sync::Arc;
+
+use egui::Ui;
+
+use super::desk::Desk;
+use crate::app::State;
+use crate::app::standing;
+use crate::app::theme::GRID;
+use crate::widgets::{heading, muted, part_row};
+
+/// Part of the phase.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Cable per revolution.
+    #[default]
+    Winches,
+    /// Gain and bias.
+    ForceSensors,
+    /// Home pose.
+    Home,
+}
+
+/// What is typed for a part.
+#[derive(Debug, Default)]
+pub struct Typed {
+    /// Path of its table.
+    pub path: String,
+    /// Rows to add.
+    pub rows: String,
+}
+
+/// What the panel remembers.
+#[derive(Debug, Default)]
+pub struct Remembered {
+    /// The part that is shown.
+    pub part: Part,
+    winches: Typed,
+    force_sensors: Typed,
+    home: Typed,
+}
+
+/// Draws the panel.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    heading(ui, "Pre-calibration");
+    let Some(document) = &state.document else {
+        return;
+    };
+    let calibration = Arc::clone(document.calibration());
+    muted(ui, "Parts without a table keep the values of the drawing.");
+    let remembered = &mut state.screens.precalibration;
+    let parts = [
+        (Part::Winches, "Winches", standing::winches(&calibration)),
+        (
+            Part::ForceSensors,
+            "Force sensors",
+            standing::force_sensors(&calibration),
+        ),
+        (Part::Home, "Home platform", standing::home(&calibration)),
+    ];
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
+        for (part, title, standing) in parts {
+            if part_row(ui, title, &standing, remembered.part == part) {
+                remembered.part = part;
+            }
+        }
+    });
+    ui.add_space(2.0 * GRID);
+    let mut desk = Desk {
+        document,
+        calibration: &calibration,
+        selection: state.selection,
+        outbox: &mut state.outbox,
+        messages: &mut state.messages,
+    };
+    match remembered.part {
+        Part::Winches => winches::show(ui, &mut desk, &mut remembered.winches),
+        Part::ForceSensors => force_sensors::show(ui, &mut desk, &mut remembered.force_sensors),
+        Part::Home => home::show(ui, &mut desk, &mut remembered.home),
+    }
+}

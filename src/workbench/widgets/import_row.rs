@@ -1,0 +1,44 @@
+//! A row for importing a file: typed path, dialog.
+
+use std::path::PathBuf;
+
+use egui::{Align, Key, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use egui_material_icons::icons;
+
+use super::button::{icon_button, icon_only};
+use crate::app::theme::GRID;
+
+/// How a file is to be imported.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Import {
+    /// From a path.
+    Path(PathBuf),
+    /// By a dialog.
+    Browse,
+}
+
+/// Draws the row for a file such as "winch.csv"; `path` is what is typed.
+pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> {
+    let mut answer = None;
+    let size = Vec2::new(ui.available_width(), 7.0 * GRID);
+    let layout = Layout::right_to_left(Align::Center);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        let dialog = format!("Browse for {file}");
+        if icon_only(ui, icons::ICON_FOLDER_OPEN, &dialog, true).clicked() {
+            answer = Some(Import::Browse);
+        }
+        let typed = !path.trim().is_empty();
+        let pressed = icon_button(ui, icons::ICON_UPLOAD_FILE, "Import", typed).clicked();
+        let name = format!("Path of {file}");
+        let field = TextEdit::singleline(path)
+            .hint_text(format!("Path of {file}, or drop it here"))
+            .desired_width(ui.available_width());
+        let field = ui.add(field);
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &name));
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        if typed && (pressed || entered) {
+            answer = Some(Import::Path(PathBuf::from(path.trim())));
+        }
+    });
+    answer
+}

@@ -1,0 +1,149 @@
+//! Fields for numbers.
+
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, Ui, WidgetInfo};
+
+use super::text::muted;
+use crate::app::theme::{self, GRID};
+
+/// What was typed into a field for a number.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entered {
+    /// A number.
+    Value(f64),
+    /// Nothing, in a field that may be empty.
+    Nothing,
+    /// Something else; one sentence says what was found and what was expected.
+    Wrong(String),
+}
+
+/// A field for a number.
+#[derive(Debug, Clone, Copy)]
+pub struct Number<'a> {
+    /// Its accessible name.
+    pub name: &'a str,
+    /// What it holds; nothing where it is empty.
+    pub value: Option<f64>,
+    /// Decimals that are shown.
+    pub decimals: usize,
+    /// Unit behind it; may be empty.
+    pub unit: &'a str,
+    /// Whether it may be empty.
+    pub optional: bool,
+    /// Its width (points).
+    pub width: f32,
+}
+
+/// Draws a field; the answer comes when it is left or the enter key is pressed, if its text was changed.
+pub fn number(ui: &mut Ui, field: &Number<'_>) -> Option<Entered> {
+    let id = ui.make_persistent_id(("number", field.name));
+    let shown = || {
+        let value = field.value?;
+        Some(format!("{value:.*}", field.decimals))
+    };
+    let typed: Option<String> = ui.data(|data| data.get_temp(id));
+    let was_typed = typed.is_some();
+    let mut text = typed.unwrap_or_else(|| shown().unwrap_or_default());
+    let wrong = was_typed && matches!(entered(&text, field), Entered::Wrong(_));
+    let response = edit(ui, id, &mut text, field, wrong);
+    if !field.unit.is_empty() {
+        muted(ui, field.unit);
+    }
+    if response.changed() {
+        ui.data_mut(|data| data.insert_temp(id, text.clone()));
+    }
+    let escaped = ui.input(|input| input.key_pressed(Key::Escape));
+    if !response.lost_focus() || !(was_typed || response.changed()) {
+        return None;
+    }
+    let answer = entered(&text, field);
+    if escaped || !matches!(answer, Entered::Wrong(_)) {
+        ui.data_mut(|data| data.remove::<String>(id));
+    }
+    (!escaped).then_some(answer)
+}
+
+fn edit(ui: &mut Ui, id: Id, text: &mut String, field: &Number<'_>, wrong: bool) -> Response {
+    let palette = theme::of(ui);
+    let mut edit = TextEdit::singleline(text)
+        .id(id.with("text"))
+        .desired_width(field.width)
+        .align(Align2::RIGHT_CENTER)
+        .margin(Margin::symmetric(GRID as i8, 2))
+        .clip_text(true);
+    if wrong {
+        edit = edit.text_color(palette.bad);
+    }
+    let response = ui.add(edit);
+    let (name, value) = (field.name, text.clone());
+    response.widget_info(|| {
+        let mut info = WidgetInfo::text_edit(ui.is_enabled(), value.clone(), value.clone(), "");
+        info.label = Some(name.to_owned());
+        info
+    });
+    if wrong {
+        let stroke = Stroke::new(1.0, palette.bad);
+        ui.painter()
+            .rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);
+    }
+    match entered(text, field) {
+        Entered::Wrong(message) => response.on_hover_text(message),
+        _ => response,
+    }
+}
+
+fn entered(text: &str, field: &Number<'_>) -> Entered {
+    if text.trim().is_empty() && field.optional {
+        return Entered::Nothing;
+    }
+    match parse(text) {
+        Ok(value) => Entered::Value(value),
+        Err(message) => Entered::Wrong(format!("{}: {message}.", field.name)),
+    }
+}
+
+/// A number with a decimal point or comma.
+///
+/// # Errors
+/// What was found and what was expected.
+pub fn parse(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    if text.is_empty() {
+        return Err("found nothing, expected a number such as 12.5".to_owned());
+    }
+    let separators = text.matches([',', '.']).count();
+    let number = text.replace('\u{2212}', "-").replacen(',', ".", 1);
+    match number.parse::<f64>() {
+        Ok(value) if value.is_finite() && number.bytes().any(|b| b.is_ascii_digit()) => Ok(value),
+        _ if separators > 1 => Err(format!(
+            "found \"{text}\", expected a number without thousands separators"
+        )),
+        _ => Err(format!("found \"{text}\", expected a number such as 12.5")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse;
+
+    #[test]
+    fn point_and_comma_are_both_understood() {
+        for (text, value) in [
+            ("1.5", 1.5),
+            (" 1,5 ", 1.5),
+            ("-3", -3.0),
+            ("\u{2212}0,25", -0.25),
+            ("2e-3", 2e-3),
+        ] {
+            assert_eq!(parse(text), Ok(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_told() {
+        for text in ["", "abc", "1.234,5", "1,2,3", "inf", "nan", "1 2"] {
+            let message = parse(text).expect_err(text);
+            assert!(message.contains("found"), "{message}");
+            assert!(message.contains("expected a number"), "{message}");
+        }
+    }
+}

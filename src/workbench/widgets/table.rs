@@ -1,0 +1,279 @@
+//! Tables to read: numbers right-aligned, one line for each item, a click selects it.
+
+use std::sync::Arc;
+
+use egui::{Color32, Galley, Pos2, Rect, RichText, Role, ScrollArea, Sense, Ui, Vec2, WidgetInfo};
+use egui_material_icons::MaterialIcon;
+
+use crate::app::theme::{self, GRID};
+
+/// A column of a table.
+#[derive(Debug, Clone, Copy)]
+pub struct Column<'a> {
+    title: &'a str,
+    unit: &'a str,
+    numeric: bool,
+}
+
+impl<'a> Column<'a> {
+    /// A column of words.
+    #[must_use]
+    pub const fn words(title: &'a str) -> Self {
+        Self {
+            title,
+            unit: "",
+            numeric: false,
+        }
+    }
+
+    /// A column of numbers in a unit, which may be empty.
+    #[must_use]
+    pub const fn number(title: &'a str, unit: &'a str) -> Self {
+        Self {
+            title,
+            unit,
+            numeric: true,
+        }
+    }
+}
+
+/// A cell.
+#[derive(Debug, Clone, Default)]
+pub struct Cell {
+    text: String,
+    icon: Option<MaterialIcon>,
+    colour: Option<Color32>,
+    dot: Option<Color32>,
+}
+
+impl Cell {
+    /// Text in the colour of text.
+    #[must_use]
+    pub fn new(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            ..Self::default()
+        }
+    }
+
+    /// The same in a colour.
+    #[must_use]
+    pub fn coloured(self, colour: Color32) -> Self {
+        Self {
+            colour: Some(colour),
+            ..self
+        }
+    }
+
+    /// The same behind a dot of a colour, as of a cable.
+    #[must_use]
+    pub fn with_dot(self, colour: Color32) -> Self {
+        Self {
+            dot: Some(colour),
+            ..self
+        }
+    }
+
+    /// The same behind a sign.
+    #[must_use]
+    pub fn with_icon(self, icon: MaterialIcon) -> Self {
+        Self {
+            icon: Some(icon),
+            ..self
+        }
+    }
+}
+
+/// What the operator did with a table.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Touched {
+    /// The row that was clicked.
+    pub clicked: Option<usize>,
+    /// The row under the pointer.
+    pub hovered: Option<usize>,
+}
+
+/// Height of a row and of a line of the header (points).
+const ROW: f32 = 6.0 * GRID;
+const LINE: f32 = 4.0 * GRID;
+/// Least space between columns (points).
+const GAP: f32 = 2.5 * GRID;
+/// Diameter of a dot (points).
+const DOT: f32 = 2.0 * GRID;
+/// Space between the edge of a row and its text (points).
+const MARGIN: f32 = GRID;
+
+/// Draws a table; rows have a cell for each column, and `selected` is highlighted.
+pub fn table(
+    ui: &mut Ui,
+    columns: &[Column<'_>],
+    rows: &[Vec<Cell>],
+    selected: Option<usize>,
+) -> Touched {
+    let galleys: Vec<Vec<Galleys>> = rows
+        .iter()
+        .map(|cells| cells.iter().map(|cell| Galleys::of(ui, cell)).collect())
+        .collect();
+    let heads: Vec<[Arc<Galley>; 2]> = columns
+        .iter()
+        .map(|column| [column.title, column.unit].map(|text| small(ui, text)))
+        .collect();
+    let widths: Vec<f32> = heads
+        .iter()
+        .enumerate()
+        .map(|(k, head)| {
+            let cells = galleys.iter().filter_map(|row| row.get(k));
+            let widest = cells.map(Galleys::width).fold(0.0, f32::max);
+            head.iter().fold(widest, |width, g| width.max(g.size().x))
+        })
+        .collect();
+    let needed = widths.iter().sum::<f32>() + GAP * (widths.len().max(1) - 1) as f32 + 2.0 * MARGIN;
+    let width = ui.available_width().max(needed);
+    let extra = (width - needed) / (widths.len().max(2) - 1) as f32;
+    let places = Places {
+        widths,
+        gap: GAP + extra,
+        width,
+    };
+    let mut touched = Touched::default();
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        if needed > ui.available_width() {
+            ScrollArea::horizontal()
+                .max_width(ui.available_width())
+                .show(ui, |ui| {
+                    touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
+                });
+        } else {
+            touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);
+        }
+    });
+    touched
+}
+
+struct Places {
+    widths: Vec<f32>,
+    gap: f32,
+    width: f32,
+}
+
+impl Places {
+    /// Left edge of what is `width` wide in column `k` of a row that begins at `left`.
+    fn x(&self, left: f32, k: usize, numeric: bool, width: f32) -> f32 {
+        let before: f32 = self.widths[..k].iter().map(|w| w + self.gap).sum();
+        let slack = if numeric { self.widths[k] - width } else { 0.0 };
+        left + MARGIN + before + slack
+    }
+}
+
+struct Galleys {
+    icon: Option<Arc<Galley>>,
+    text: Arc<Galley>,
+    colour: Color32,
+    dot: Option<Color32>,
+}
+
+impl Galleys {
+    fn of(ui: &Ui, cell: &Cell) -> Self {
+        let colour = cell.colour.unwrap_or(theme::of(ui).text);
+        let layout = |text: RichText| {
+            let wrap = Some(egui::TextWrapMode::Extend);
+            egui::WidgetText::from(text).into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body)
+        };
+        Self {
+            icon: cell.icon.map(|icon| layout(icon.rich_text().size(16.0))),
+            text: layout(RichText::new(&cell.text)),
+            colour,
+            dot: cell.dot,
+        }
+    }
+
+    fn width(&self) -> f32 {
+        let icon = self.icon.as_ref().map_or(0.0, |icon| icon.size().x + GRID);
+        let dot = self.dot.map_or(0.0, |_| DOT + GRID);
+        dot + icon + self.text.size().x
+    }
+
+    fn paint(&self, ui: &Ui, left: f32, middle: f32) {
+        let mut x = left;
+        if let Some(colour) = self.dot {
+            let centre = Pos2::new(x + 0.5 * DOT, middle);
+            ui.painter().circle_filled(centre, 0.5 * DOT, colour);
+            x += DOT + GRID;
+        }
+        for galley in self.icon.iter().chain([&self.text]) {
+            let place = Pos2::new(x, middle - 0.5 * galley.size().y);
+            ui.painter()
+                .galley_with_override_text_color(place, Arc::clone(galley), self.colour);
+            x += galley.size().x + GRID;
+        }
+    }
+}
+
+fn small(ui: &Ui, text: &str) -> Arc<Galley> {
+    let (font, colour) = (
+        egui::TextStyle::Small.resolve(ui.style()),
+        theme::of(ui).muted,
+    );
+    ui.painter().layout_no_wrap(text.to_owned(), font, colour)
+}
+
+fn body(
+    ui: &mut Ui,
+    columns: &[Column<'_>],
+    heads: &[[Arc<Galley>; 2]],
+    (rows, galleys): (&[Vec<Cell>], &[Vec<Galleys>]),
+    places: &Places,
+    selected: Option<usize>,
+) -> Touched {
+    header(ui, columns, heads, places);
+    let palette = theme::of(ui);
+    let mut touched = Touched::default();
+    for (index, (cells, galleys)) in rows.iter().zip(galleys).enumerate() {
+        let size = Vec2::new(places.width, ROW);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        response.widget_info(|| {
+            let texts: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();
+            let is_selected = selected == Some(index);
+            WidgetInfo::selected(Role::Button, true, is_selected, texts.join(", "))
+        });
+        if selected == Some(index) {
+            ui.painter().rect_filled(rect, 2.0, palette.raised);
+        } else if response.hovered() || response.has_focus() {
+            ui.painter()
+                .rect_filled(rect, 2.0, palette.hovered.gamma_multiply(0.5));
+        }
+        for (k, (galley, column)) in galleys.iter().zip(columns).enumerate() {
+            let x = places.x(rect.left(), k, column.numeric, galley.width());
+            galley.paint(ui, x, rect.center().y);
+        }
+        if response.clicked() {
+            touched.clicked = Some(index);
+        }
+        if response.hovered() {
+            touched.hovered = Some(index);
+        }
+    }
+    touched
+}
+
+fn header(ui: &mut Ui, columns: &[Column<'_>], heads: &[[Arc<Galley>; 2]], places: &Places) {
+    let lines = if columns.iter().any(|column| !column.unit.is_empty()) {
+        2.0
+    } else {
+        1.0
+    };
+    let size = Vec2::new(places.width, lines * LINE + GRID);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let palette = theme::of(ui);
+    for (k, (head, column)) in heads.iter().zip(columns).enumerate() {
+        for (galley, y) in head.iter().zip([0.0, LINE]) {
+            let x = places.x(rect.left(), k, column.numeric, galley.size().x);
+            let place = Pos2::new(x, rect.top() + y);
+            ui.painter()
+                .galley(place, Arc::clone(galley), palette.muted);
+        }
+    }
+    let line = Rect::from_min_max(Pos2::new(rect.left(), rect.bottom() - 1.0), rect.max);
+    ui.painter().rect_filled(line, 0.0, palette.line);
+}

@@ -1,0 +1,140 @@
+//! The panel of phase 4: the geometry.
+
+use egui_kittest::kittest::Queryable;
+use tautline_session::Method;
+use tautline_workbench::app::Selection;
+use tautline_workbench::app::commands::{FileCommand, IDENTIFYING, ModelCommand};
+use tautline_workbench::app::edit::Edit;
+
+use crate::measured::{Measured, document, give, press};
+use crate::support::{settle, workbench};
+
+#[test]
+fn identifying_says_whether_the_model_explains_the_data() {
+    let measured = Measured::mini(20, &[]);
+    let mut harness = measured.opened();
+    assert!(document(&harness).fit().is_none());
+    press(&mut harness, "Identify");
+    harness.get_by_label("The model explains the data.");
+    assert!(document(&harness).fit_is_current());
+    let fit = document(&harness).fit().expect("a fit");
+    assert!(fit.solution.converged());
+    let record = &document(&harness).session().results()[0];
+    assert_eq!(record.format(), Some("tautline-identification"));
+    assert_eq!(record.basis, Some(document(&harness).session().basis()));
+}
+
+#[test]
+fn a_row_selects_its_cable_and_shows_the_coordinates() {
+    let measured = Measured::mini(12, &[]);
+    let mut harness = measured.opened();
+    press(&mut harness, "Identify");
+    assert!(harness.query_by_label_contains("Cable 3 x:").is_none());
+    harness
+        .get_by_label_contains("Cable 3: moved")
+        .click_accesskit();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.selection, Selection::cable(2));
+    harness.get_by_label_contains("Cable 3 x:");
+    assert!(harness.query_by_label_contains("Cable 4 x:").is_none());
+    press(&mut harness, "Show axes");
+    harness.get_by_label_contains("Cable 4 z:");
+}
+
+#[test]
+fn the_published_method_stands_beside_the_joint_one() {
+    let measured = Measured::mini(15, &[]);
+    let mut harness = measured.opened();
+    press(&mut harness, "Published");
+    press(&mut harness, "Identify");
+    harness.get_by_label_contains("The published method misses the readings by");
+    let record = &document(&harness).session().results()[0];
+    assert_eq!(record.document["method"], "published");
+    let settings = &document(&harness).session().settings;
+    assert_eq!(settings.identification.method, Method::Published);
+}
+
+#[test]
+fn a_suspicious_pose_is_left_out_and_taken_back() {
+    let outlier: &[(&str, f64)] = &[("error", 0.03), ("pose", 7.0)];
+    let measured = Measured::mini(20, &[("encoder_outlier", "cable-2", outlier)]);
+    let mut harness = measured.opened();
+    press(&mut harness, "Identify");
+    harness.get_by_label("The model does not explain the data.");
+    press(&mut harness, "Exclude pose 7");
+    harness.get_by_label("The model explains the data.");
+    harness.get_by_label_contains("Last change: exclude pose 7");
+    assert!(document(&harness).session().excluded().contains(&7));
+    press(&mut harness, "Take pose 7 back in");
+    harness.get_by_label("The model does not explain the data.");
+    press(&mut harness, "Undo: include pose 7");
+    harness.get_by_label("The model explains the data.");
+}
+
+#[test]
+fn an_identification_that_is_cancelled_changes_nothing() {
+    let measured = Measured::mini(20, &[]);
+    let mut harness = measured.opened();
+    let state = &mut harness.state_mut().state;
+    state.outbox.send(ModelCommand::Identify);
+    state.outbox.send(ModelCommand::Stop);
+    settle(&mut harness);
+    settle(&mut harness);
+    assert!(document(&harness).fit().is_none());
+    let last = harness
+        .state()
+        .state
+        .messages
+        .last()
+        .map(|m| m.text.clone());
+    assert_eq!(
+        last.as_deref(),
+        Some("Identification was stopped; nothing has changed.")
+    );
+}
+
+#[test]
+fn a_session_that_was_identified_shows_it_again() {
+    let measured = Measured::mini(12, &[]);
+    let path = measured.beside("session.json");
+    let mut harness = measured.opened();
+    press(&mut harness, "Identify");
+    give(&mut harness, FileCommand::SaveAs(path.clone()));
+    let mut again = workbench();
+    give(&mut again, FileCommand::Open(path.clone()));
+    settle(&mut again);
+    assert!(document(&again).fit_is_current());
+    assert_eq!(
+        document(&again).session().results().len(),
+        1,
+        "no second result"
+    );
+    give(&mut again, Edit::Exclude(5));
+    give(&mut again, Edit::SetMethod(Method::Simple));
+    assert!(!document(&again).fit_is_current());
+    give(&mut again, FileCommand::SaveAs(path.clone()));
+    let mut third = workbench();
+    give(&mut third, FileCommand::Open(path));
+    settle(&mut third);
+    assert!(document(&third).fit().is_none());
+    third.get_by_label("The result in this session is of other data: identify again.");
+    assert!(!third.state().state.tasks.runs(IDENTIFYING));
+}
+
+#[test]
+fn a_session_without_poses_says_how_to_get_them() {
+    let measured = Measured::mini(2, &[]);
+    let mut harness = workbench();
+    give(
+        &mut harness,
+        FileCommand::Open(measured.beside("mini/robot.json")),
+    );
+    let panel = tautline_workbench::app::screen::Screen::Phase(
+        tautline_workbench::app::screen::Step::Identification,
+    );
+    give(
+        &mut harness,
+        tautline_workbench::app::commands::ViewCommand::Go(panel),
+    );
+    harness.get_by_label_contains("Once poses are measured");
+}

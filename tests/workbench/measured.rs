@@ -1,0 +1,85 @@
+//! Simulated robots for the tests: a dataset folder, opened.
+
+use std::path::PathBuf;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{PhaseData, write_dataset};
+use tautline_workbench::app::commands::FileCommand;
+use tautline_workbench::app::{App, Document};
+
+use crate::support::{settle, workbench};
+
+/// A dataset of MINI in a folder that lives as long as this.
+pub struct Measured {
+    folder: tempfile::TempDir,
+}
+
+impl Measured {
+    /// `poses` poses with hidden effects, each with its cable and parameters.
+    pub fn mini(poses: usize, effects: &[(&str, &str, &[(&str, f64)])]) -> Self {
+        let preset = presets::find("mini").expect("a preset");
+        let setting = |(effect, cable, values): &(&str, &str, &[(&str, f64)])| EffectSetting {
+            effect: (*effect).to_owned(),
+            targets: vec![(*cable).to_owned()],
+            parameters: values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
+        };
+        let effects: Vec<_> = effects.iter().map(setting).collect();
+        for effect in &effects {
+            BoundEffect::from_setting(effect, &preset.robot).expect("an effect");
+        }
+        let geometry = preset.measured_entry_points_m.clone();
+        let options = SimulationOptions {
+            geometry: geometry.map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
+            effects,
+            workspace: Some(preset.workspace),
+            tension: Some(preset.tension),
+            ..SimulationOptions::new(poses, 1)
+        };
+        let simulated = simulate(&preset.robot, &options).expect("measurements");
+        let folder = tempfile::tempdir().expect("a folder");
+        write_dataset(
+            &folder.path().join("mini"),
+            &simulated.dataset,
+            &PhaseData::default(),
+        )
+        .expect("written");
+        Self { folder }
+    }
+
+    /// A file or folder beside the dataset.
+    pub fn beside(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// A workbench that has opened it.
+    pub fn opened(&self) -> Harness<'static, App> {
+        let mut harness = workbench();
+        give(&mut harness, FileCommand::Open(self.beside("mini")));
+        harness
+    }
+}
+
+/// Gives a command and waits until all is done.
+pub fn give(
+    harness: &mut Harness<'_, App>,
+    command: impl Into<tautline_workbench::app::command::Command>,
+) {
+    harness.state_mut().state.outbox.send(command);
+    settle(harness);
+}
+
+/// Presses what has this name, wherever it is scrolled to, and waits until all is done.
+pub fn press(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).click_accesskit();
+    harness.step();
+    settle(harness);
+}
+
+/// The open session with its results.
+pub fn document<'h>(harness: &'h Harness<'_, App>) -> &'h Document {
+    harness.state().state.document.as_ref().expect("a session")
+}
