@@ -12,7 +12,8 @@ use super::rig::Rig;
 
 /// What the thread is to do.
 pub(super) enum Order {
-    Connect(Box<Rig>),
+    /// Connects, for the document of this identity.
+    Connect(Box<Rig>, u64),
     Disconnect,
     Arm,
     Disarm,
@@ -72,6 +73,10 @@ pub enum Report {
         identity: String,
         /// What it holds.
         parameters: Vec<ParameterInfo>,
+        /// What it is made of.
+        rig: Box<Rig>,
+        /// Identity of the document that it is for.
+        document: u64,
     },
     /// The connection has ended; why, if not by order.
     Disconnected(Option<String>),

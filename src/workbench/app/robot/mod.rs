@@ -34,7 +34,7 @@ pub struct Connected {
     /// Identity of the document that it belongs to.
     pub document: u64,
     /// What it is made of.
-    pub rig: Rig,
+    pub rig: Box<Rig>,
 }
 
 /// The way to the controller.
@@ -45,7 +45,7 @@ pub struct Link {
     live: Arc<Mutex<Live>>,
     thread: Option<JoinHandle<()>>,
     speed: f64,
-    /// The connection, from when it is asked for.
+    /// The connection.
     pub connected: Option<Connected>,
     /// Name of the controller.
     pub identity: String,
@@ -150,11 +150,7 @@ impl Link {
     /// Connects to what `rig` describes, for the document of this identity.
     pub fn connect(&mut self, rig: Rig, document: u64) {
         self.start();
-        self.connected = Some(Connected {
-            document,
-            rig: rig.clone(),
-        });
-        self.tell(Order::Connect(Box::new(rig)));
+        self.tell(Order::Connect(Box::new(rig), document));
         self.tell(Order::Watch(self.watches));
     }
 

@@ -39,7 +39,7 @@ impl Work {
         match std::mem::replace(self, Self::None) {
             Self::None => None,
             Self::Measuring(_) => Some(Report::RunEnded(text())),
-            Self::Verifying(v) => Some(Report::Verified(v.stage, Err("It was stopped.".into()))),
+            Self::Verifying(v) => Some(Report::Verified(v.stage, Err("it was stopped".into()))),
         }
     }
 

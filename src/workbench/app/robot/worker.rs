@@ -22,6 +22,8 @@ use super::work::{Measuring, Verifying, Work};
 const TICK: Duration = Duration::from_millis(20);
 /// Shortest time between two samples of a simulated robot whose time runs faster.
 const SHORTEST_TICK: Duration = Duration::from_millis(1);
+/// Longest step of a simulated robot's time while something goes on (s).
+const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the window.
 const PICTURE: Duration = Duration::from_millis(50);
 /// Noise of the simulated tracker (m, rad).
@@ -84,8 +86,14 @@ pub(super) fn serve(orders: &Receiver<Order>, tell: Teller, speed: f64) {
         watches: false,
         speed,
     };
+    let mut was_busy = false;
     loop {
-        let order = match worker.pause() {
+        let pause = worker.pause();
+        if was_busy && pause.is_none() {
+            worker.show(true);
+        }
+        was_busy = pause.is_some();
+        let order = match pause {
             Some(pause) => match orders.recv_timeout(pause) {
                 Ok(order) => Some(order),
                 Err(RecvTimeoutError::Timeout) => None,
@@ -96,7 +104,7 @@ pub(super) fn serve(orders: &Receiver<Order>, tell: Teller, speed: f64) {
                 Err(_) => break,
             },
         };
-        let done = catch_unwind(AssertUnwindSafe(|| worker.step(order)));
+        let done = catch_unwind(AssertUnwindSafe(|| worker.step(order, was_busy)));
         if done.is_err() {
             worker.end(Some(
                 "the part of the program that serves it broke down".to_owned(),
@@ -118,8 +126,12 @@ impl Worker {
         self.watches.then_some(PICTURE)
     }
 
-    fn step(&mut self, order: Option<Order>) {
+    /// Does one step; `goes_on`: something went on before.
+    fn step(&mut self, order: Option<Order>, goes_on: bool) {
         let given = order.is_some();
+        if let Some(connection) = &self.connection {
+            connection.clock.go_on(goes_on.then_some(LONGEST_STEP_S));
+        }
         if let Some(order) = order
             && let Err(error) = self.perform(order)
         {
@@ -139,7 +151,7 @@ impl Worker {
 
     fn perform(&mut self, order: Order) -> Result<(), LinkError> {
         match order {
-            Order::Connect(rig) => self.connect(rig)?,
+            Order::Connect(rig, document) => self.connect(rig, document)?,
             Order::Disconnect => self.end(None),
             Order::Watch(watches) => self.watches = watches,
             Order::Speed(speed) => {
@@ -164,9 +176,10 @@ impl Worker {
             Order::Arm => controller.arm()?,
             Order::Disarm => controller.disarm(),
             Order::Abort => {
+                let stopped = controller.stop();
                 let report = self.work.abort();
-                controller.stop()?;
                 report.into_iter().for_each(|r| self.tell.report(r));
+                stopped?;
             }
             Order::Measure(order) => {
                 self.work = Work::Measuring(Box::new(measuring(connection, *order)));
@@ -195,13 +208,13 @@ impl Worker {
                 m.run.repeat(label);
             }),
             Order::Stored(label) => self.work.measuring(|m| m.run.confirm_stored(label)),
-            Order::Connect(_) | Order::Disconnect | Order::Watch(_) | Order::Speed(_) => {}
+            Order::Connect(..) | Order::Disconnect | Order::Watch(_) | Order::Speed(_) => {}
         }
         Ok(())
     }
 
-    fn connect(&mut self, rig: Box<Rig>) -> Result<(), LinkError> {
-        self.end(None);
+    fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
+        self.close();
         let clock = FastClock::start(self.speed);
         let robot = SimulatedRobot::new(rig.setup.clone(), Arc::new(clock.clone()))?;
         let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
@@ -216,25 +229,36 @@ impl Worker {
             instrument: Box::new(instrument),
             clock,
             whereabouts: Whereabouts::of(rig.robot()),
-            rig,
+            rig: rig.clone(),
         });
         self.tell.report(Report::Connected {
             identity,
             parameters,
+            rig,
+            document,
         });
         Ok(())
     }
 
-    /// Stops the platform and ends the connection.
+    /// Stops the platform, ends the connection and says so.
     fn end(&mut self, why: Option<String>) {
+        if self.close() {
+            self.show(true);
+            self.tell.report(Report::Disconnected(why));
+        }
+    }
+
+    /// Stops the platform and ends the connection; whether there was one.
+    fn close(&mut self) -> bool {
         let ended = self.work.abort();
         ended.into_iter().for_each(|r| self.tell.report(r));
-        if let Some(mut connection) = self.connection.take() {
+        let connection = self.connection.take();
+        connection.is_some_and(|mut connection| {
             // The connection ends either way, and a lost connection stops the drives.
             let _ = connection.controller.stop();
             connection.controller.disconnect();
-            self.tell.report(Report::Disconnected(why));
-        }
+            true
+        })
     }
 
     fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {

@@ -22,8 +22,8 @@ use crate::app::theme::GRID;
 use crate::app::{Memo, State};
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 
-/// Identity and revision of the document, count of the parameters' changes.
-type Key = (u64, u64, u64);
+/// Identity and revision of the document, place of its fit, count of the parameters' changes.
+type Key = (u64, u64, Option<usize>, u64);
 
 /// What the panel remembers.
 #[derive(Debug, Default)]
@@ -67,6 +67,7 @@ fn differences(state: &mut State) -> Arc<Vec<Difference>> {
     let key = (
         document.identity(),
         document.revision(),
+        document.fit().map(|fit| Arc::as_ptr(fit) as usize),
         state.link.parameters_version,
     );
     let mut memo = std::mem::take(&mut state.screens.adjustment.differences);

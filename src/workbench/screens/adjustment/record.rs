@@ -5,6 +5,7 @@ use tautline_session::{Adjustment, Outcome};
 
 use crate::app::State;
 use crate::widgets::{Verdict, muted, section, verdict};
+use crate::wording::count;
 
 /// Draws the last outcome and the record.
 pub(super) fn show(ui: &mut Ui, state: &State) {
@@ -39,11 +40,14 @@ fn words(adjustment: &Adjustment) -> (Verdict, String) {
     match &adjustment.outcome {
         Outcome::Written => (
             Verdict::Good,
-            format!("{values} values were written and read back."),
+            format!("{} written and read back.", count(values, "value")),
         ),
         Outcome::RolledBack => (
             Verdict::Neutral,
-            format!("{values} values were set back to what they were before."),
+            format!(
+                "{} set back to what was there before.",
+                count(values, "value")
+            ),
         ),
         Outcome::Failed(why) => (Verdict::Bad, why.clone()),
     }

@@ -1,12 +1,22 @@
 //! What the controller holds beside what was identified, by pulley.
 
-use egui::{Align, Grid, Layout, RichText, Ui};
+use egui::Ui;
+use tautline_core::robot::Cable;
 use tautline_link::adjusting::Difference;
 
-use crate::app::State;
+use crate::app::commands::ViewCommand;
 use crate::app::theme::{self, GRID};
-use crate::screens::measuring::readings::cable_mark;
-use crate::widgets::muted;
+use crate::app::{Selection, State};
+use crate::widgets::{Cell, Column, muted, table};
+
+/// Columns; angles have their sign in the cells.
+const COLUMNS: [Column<'static>; 5] = [
+    Column::words("Parameter"),
+    Column::number("Controller", "mm"),
+    Column::number("Identified", "mm"),
+    Column::number("Difference", "mm"),
+    Column::number("Standard deviation", "mm"),
+];
 
 /// Draws the table; parameters that stay as they are only where they are asked for.
 pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
@@ -19,52 +29,34 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
         .filter(|line| all || line.sd.is_some() || line.is_writable_change())
         .collect();
     let cables = &document.session().robot.cables;
-    Grid::new("differences")
-        .num_columns(5)
-        .striped(false)
-        .show(ui, |ui| {
-            for head in [
-                "Parameter",
-                "Controller",
-                "Identified",
-                "Difference",
-                "± (1 sd)",
-            ] {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let label = muted(ui, head);
-                    if head.starts_with('±') {
-                        label.on_hover_text("Standard deviation of the identified value");
-                    }
-                });
-            }
-            ui.end_row();
-            for (index, cable) in cables.iter().enumerate() {
-                let of_cable = |line: &&&Difference| is_of(&line.name, &cable.name);
-                let mut lines = shown.iter().filter(of_cable).peekable();
-                if lines.peek().is_none() {
-                    continue;
-                }
-                cable_mark(ui, index, &cable.name);
-                muted(ui, "mm");
-                ui.end_row();
-                for line in lines {
-                    let name = line.name.get(cable.name.len() + 1..).unwrap_or(&line.name);
-                    row(ui, name, line);
-                }
-            }
-            let of_none =
-                |line: &&&Difference| !cables.iter().any(|cable| is_of(&line.name, &cable.name));
-            let mut lines = shown.iter().filter(of_none).peekable();
-            if lines.peek().is_some() {
-                ui.label(RichText::new("Robot").font(theme::strong(13.0)));
-                ui.end_row();
-            }
-            for line in lines {
-                row(ui, &line.name, line);
-            }
-        });
+    let of_line: Vec<Option<usize>> = shown.iter().map(|line| cable_of(cables, line)).collect();
+    let lines = shown.iter().zip(&of_line);
+    let rows: Vec<Vec<Cell>> = lines
+        .map(|(line, cable)| row(ui, line, cable.and_then(|k| Some((k, cables.get(k)?)))))
+        .collect();
+    let touched = table(ui, &COLUMNS, &rows, None);
+    if let Some(cable) = touched.clicked.and_then(|k| of_line.get(k).copied()?) {
+        let selection = Selection {
+            cable: Some(cable),
+            ..state.selection
+        };
+        state.outbox.send(ViewCommand::Select(selection));
+    }
     ui.add_space(GRID);
-    ui.checkbox(&mut state.screens.adjustment.all, "Show all parameters");
+    ui.checkbox(
+        &mut state.screens.adjustment.all,
+        "Show parameters that stay as they are",
+    );
+    if rows.is_empty() {
+        muted(ui, "There is nothing to compare.");
+    }
+}
+
+/// The cable that a parameter belongs to.
+fn cable_of(cables: &[Cable], line: &Difference) -> Option<usize> {
+    let mut numbered = cables.iter().enumerate();
+    let found = numbered.find(|(_, cable)| is_of(&line.name, &cable.name));
+    found.map(|(index, _)| index)
 }
 
 fn is_of(name: &str, cable: &str) -> bool {
@@ -72,46 +64,42 @@ fn is_of(name: &str, cable: &str) -> bool {
         .is_some_and(|rest| rest.starts_with('.'))
 }
 
-fn row(ui: &mut Ui, name: &str, line: &Difference) {
-    let (scale, unit) = match line.unit {
+fn row(ui: &Ui, line: &Difference, cable: Option<(usize, &Cable)>) -> Vec<Cell> {
+    let (scale, sign) = match line.unit {
         "m" => (1e3, ""),
         "rad" => (1.0_f64.to_degrees(), "°"),
         _ => (1.0, ""),
     };
+    let palette = theme::of(ui);
     let decimals = decimals(line.sd.map(|sd| sd * scale), line.unit);
-    ui.label(words(name)).on_hover_text(&line.name);
-    let number = |value: Option<f64>, sign: bool| {
-        value.map_or_else(
-            || "–".to_owned(),
-            |value| {
-                let value = value * scale;
-                if sign {
-                    format!("{value:+.decimals$}{unit}")
-                } else {
-                    format!("{value:.decimals$}{unit}")
-                }
-            },
-        )
+    let number = |value: Option<f64>| {
+        let text = value.map(|value| format!("{:.decimals$}{sign}", value * scale));
+        Cell::new(text.unwrap_or_else(|| "–".to_owned()))
     };
-    let cells = [
-        number(line.controller, false),
-        number(Some(line.identified), false),
-        number(line.difference, true),
-        line.sd
-            .map_or_else(String::new, |sd| number(Some(sd), false)),
-    ];
-    for (k, text) in cells.into_iter().enumerate() {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let emphasised = k == 2 && line.is_writable_change();
-            let text = RichText::new(text);
-            ui.label(if emphasised {
-                text.font(theme::strong(13.0))
-            } else {
-                text
-            });
-        });
-    }
-    ui.end_row();
+    let name = match cable {
+        Some((index, cable)) => {
+            let part = line.name.get(cable.name.len() + 1..).unwrap_or(&line.name);
+            Cell::new(format!("{} {}", index + 1, words(part).to_lowercase()))
+                .with_dot(palette.cable(index))
+        }
+        None => Cell::new(words(&line.name)),
+    };
+    let difference = line.difference.map_or_else(
+        || Cell::new("–"),
+        |value| Cell::new(format!("{:+.decimals$}{sign}", value * scale)),
+    );
+    let difference = if line.is_writable_change() {
+        difference.coloured(palette.accent)
+    } else {
+        difference.coloured(palette.muted)
+    };
+    vec![
+        name,
+        number(line.controller),
+        number(Some(line.identified)),
+        difference,
+        line.sd.map_or_else(Cell::default, |sd| number(Some(sd))),
+    ]
 }
 
 /// Decimals such that the standard deviation has two digits.

@@ -1,6 +1,6 @@
 //! Verification with an external instrument: before, after, and what the adjustment has brought.
 
-use egui::{Align, Grid, Layout, ProgressBar, Ui};
+use egui::{ProgressBar, Ui};
 use egui_material_icons::icons;
 use tautline_session::Stage;
 
@@ -10,7 +10,7 @@ use crate::app::commands::robot::Export;
 use crate::app::commands::{FileCommand, RobotCommand};
 use crate::app::robot::Doing;
 use crate::app::theme::{self, GRID};
-use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
 
 /// Draws buttons, progress and the table of both runs.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         .figures
         .get(key, || figures(session))
     {
-        Ok(figures) => table(ui, &figures.lines),
+        Ok(figures) => show_figures(ui, &figures.lines),
         Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
     }
 }
@@ -118,7 +118,7 @@ fn imported(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn table(ui: &mut Ui, lines: &[Figure]) {
+fn show_figures(ui: &mut Ui, lines: &[Figure]) {
     let main = lines.iter().find_map(|line| Some((line, line.gain()?)));
     if let Some((line, gain)) = main {
         let percent = 100.0 * gain;
@@ -131,30 +131,27 @@ fn table(ui: &mut Ui, lines: &[Figure]) {
             verdict(ui, Verdict::Bad, &text);
         }
     }
-    Grid::new("verification").num_columns(4).show(ui, |ui| {
-        for head in ["", "Before, mm", "After, mm", "Better by"] {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| muted(ui, head));
-        }
-        ui.end_row();
-        for line in lines {
-            ui.label(&line.name);
-            let millimetres =
-                |m: Option<f64>| m.map_or_else(|| "–".to_owned(), |m| format!("{:.3}", m * 1e3));
+    let columns = [
+        Column::words("Figure"),
+        Column::number("Before", "mm"),
+        Column::number("After", "mm"),
+        Column::number("Better by", "%"),
+    ];
+    let palette = theme::of(ui);
+    let millimetres =
+        |m: Option<f64>| Cell::new(m.map_or_else(|| "–".to_owned(), |m| format!("{:.3}", m * 1e3)));
+    let rows: Vec<Vec<Cell>> = lines
+        .iter()
+        .map(|line| {
             let gain = line.gain();
-            let percent = gain.map_or_else(String::new, |g| format!("{:.0} %", 100.0 * g));
-            for text in [millimetres(line.before_m), millimetres(line.after_m)] {
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
-            }
-            let palette = theme::of(ui);
-            let colour = if gain.is_some_and(|gain| gain < 0.0) {
-                palette.warning
-            } else {
-                palette.text
+            let percent = gain.map_or_else(String::new, |gain| format!("{:.0}", 100.0 * gain));
+            let percent = match gain {
+                Some(gain) if gain < 0.0 => Cell::new(percent).coloured(palette.warning),
+                _ => Cell::new(percent),
             };
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.colored_label(colour, percent)
-            });
-            ui.end_row();
-        }
-    });
+            let [before, after] = [line.before_m, line.after_m].map(millimetres);
+            vec![Cell::new(&line.name), before, after, percent]
+        })
+        .collect();
+    table(ui, &columns, &rows, None);
 }

@@ -3,7 +3,7 @@
 pub mod controller;
 mod outlook;
 mod poses;
-pub(in crate::screens) mod readings;
+mod readings;
 mod run;
 mod table;
 

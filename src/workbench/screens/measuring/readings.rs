@@ -1,16 +1,15 @@
 //! Readings as they come, and what still moves.
 
-use egui::{Align, Grid, Layout, Sense, Ui, Vec2};
+use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
 
-use super::run::name_of;
-use crate::app::State;
-use crate::app::commands::RobotCommand;
+use crate::app::commands::{RobotCommand, ViewCommand};
 use crate::app::theme::{self, GRID};
-use crate::widgets::muted;
+use crate::app::{Selection, State};
+use crate::widgets::{Cell, Column, muted, table};
 
 /// A cable by colour and number.
-pub(in crate::screens) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
+pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GRID;
         let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
@@ -21,12 +20,12 @@ pub(in crate::screens) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     });
 }
 
-/// A number at the right of its cell.
-fn number(ui: &mut Ui, text: &str) {
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.label(text);
-    });
-}
+/// Columns of the live readings.
+const COLUMNS: [Column<'static>; 3] = [
+    Column::words("Cable"),
+    Column::number("Revolutions", "since home"),
+    Column::number("Force reading", "N"),
+];
 
 /// Draws the live readings.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
@@ -44,23 +43,26 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         muted(ui, "No readings yet.");
         return;
     };
-    let grid = Grid::new("readings")
-        .num_columns(3)
-        .min_col_width(24.0 * GRID);
-    grid.show(ui, |ui| {
-        muted(ui, "Cable");
-        for head in ["Revolutions", "Force reading, N"] {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| muted(ui, head));
-        }
-        ui.end_row();
-        for (index, revolutions) in sample.revolutions.iter().enumerate() {
-            cable_mark(ui, index, name_of(state, index));
-            number(ui, &format!("{revolutions:.4}"));
+    let palette = theme::of(ui);
+    let cables = sample.revolutions.iter().enumerate();
+    let rows: Vec<Vec<Cell>> = cables
+        .map(|(index, revolutions)| {
             let force = sample.force_n.get(index);
-            number(ui, &force.map_or_else(String::new, |f| format!("{f:.1}")));
-            ui.end_row();
-        }
-    });
+            vec![
+                Cell::new((index + 1).to_string()).with_dot(palette.cable(index)),
+                Cell::new(format!("{revolutions:.4}")),
+                Cell::new(force.map_or_else(String::new, |force| format!("{force:.1}"))),
+            ]
+        })
+        .collect();
+    let selected = state.selection.cable;
+    if let Some(cable) = table(ui, &COLUMNS, &rows, selected).clicked {
+        let selection = Selection {
+            cable: Some(cable),
+            ..state.selection
+        };
+        state.outbox.send(ViewCommand::Select(selection));
+    }
     ui.horizontal(|ui| {
         muted(ui, "Laser");
         match sample.laser_m {

@@ -10,6 +10,7 @@ use crate::app::commands::robot::{missing, sentence};
 use crate::app::robot::{Doing, RunLog};
 use crate::app::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use crate::wording::count;
 
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;
@@ -172,8 +173,8 @@ fn pending(ui: &mut Ui, state: &mut State) {
 fn outcome(ui: &mut Ui, run: &RunLog) {
     if let Some(Err(why)) = &run.ended {
         let text = format!(
-            "The run ended after {} poses: {} What is measured is kept; measuring can be continued.",
-            run.done(),
+            "The run ended after {}: {} What is measured is kept; measuring can be continued.",
+            count(run.done(), "pose"),
             sentence(why)
         );
         verdict(ui, Verdict::Doubtful, &text);

@@ -6,10 +6,11 @@ use tautline_session::{
     Adjustment, CheckRow, NamedValue, Outcome, Phase, Stage, ValueChange, Verification,
 };
 
-use super::{capital, is_true_to_session};
+use super::is_true_to_session;
 use crate::app::clock;
 use crate::app::robot::Purpose;
 use crate::app::state::State;
+use crate::wording::sentence;
 
 /// Points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
@@ -104,10 +105,12 @@ pub(super) fn written(
 fn told(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
     let what = match (&adjustment.holds, purpose) {
         (Holds::New, Purpose::Adjust) => {
-            format!("{values} identified values are in the controller and were read back.")
+            format!(
+                "The identified values are in the controller and were read back ({values} changed)."
+            )
         }
         (Holds::New, Purpose::RollBack) => {
-            format!("{values} values are in the controller again as they were before.")
+            format!("The controller holds the former values again ({values} changed).")
         }
         (Holds::Old, _) => "The values were not written.".to_owned(),
         (Holds::Mixed(names), _) => {
@@ -212,7 +215,7 @@ fn add(state: &mut State, stage: Stage, rows: Vec<CheckRow>, source: &str) {
         });
     });
     document.log(Phase::Accuracy, &text);
-    state.messages.info(capital(&text));
+    state.messages.info(sentence(&text));
 }
 
 pub(super) fn reveal(state: &mut State) {

@@ -9,8 +9,9 @@ use std::path::PathBuf;
 
 use tautline_session::Stage;
 
-use crate::app::robot::{Kind, Report, Rig};
+use crate::app::robot::{Connected, Kind, Report, Rig};
 use crate::app::state::State;
+use crate::wording;
 
 pub use adjust::{differences, revertible, title};
 pub use files::Export;
@@ -145,14 +146,17 @@ pub fn reported(state: &mut State, report: Report) {
         Report::Connected {
             identity,
             parameters,
+            rig,
+            document,
         } => {
             state.messages.info(format!("Connected: {identity}."));
             state.link.identity = identity;
+            state.link.connected = Some(Connected { document, rig });
             state.link.take_parameters(parameters);
         }
         Report::Disconnected(why) => disconnected(state, why),
         Report::Refused(text) => {
-            state.messages.error(capital(&text));
+            state.messages.error(wording::sentence(&text));
         }
         Report::Parameters(parameters) => {
             state.link.take_parameters(parameters);
@@ -176,13 +180,12 @@ pub fn reported(state: &mut State, report: Report) {
 }
 
 fn disconnected(state: &mut State, why: Option<String>) {
-    // A connection that was asked for since then stays.
-    if !state.link.is_connected() {
-        state.link.forget();
-        state.views.robot_3d.live = None;
-    }
+    state.link.forget();
+    state.views.robot_3d.live = None;
     match why {
-        Some(why) => state.messages.error(format!("{}.", capital(&why))),
+        Some(why) => state
+            .messages
+            .error(format!("{}.", wording::sentence(&why))),
         None => state.messages.info("Disconnected from the controller."),
     }
 }
@@ -207,11 +210,4 @@ pub fn follow(state: &mut State) {
 pub fn is_true_to_session(state: &State) -> bool {
     let connected = state.link.connected.as_ref();
     connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
-}
-
-pub(super) fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().collect::<String>() + letters.as_str()
-    })
 }

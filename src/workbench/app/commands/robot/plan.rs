@@ -12,6 +12,7 @@ use crate::app::edit::Edit;
 use crate::app::robot::bounds;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
+use crate::wording;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
@@ -135,10 +136,10 @@ pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<Outlo
     plan.retain(|pose| measured.contains(&pose.label));
     plan.extend(&outlook.poses);
     let count = outlook.poses.iter().filter(|pose| pose.label != 0).count();
-    let text = format!("plan {count} poses");
-    document.edit(Edit::SetPlan(plan, text));
-    document.log(Phase::Poses, format!("Planned {count} poses."));
-    state.messages.info(format!("Planned {count} poses."));
+    let poses = wording::count(count, "pose");
+    document.edit(Edit::SetPlan(plan, format!("plan {poses}")));
+    document.log(Phase::Poses, format!("Planned {poses}."));
+    state.messages.info(format!("Planned {poses}."));
     state.screens.measuring.outlook = Some(*outlook);
 }
 

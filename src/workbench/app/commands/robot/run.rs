@@ -5,11 +5,11 @@ use tautline_core::robot::Robot;
 use tautline_link::measuring::Accepted;
 use tautline_session::{MeasuredPose, Phase, Session};
 
-use super::capital;
 use crate::app::Document;
 use crate::app::robot::{Pending, Report};
 use crate::app::state::State;
 use crate::views::robot_3d::Live;
+use crate::wording::{self, count};
 
 /// Number of poses of the plan that are not measured yet.
 #[must_use]
@@ -45,8 +45,8 @@ pub(super) fn start(state: &mut State) {
     let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
     let measured = session.measurements.labels.clone();
     let text = match measured.len() {
-        0 => format!("Measuring of {missing} poses started."),
-        _ => format!("Measuring continued with {missing} poses."),
+        0 => format!("Measuring of {} started.", count(missing, "pose")),
+        _ => format!("Measuring continued with {}.", count(missing, "pose")),
     };
     document.log(Phase::Poses, text);
     let model = model(document);
@@ -107,11 +107,11 @@ fn ended(state: &mut State, result: Result<(), String>) {
     let Some(run) = &mut state.link.run else {
         return;
     };
-    let done = run.done();
+    let done = count(run.done(), "pose");
     let text = match &result {
-        Ok(()) => format!("Measured {done} poses."),
+        Ok(()) => format!("Measured {done}."),
         Err(why) => format!(
-            "Measuring ended after {done} poses: {}.",
+            "Measuring ended after {done}: {}.",
             why.trim_end_matches('.')
         ),
     };
@@ -235,5 +235,5 @@ pub(super) fn draw(state: &mut State) {
 /// The reason of a pause as a sentence.
 #[must_use]
 pub fn sentence(reason: &str) -> String {
-    format!("{}.", capital(reason.trim_end_matches('.')))
+    format!("{}.", wording::sentence(reason.trim_end_matches('.')))
 }
