@@ -83,8 +83,7 @@ mod tests {
         session.measurements = simulated.dataset.measurements;
         let home = session.robot.home.expect("a home pose").pose();
         let mut turned = home;
-        turned.orientation =
-            turned.orientation * nalgebra::UnitQuaternion::from_euler_angles(0.1, 0.0, 0.0);
+        turned.orientation *= nalgebra::UnitQuaternion::from_euler_angles(0.1, 0.0, 0.0);
         let planned = [(0, home), (1, home), (2, home), (9, turned)];
         session.plan = planned
             .map(|(label, p)| PlannedPose::new(label, &p))
