@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_session::{Folders, Session};
 use tautline_workbench::app::command::Command;
 use tautline_workbench::app::commands::{FileCommand, RobotCommand, ViewCommand};
@@ -35,7 +35,8 @@ impl Bench {
         bench
     }
 
-    fn new(demo_seed: Option<u64>) -> Self {
+    /// At the start screen.
+    pub fn new(demo_seed: Option<u64>) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let options = Options {
             folders: Some(Folders::below(&folder.path().join("user"))),
@@ -85,14 +86,21 @@ impl Bench {
         let start = Instant::now();
         while !reached(self.state()) {
             assert!(
-                start.elapsed() < Duration::from_secs(120),
-                "{what} does not come; the last message is {:?}",
-                self.state().messages.last()
+                start.elapsed() < Duration::from_secs(60),
+                "{what} does not come; the last message is {:?}; the screen says {:?}",
+                self.state().messages.last(),
+                self.words()
             );
             std::thread::sleep(Duration::from_millis(5));
             self.harness.step();
         }
         self.harness.step();
+    }
+
+    /// All that is written on the screen.
+    fn words(&self) -> Vec<String> {
+        let nodes = self.harness.root().children_recursive();
+        nodes.filter_map(|node| node.accesskit_node().value()).collect()
     }
 
     /// Lets the workbench run until no task is running.

@@ -16,3 +16,4 @@ mod robot_3d;
 mod start;
 mod support;
 mod tables;
+mod walk;

@@ -38,6 +38,8 @@ pub struct Windows {
     pub leaving: Option<Leaving>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
+    /// Where the session is to be saved, while that is asked.
+    pub save_as: Option<String>,
     /// What a small window shows.
     pub part: Part,
     /// Whether the log is open.

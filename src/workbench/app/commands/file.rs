@@ -27,6 +27,8 @@ pub enum FileCommand {
     Save,
     /// Asks for a place to save at.
     AskSaveAs,
+    /// Asks for it with the dialog of the desktop.
+    BrowseSaveAs,
     /// Saves at a place.
     SaveAs(PathBuf),
     /// Closes the session.
@@ -105,13 +107,17 @@ pub(super) fn perform(state: &mut State, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(state),
         FileCommand::AskOpen => ask(state, Purpose::Open),
-        FileCommand::AskSaveAs => ask(state, Purpose::SaveAs),
+        FileCommand::AskSaveAs => ask_place(state),
+        FileCommand::BrowseSaveAs => ask(state, Purpose::SaveAs),
         FileCommand::Open(path) => read(state, path),
         FileCommand::Save => match state.document.as_ref().and_then(Document::path) {
             Some(path) => save(state, path.to_owned()),
-            None => ask(state, Purpose::SaveAs),
+            None => ask_place(state),
         },
-        FileCommand::SaveAs(path) => save(state, path),
+        FileCommand::SaveAs(path) => {
+            state.windows.save_as = None;
+            save(state, path);
+        }
         FileCommand::Close => leave(state, Leaving::Close),
         FileCommand::Quit => leave(state, Leaving::Quit),
         FileCommand::Answer(answer) => answered(state, answer),
@@ -148,6 +154,20 @@ fn ask(state: &mut State, purpose: Purpose) {
         };
         FileOutcome::Picked { purpose, path }.into()
     });
+}
+
+/// Opens the window that asks for a place to save at.
+fn ask_place(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let proposed = document.path().map(|path| path.display().to_string());
+    let name = document
+        .session()
+        .name
+        .to_lowercase()
+        .replace(char::is_whitespace, "-");
+    state.windows.save_as = Some(proposed.unwrap_or_else(|| format!("{name}.json")));
 }
 
 fn read(state: &mut State, path: PathBuf) {
@@ -282,9 +302,8 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
         FileOutcome::Picked {
             purpose: Purpose::SaveAs,
             path: Some(path),
-        } => save(state, path),
+        } => perform(state, FileCommand::SaveAs(path)),
         FileOutcome::Picked { path: None, .. } => {
-            state.windows.leaving = None;
             state.messages.info("No file was chosen. If no dialog appeared, type the path or drop the file on the window.");
         }
     }

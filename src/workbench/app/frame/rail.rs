@@ -31,7 +31,8 @@ fn entry(ui: &mut Ui, (step, standing): (Step, &Standing), selected: bool, narro
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 15.0 * GRID), Sense::click());
     let title = format!("{}. {}", step.number(), step.title());
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &title));
+    let name = format!("Phase {}: {}", step.number(), step.title());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
     if selected || response.hovered() || response.has_focus() {
         let fill = if selected {
             palette.raised

@@ -1,0 +1,148 @@
+//! The whole demonstration, from the start screen to the verified controller, by the names that a newcomer sees.
+
+use egui::Role;
+use egui_kittest::kittest::Queryable;
+use tautline_session::Stage;
+
+use crate::demo::Bench;
+
+/// A demonstration whose fault is found by name.
+const SEED: u64 = 3;
+
+#[test]
+fn a_newcomer_walks_through_all_phases() {
+    let mut bench = Bench::new(Some(SEED));
+    bench.press("Try the demo robot");
+    bench.wait("the demonstration", |state| state.document.is_some());
+
+    bench.press("Phase 1: Pre-calibration");
+    bench.press("Use these values");
+    assert_eq!(
+        bench.session().log().len(),
+        1,
+        "an edit is no entry of the log"
+    );
+    bench.press("Phase 2: Modeling");
+
+    bench.press("Phase 3: Measuring");
+    bench.press("Plan poses");
+    bench.settle("a plan");
+    bench.connect_and_arm();
+    bench.press("Start measuring");
+    bench.wait("all poses", |state| !state.link.is_measuring());
+    assert_eq!(
+        bench.session().measurements.len(),
+        26,
+        "25 poses and the home pose"
+    );
+
+    bench.press("Go to identification");
+    bench.press("Identify");
+    bench.settle("an identification");
+    bench
+        .harness
+        .get_by_label("The model does not explain the data.");
+    bench.press("What does the model get wrong?");
+    bench.settle("a diagnosis");
+    let hidden = &bench
+        .session()
+        .simulator
+        .as_ref()
+        .expect("a simulated robot")
+        .truth
+        .effects[0];
+    let hidden = (hidden.effect.clone(), hidden.targets.clone());
+    bench.press("Add to model");
+    bench.settle("the identification with the cause");
+    let added = &bench.session().settings.identification.effects[0];
+    assert_eq!((added.effect.clone(), added.targets.clone()), hidden);
+    let fit = bench
+        .state()
+        .document
+        .as_ref()
+        .and_then(|document| document.fit())
+        .expect("a fit");
+    // Rejects a right model once in a thousand times.
+    assert!(
+        fit.solution.p_value().is_some_and(|p| p > 1e-3),
+        "{:?}",
+        fit.solution.p_value()
+    );
+
+    bench.press("Phase 5: Adjustment");
+    bench.press("Measure before");
+    bench.wait("a verification", |state| verified(state) == 1);
+    bench.press("Write to the controller");
+    bench.wait("the values", |state| !state.link.writing);
+    bench.press("Measure after");
+    bench.wait("another verification", |state| verified(state) == 2);
+    let stages: Vec<Stage> = bench
+        .session()
+        .verifications()
+        .iter()
+        .map(|run| run.stage)
+        .collect();
+    assert_eq!(stages, [Stage::Before, Stage::After]);
+
+    save_and_open_again(&mut bench);
+}
+
+fn verified(state: &tautline_workbench::app::State) -> usize {
+    state
+        .document
+        .as_ref()
+        .map_or(0, |document| document.session().verifications().len())
+}
+
+fn save_and_open_again(bench: &mut Bench) {
+    let path = bench.folder.path().join("walked.json");
+    bench.press("File");
+    bench
+        .harness
+        .get_by_label_contains("Save as…")
+        .click_accesskit();
+    bench.harness.step();
+    bench.harness.step();
+    let field = || (Role::TextInput, "File to save as");
+    let (role, name) = field();
+    bench.harness.get_by_role_and_label(role, name).focus();
+    bench.harness.step();
+    bench
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    bench
+        .harness
+        .get_by_role_and_label(role, name)
+        .type_text(&path.display().to_string());
+    bench.harness.step();
+    bench.press("Save session");
+    bench.settle("the saved session");
+    let before = bench.session().clone();
+    assert!(
+        !bench
+            .state()
+            .document
+            .as_ref()
+            .expect("a session")
+            .is_unsaved()
+    );
+
+    bench.give(tautline_workbench::app::commands::FileCommand::Close);
+    bench.wait("the start screen", |state| state.document.is_none());
+    bench.harness.get_by_label("Demo robot").click_accesskit();
+    bench.wait("the session again", |state| state.document.is_some());
+    bench.settle("its identification");
+    assert_eq!(
+        format!("{:?}", bench.session().measurements),
+        format!("{:?}", before.measurements)
+    );
+    assert_eq!(bench.session().results().len(), before.results().len());
+    assert!(
+        bench
+            .state()
+            .document
+            .as_ref()
+            .expect("a session")
+            .fit_is_current()
+    );
+}
