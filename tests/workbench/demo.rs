@@ -85,9 +85,11 @@ impl Bench {
         let start = Instant::now();
         while !reached(self.state()) {
             assert!(
-                start.elapsed() < Duration::from_secs(120),
-                "{what} does not come; the last message is {:?}",
-                self.state().messages.last()
+                start.elapsed() < Duration::from_secs(60),
+                "{what} does not come; the last message is {:?}, the run {:?}, {:?}",
+                self.state().messages.last(),
+                self.state().link.run,
+                self.state().link.live().doing
             );
             std::thread::sleep(Duration::from_millis(5));
             self.harness.step();
