@@ -6,6 +6,7 @@ use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
 use tautline_workbench::app::commands::robot::Export;
 use tautline_workbench::app::commands::{ModelCommand, RobotCommand};
+use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::Step;
 
 use crate::demo::Bench;
@@ -57,9 +58,20 @@ fn identified_values_are_written_and_make_the_robot_more_exact() {
     bench.go(Step::Adjustment);
     bench.harness.get_by_label_contains("not identified yet");
     verify(&mut bench, "Measure before", 1);
+    // What the doctor would name: without it the pulleys alone would have to explain the fault.
+    let simulator = bench.session().simulator.clone().expect("a demonstration");
+    let fault = simulator.truth.effects[0].clone();
+    bench.give(Edit::AddEffects(vec![fault], "add the fault".into()));
     bench.give(ModelCommand::Identify);
     bench.settle("an identification");
-    bench.wait("the table", |_| true);
+    let text = "Give the simulated controller these parameters";
+    bench.press(text);
+    bench.wait("a controller that corrects the fault", |state| {
+        let mut held = state.link.parameters.iter();
+        held.any(|p| p.name.starts_with("effect.")) && !state.link.is_armed()
+    });
+    bench.press("Arm");
+    bench.wait("arming", |state| state.link.is_armed());
     bench.press("Write to the controller");
     bench.wait("the values", |state| !state.link.writing);
     let written = bench

@@ -100,7 +100,9 @@ impl Bench {
     /// All that is written on the screen.
     fn words(&self) -> Vec<String> {
         let nodes = self.harness.root().children_recursive();
-        nodes.filter_map(|node| node.accesskit_node().value()).collect()
+        nodes
+            .filter_map(|node| node.accesskit_node().value())
+            .collect()
     }
 
     /// Lets the workbench run until no task is running.
