@@ -7,7 +7,6 @@ mod measured;
 mod modeling;
 mod plots;
 mod precalibration;
-mod renderer;
 mod robot_3d;
 mod start;
 mod support;
