@@ -6,6 +6,7 @@
 pub mod adjusting;
 pub mod clock;
 pub mod controller;
+pub mod export;
 pub mod limits;
 pub mod measuring;
 pub mod parameters;

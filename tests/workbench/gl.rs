@@ -7,8 +7,12 @@ use image::RgbaImage;
 use tautline_core::geometry::Vec3;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
+<<<<<<< HEAD
 use tautline_validation::harness::GlowTestRenderer;
 use tautline_workbench::app::{self, App, theme};
+=======
+use tautline_workbench::app::{App, theme};
+>>>>>>> main
 use tautline_workbench::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
@@ -16,6 +20,7 @@ use tautline_workbench::views::robot_3d::picking::{Picture, Thing};
 use tautline_workbench::views::robot_3d::scene::{CableView, Scene, Subject};
 
 use crate::robot_3d::{in_window, open, session_of};
+use crate::support::options;
 
 const SIZE: [u32; 2] = [900, 600];
 
@@ -24,7 +29,7 @@ fn scene_of(robot: &Robot) -> Scene {
 }
 
 fn preset(name: &str) -> Robot {
-    presets::find(name).unwrap().robot
+    presets::find(name).expect("a preset").robot
 }
 
 fn bare() -> Options {
@@ -35,7 +40,7 @@ fn bare() -> Options {
 }
 
 fn draw(scene: &Scene, camera: &Camera, theme: Theme) -> RgbaImage {
-    render_scene(scene, &bare(), camera, SIZE, theme).unwrap()
+    render_scene(scene, &bare(), camera, SIZE, theme).expect("a picture")
 }
 
 fn rgb(image: &RgbaImage, x: u32, y: u32) -> [i32; 3] {
@@ -141,7 +146,9 @@ fn check_cables(picture: &Picture<'_>, image: &RgbaImage, theme: Theme) -> usize
     for cable in &picture.scene.cables {
         let ends = &cable.path[cable.path.len() - 2..];
         for share in [0.3, 0.5, 0.7] {
-            let at = picture.on_screen(&ends[0].lerp(&ends[1], share)).unwrap();
+            let at = picture
+                .on_screen(&ends[0].lerp(&ends[1], share))
+                .expect("a place on the screen");
             let Some(Thing::Cable(index)) = picture.pick(at.x, at.y) else {
                 continue;
             };
@@ -169,7 +176,7 @@ fn harness(renderer: &GlowTestRenderer, scale: f32) -> Harness<'static, App> {
         .with_pixels_per_point(scale)
         .with_max_steps(60)
         .renderer(renderer.clone())
-        .build_eframe(|creation| App::new(creation, app::Options::default()))
+        .build_eframe(|creation| App::new(creation, options()))
 }
 
 fn draws(harness: &Harness<'_, App>) -> u64 {

@@ -1,9 +1,13 @@
 //! The workbench, driven by accessible names.
 
+mod adjustment;
+mod demo;
 mod doctor;
 mod gl;
 mod identification;
+mod layout;
 mod measured;
+mod measuring;
 mod modeling;
 mod plots;
 mod precalibration;

@@ -13,6 +13,9 @@ use tautline_workbench::app::{App, Document};
 
 use crate::support::workbench;
 
+/// An effect with its cable and parameters.
+type Hidden<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
+
 /// A dataset of MINI in a folder that lives as long as this.
 pub struct Measured {
     folder: tempfile::TempDir,
@@ -20,9 +23,9 @@ pub struct Measured {
 
 impl Measured {
     /// `poses` poses with hidden effects, each with its cable and parameters.
-    pub fn mini(poses: usize, effects: &[(&str, &str, &[(&str, f64)])]) -> Self {
+    pub fn mini(poses: usize, effects: &[Hidden<'_>]) -> Self {
         let preset = presets::find("mini").expect("a preset");
-        let setting = |(effect, cable, values): &(&str, &str, &[(&str, f64)])| EffectSetting {
+        let setting = |(effect, cable, values): &Hidden<'_>| EffectSetting {
             effect: (*effect).to_owned(),
             targets: vec![(*cable).to_owned()],
             parameters: values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),

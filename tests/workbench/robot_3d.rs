@@ -18,14 +18,14 @@ use crate::support::{settle, workbench};
 
 /// A simulated run of a preset in a session.
 pub fn session_of(name: &str, poses: usize) -> Session {
-    let preset = presets::find(name).unwrap();
+    let preset = presets::find(name).expect("a preset");
     let options = SimulationOptions {
         workspace: Some(preset.workspace),
         tension: Some(preset.tension),
         ..SimulationOptions::new(poses, 5)
     };
-    let run = simulate(&preset.robot, &options).unwrap();
-    let now: Timestamp = "2026-01-05T08:00:00Z".parse().unwrap();
+    let run = simulate(&preset.robot, &options).expect("simulated");
+    let now: Timestamp = "2026-01-05T08:00:00Z".parse().expect("a time");
     let mut session = Session::new(name, preset.robot, now);
     session.measurements = run.dataset.measurements;
     session
@@ -41,7 +41,7 @@ pub fn open(harness: &mut Harness<'_, App>, session: Session, is_identified: boo
             effects: Vec::new(),
         };
         let keep = &mut |_: &_| tautline_core::estimation::Control::Continue;
-        let fit = fit(order, keep).unwrap();
+        let fit = fit(order, keep).expect("a fit");
         let inputs = document.inputs();
         document.set_fit(fit, inputs);
     }
@@ -55,12 +55,12 @@ pub fn in_window(harness: &Harness<'_, App>, point: &Vec3) -> Pos2 {
     let rect = harness.get_by_label("3D view").rect();
     let view = &harness.state().state.views.robot_3d;
     let picture = Picture {
-        scene: view.scene().unwrap(),
+        scene: view.scene().expect("a scene"),
         options: &view.options,
-        camera: view.camera().unwrap(),
+        camera: view.camera().expect("a camera"),
         size: [rect.width(), rect.height()].map(f64::from),
     };
-    let seen = picture.on_screen(point).unwrap();
+    let seen = picture.on_screen(point).expect("it is there");
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
@@ -81,7 +81,7 @@ fn scene(
         .views
         .robot_3d
         .scene()
-        .unwrap()
+        .expect("it is there")
         .clone()
 }
 
@@ -106,7 +106,7 @@ fn a_click_selects_and_the_pointer_is_told_what_it_is_over() {
     click(&mut harness, at);
     let selection = harness.state().state.selection;
     assert_eq!(selection.cable, Some(1), "a pose adds to the cable");
-    let label = selection.pose.unwrap();
+    let label = selection.pose.expect("it is there");
     assert_eq!(scene(&harness).shown, Shown::Fitted(label));
     assert!(scene(&harness).cables[0].residual.is_some());
     let corner = harness.get_by_label("3D view").rect().left_top() + vec2(12.0, 60.0);
@@ -126,7 +126,7 @@ fn keys_and_buttons_turn_the_view() {
             .views
             .robot_3d
             .camera()
-            .unwrap()
+            .expect("it is there")
             .axes()[2]
     };
     let middle = harness.get_by_label("3D view").rect().center();
@@ -165,7 +165,13 @@ fn keys_and_buttons_turn_the_view() {
 fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     let mut harness = workbench();
     open(&mut harness, session_of("mini", 3), false);
-    let before = *harness.state().state.views.robot_3d.camera().unwrap();
+    let before = *harness
+        .state()
+        .state
+        .views
+        .robot_3d
+        .camera()
+        .expect("it is there");
     let pose = Pose::from_parts([0.05, 0.0, 0.1], [1.0, 0.0, 0.0, 0.0]);
     let view = &mut harness.state_mut().state.views.robot_3d;
     view.live = Some(Live {
@@ -178,13 +184,25 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));
     assert_eq!(scene(&harness).planned, [pose.position]);
     assert_eq!(
-        *harness.state().state.views.robot_3d.camera().unwrap(),
+        *harness
+            .state()
+            .state
+            .views
+            .robot_3d
+            .camera()
+            .expect("it is there"),
         before
     );
     harness.state_mut().state.views.robot_3d.live = None;
     open(&mut harness, session_of("planar", 3), false);
     assert_ne!(
-        *harness.state().state.views.robot_3d.camera().unwrap(),
+        *harness
+            .state()
+            .state
+            .views
+            .robot_3d
+            .camera()
+            .expect("it is there"),
         before
     );
     assert_eq!(scene(&harness).cables.len(), 4);

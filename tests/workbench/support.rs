@@ -1,13 +1,31 @@
 //! Harness of the workbench.
 
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use egui_kittest::Harness;
+use tautline_session::Folders;
 pub use tautline_validation::harness::settle;
 use tautline_workbench::app::{App, Options};
+
+static STARTED: AtomicUsize = AtomicUsize::new(0);
+
+/// How a workbench of a test starts: with a folder of its own, so that nobody's preferences are touched.
+pub fn options() -> Options {
+    let number = STARTED.fetch_add(1, Ordering::Relaxed);
+    let name = format!("workbench-{}-{number}", std::process::id());
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    Options {
+        folders: Some(Folders::below(&folder)),
+        demo_seed: Some(3),
+        ..Options::default()
+    }
+}
 
 /// A workbench without a graphics card, of the size of a small notebook's screen.
 pub fn workbench() -> Harness<'static, App> {
     Harness::builder()
         .with_size(egui::vec2(1280.0, 800.0))
         .with_max_steps(60)
-        .build_eframe(|creation| App::new(creation, Options::default()))
+        .build_eframe(|creation| App::new(creation, options()))
 }

@@ -3,7 +3,8 @@
 
 use super::commands::{
     FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome,
-    PlotCommand, PlotOutcome, ReportCommand, ReportOutcome, ViewCommand,
+    PlotCommand, PlotOutcome, ReportCommand, ReportOutcome, RobotCommand, RobotOutcome,
+    ViewCommand,
 };
 use super::edit::Edit;
 
@@ -26,6 +27,8 @@ pub enum Command {
     Model(ModelCommand),
     /// Preparing and saving plots.
     Plot(PlotCommand),
+    /// Measuring, adjusting, verifying.
+    Robot(RobotCommand),
     /// The report.
     Report(ReportCommand),
 }
@@ -41,6 +44,8 @@ pub enum Outcome {
     Model(ModelOutcome),
     /// Of preparing or saving plots.
     Plot(PlotOutcome),
+    /// Of planning, or of a file of phases 3 and 5.
+    Robot(RobotOutcome),
     /// Of a task with the report.
     Report(ReportOutcome),
     /// The task broke down.
@@ -72,6 +77,8 @@ from!(
     ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
     PlotOutcome => Outcome::Plot,
+    RobotCommand => Command::Robot,
+    RobotOutcome => Outcome::Robot,
     ReportOutcome => Outcome::Report,
 );
 

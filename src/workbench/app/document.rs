@@ -180,6 +180,12 @@ impl Document {
         self.touch(&Inputs::New);
     }
 
+    /// Adds what cannot be undone and no result depends on, such as what was written to a controller.
+    pub fn record(&mut self, change: impl FnOnce(&mut Session)) {
+        change(&mut self.session);
+        self.revision += 1;
+    }
+
     /// Adds to the session's log.
     pub fn log(&mut self, phase: Phase, text: impl Into<String>) {
         self.session.record(LogEntry {

@@ -12,6 +12,7 @@ mod keeping;
 mod memo;
 mod menu;
 mod messages;
+pub mod robot;
 pub mod screen;
 mod selection;
 pub mod standing;
@@ -74,6 +75,10 @@ impl eframe::App for App {
         for kept in self.state.keeping.kept() {
             commands::kept(&mut self.state, kept);
         }
+        for report in self.state.link.reports() {
+            commands::robot::reported(&mut self.state, report);
+        }
+        commands::robot::follow(&mut self.state);
         self.ask_before_closing(ctx);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
@@ -114,7 +119,7 @@ pub fn run(start: Options) -> Result<(), eframe::Error> {
         .with_title("Tautline")
         .with_app_id("tautline")
         .with_inner_size([1440.0, 900.0])
-        .with_min_inner_size([1024.0, 680.0]);
+        .with_min_inner_size([640.0, 400.0]);
     let options = eframe::NativeOptions {
         viewport,
         ..Default::default()

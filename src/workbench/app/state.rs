@@ -8,8 +8,10 @@ use super::breakdown::Breakdown;
 use super::command::Outbox;
 use super::commands::Leaving;
 use super::document::Document;
+use super::frame::Part;
 use super::keeping::Keeping;
 use super::messages::Messages;
+use super::robot::Link;
 use super::screen::Screen;
 use super::selection::Selection;
 use super::tasks::Tasks;
@@ -36,6 +38,8 @@ pub struct Windows {
     pub leaving: Option<Leaving>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
+    /// What a small window shows.
+    pub part: Part,
     /// Whether the log is open.
     pub log: bool,
 }
@@ -73,6 +77,8 @@ pub struct State {
     pub breakdown: Option<Breakdown>,
     /// Running work.
     pub tasks: Tasks,
+    /// The way to the controller.
+    pub link: Link,
     /// What the program had to say.
     pub messages: Messages,
     /// Commands that were given in this frame.
@@ -109,6 +115,7 @@ impl State {
             preferences: preferences.value,
             left_behind,
             breakdown: None,
+            link: Link::new(context.clone(), options.robot_speed.unwrap_or(1.0)),
             options,
             context: context.clone(),
             document: None,

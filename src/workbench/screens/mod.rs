@@ -1,10 +1,10 @@
 //! The screens: a panel for each phase, the start screen, the comparison.
 
-mod adjustment;
+pub mod adjustment;
 pub mod compare;
 mod desk;
 pub mod identification;
-mod measuring;
+pub mod measuring;
 pub mod modeling;
 pub mod precalibration;
 pub mod start;
@@ -19,6 +19,10 @@ use crate::app::screen::Step;
 pub struct Screens {
     /// Of the start screen.
     pub start: start::Remembered,
+    /// Of the phase Measuring.
+    pub measuring: measuring::Remembered,
+    /// Of the phase Adjustment.
+    pub adjustment: adjustment::Remembered,
     /// Of the phase Identification.
     pub identification: identification::Remembered,
     /// Of phase 1.

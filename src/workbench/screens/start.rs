@@ -15,11 +15,15 @@ use crate::widgets::{icon_button, icon_only, muted, primary, section};
 #[derive(Debug, Default)]
 pub struct Remembered {
     path: String,
+    /// Whether all that crashes have left behind is listed.
+    shows_all: bool,
     /// Sample sessions that are there; looked up once.
     samples: Option<Vec<Sample>>,
 }
 
 const WIDTH: f32 = 640.0;
+/// Number of unsaved sessions that are listed at first.
+const LEFT_BEHIND: usize = 3;
 
 /// Draws the start screen.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -94,7 +98,12 @@ fn left_behind(ui: &mut Ui, state: &mut State) {
                 .font(theme::strong(13.0)),
         );
     });
-    for (place, left) in state.left_behind.iter().enumerate() {
+    let shown = if state.screens.start.shows_all {
+        usize::MAX
+    } else {
+        LEFT_BEHIND
+    };
+    for (place, left) in state.left_behind.iter().enumerate().take(shown) {
         ui.horizontal(|ui| {
             let poses = match left.poses {
                 0 => "no poses".to_owned(),
@@ -126,6 +135,10 @@ fn left_behind(ui: &mut Ui, state: &mut State) {
         if let Some(problem) = &left.problem {
             muted(ui, &problem.to_string());
         }
+    }
+    let more = state.left_behind.len().saturating_sub(shown);
+    if more > 0 && ui.button(format!("Show {more} more")).clicked() {
+        state.screens.start.shows_all = true;
     }
     ui.add_space(4.0 * GRID);
 }

@@ -5,6 +5,7 @@ mod import;
 mod model;
 mod plots;
 mod report;
+pub mod robot;
 mod tables;
 mod view;
 
@@ -13,6 +14,7 @@ pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
 pub use report::{ReportCommand, ReportOutcome};
+pub use robot::{RobotCommand, RobotOutcome};
 pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
@@ -26,6 +28,7 @@ pub fn perform(state: &mut State, command: Command) {
         Command::Import(command) => import::perform(state, command),
         Command::View(command) => view::perform(state, command),
         Command::Model(command) => model::perform(state, command),
+        Command::Robot(command) => robot::perform(state, command),
         Command::Plot(command) => plots::perform(state, command),
         Command::Report(command) => report::perform(state, command),
         Command::Edit(edit) => changed(state, None, |document| {
@@ -57,8 +60,11 @@ fn changed(
 /// Takes what the keeper of unsaved sessions has to tell.
 pub fn kept(state: &mut State, kept: Kept) {
     match kept {
-        Kept::Measured(_) => {}
-        Kept::Failed(text) => state.messages.error(text),
+        Kept::Measured(label) => robot::kept(state, label),
+        Kept::Failed(text) => {
+            robot::not_kept(state);
+            state.messages.error(text);
+        }
     }
 }
 
@@ -68,6 +74,7 @@ pub fn receive(state: &mut State, outcome: Outcome) {
         Outcome::File(outcome) => file::receive(state, outcome),
         Outcome::Import(outcome) => import::receive(state, outcome),
         Outcome::Model(outcome) => model::receive(state, outcome),
+        Outcome::Robot(outcome) => robot::receive(state, outcome),
         Outcome::Plot(outcome) => plots::receive(state, outcome),
         Outcome::Report(outcome) => report::receive(state, outcome),
         Outcome::Panicked { task } => {

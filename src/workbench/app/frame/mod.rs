@@ -11,10 +11,15 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 pub use dialogs::{Answer, broken};
 
-use super::screen::Screen;
+use super::screen::{Screen, Step};
 use super::state::State;
 use super::theme::{self, GRID};
 use crate::{screens, views};
+
+/// Width of the window (points) below which the rail shows icons alone.
+const NARROW: f32 = 1120.0;
+/// Width of the window (points) below which one part is shown at a time.
+const COMPACT: f32 = 900.0;
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -37,29 +42,89 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         Screen::Compare => {
             centre().show(ui, |ui| screens::compare::show(ui, state));
         }
-        Screen::Phase(step) => {
-            let side = Frame::new()
-                .fill(fill)
-                .inner_margin(Margin::same(3 * GRID as i8));
-            let rail = Panel::left("rail")
-                .frame(side)
-                .resizable(false)
-                .exact_size(208.0);
-            rail.show(ui, |ui| rail::show(ui, state));
-            let panel = Panel::right("phase")
-                .frame(side)
-                .default_size(400.0)
-                .size_range(340.0..=640.0);
-            panel.show(ui, |ui| screens::phase(ui, state, step));
-            let plots = Panel::bottom("plots")
-                .frame(side)
-                .default_size(250.0)
-                .size_range(140.0..=600.0);
-            plots.show(ui, |ui| views::plots::show(ui, state));
-            centre().show(ui, |ui| views::robot_3d::show(ui, state));
-        }
+        Screen::Phase(step) if ui.available_width() < COMPACT => compact(ui, state, step),
+        Screen::Phase(step) => phase(ui, state, step),
     }
     palette::show(ui, state);
     log::show(ui, state);
     dialogs::show(ui, state);
+}
+
+/// Rail, 3D view, plots and the panel of the phase beside each other.
+fn phase(ui: &mut Ui, state: &mut State, step: Step) {
+    let side = side(ui);
+    let narrow = ui.available_width() < NARROW;
+    let rail = Panel::left("rail").frame(side).resizable(false);
+    rail.exact_size(if narrow { rail::NARROW } else { 208.0 })
+        .show(ui, |ui| rail::show(ui, state, narrow));
+    let panel = Panel::right("phase")
+        .frame(side)
+        .default_size(400.0)
+        .size_range(340.0..=640.0);
+    panel.show(ui, |ui| screens::phase(ui, state, step));
+    let height = ui.available_height();
+    let plots = Panel::bottom("plots")
+        .frame(side)
+        .default_size((0.38 * height).min(300.0));
+    plots
+        .size_range(140.0..=(0.7 * height).max(150.0))
+        .show(ui, |ui| views::plots::show(ui, state));
+    let ground = Frame::new().fill(theme::of(ui).ground);
+    CentralPanel::no_frame()
+        .frame(ground)
+        .show(ui, |ui| views::robot_3d::show(ui, state));
+}
+
+/// One part at a time, where the window has no room for all of them.
+fn compact(ui: &mut Ui, state: &mut State, step: Step) {
+    let side = side(ui);
+    let rail = Panel::left("narrow rail")
+        .frame(side)
+        .resizable(false)
+        .exact_size(rail::NARROW);
+    rail.show(ui, |ui| rail::show(ui, state, true));
+    Panel::top("parts").frame(side).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for part in Part::ALL {
+                ui.selectable_value(&mut state.windows.part, part, part.title());
+            }
+        });
+    });
+    CentralPanel::no_frame()
+        .frame(side)
+        .show(ui, |ui| match state.windows.part {
+            Part::Panel => screens::phase(ui, state, step),
+            Part::Robot => views::robot_3d::show(ui, state),
+            Part::Plots => views::plots::show(ui, state),
+        });
+}
+
+fn side(ui: &Ui) -> Frame {
+    Frame::new()
+        .fill(theme::of(ui).panel)
+        .inner_margin(Margin::same(3 * GRID as i8))
+}
+
+/// Part of a phase's screen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Instruction, inputs, tables.
+    #[default]
+    Panel,
+    /// The robot in 3D.
+    Robot,
+    /// Plots.
+    Plots,
+}
+
+impl Part {
+    const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Panel => "Panel",
+            Self::Robot => "3D view",
+            Self::Plots => "Plots",
+        }
+    }
 }

@@ -8,21 +8,25 @@ use crate::app::standing;
 use crate::app::state::State;
 use crate::app::theme::{self, GRID};
 
-/// Draws the rail.
-pub fn show(ui: &mut Ui, state: &mut State) {
+/// Width of the rail with icons alone, margins included.
+pub const NARROW: f32 = 68.0;
+
+/// Draws the rail; a `narrow` one has icons alone.
+pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
     ui.spacing_mut().item_spacing.y = GRID;
     for step in Step::ALL {
         let Some(document) = &state.document else {
             return;
         };
         let standing = standing::of(document, step);
-        if entry(ui, step, &standing, state.screen == Screen::Phase(step)) {
+        let selected = state.screen == Screen::Phase(step);
+        if entry(ui, (step, &standing), selected, narrow) {
             state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
         }
     }
 }
 
-fn entry(ui: &mut Ui, step: Step, standing: &Standing, selected: bool) -> bool {
+fn entry(ui: &mut Ui, (step, standing): (Step, &Standing), selected: bool, narrow: bool) -> bool {
     let palette = theme::of(ui);
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 15.0 * GRID), Sense::click());
@@ -44,9 +48,18 @@ fn entry(ui: &mut Ui, step: Step, standing: &Standing, selected: bool) -> bool {
     let builder = UiBuilder::new()
         .max_rect(inside)
         .layout(Layout::top_down(Align::Min));
-    words(&mut ui.new_child(builder), &title, standing);
+    let mut inner = ui.new_child(builder);
+    if narrow {
+        icon(&mut inner, step, standing);
+    } else {
+        words(&mut inner, &title, standing);
+    }
     response
-        .on_hover_text(format!("{}: {}", standing.progress.words(), standing.line))
+        .on_hover_text(format!(
+            "{title}\n{}: {}",
+            standing.progress.words(),
+            standing.line
+        ))
         .clicked()
 }
 
@@ -60,4 +73,20 @@ fn words(ui: &mut Ui, title: &str, standing: &Standing) {
     });
     let line = RichText::new(&standing.line).small().color(palette.muted);
     ui.add(egui::Label::new(line).truncate());
+}
+
+fn icon(ui: &mut Ui, step: Step, standing: &Standing) {
+    let colour = theme::of(ui).progress(standing.progress);
+    ui.vertical_centered(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
+        ui.label(
+            standing
+                .progress
+                .icon()
+                .rich_text()
+                .size(18.0)
+                .color(colour),
+        );
+        ui.label(RichText::new(step.number().to_string()).font(theme::strong(13.0)));
+    });
 }

@@ -2,8 +2,9 @@
 
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons;
+use tautline_link::Activity;
 
-use crate::app::commands::ViewCommand;
+use crate::app::commands::{RobotCommand, ViewCommand};
 use crate::app::messages::Severity;
 use crate::app::state::State;
 use crate::app::theme;
@@ -13,7 +14,10 @@ use crate::widgets::{icon_only, muted};
 pub fn show(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         last_message(ui, state);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| work(ui, state));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            controller(ui, state);
+            work(ui, state);
+        });
     });
 }
 
@@ -38,6 +42,30 @@ fn last_message(ui: &mut Ui, state: &mut State) {
         ui.add(egui::Label::new(&message.text).truncate())
             .on_hover_text(&message.text);
     });
+}
+
+/// The controller in words; a robot that moves can be stopped from everywhere.
+fn controller(ui: &mut Ui, state: &mut State) {
+    let Some(controller) = state.link.live().state else {
+        return;
+    };
+    let palette = theme::of(ui);
+    let moving = controller.activity == Activity::Moving;
+    if (moving || state.link.is_busy())
+        && icon_only(ui, icons::ICON_STOP_CIRCLE, "Stop the robot", true).clicked()
+    {
+        state.outbox.send(RobotCommand::Stop);
+    }
+    let (words, colour) = match (&controller.activity, controller.armed) {
+        (Activity::Fault(_), _) => ("fault", palette.bad),
+        (Activity::Moving, _) => ("moving", palette.warning),
+        (_, true) => ("armed", palette.warning),
+        (_, false) => ("not armed", palette.muted),
+    };
+    ui.label(RichText::new(words).small().color(colour));
+    ui.label(RichText::new(&state.link.identity).small());
+    let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
+    ui.label(icon.size(16.0).color(colour));
 }
 
 fn work(ui: &mut Ui, state: &mut State) {

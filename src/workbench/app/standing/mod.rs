@@ -1,5 +1,7 @@
 //! How far each phase is, in one line.
 
+mod adjustment;
+mod measuring;
 mod modeling;
 mod precalibration;
 
@@ -17,16 +19,9 @@ pub fn of(document: &Document, step: Step) -> Standing {
     match step {
         Step::Precalibration => precalibration::whole(document.calibration()),
         Step::Modeling => elongation(document),
-        Step::Measuring => measuring(document),
+        Step::Measuring => measuring::whole(document),
         Step::Identification => identification(document),
-        Step::Adjustment => Standing::new(Progress::NotStarted, "nothing written yet"),
-    }
-}
-
-fn measuring(document: &Document) -> Standing {
-    match document.session().measurements.len() {
-        0 => Standing::new(Progress::NotStarted, "no poses measured"),
-        poses => Standing::new(Progress::Done, format!("{poses} poses measured")),
+        Step::Adjustment => adjustment::whole(document),
     }
 }
 

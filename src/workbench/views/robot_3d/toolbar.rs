@@ -16,9 +16,13 @@ pub enum Aim {
     To(StandardView),
 }
 
+/// Width (points) from which on everything is in the row.
+const WIDE: f32 = 830.0;
+
 /// Draws the row.
 pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<Aim> {
     let mut aim = None;
+    let is_wide = ui.available_width() > WIDE;
     ui.horizontal_wrapped(|ui| {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit to all (F)", true).clicked() {
             aim = Some(Aim::Fit);
@@ -33,8 +37,13 @@ pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<A
         ui.separator();
         colours(ui, options);
         ui.separator();
-        ui.menu_button("Show", |ui| parts(ui, options, is_identified));
-        if is_identified {
+        ui.menu_button("Show", |ui| {
+            parts(ui, options, is_identified);
+            if is_identified && !is_wide {
+                exaggeration(ui, options);
+            }
+        });
+        if is_identified && is_wide {
             exaggeration(ui, options);
         }
     });
@@ -83,5 +92,5 @@ fn exaggeration(ui: &mut Ui, options: &mut Options) {
     response.on_hover_text(
         "How many times larger than they are displacements and ellipsoids are drawn",
     );
-    ui.label(format!("{value:.0} times"));
+    ui.add(egui::Label::new(format!("{value:.0} times")).extend());
 }

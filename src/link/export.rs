@@ -1,0 +1,126 @@
+//! Parameters as text for those who enter them at a controller by other means.
+
+use std::collections::HashSet;
+use std::fmt::Write;
+
+use crate::adjusting::Difference;
+use crate::parameters::ParameterInfo;
+
+/// The table `name,unit,controller,identified,difference,sd`; cells are empty where nothing is known.
+#[must_use]
+pub fn differences_csv(differences: &[Difference]) -> String {
+    let mut text = "name,unit,controller,identified,difference,sd\n".to_owned();
+    let cell = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for line in differences {
+        let name = if line.name.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", line.name.replace('"', "\"\""))
+        } else {
+            line.name.clone()
+        };
+        let cells = [
+            name,
+            line.unit.to_owned(),
+            cell(line.controller),
+            line.identified.to_string(),
+            cell(line.difference),
+            cell(line.sd),
+        ];
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// A block of constants in Structured Text (IEC 61131-3), as TwinCAT reads it; `title` goes into its first comment.
+#[must_use]
+pub fn structured_text(title: &str, parameters: &[ParameterInfo]) -> String {
+    let mut text = format!("(* {} *)\nVAR_GLOBAL CONSTANT\n", comment(title));
+    let mut used = HashSet::new();
+    for parameter in parameters {
+        let mut name = identifier(&parameter.name);
+        let mut number = 2;
+        while !used.insert(name.to_lowercase()) {
+            name = format!("{}_{number}", identifier(&parameter.name));
+            number += 1;
+        }
+        // Writing to a string cannot fail. An LREAL has a decimal point.
+        let _ = writeln!(
+            text,
+            "    {name} : LREAL := {:?}; (* {}, {} *)",
+            parameter.value,
+            comment(&parameter.name),
+            unit(parameter.unit)
+        );
+    }
+    text.push_str("END_VAR\n");
+    text
+}
+
+fn unit(unit: &str) -> &str {
+    if unit == "1" { "ratio" } else { unit }
+}
+
+/// Text that does not end a comment.
+fn comment(text: &str) -> String {
+    text.replace("*)", "* )").replace(['\n', '\r'], " ")
+}
+
+/// A name of letters, digits and single underscores that begins with a letter.
+fn identifier(name: &str) -> String {
+    let mut result = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_alphanumeric() {
+            result.push(letter);
+        } else if !result.ends_with('_') {
+            result.push('_');
+        }
+    }
+    let result = result.trim_matches('_');
+    if result.starts_with(|first: char| first.is_ascii_alphabetic()) {
+        result.to_owned()
+    } else {
+        format!("p_{result}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(name: &str, value: f64) -> ParameterInfo {
+        ParameterInfo {
+            name: name.into(),
+            unit: "m",
+            value,
+        }
+    }
+
+    #[test]
+    fn names_become_identifiers_of_their_own() {
+        let parameters = [
+            parameter("cable-1.entry_point.x_m", 0.5),
+            parameter("cable 1.entry_point.x_m", -1e-7),
+            parameter("1 *) x", 2.0),
+        ];
+        let text = structured_text("MINI\n", &parameters);
+        let expected = "(* MINI  *)\nVAR_GLOBAL CONSTANT\n    \
+                        cable_1_entry_point_x_m : LREAL := 0.5; (* cable-1.entry_point.x_m, m *)\n    \
+                        cable_1_entry_point_x_m_2 : LREAL := -1e-7; (* cable 1.entry_point.x_m, m *)\n    \
+                        p_1_x : LREAL := 2.0; (* 1 * ) x, m *)\nEND_VAR\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn the_table_has_empty_cells_where_nothing_is_known() {
+        let lines = [Difference {
+            name: "a,b".into(),
+            unit: "m",
+            controller: None,
+            identified: 0.25,
+            difference: None,
+            sd: Some(1e-3),
+        }];
+        let expected = "name,unit,controller,identified,difference,sd\n\"a,b\",m,,0.25,,0.001\n";
+        assert_eq!(differences_csv(&lines), expected);
+    }
+}

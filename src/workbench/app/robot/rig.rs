@@ -1,0 +1,187 @@
+//! Which controllers a session offers, and what one is made of.
+
+use tautline_core::effect::{EffectSetting, find};
+use tautline_core::robot::{Robot, presets};
+use tautline_core::simulation::{TensionRange, Workspace};
+use tautline_link::Limits;
+use tautline_link::simulated::SimulatedSetup;
+use tautline_session::Session;
+
+/// A kind of controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The simulated robot of the session, a demonstration: its readings are those of the session's robot.
+    OfSession,
+    /// A robot simulated from the description alone: its readings say nothing about a real robot.
+    OfDescription,
+}
+
+impl Kind {
+    /// What a session can be connected to.
+    #[must_use]
+    pub fn offered(session: &Session) -> Self {
+        if session.simulator.is_some() {
+            Self::OfSession
+        } else {
+            Self::OfDescription
+        }
+    }
+}
+
+/// Everything that a connection is made of.
+#[derive(Debug, Clone)]
+pub struct Rig {
+    /// What it is.
+    pub kind: Kind,
+    pub(super) setup: SimulatedSetup,
+    pub(super) limits: Limits,
+}
+
+/// Seed of the noise of a robot that is simulated from its description.
+const SEED: u64 = 1;
+
+impl Rig {
+    /// The controller that a session offers; it can correct its robot's effects, those of the model and `identified` ones.
+    #[must_use]
+    pub fn of(session: &Session, identified: &[EffectSetting]) -> Self {
+        let (workspace, tension) = bounds(&session.robot);
+        let parameters: Vec<(String, f64)> = session
+            .controller
+            .iter()
+            .map(|held| (held.name.clone(), held.value))
+            .collect();
+        let mut nominal = session.robot.clone();
+        let held = parameters.iter().filter_map(|(name, _)| effect_of(name));
+        let model = session.settings.identification.effects.iter();
+        let wanted: Vec<EffectSetting> = held.chain(model.chain(identified).map(neutral)).collect();
+        for setting in wanted {
+            let is_it = |known: &EffectSetting| same(known, &setting);
+            if !nominal.effects.iter().any(is_it) {
+                nominal.effects.push(setting);
+            }
+        }
+        let (kind, truth, seed) = match &session.simulator {
+            Some(simulator) => (Kind::OfSession, simulator.truth.clone(), simulator.seed),
+            None => (Kind::OfDescription, session.robot.clone(), SEED),
+        };
+        let reach_m = workspace.half_extent_m.into_iter().fold(0.0, f64::max);
+        let velocity_m_s = reach_m.clamp(0.1, 2.0);
+        Self {
+            kind,
+            limits: Limits {
+                robot: session.robot.clone(),
+                workspace,
+                tension,
+            },
+            setup: SimulatedSetup {
+                parameters,
+                tension,
+                velocity_m_s,
+                acceleration_m_s2: 5.0 * velocity_m_s,
+                ..SimulatedSetup::new(nominal, truth, seed)
+            },
+        }
+    }
+
+    /// Whether the controller can correct an effect.
+    #[must_use]
+    pub fn corrects(&self, setting: &EffectSetting) -> bool {
+        let mut known = self.setup.nominal.effects.iter();
+        known.any(|known| same(known, setting))
+    }
+
+    /// The robot as described, without what a controller holds.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.limits.robot
+    }
+
+    /// Tensions that are distributed.
+    #[must_use]
+    pub fn tension(&self) -> TensionRange {
+        self.limits.tension
+    }
+
+    /// Where the platform may be commanded.
+    #[must_use]
+    pub fn workspace(&self) -> &Workspace {
+        &self.limits.workspace
+    }
+}
+
+/// Where a robot moves and how its cables are tensioned: as published for a known robot, else as suits its description.
+#[must_use]
+pub fn bounds(robot: &Robot) -> (Workspace, TensionRange) {
+    let known = presets::NAMES.iter().filter_map(|name| presets::find(name));
+    let mut same = known.filter(|preset| {
+        preset.robot.name == robot.name && preset.robot.cable_count() == robot.cable_count()
+    });
+    match same.next() {
+        Some(preset) => (preset.workspace, preset.tension),
+        None => (Workspace::of(robot), TensionRange::of(robot)),
+    }
+}
+
+fn same(a: &EffectSetting, b: &EffectSetting) -> bool {
+    a.effect == b.effect && a.targets == b.targets
+}
+
+/// The same effect without any influence.
+fn neutral(setting: &EffectSetting) -> EffectSetting {
+    let parameters = find(&setting.effect).map_or(&[][..], |effect| effect.parameters());
+    EffectSetting {
+        parameters: parameters
+            .iter()
+            .map(|parameter| (parameter.name.to_owned(), parameter.neutral))
+            .collect(),
+        ..setting.clone()
+    }
+}
+
+/// The effect that a parameter of a controller belongs to, neutral.
+fn effect_of(name: &str) -> Option<EffectSetting> {
+    let (effect, rest) = name.strip_prefix("effect.")?.split_once('.')?;
+    let targets = rest.rsplit_once('.').map(|(targets, _)| targets);
+    let targets = targets.map_or_else(Vec::new, |targets| {
+        targets.split('+').map(str::to_owned).collect()
+    });
+    Some(neutral(&EffectSetting {
+        effect: effect.to_owned(),
+        targets,
+        parameters: Default::default(),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_session::{NamedValue, Timestamp};
+
+    use super::*;
+
+    #[test]
+    fn a_controller_keeps_the_effects_it_held() {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+        session.controller = vec![
+            NamedValue {
+                name: "effect.winch_scale.cable-3.scale".into(),
+                value: 0.01,
+            },
+            NamedValue {
+                name: "effect.laser_scale.scale".into(),
+                value: 0.002,
+            },
+        ];
+        let rig = Rig::of(&session, &[]);
+        let setting = |effect: &str, targets: &[&str]| EffectSetting {
+            effect: effect.into(),
+            targets: targets.iter().map(|t| (*t).to_owned()).collect(),
+            parameters: Default::default(),
+        };
+        assert_eq!(rig.kind, Kind::OfDescription);
+        assert!(rig.corrects(&setting("winch_scale", &["cable-3"])));
+        assert!(rig.corrects(&setting("laser_scale", &[])));
+        assert!(!rig.corrects(&setting("winch_scale", &["cable-4"])));
+        assert!(rig.setup.nominal.check().is_ok());
+    }
+}

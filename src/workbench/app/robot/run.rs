@@ -1,0 +1,121 @@
+//! What is known of a measuring run.
+
+use std::collections::BTreeSet;
+
+use tautline_session::MeasuredPose;
+
+use super::message::Surprise;
+
+/// A measured pose that waits to be on disk.
+#[derive(Debug, Clone)]
+pub struct Pending {
+    /// Label in the run.
+    pub label: i64,
+    /// What was measured, with the label that it gets.
+    pub pose: MeasuredPose,
+    /// Whether it could not be kept.
+    pub failed: bool,
+}
+
+/// A measuring run as the operator follows it.
+#[derive(Debug, Clone, Default)]
+pub struct RunLog {
+    /// Labels that are to be measured.
+    to_measure: BTreeSet<i64>,
+    /// Labels that are measured.
+    measured: BTreeSet<i64>,
+    /// Labels that were left out.
+    pub skipped: BTreeSet<i64>,
+    /// Label that the platform is at or on its way to.
+    pub current: Option<i64>,
+    /// Why it waits, if it does.
+    pub paused: Option<String>,
+    /// What did not look right, the oldest first.
+    pub warnings: Vec<String>,
+    /// How far each pose was from what was expected.
+    pub surprises: Vec<Surprise>,
+    /// Label that was measured last.
+    last: Option<i64>,
+    /// When poses were measured, by the controller's clock (s).
+    times_s: Vec<f64>,
+    /// How it ended.
+    pub ended: Option<Result<(), String>>,
+}
+
+impl RunLog {
+    /// A run over poses of these labels.
+    #[must_use]
+    pub fn new(labels: impl Iterator<Item = i64>) -> Self {
+        Self {
+            to_measure: labels.collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether it is over.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.ended.is_some()
+    }
+
+    /// Poses that are measured.
+    #[must_use]
+    pub fn done(&self) -> usize {
+        self.measured.len()
+    }
+
+    /// Poses in all, those left out not counted.
+    #[must_use]
+    pub fn of(&self) -> usize {
+        self.to_measure.difference(&self.skipped).count()
+    }
+
+    /// A pose is measured.
+    pub fn measured(&mut self, label: i64, time_s: f64) {
+        self.measured.insert(label);
+        self.skipped.remove(&label);
+        self.last = Some(label);
+        self.times_s.push(time_s);
+    }
+
+    /// The pose that was measured last, unless it is the home pose, which cannot be repeated.
+    #[must_use]
+    pub fn last_measured(&self) -> Option<i64> {
+        self.last.filter(|label| *label != 0)
+    }
+
+    /// A pose is measured again.
+    pub fn again(&mut self, label: i64) {
+        self.measured.remove(&label);
+        self.to_measure.insert(label);
+    }
+
+    /// Time until the last pose is measured (s), by the controller's clock; `None` until poses tell.
+    #[must_use]
+    pub fn remaining_s(&self) -> Option<f64> {
+        let [first, .., last] = *self.times_s else {
+            return None;
+        };
+        let each_s = (last - first) / (self.times_s.len() - 1) as f64;
+        Some(each_s * self.of().saturating_sub(self.done()) as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_left_follows_from_the_poses_so_far() {
+        let mut run = RunLog::new(0..6);
+        run.measured(0, 10.0);
+        assert_eq!(run.remaining_s(), None);
+        run.measured(1, 14.0);
+        assert_eq!(run.remaining_s(), Some(16.0));
+        run.skipped.insert(5);
+        assert_eq!((run.done(), run.of()), (2, 5));
+        assert_eq!(run.remaining_s(), Some(12.0));
+        run.again(1);
+        assert_eq!(run.done(), 1);
+    }
+}

@@ -1,0 +1,185 @@
+//! What the controller is busy with.
+
+use tautline_link::Instrument;
+use tautline_link::measuring::{Accepted, MeasuringEvent, MeasuringRun, Predictor, Stage as Step};
+use tautline_link::verifying::{VerifyingEvent, VerifyingRun};
+use tautline_link::{Activity, Controller};
+use tautline_session::{CheckRow, Stage};
+
+use super::message::{Doing, Report, Surprise};
+
+/// What goes on.
+pub(super) enum Work {
+    None,
+    Measuring(Box<Measuring>),
+    Verifying(Box<Verifying>),
+}
+
+impl Work {
+    /// Whether it goes on by itself.
+    pub fn needs_ticks(&self) -> bool {
+        match self {
+            Self::None => false,
+            Self::Measuring(m) => !m.run.is_paused() && m.run.stage() != Step::Storing,
+            Self::Verifying(_) => true,
+        }
+    }
+
+    pub fn has_ended(&self) -> bool {
+        match self {
+            Self::None => false,
+            Self::Measuring(m) => m.run.stage() == Step::Ended,
+            Self::Verifying(v) => v.run.has_ended(),
+        }
+    }
+
+    /// Ends it and says so.
+    pub fn abort(&mut self) -> Option<Report> {
+        let text = || Err("it was stopped by the operator".to_owned());
+        match std::mem::replace(self, Self::None) {
+            Self::None => None,
+            Self::Measuring(_) => Some(Report::RunEnded(text())),
+            Self::Verifying(v) => Some(Report::Verified(v.stage, Err("it was stopped".into()))),
+        }
+    }
+
+    /// Does something with the measuring run, if there is one.
+    pub fn measuring(&mut self, change: impl FnOnce(&mut Measuring)) {
+        if let Self::Measuring(measuring) = self {
+            change(measuring);
+        }
+    }
+
+    pub fn doing(&self) -> Doing {
+        match self {
+            Self::None => Doing::Nothing,
+            Self::Measuring(m) => m.doing,
+            Self::Verifying(v) => v.doing,
+        }
+    }
+
+    pub fn remaining(&self) -> usize {
+        match self {
+            Self::Measuring(m) => m.remaining,
+            Self::None | Self::Verifying(_) => 0,
+        }
+    }
+}
+
+/// A measuring run, with what new poses are compared with.
+pub(super) struct Measuring {
+    pub run: MeasuringRun,
+    pub predictor: Predictor,
+    pub per_revolution_m: Vec<f64>,
+    pub doing: Doing,
+    pub remaining: usize,
+}
+
+impl Measuring {
+    pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Vec<Report> {
+        let events = self.run.tick(controller, now_s);
+        let reports = events.into_iter().filter_map(|event| self.report(event));
+        let reports = reports.collect();
+        self.remaining = self.run.remaining();
+        reports
+    }
+
+    fn report(&mut self, event: MeasuringEvent) -> Option<Report> {
+        Some(match event {
+            MeasuringEvent::Commanded { label } => {
+                self.doing = Doing::Moving;
+                Report::Commanded(label)
+            }
+            MeasuringEvent::Settling {
+                rates,
+                limits,
+                remaining_s,
+            } => {
+                self.doing = Doing::Settling {
+                    rates,
+                    limits,
+                    remaining_s,
+                };
+                return None;
+            }
+            MeasuringEvent::Sampling { taken, of } => {
+                self.doing = Doing::Sampling { taken, of };
+                return None;
+            }
+            MeasuringEvent::Measured(accepted) => {
+                let surprise = self.surprise(&accepted);
+                Report::Measured(accepted, surprise)
+            }
+            MeasuringEvent::Warning(warning) => Report::Warning(warning),
+            MeasuringEvent::Skipped { label } => Report::Skipped(label),
+            MeasuringEvent::Paused { reason } => Report::Paused(reason),
+            MeasuringEvent::Finished => Report::RunEnded(Ok(())),
+            MeasuringEvent::Failed(text) => Report::RunEnded(Err(text)),
+        })
+    }
+
+    fn surprise(&self, accepted: &Accepted) -> Option<Surprise> {
+        let expected = (self.predictor)(&accepted.commanded)?;
+        let pairs = accepted.revolutions.iter().zip(&expected.revolutions);
+        let lengths_m = pairs
+            .zip(&self.per_revolution_m)
+            .map(|((measured, predicted), per)| (measured - predicted) * per)
+            .collect();
+        let laser_m = expected.laser_m.map(|laser_m| accepted.laser_m - laser_m);
+        Some(Surprise {
+            label: accepted.label,
+            lengths_m,
+            laser_m: laser_m.filter(|off_m| off_m.is_finite()),
+        })
+    }
+}
+
+/// A verification run; the platform goes home first.
+pub(super) struct Verifying {
+    pub run: VerifyingRun,
+    pub stage: Stage,
+    rows: Vec<CheckRow>,
+    doing: Doing,
+    is_home: bool,
+}
+
+impl Verifying {
+    pub fn new(run: VerifyingRun, stage: Stage) -> Self {
+        Self {
+            run,
+            stage,
+            rows: Vec::new(),
+            doing: Doing::Moving,
+            is_home: false,
+        }
+    }
+
+    pub fn tick(
+        &mut self,
+        controller: &mut dyn Controller,
+        instrument: &mut dyn Instrument,
+    ) -> Vec<Report> {
+        if !self.is_home && controller.state().activity == Activity::Moving {
+            return Vec::new();
+        }
+        self.is_home = true;
+        match self.run.tick(controller, instrument) {
+            None => Vec::new(),
+            Some(VerifyingEvent::Commanded { done, of }) => {
+                self.doing = Doing::Verifying { done, of };
+                Vec::new()
+            }
+            Some(VerifyingEvent::Attained(row)) => {
+                self.rows.push(row);
+                Vec::new()
+            }
+            Some(VerifyingEvent::Finished) => {
+                let rows = std::mem::take(&mut self.rows);
+                vec![Report::Verified(self.stage, Ok(rows))]
+            }
+            Some(VerifyingEvent::Failed(text)) => {
+                vec![Report::Verified(self.stage, Err(text))]
+            }
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The panel of the phase Adjustment: what the controller holds and what was identified, writing, verifying.
+
+mod figures;
+mod record;
+mod reveal;
+mod table;
+mod verification;
+
+use std::sync::Arc;
+
+use egui::{TextEdit, Ui};
+use egui_material_icons::icons;
+use tautline_link::adjusting::Difference;
+
+use self::figures::Figures;
+use super::measuring::{Next, controller, step_button};
+use crate::app::commands::robot::{self, Export, revertible};
+use crate::app::commands::{RobotCommand, ViewCommand};
+use crate::app::robot::Kind;
+use crate::app::screen::{Screen, Step};
+use crate::app::theme::GRID;
+use crate::app::{Memo, State};
+use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+
+/// Identity and revision of the document, place of its fit, count of the parameters' changes.
+type Key = (u64, u64, Option<usize>, u64);
+
+/// What the panel remembers.
+#[derive(Debug, Default)]
+pub struct Remembered {
+    /// Name of the operator while it is typed.
+    operator: Option<String>,
+    /// Whether parameters that stay as they are are shown as well.
+    all: bool,
+    differences: Memo<Key, Arc<Vec<Difference>>>,
+    figures: Memo<(u64, u64), Result<Figures, String>>,
+}
+
+/// Draws the panel.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    heading(ui, "Adjustment");
+    muted(
+        ui,
+        "The identified values are written to the controller; an external instrument shows what that changes.",
+    );
+    let current = state.document.as_ref().is_some_and(|d| d.fit_is_current());
+    if !current {
+        missing(ui, state);
+    }
+    let next = next(state, current);
+    controller::show(ui, state, next);
+    let differences = differences(state);
+    if current {
+        compare(ui, state, &differences);
+        write(ui, state, next, &differences);
+    }
+    record::show(ui, state);
+    verification::show(ui, state);
+    reveal::show(ui, state);
+}
+
+/// What the controller lacks; computed again only after a change.
+fn differences(state: &mut State) -> Arc<Vec<Difference>> {
+    let Some(document) = &state.document else {
+        return Arc::default();
+    };
+    let key = (
+        document.identity(),
+        document.revision(),
+        document.fit().map(|fit| Arc::as_ptr(fit) as usize),
+        state.link.parameters_version,
+    );
+    let mut memo = std::mem::take(&mut state.screens.adjustment.differences);
+    let found = memo
+        .get(key, || Arc::new(robot::differences(state)))
+        .clone();
+    state.screens.adjustment.differences = memo;
+    found
+}
+
+fn next(state: &State, current: bool) -> Next {
+    if !current || state.link.is_busy() {
+        Next::Nothing
+    } else if !state.link.is_connected() {
+        Next::Connect
+    } else if !state.link.is_armed() {
+        Next::Arm
+    } else {
+        Next::Start
+    }
+}
+
+/// Says what is missing and where to get it.
+fn missing(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let (text, step) = if document.session().measurements.is_empty() {
+        (
+            "Nothing is identified, because no poses are measured yet.",
+            Step::Measuring,
+        )
+    } else if document.fit().is_some() {
+        (
+            "The data changed after the last identification. Identify again before anything is written.",
+            Step::Identification,
+        )
+    } else {
+        (
+            "The pulleys are not identified yet: there is nothing to write.",
+            Step::Identification,
+        )
+    };
+    verdict(ui, Verdict::Neutral, text);
+    let button = format!("Go to {}", step.title().to_lowercase());
+    if ui.button(button).clicked() {
+        state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
+    }
+}
+
+fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
+    section(ui, "Controller and identified model");
+    if !state.link.is_connected() {
+        muted(
+            ui,
+            "Connect the controller to see what it holds beside what was identified.",
+        );
+    }
+    table::show(ui, state, differences);
+    let unknown = differences
+        .iter()
+        .any(|line| line.name.starts_with("effect.") && line.controller.is_none());
+    if unknown && state.link.is_connected() {
+        muted(
+            ui,
+            "The controller has no parameters for some effects: their values cannot be written.",
+        );
+        let free = !state.link.is_busy();
+        let text = "Give the simulated controller these parameters";
+        let button = ui.add_enabled(free, egui::Button::new(text));
+        if button
+            .on_hover_text("Connects it again; it has to be armed again then")
+            .clicked()
+        {
+            state.outbox.send(RobotCommand::Connect);
+        }
+    }
+    ui.horizontal_wrapped(|ui| {
+        let connected = state.link.is_connected() && !state.link.is_busy();
+        if icon_button(ui, icons::ICON_SYNC, "Read back", connected).clicked() {
+            state.outbox.send(RobotCommand::ReadBack);
+        }
+        if icon_button(ui, icons::ICON_DOWNLOAD, "Export table…", true).clicked() {
+            state
+                .outbox
+                .send(RobotCommand::AskExport(Export::Differences));
+        }
+        let text = icon_button(ui, icons::ICON_CODE, "Export for TwinCAT…", true);
+        let text = text.on_hover_text("A block of constants in Structured Text (IEC 61131-3)");
+        if text.clicked() {
+            state
+                .outbox
+                .send(RobotCommand::AskExport(Export::StructuredText));
+        }
+    });
+}
+
+fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference]) {
+    let changes = differences
+        .iter()
+        .filter(|d| d.is_writable_change())
+        .count();
+    ui.add_space(GRID);
+    operator(ui, state);
+    let ready = state.link.is_armed() && !state.link.is_busy();
+    ui.horizontal_wrapped(|ui| {
+        let is_next = next == Next::Start && changes > 0;
+        let text = "Write to the controller";
+        if step_button(ui, text, is_next, ready && changes > 0) {
+            state.outbox.send(RobotCommand::Write);
+        }
+        let back = revertible(state).is_some();
+        if icon_button(ui, icons::ICON_UNDO, "Roll back", ready && back).clicked() {
+            state.outbox.send(RobotCommand::RollBack);
+        }
+    });
+    if !state.link.is_connected() {
+        return;
+    }
+    if changes == 0 {
+        verdict(
+            ui,
+            Verdict::Good,
+            "The controller holds the identified values.",
+        );
+    } else {
+        let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
+        let note = match kind {
+            Some(Kind::OfDescription) => {
+                " This controller is simulated: a real one does not change."
+            }
+            _ => "",
+        };
+        muted(
+            ui,
+            &format!("{changes} values differ from those of the controller.{note}"),
+        );
+    }
+}
+
+/// Who is responsible for what is written.
+fn operator(ui: &mut Ui, state: &mut State) {
+    let shown = state.screens.adjustment.operator.take();
+    let mut name = shown.unwrap_or_else(|| state.preferences.operator.clone());
+    ui.horizontal(|ui| {
+        let label = ui.label("Operator");
+        let field = TextEdit::singleline(&mut name).hint_text("Your name, for the record");
+        let field = ui
+            .add(field.desired_width(60.0 * GRID))
+            .labelled_by(label.id);
+        if field.lost_focus() {
+            let typed = name.trim().to_owned();
+            state.change_preferences(|preferences| preferences.operator = typed);
+        } else if field.has_focus() {
+            state.screens.adjustment.operator = Some(name);
+        }
+    });
+}

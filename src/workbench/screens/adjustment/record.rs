@@ -1,0 +1,54 @@
+//! What was written to the controller so far: who, when, what.
+
+use egui::{CollapsingHeader, Ui};
+use tautline_session::{Adjustment, Outcome};
+
+use crate::app::State;
+use crate::widgets::{Verdict, muted, section, verdict};
+use crate::wording::count;
+
+/// Draws the last outcome and the record.
+pub(super) fn show(ui: &mut Ui, state: &State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let adjustments = document.session().adjustments();
+    let Some(last) = adjustments.last() else {
+        return;
+    };
+    section(ui, "Written so far");
+    let (kind, text) = words(last);
+    verdict(ui, kind, &text);
+    let header = CollapsingHeader::new(format!("Record ({})", adjustments.len()));
+    header.id_salt("record").show(ui, |ui| {
+        for adjustment in adjustments.iter().rev() {
+            let (_, text) = words(adjustment);
+            let who = match adjustment.operator.as_str() {
+                "" => "operator not named",
+                name => name,
+            };
+            let when = adjustment.time.to_string().replace('T', " ");
+            let when: String = when.chars().take(16).collect();
+            muted(ui, &format!("{when}, {who}, {}", adjustment.controller));
+            ui.add(egui::Label::new(text).wrap());
+        }
+    });
+}
+
+fn words(adjustment: &Adjustment) -> (Verdict, String) {
+    let values = adjustment.changes.len();
+    match &adjustment.outcome {
+        Outcome::Written => (
+            Verdict::Good,
+            format!("{} written and read back.", count(values, "value")),
+        ),
+        Outcome::RolledBack => (
+            Verdict::Neutral,
+            format!(
+                "{} set back to what was there before.",
+                count(values, "value")
+            ),
+        ),
+        Outcome::Failed(why) => (Verdict::Bad, why.clone()),
+    }
+}

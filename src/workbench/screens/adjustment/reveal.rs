@@ -1,0 +1,101 @@
+//! What a demonstration has hidden, beside what was found.
+
+use egui::Ui;
+use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::robot::Robot;
+
+use crate::app::State;
+use crate::app::commands::RobotCommand;
+use crate::widgets::{Verdict, muted, section, value, verdict};
+
+/// Draws the button, or what it has revealed.
+pub(super) fn show(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let session = document.session();
+    let Some(simulator) = &session.simulator else {
+        return;
+    };
+    section(ui, "The demonstration");
+    if !simulator.revealed {
+        muted(
+            ui,
+            "This robot has a fault that was drawn at random. Look at it last.",
+        );
+        if ui.button("Reveal the hidden fault").clicked() {
+            state.outbox.send(RobotCommand::Reveal);
+        }
+        return;
+    }
+    let fit = document.fit().filter(|_| document.fit_is_current());
+    let model = fit.map(|fit| &fit.model);
+    for hidden in &simulator.truth.effects {
+        effect(ui, &session.robot, hidden, model);
+    }
+    let added = model.map_or(&[][..], |model| &model.effects);
+    for extra in added {
+        let real = simulator
+            .truth
+            .effects
+            .iter()
+            .any(|hidden| same(hidden, extra));
+        if !real && !session.robot.effects.contains(extra) {
+            let text = format!(
+                "In the model, but not in the robot: {}",
+                words(&session.robot, extra)
+            );
+            verdict(ui, Verdict::Doubtful, &text);
+        }
+    }
+    muted(
+        ui,
+        "Distance of the pulleys from where they really are, root mean square:",
+    );
+    let drawn = distance_m(&session.robot, &simulator.truth);
+    value(ui, "As drawn", &format!("{:.2}", drawn * 1e3), "mm");
+    if let Some(model) = model {
+        let found = distance_m(model, &simulator.truth);
+        value(ui, "As identified", &format!("{:.2}", found * 1e3), "mm");
+    } else {
+        muted(ui, "Nothing is identified from the present data.");
+    }
+}
+
+fn effect(ui: &mut Ui, robot: &Robot, hidden: &EffectSetting, model: Option<&Robot>) {
+    ui.label(format!("Hidden: {}", words(robot, hidden)));
+    let found = model.and_then(|model| model.effects.iter().find(|known| same(known, hidden)));
+    match found {
+        Some(found) => {
+            let text = format!("Found: {}", words(robot, found));
+            verdict(ui, Verdict::Good, &text);
+        }
+        None => verdict(
+            ui,
+            Verdict::Doubtful,
+            "Not found: the identified model has no such effect. Ask in phase 4 what the model gets wrong.",
+        ),
+    }
+}
+
+fn same(a: &EffectSetting, b: &EffectSetting) -> bool {
+    a.effect == b.effect && a.targets == b.targets
+}
+
+/// The cause in words, with its size.
+fn words(robot: &Robot, setting: &EffectSetting) -> String {
+    BoundEffect::from_setting(setting, robot)
+        .map_or_else(|error| error.to_string(), |bound| bound.cause(robot))
+}
+
+/// Root mean square distance of the entry points of two robots (m).
+fn distance_m(a: &Robot, b: &Robot) -> f64 {
+    let pairs = a.cables.iter().zip(&b.cables);
+    let squares: Vec<f64> = pairs
+        .map(|(a, b)| {
+            let (a, b) = (a.pulley.entry_point_m, b.pulley.entry_point_m);
+            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum()
+        })
+        .collect();
+    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,157 @@
+//! Verification with an external instrument: before, after, and what the adjustment has brought.
+
+use egui::{ProgressBar, Ui};
+use egui_material_icons::icons;
+use tautline_session::Stage;
+
+use super::figures::{Figure, figures};
+use crate::app::State;
+use crate::app::commands::robot::Export;
+use crate::app::commands::{FileCommand, RobotCommand};
+use crate::app::robot::Doing;
+use crate::app::theme::{self, GRID};
+use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+
+/// Draws buttons, progress and the table of both runs.
+pub(super) fn show(ui: &mut Ui, state: &mut State) {
+    section(ui, "Verification");
+    muted(
+        ui,
+        "The robot drives to test poses, along a circle and a line; an external instrument says where it is \
+         (ISO 9283). Measure once before writing and once after.",
+    );
+    buttons(ui, state);
+    progress(ui, state);
+    imported(ui, state);
+    let Some(document) = &state.document else {
+        return;
+    };
+    let session = document.session();
+    if session.verifications().is_empty() {
+        return;
+    }
+    let key = (document.identity(), document.revision());
+    match state
+        .screens
+        .adjustment
+        .figures
+        .get(key, || figures(session))
+    {
+        Ok(figures) => show_figures(ui, &figures.lines),
+        Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
+    }
+}
+
+fn buttons(ui: &mut Ui, state: &mut State) {
+    let ready = state.link.is_armed() && !state.link.is_busy();
+    let hint = "Connect and arm the controller first";
+    ui.horizontal_wrapped(|ui| {
+        for (text, stage) in [
+            ("Measure before", Stage::Before),
+            ("Measure after", Stage::After),
+        ] {
+            let button = icon_button(ui, icons::ICON_STRAIGHTEN, text, ready);
+            if button.on_disabled_hover_text(hint).clicked() {
+                state.outbox.send(RobotCommand::Verify(stage));
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        let import = icon_button(ui, icons::ICON_UPLOAD_FILE, "Import check.csv…", true);
+        if import.clicked() {
+            state.outbox.send(FileCommand::AskOpen);
+        }
+        let document = state.document.as_ref();
+        let runs = document.is_some_and(|d| !d.session().verifications().is_empty());
+        let export = icon_button(ui, icons::ICON_DOWNLOAD, "Export last run…", runs);
+        if export.clicked() {
+            state.outbox.send(RobotCommand::AskExport(Export::Check));
+        }
+    });
+}
+
+fn progress(ui: &mut Ui, state: &mut State) {
+    if state.link.verifying.is_none() {
+        return;
+    }
+    let (done, of) = match state.link.live().doing {
+        Doing::Verifying { done, of } => (done, of),
+        _ => (0, 1),
+    };
+    ui.add(ProgressBar::new(done as f32 / of as f32).desired_height(2.0 * GRID));
+    ui.horizontal(|ui| {
+        if done == 0 {
+            muted(ui, "On the way home.");
+        } else {
+            ui.label(format!("Target {done} of {of}"));
+        }
+        if icon_button(ui, icons::ICON_STOP, "Abort", true).clicked() {
+            state.outbox.send(RobotCommand::Stop);
+        }
+    });
+}
+
+/// An imported table becomes a run when the operator says which.
+fn imported(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let session = document.session();
+    let check = &session.phases.check;
+    let taken = session.verifications().iter().any(|run| run.rows == *check);
+    if check.is_empty() || taken {
+        return;
+    }
+    ui.label(format!(
+        "{} measurements were imported. They are of the run",
+        check.len()
+    ));
+    ui.horizontal(|ui| {
+        for (text, stage) in [
+            ("before the adjustment", Stage::Before),
+            ("after it", Stage::After),
+        ] {
+            if ui.button(text).clicked() {
+                state.outbox.send(RobotCommand::TakeCheck(stage));
+            }
+        }
+    });
+}
+
+fn show_figures(ui: &mut Ui, lines: &[Figure]) {
+    let main = lines.iter().find_map(|line| Some((line, line.gain()?)));
+    if let Some((line, gain)) = main {
+        let percent = 100.0 * gain;
+        let name = line.name.to_lowercase();
+        if gain > 0.0 {
+            let text = format!("More exact: {name} has improved by {percent:.0} %.");
+            verdict(ui, Verdict::Good, &text);
+        } else {
+            let text = format!("Not more exact: {name} is worse by {:.0} %.", -percent);
+            verdict(ui, Verdict::Bad, &text);
+        }
+    }
+    let columns = [
+        Column::words("Figure"),
+        Column::number("Before", "mm"),
+        Column::number("After", "mm"),
+        Column::number("Better by", "%"),
+    ];
+    let palette = theme::of(ui);
+    let millimetres =
+        |m: Option<f64>| Cell::new(m.map_or_else(|| "–".to_owned(), |m| format!("{:.3}", m * 1e3)));
+    let rows: Vec<Vec<Cell>> = lines
+        .iter()
+        .map(|line| {
+            let gain = line.gain();
+            let percent = gain.map_or_else(String::new, |gain| format!("{:.0}", 100.0 * gain));
+            let percent = match gain {
+                Some(gain) if gain < 0.0 => Cell::new(percent).coloured(palette.warning),
+                _ => Cell::new(percent),
+            };
+            let [before, after] = [line.before_m, line.after_m].map(millimetres);
+            vec![Cell::new(&line.name), before, after, percent]
+        })
+        .collect();
+    table(ui, &columns, &rows, None);
+}

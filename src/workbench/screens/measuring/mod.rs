@@ -1,0 +1,212 @@
+//! The panel of the phase Measuring: which poses, the controller, the run.
+
+pub mod controller;
+mod outlook;
+mod poses;
+mod readings;
+mod run;
+mod table;
+
+use egui::{DragValue, Ui};
+use egui_material_icons::icons;
+use tautline_session::PlannedPose;
+
+use crate::app::commands::robot::{Export, Outlook, PLANNING, missing};
+use crate::app::commands::{FileCommand, RobotCommand, ViewCommand};
+use crate::app::screen::{Screen, Step};
+use crate::app::theme::GRID;
+use crate::app::{Memo, State};
+use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
+
+/// What the panel remembers.
+#[derive(Debug)]
+pub struct Remembered {
+    /// Number of poses to plan.
+    poses: usize,
+    /// Standard deviation of the entry points that is good enough (mm).
+    target_mm: f64,
+    /// What to expect of the plan that was made last.
+    pub outlook: Option<Outlook>,
+    /// Rows of the table of poses, of a document and its revision.
+    rows: Memo<(u64, u64), Vec<poses::Row>>,
+    /// Planned poses that the 3D view shows, of a document and its revision.
+    shown: Option<(u64, u64)>,
+}
+
+impl Default for Remembered {
+    fn default() -> Self {
+        Self {
+            poses: 25,
+            target_mm: 1.0,
+            outlook: None,
+            rows: Memo::default(),
+            shown: None,
+        }
+    }
+}
+
+/// What is to be done next; its button is the primary one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::screens) enum Next {
+    Plan,
+    Connect,
+    Arm,
+    Start,
+    Identify,
+    Nothing,
+}
+
+/// A button that is the primary one if it is the next step.
+pub(in crate::screens) fn step_button(
+    ui: &mut Ui,
+    text: &str,
+    is_next: bool,
+    enabled: bool,
+) -> bool {
+    if is_next {
+        return primary(ui, text, enabled).clicked();
+    }
+    let button = egui::Button::new(text).min_size(egui::vec2(0.0, 28.0));
+    ui.add_enabled(enabled, button).clicked()
+}
+
+fn next(state: &State) -> Next {
+    let Some(document) = &state.document else {
+        return Next::Nothing;
+    };
+    let session = document.session();
+    if state.link.is_busy() {
+        Next::Nothing
+    } else if session.plan.is_empty() && session.measurements.is_empty() {
+        Next::Plan
+    } else if missing(session) == 0 {
+        Next::Identify
+    } else if !state.link.is_connected() {
+        Next::Connect
+    } else if !state.link.is_armed() {
+        Next::Arm
+    } else {
+        Next::Start
+    }
+}
+
+/// Draws the panel.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    heading(ui, "Measuring");
+    muted(
+        ui,
+        "The robot drives to poses that tell as much as possible about its pulleys; at each it stands still and is read.",
+    );
+    show_planned(state);
+    instruments(ui, state);
+    let next = next(state);
+    plan(ui, state, next);
+    controller::show(ui, state, next);
+    run::show(ui, state, next);
+    table::show(ui, state);
+    if next == Next::Identify {
+        ui.add_space(2.0 * GRID);
+        if primary(ui, "Go to identification", true).clicked() {
+            let screen = Screen::Phase(Step::Identification);
+            state.outbox.send(ViewCommand::Go(screen));
+        }
+    }
+}
+
+/// The 3D view shows the poses that are still to be measured.
+fn show_planned(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let key = (document.identity(), document.revision());
+    if state.screens.measuring.shown == Some(key) {
+        return;
+    }
+    state.screens.measuring.shown = Some(key);
+    let session = document.session();
+    let measured = &session.measurements.labels;
+    let planned = session.plan.iter();
+    state.views.robot_3d.planned = planned
+        .filter(|pose| !measured.contains(&pose.label))
+        .map(PlannedPose::pose)
+        .collect();
+    // What is expected is of the plan that was made; another plan has other poses.
+    let is_of = |outlook: &Outlook| outlook.poses.iter().all(|p| session.plan.contains(p));
+    if !state.screens.measuring.outlook.as_ref().is_some_and(is_of) {
+        state.screens.measuring.outlook = None;
+    }
+}
+
+/// Says what the robot lacks for measuring.
+fn instruments(ui: &mut Ui, state: &State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let robot = &document.session().robot;
+    if robot.laser.is_none() {
+        verdict(
+            ui,
+            Verdict::Doubtful,
+            "This robot has no laser. Without its distance little is known about the height of the platform and \
+             about the size of the frame. Mount one and add it to the description of the robot, or expect large \
+             standard deviations.",
+        );
+    }
+    if !robot.has_force_sensors() {
+        verdict(
+            ui,
+            Verdict::Doubtful,
+            "This robot has no force sensors: elongation and sag of the cables are not corrected.",
+        );
+    }
+    if robot.home.is_none() {
+        verdict(
+            ui,
+            Verdict::Bad,
+            "This robot has no home pose, so that revolutions cannot be counted. Measure its home platform first.",
+        );
+    }
+}
+
+fn plan(ui: &mut Ui, state: &mut State, next: Next) {
+    section(ui, "Poses to measure");
+    let planning = state.tasks.runs(PLANNING);
+    let free = !planning && !state.link.is_busy();
+    ui.horizontal(|ui| {
+        let label = ui.label("Number");
+        let poses = DragValue::new(&mut state.screens.measuring.poses).range(1..=500);
+        ui.add(poses).labelled_by(label.id);
+        if step_button(ui, "Plan poses", next == Next::Plan, free) {
+            let poses = state.screens.measuring.poses;
+            state.outbox.send(RobotCommand::Plan(poses));
+        }
+        if planning {
+            if ui.button("Cancel").clicked() {
+                state.tasks.cancel(PLANNING);
+            }
+            ui.spinner();
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import plan…", free).clicked() {
+            state.outbox.send(FileCommand::AskOpen);
+        }
+        let planned = state
+            .document
+            .as_ref()
+            .is_some_and(|d| !d.session().plan.is_empty());
+        if icon_button(ui, icons::ICON_DOWNLOAD, "Export plan…", planned).clicked() {
+            state.outbox.send(RobotCommand::AskExport(Export::Plan));
+        }
+        let connected = state.link.is_connected() && free;
+        let add = icon_button(ui, icons::ICON_ADD_LOCATION, "Add current pose", connected);
+        let add = add.on_hover_text("Adds the pose that the controller was commanded to last");
+        if add
+            .on_disabled_hover_text("Connect the controller first; a run must not be under way")
+            .clicked()
+        {
+            state.outbox.send(RobotCommand::AddCurrent);
+        }
+    });
+    outlook::show(ui, state);
+}

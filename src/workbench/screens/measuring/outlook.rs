@@ -1,0 +1,129 @@
+//! What to expect of the planned poses.
+
+use egui::{CollapsingHeader, DragValue, Ui};
+use tautline_core::planning::Indices;
+
+use super::Remembered;
+use crate::app::State;
+use crate::app::commands::robot::Outlook;
+use crate::widgets::{Verdict, muted, value, verdict};
+
+/// Draws what is expected, and whether enough is measured.
+pub(super) fn show(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let session = document.session();
+    let remembered = &mut state.screens.measuring;
+    if session.plan.is_empty() {
+        if session.measurements.is_empty() {
+            muted(
+                ui,
+                "No poses are planned yet. A plan says beforehand how exactly the pulleys will be known.",
+            );
+        }
+        return;
+    }
+    let Some(outlook) = &remembered.outlook else {
+        muted(
+            ui,
+            "How exactly the pulleys will be known is computed with a plan that is made here.",
+        );
+        return;
+    };
+    let measured = &session.measurements.labels;
+    let poses = outlook.poses.iter().filter(|pose| pose.label != 0);
+    let done = poses
+        .filter(|pose| measured.contains(&pose.label) && !session.excluded().contains(&pose.label))
+        .count();
+    let words = words(outlook);
+    let kind = match outlook.expected.mean_m {
+        Some(sd_m) if sd_m * 1e3 <= remembered.target_mm => Verdict::Good,
+        Some(_) => Verdict::Neutral,
+        None => Verdict::Doubtful,
+    };
+    verdict(ui, kind, &words);
+    target(ui, &mut remembered.target_mm);
+    enough(ui, remembered, done);
+    if let Some(outlook) = &remembered.outlook {
+        CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
+    }
+}
+
+fn words(outlook: &Outlook) -> String {
+    let Some(sd_m) = outlook.expected.mean_m else {
+        return "These poses leave some coordinates of the pulleys open: plan more poses.".into();
+    };
+    let random = outlook.random.mean_m.map_or_else(String::new, |random_m| {
+        format!(", {:.1} times better than poses at random", random_m / sd_m)
+    });
+    format!(
+        "The pulleys will be known to {:.2} mm (standard deviation){random}.",
+        sd_m * 1e3
+    )
+}
+
+fn target(ui: &mut Ui, target_mm: &mut f64) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Good enough at");
+        let field = DragValue::new(target_mm)
+            .range(0.01..=100.0)
+            .speed(0.05)
+            .max_decimals(2)
+            .suffix(" mm");
+        ui.add(field).labelled_by(label.id);
+    });
+}
+
+/// Once the target is reached one may stop.
+fn enough(ui: &mut Ui, remembered: &Remembered, done: usize) {
+    let Some(outlook) = &remembered.outlook else {
+        return;
+    };
+    let sd_m = outlook.after_m.get(done).copied().flatten();
+    let all = outlook.after_m.len().saturating_sub(1);
+    if let Some(sd_mm) = sd_m
+        .map(|sd_m| sd_m * 1e3)
+        .filter(|_| done > 0 && done < all)
+    {
+        if sd_mm <= remembered.target_mm {
+            let text = format!(
+                "Good enough: after {done} poses the pulleys are known to {sd_mm:.2} mm. One may stop here."
+            );
+            verdict(ui, Verdict::Good, &text);
+        } else {
+            muted(ui, &format!("After {done} of {all} poses: {sd_mm:.2} mm."));
+        }
+    }
+}
+
+fn details(ui: &mut Ui, outlook: &Outlook) {
+    value(
+        ui,
+        "Length of the way",
+        &format!("{:.1}", outlook.way_m),
+        "m",
+    );
+    muted(ui, "Of these poses, and of as many at random:");
+    let metres = |of: fn(&Indices) -> Option<f64>| {
+        [of(&outlook.expected), of(&outlook.random)]
+            .map(|value_m| value_m.map_or_else(|| "open".to_owned(), |v| format!("{:.2}", v * 1e3)))
+    };
+    let [mean, mean_random] = metres(|indices| indices.mean_m);
+    value(
+        ui,
+        "A: mean of the coordinates",
+        &format!("{mean} / {mean_random}"),
+        "mm",
+    );
+    let [worst, worst_random] = metres(|indices| indices.worst_m);
+    value(
+        ui,
+        "E: along the worst direction",
+        &format!("{worst} / {worst_random}"),
+        "mm",
+    );
+    let det = |indices: &Indices| format!("{:.1}", indices.log_det);
+    let numbers = format!("{} / {}", det(&outlook.expected), det(&outlook.random));
+    value(ui, "D: logarithm of the information", &numbers, "");
+}

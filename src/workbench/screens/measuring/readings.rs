@@ -1,0 +1,126 @@
+//! Readings as they come, and what still moves.
+
+use egui::{Align, Layout, Sense, Ui, Vec2};
+use tautline_link::measuring::Rates;
+
+use crate::app::commands::{RobotCommand, ViewCommand};
+use crate::app::theme::{self, GRID};
+use crate::app::{Selection, State};
+use crate::widgets::{Cell, Column, muted, table};
+
+/// A cable by colour and number.
+pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = GRID;
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
+        let colour = theme::of(ui).cable(index);
+        ui.painter()
+            .circle_filled(rect.center(), 1.125 * GRID, colour);
+        ui.label((index + 1).to_string()).on_hover_text(name);
+    });
+}
+
+/// Columns of the live readings.
+const COLUMNS: [Column<'static>; 3] = [
+    Column::words("Cable"),
+    Column::number("Revolutions", "since home"),
+    Column::number("Force reading", "N"),
+];
+
+/// Draws the live readings.
+pub(super) fn show(ui: &mut Ui, state: &mut State) {
+    if !state.link.is_connected() {
+        return;
+    }
+    let mut watches = state.link.watches;
+    if !state.link.is_measuring() && ui.checkbox(&mut watches, "Show live readings").changed() {
+        state.outbox.send(RobotCommand::Watch(watches));
+    }
+    if !watches && !state.link.is_measuring() {
+        return;
+    }
+    let Some(sample) = state.link.live().sample else {
+        muted(ui, "No readings yet.");
+        return;
+    };
+    let palette = theme::of(ui);
+    let cables = sample.revolutions.iter().enumerate();
+    let rows: Vec<Vec<Cell>> = cables
+        .map(|(index, revolutions)| {
+            let force = sample.force_n.get(index);
+            vec![
+                Cell::new((index + 1).to_string()).with_dot(palette.cable(index)),
+                Cell::new(format!("{revolutions:.4}")),
+                Cell::new(force.map_or_else(String::new, |force| format!("{force:.1}"))),
+            ]
+        })
+        .collect();
+    let selected = state.selection.cable;
+    if let Some(cable) = table(ui, &COLUMNS, &rows, selected).clicked {
+        let selection = Selection {
+            cable: Some(cable),
+            ..state.selection
+        };
+        state.outbox.send(ViewCommand::Select(selection));
+    }
+    ui.horizontal(|ui| {
+        muted(ui, "Laser");
+        match sample.laser_m {
+            Some(laser_m) => {
+                ui.label(format!("{:.2}", laser_m * 1e3));
+                muted(ui, "mm");
+            }
+            None => {
+                ui.colored_label(theme::of(ui).warning, "no distance");
+            }
+        }
+    });
+}
+
+/// What still moves, against its limit.
+pub(super) fn settling(ui: &mut Ui, place: &str, rates: Option<Rates>, limits: Rates) {
+    muted(ui, &format!("At {place}, until it stands still."));
+    let Some(rates) = rates else {
+        return;
+    };
+    let channels = [
+        (
+            "Lengths",
+            rates.length_m_per_s * 1e3,
+            limits.length_m_per_s * 1e3,
+            "mm/s",
+        ),
+        (
+            "Tensions",
+            rates.tension_n_per_s,
+            limits.tension_n_per_s,
+            "N/s",
+        ),
+        (
+            "Laser",
+            rates.laser_m_per_s * 1e3,
+            limits.laser_m_per_s * 1e3,
+            "mm/s",
+        ),
+    ];
+    for (name, rate, limit, unit) in channels {
+        if limit <= 0.0 {
+            continue;
+        }
+        let still = rate <= limit;
+        ui.horizontal(|ui| {
+            ui.label(name);
+            let palette = theme::of(ui);
+            let (words, colour) = if still {
+                ("still", palette.good)
+            } else {
+                ("moving", palette.warning)
+            };
+            ui.colored_label(colour, words);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                muted(ui, &format!("of {limit:.2} {unit}"));
+                ui.label(format!("{rate:.2}"));
+            });
+        });
+    }
+}

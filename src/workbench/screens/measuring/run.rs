@@ -1,0 +1,244 @@
+//! The measuring run: its buttons, how far it is, what did not look right.
+
+use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
+use egui_material_icons::icons;
+
+use super::{Next, readings, step_button};
+use crate::app::State;
+use crate::app::commands::RobotCommand;
+use crate::app::commands::robot::{missing, sentence};
+use crate::app::robot::{Doing, RunLog};
+use crate::app::theme::{self, GRID};
+use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use crate::wording::count;
+
+/// Poses whose difference from the prediction is listed.
+const LISTED: usize = 4;
+
+/// Draws the run.
+pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let session = document.session();
+    let missing = missing(session);
+    let begun = !session.measurements.is_empty();
+    if session.plan.is_empty() && state.link.run.is_none() && !state.link.is_connected() {
+        return;
+    }
+    section(ui, "Measuring run");
+    if state.link.is_measuring() {
+        buttons(ui, state);
+        progress(ui, state);
+    } else {
+        let ready = state.link.is_armed() && missing > 0 && !state.link.is_busy();
+        let text = if begun {
+            "Continue measuring"
+        } else {
+            "Start measuring"
+        };
+        if missing > 0 {
+            if step_button(ui, text, next == Next::Start, ready) {
+                state.outbox.send(RobotCommand::Start);
+            }
+            if !state.link.is_armed() {
+                muted(ui, "Connect and arm the controller first.");
+            } else if begun {
+                muted(
+                    ui,
+                    &format!("{missing} of the planned poses are not measured yet."),
+                );
+            }
+        } else if begun {
+            verdict(ui, Verdict::Good, "All planned poses are measured.");
+        }
+    }
+    pending(ui, state);
+    if let Some(run) = &state.link.run {
+        outcome(ui, run);
+        surprises(ui, state, run);
+        warnings(ui, run);
+    }
+    readings::show(ui, state);
+}
+
+fn buttons(ui: &mut Ui, state: &mut State) {
+    let Some(run) = &state.link.run else {
+        return;
+    };
+    let (paused, current) = (run.paused.is_some(), run.current);
+    ui.horizontal_wrapped(|ui| {
+        if paused {
+            if step_button(ui, "Resume", true, state.link.is_armed()) {
+                state.outbox.send(RobotCommand::Resume);
+            }
+        } else if icon_button(ui, icons::ICON_PAUSE, "Pause", true).clicked() {
+            state.outbox.send(RobotCommand::Pause);
+        }
+        let skip = icon_button(ui, icons::ICON_SKIP_NEXT, "Skip pose", true);
+        if skip.clicked() {
+            state.outbox.send(RobotCommand::Skip);
+        }
+        let last = state.link.run.as_ref().and_then(|run| run.last_measured());
+        let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());
+        if let Some(label) = last.filter(|_| repeat.clicked()) {
+            state.outbox.send(RobotCommand::Repeat(label));
+        }
+        if icon_button(ui, icons::ICON_STOP, "Abort", true).clicked() {
+            state.outbox.send(RobotCommand::Stop);
+        }
+    });
+    if let Some(reason) = state
+        .link
+        .run
+        .as_ref()
+        .and_then(|run| run.paused.as_deref())
+    {
+        let kind = if reason.contains("operator") {
+            Verdict::Neutral
+        } else {
+            Verdict::Doubtful
+        };
+        verdict(ui, kind, &sentence(&format!("Waiting: {reason}")));
+        if reason.contains("laser") {
+            muted(
+                ui,
+                "Free the way of the beam and clean its target, then resume: the pose is approached again. Or skip it.",
+            );
+        }
+    } else if current.is_none() {
+        muted(ui, "Starting.");
+    }
+}
+
+fn progress(ui: &mut Ui, state: &State) {
+    let Some(run) = &state.link.run else {
+        return;
+    };
+    let (done, of) = (run.done(), run.of());
+    let text = match run.remaining_s() {
+        Some(left_s) => format!(
+            "{done} of {of} poses, {} left",
+            duration(left_s / state.link.speed())
+        ),
+        None => format!("{done} of {of} poses"),
+    };
+    ui.add(ProgressBar::new(done as f32 / of.max(1) as f32).desired_height(2.0 * GRID));
+    ui.label(text);
+    let place = match run.current {
+        Some(0) => "home".to_owned(),
+        Some(label) => format!("pose {label}"),
+        None => return,
+    };
+    if run.paused.is_some() {
+        return;
+    }
+    match state.link.live().doing {
+        Doing::Nothing | Doing::Verifying { .. } => {}
+        Doing::Moving => {
+            muted(ui, &format!("On the way to {place}."));
+        }
+        Doing::Settling { rates, limits, .. } => readings::settling(ui, &place, rates, limits),
+        Doing::Sampling { taken, of } => {
+            muted(ui, &format!("Reading at {place}: sample {taken} of {of}."));
+        }
+    }
+}
+
+/// Seconds as an operator says them.
+fn duration(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else {
+        format!("{:.0} min", seconds / 60.0)
+    }
+}
+
+/// A measured pose that could not be kept on disk.
+fn pending(ui: &mut Ui, state: &mut State) {
+    let failed = state.link.pending.as_ref().filter(|pending| pending.failed);
+    let Some(pending) = failed else {
+        return;
+    };
+    let text = format!(
+        "Pose {} is measured but could not be written to disk. The run waits: make room or access, then try again.",
+        pending.pose.label
+    );
+    verdict(ui, Verdict::Bad, &text);
+    if ui.button("Try to keep it again").clicked() {
+        state.outbox.send(RobotCommand::KeepAgain);
+    }
+}
+
+fn outcome(ui: &mut Ui, run: &RunLog) {
+    if let Some(Err(why)) = &run.ended {
+        let text = format!(
+            "The run ended after {}: {} What is measured is kept; measuring can be continued.",
+            count(run.done(), "pose"),
+            sentence(why)
+        );
+        verdict(ui, Verdict::Doubtful, &text);
+    }
+}
+
+/// How far the last poses were from what was expected.
+fn surprises(ui: &mut Ui, state: &State, run: &RunLog) {
+    if run.surprises.is_empty() {
+        return;
+    }
+    muted(ui, "Measured less predicted:");
+    for surprise in run.surprises.iter().rev().take(LISTED) {
+        let lengths = surprise.lengths_m.iter().enumerate();
+        let worst = lengths
+            .filter(|(_, off)| off.is_finite())
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        ui.horizontal_wrapped(|ui| {
+            let place = match surprise.label {
+                0 => "Home".to_owned(),
+                label => format!("Pose {label}"),
+            };
+            ui.label(place);
+            if let Some((cable, off_m)) = worst {
+                muted(ui, "length");
+                ui.label(format!("{:+.1}", off_m * 1e3));
+                muted(ui, "mm on");
+                readings::cable_mark(ui, cable, name_of(state, cable));
+            }
+            if let Some(laser_m) = surprise.laser_m {
+                muted(ui, "laser");
+                ui.label(format!("{:+.1}", laser_m * 1e3));
+                muted(ui, "mm");
+            }
+        });
+    }
+}
+
+pub(super) fn name_of(state: &State, cable: usize) -> &str {
+    let document = state.document.as_ref();
+    let cable = document.and_then(|d| d.session().robot.cables.get(cable));
+    cable.map_or("", |cable| cable.name.as_str())
+}
+
+fn warnings(ui: &mut Ui, run: &RunLog) {
+    if run.warnings.is_empty() {
+        return;
+    }
+    let title = match run.warnings.len() {
+        1 => "1 warning".to_owned(),
+        count => format!("{count} warnings"),
+    };
+    let header = CollapsingHeader::new(egui::RichText::new(title).color(theme::of(ui).warning));
+    header
+        .id_salt("warnings")
+        .default_open(true)
+        .show(ui, |ui| {
+            ScrollArea::vertical()
+                .id_salt("list of warnings")
+                .max_height(30.0 * GRID)
+                .show(ui, |ui| {
+                    for text in run.warnings.iter().rev() {
+                        ui.add(egui::Label::new(text).wrap());
+                    }
+                });
+        });
+}

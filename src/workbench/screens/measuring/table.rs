@@ -1,0 +1,174 @@
+//! The table of poses and what can be done with the selected one.
+
+use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
+use egui_extras::{Column, TableBuilder};
+use egui_material_icons::icons;
+
+use super::poses::{Row, Standing, rows};
+use crate::app::commands::{RobotCommand, ViewCommand};
+use crate::app::edit::Edit;
+use crate::app::theme::{self, GRID, Palette};
+use crate::app::{Selection, State};
+use crate::widgets::{icon_button, muted, section};
+
+/// Draws the table.
+pub(super) fn show(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let session = document.session();
+    let key = (document.identity(), document.revision());
+    let rows = state.screens.measuring.rows.get(key, || rows(session));
+    if rows.is_empty() {
+        return;
+    }
+    section(ui, "Poses");
+    let run = state.link.run.as_ref();
+    let shown = Shown {
+        selected: state.selection.pose,
+        current: run.and_then(|run| run.current),
+        skipped: &|label| run.is_some_and(|run| run.skipped.contains(&label)),
+    };
+    let clicked = table(ui, rows, &shown);
+    let selected = rows
+        .iter()
+        .find(|row| Some(row.label) == state.selection.pose)
+        .copied();
+    if let Some(label) = clicked {
+        let selection = Selection {
+            pose: Some(label),
+            ..state.selection
+        };
+        state.outbox.send(ViewCommand::Select(selection));
+    }
+    match selected {
+        Some(row) => actions(ui, state, row),
+        None => {
+            muted(
+                ui,
+                "Select a pose to leave it out, to repeat it or to remove it.",
+            );
+        }
+    }
+}
+
+/// What the table shows of the moment.
+struct Shown<'a> {
+    selected: Option<i64>,
+    current: Option<i64>,
+    skipped: &'a dyn Fn(i64) -> bool,
+}
+
+fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
+    let mut clicked = None;
+    let height = 6.0 * GRID;
+    ui.spacing_mut().item_spacing.y = 0.0;
+    TableBuilder::new(ui)
+        .id_salt("poses")
+        .cell_layout(Layout::right_to_left(Align::Center))
+        .auto_shrink([false, true])
+        .max_scroll_height(64.0 * GRID)
+        .column(Column::exact(13.0 * GRID))
+        .columns(Column::exact(13.0 * GRID), 4)
+        .column(Column::remainder().at_least(20.0 * GRID).clip(true))
+        .header(height, |mut header| {
+            for head in ["Pose", "x, mm", "y, mm", "z, mm", "Turn, °", "State"] {
+                header.col(|ui| {
+                    muted(ui, head);
+                });
+            }
+        })
+        .body(|body| {
+            body.rows(height, rows.len(), |mut line| {
+                let Some(row) = rows.get(line.index()) else {
+                    return;
+                };
+                let selected = shown.selected == Some(row.label);
+                line.set_selected(selected);
+                line.col(|ui| {
+                    if name(ui, row.label, selected) {
+                        clicked = Some(row.label);
+                    }
+                });
+                for k in 0..3 {
+                    line.col(|ui| {
+                        let at = row.position_mm.map(|position| position[k]);
+                        ui.label(at.map_or_else(String::new, |mm| format!("{mm:.1}")));
+                    });
+                }
+                line.col(|ui| {
+                    let turn = row.rotation_deg;
+                    ui.label(turn.map_or_else(String::new, |deg| format!("{deg:.1}")));
+                });
+                line.col(|ui| {
+                    let (words, colour) = words(row, shown, theme::of(ui));
+                    ui.label(RichText::new(words).color(colour));
+                });
+            });
+        });
+    clicked
+}
+
+/// The label of a pose, to be pressed.
+fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
+    let text = if label == 0 {
+        "Home".to_owned()
+    } else {
+        label.to_string()
+    };
+    let name = if label == 0 {
+        "Home pose".to_owned()
+    } else {
+        format!("Pose {label}")
+    };
+    let response = ui.add(egui::Button::selectable(selected, text));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, selected, &name));
+    response.clicked()
+}
+
+fn words(row: &Row, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui::Color32) {
+    if shown.current == Some(row.label) {
+        return ("under way", palette.accent);
+    }
+    match row.standing {
+        Standing::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
+        Standing::Planned => ("planned", palette.muted),
+        Standing::Measured => ("measured", palette.good),
+        Standing::Repeat => ("added", palette.good),
+        Standing::Excluded => ("left out", palette.warning),
+    }
+}
+
+fn actions(ui: &mut Ui, state: &mut State, row: Row) {
+    let label = row.label;
+    ui.add_space(GRID);
+    ui.horizontal_wrapped(|ui| match row.standing {
+        Standing::Planned => {
+            let free = !state.link.is_measuring();
+            let remove = icon_button(ui, icons::ICON_DELETE, "Remove from plan", free);
+            if remove.clicked() {
+                state.outbox.send(RobotCommand::RemovePlanned(label));
+            }
+        }
+        Standing::Excluded => {
+            if icon_button(ui, icons::ICON_VISIBILITY, "Take back in", true).clicked() {
+                state.outbox.send(Edit::Include(label));
+            }
+        }
+        Standing::Measured | Standing::Repeat if label == 0 => {
+            muted(ui, "The home pose stays: all revolutions count from it.");
+        }
+        Standing::Measured | Standing::Repeat => {
+            let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Leave out", true);
+            if out.clicked() {
+                state.outbox.send(Edit::Exclude(label));
+            }
+            let ready = state.link.is_armed();
+            let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat pose", ready);
+            let repeat = repeat.on_disabled_hover_text("Connect and arm the controller first");
+            if repeat.clicked() {
+                state.outbox.send(RobotCommand::Repeat(label));
+            }
+        }
+    });
+}

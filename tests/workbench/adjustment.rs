@@ -1,0 +1,122 @@
+//! The phase Adjustment on a simulated robot.
+
+use egui_kittest::kittest::Queryable;
+use tautline_core::accuracy::iso9283::{Target, pose_accuracy};
+use tautline_core::geometry::Pose;
+use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
+use tautline_workbench::app::commands::robot::Export;
+use tautline_workbench::app::commands::{ModelCommand, RobotCommand};
+use tautline_workbench::app::screen::Step;
+
+use crate::demo::Bench;
+
+/// Mean distance from the commanded poses (m), by its definition.
+fn mean_error_m(run: &Verification) -> f64 {
+    let pose = |pose: &CheckPose| {
+        Pose::from_parts(
+            pose.position_m,
+            pose.orientation_wxyz.expect("it is measured"),
+        )
+    };
+    let poses = run.rows.iter().filter(|row| row.kind == CheckKind::Pose);
+    let mut targets: Vec<(String, Target)> = Vec::new();
+    for row in poses {
+        let attained = pose(&row.attained);
+        match targets.iter_mut().find(|(name, _)| *name == row.target) {
+            Some((_, target)) => target.attained.push(attained),
+            None => targets.push((
+                row.target.clone(),
+                Target {
+                    commanded: pose(&row.commanded),
+                    attained: vec![attained],
+                },
+            )),
+        }
+    }
+    let targets: Vec<Target> = targets.into_iter().map(|(_, target)| target).collect();
+    pose_accuracy(&targets).expect("figures").mean_accuracy_m
+}
+
+fn verify(bench: &mut Bench, button: &str, runs: usize) {
+    bench.press(button);
+    bench.wait("a verification", |state| {
+        let document = state.document.as_ref().expect("a session");
+        document.session().verifications().len() == runs
+    });
+}
+
+#[test]
+fn identified_values_are_written_and_make_the_robot_more_exact() {
+    let mut bench = Bench::demo(3);
+    bench.go(Step::Adjustment);
+    bench
+        .harness
+        .get_by_label_contains("no poses are measured yet");
+    bench.press("Go to measuring");
+    assert_eq!(bench.measure(25), 26);
+    bench.go(Step::Adjustment);
+    bench.harness.get_by_label_contains("not identified yet");
+    verify(&mut bench, "Measure before", 1);
+    bench.give(ModelCommand::Identify);
+    bench.settle("an identification");
+    bench.wait("the table", |_| true);
+    bench.press("Write to the controller");
+    bench.wait("the values", |state| !state.link.writing);
+    let written = bench
+        .session()
+        .adjustments()
+        .last()
+        .expect("a record")
+        .clone();
+    assert_eq!(written.outcome, Outcome::Written);
+    assert!(written.changes.len() >= 24, "{}", written.changes.len());
+    let held = &bench.state().link.parameters;
+    for change in &written.changes {
+        let now = held
+            .iter()
+            .find(|p| p.name == change.name)
+            .expect("it is there");
+        assert!((now.value - change.after).abs() < 1e-9, "{}", change.name);
+    }
+    bench
+        .harness
+        .get_by_label_contains("The controller holds the identified values");
+    let document = bench.state().document.as_ref().expect("a session");
+    assert!(document.fit_is_current(), "writing changes no data");
+    verify(&mut bench, "Measure after", 2);
+    let runs = bench.session().verifications();
+    assert_eq!(
+        (runs[0].stage, runs[1].stage),
+        (Stage::Before, Stage::After)
+    );
+    let [before, after] = [mean_error_m(&runs[0]), mean_error_m(&runs[1])];
+    assert!(after < 0.7 * before, "{before} m before, {after} m after");
+    bench
+        .harness
+        .get_by_label_contains("More exact: pose accuracy, mean");
+
+    for (export, name) in [
+        (Export::Differences, "a.csv"),
+        (Export::StructuredText, "a.st"),
+    ] {
+        let path = bench.folder.path().join(name);
+        bench.give(RobotCommand::Export(export, path.clone()));
+        bench.settle("a file");
+        let text = std::fs::read_to_string(path).expect("written");
+        assert!(text.contains("entry_point"), "{text}");
+    }
+    bench.press("Reveal the hidden fault");
+    bench.harness.get_by_label_contains("Hidden: ");
+    bench.press("Roll back");
+    bench.wait("the old values", |state| !state.link.writing);
+    let last = bench.session().adjustments().last().expect("a record");
+    assert_eq!(last.outcome, Outcome::RolledBack);
+    let held = &bench.state().link.parameters;
+    for change in &written.changes {
+        let now = held
+            .iter()
+            .find(|p| p.name == change.name)
+            .expect("it is there");
+        assert!((now.value - change.before).abs() < 1e-9, "{}", change.name);
+    }
+}

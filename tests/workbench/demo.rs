@@ -1,0 +1,121 @@
+//! The demonstration on a simulated robot whose time runs fast, and how tests drive it.
+
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tautline_session::{Folders, Session};
+use tautline_workbench::app::command::Command;
+use tautline_workbench::app::commands::{FileCommand, RobotCommand, ViewCommand};
+use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::app::{App, Options, State};
+
+/// A workbench with files in a folder that lives as long as this.
+pub struct Bench {
+    pub harness: Harness<'static, App>,
+    pub folder: tempfile::TempDir,
+}
+
+impl Bench {
+    /// With the demonstration of a seed.
+    pub fn demo(seed: u64) -> Self {
+        let mut bench = Self::new(Some(seed));
+        bench.give(FileCommand::TryDemo);
+        bench.wait("the demonstration", |state| state.document.is_some());
+        bench
+    }
+
+    /// With a session file.
+    pub fn of_session(session: &Session) -> Self {
+        let mut bench = Self::new(None);
+        let path = bench.folder.path().join("session.json");
+        tautline_session::write_session(&path, session).expect("written");
+        bench.give(FileCommand::Open(path));
+        bench.wait("the session", |state| state.document.is_some());
+        bench
+    }
+
+    fn new(demo_seed: Option<u64>) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let options = Options {
+            folders: Some(Folders::below(&folder.path().join("user"))),
+            demo_seed,
+            robot_speed: Some(60.0),
+            ..Options::default()
+        };
+        let harness = Harness::builder()
+            .with_size(egui::vec2(1280.0, 2400.0))
+            .with_max_steps(60)
+            .build_eframe(|creation| App::new(creation, options));
+        Self { harness, folder }
+    }
+
+    pub fn state(&self) -> &State {
+        &self.harness.state().state
+    }
+
+    /// The open session.
+    pub fn session(&self) -> &Session {
+        let document = self.state().document.as_ref();
+        document.expect("a session").session()
+    }
+
+    /// Gives a command.
+    pub fn give(&mut self, command: impl Into<Command>) {
+        self.harness.state_mut().state.outbox.send(command);
+        self.harness.step();
+    }
+
+    /// Goes to a phase.
+    pub fn go(&mut self, step: Step) {
+        self.give(ViewCommand::Go(Screen::Phase(step)));
+        self.harness.step();
+    }
+
+    /// Presses what has this name.
+    pub fn press(&mut self, name: &str) {
+        self.harness.step();
+        self.harness.get_by_label(name).click_accesskit();
+        self.harness.step();
+        self.harness.step();
+    }
+
+    /// Lets the workbench run until its state is as wanted.
+    pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
+        let start = Instant::now();
+        while !reached(self.state()) {
+            assert!(
+                start.elapsed() < Duration::from_secs(120),
+                "{what} does not come; the last message is {:?}",
+                self.state().messages.last()
+            );
+            std::thread::sleep(Duration::from_millis(5));
+            self.harness.step();
+        }
+        self.harness.step();
+    }
+
+    /// Lets the workbench run until no task is running.
+    pub fn settle(&mut self, what: &str) {
+        self.wait(what, |state| state.tasks.running().is_empty());
+    }
+
+    /// Connects and arms by the buttons.
+    pub fn connect_and_arm(&mut self) {
+        self.press("Connect the simulated robot");
+        self.wait("a connection", |state| state.link.is_connected());
+        self.press("Arm");
+        self.wait("arming", |state| state.link.is_armed());
+    }
+
+    /// Plans, measures all poses and gives the number measured.
+    pub fn measure(&mut self, poses: usize) -> usize {
+        self.go(Step::Measuring);
+        self.give(RobotCommand::Plan(poses));
+        self.settle("a plan");
+        self.connect_and_arm();
+        self.press("Start measuring");
+        self.wait("all poses", |state| !state.link.is_measuring());
+        self.session().measurements.len()
+    }
+}

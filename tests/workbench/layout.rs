@@ -1,0 +1,135 @@
+//! Nothing is clipped and nothing overlaps: every screen, dark and light, in small and large windows, at 100 and 200 %.
+
+use egui::{Rect, Role, ThemePreference, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::NodeT;
+use tautline_workbench::app::App;
+use tautline_workbench::app::commands::{ModelCommand, ViewCommand};
+use tautline_workbench::app::screen::{Screen, Step};
+
+use crate::measured::Measured;
+use crate::support::settle;
+
+/// Sizes of the window in pixels.
+const SIZES: [Vec2; 2] = [vec2(1280.0, 800.0), vec2(1920.0, 1080.0)];
+/// Edges may touch and lines of text may reach into each other's spacing by this much (points).
+const TOUCH: f32 = 2.5;
+
+/// Something that is seen, with its name.
+struct Seen {
+    role: Role,
+    name: String,
+    rect: Rect,
+}
+
+fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
+    let nodes = harness.root().children_recursive();
+    let nodes = nodes.filter(|node| is_part(node.accesskit_node().role()));
+    nodes
+        .map(|node| {
+            let inner = node.accesskit_node();
+            let name = inner.label().or(inner.value()).unwrap_or_default();
+            Seen {
+                role: inner.role(),
+                name,
+                rect: node.rect(),
+            }
+        })
+        .collect()
+}
+
+fn is_part(role: Role) -> bool {
+    use Role::{Button, CheckBox, ComboBox, Label, RadioButton, Slider, Tab, TextInput};
+    matches!(
+        role,
+        Button | CheckBox | ComboBox | Label | RadioButton | Slider | Tab | TextInput
+    )
+}
+
+/// What is wrong with what is seen between the bars at the top and at the bottom.
+fn faults(harness: &Harness<'_, App>) -> Vec<String> {
+    let window = harness.ctx.content_rect();
+    let all = seen(harness);
+    let mut faults = Vec::new();
+    for part in &all {
+        if part.rect.min.x < window.min.x - 0.5 || part.rect.max.x > window.max.x + 0.5 {
+            faults.push(format!(
+                "{:?} \"{}\" leaves the window: {:?}",
+                part.role, part.name, part.rect
+            ));
+        }
+    }
+    // What a panel has scrolled away lies behind the bars; it is not seen.
+    let between = window
+        .with_min_y(window.min.y + 36.0)
+        .with_max_y(window.max.y - 40.0);
+    let inside: Vec<&Seen> = all
+        .iter()
+        .filter(|part| between.contains_rect(part.rect))
+        .collect();
+    for (k, a) in inside.iter().enumerate() {
+        for b in &inside[k + 1..] {
+            let common = a.rect.intersect(b.rect);
+            let overlap = common.width() > TOUCH && common.height() > TOUCH;
+            let nested = a.rect.expand(TOUCH).contains_rect(b.rect)
+                || b.rect.expand(TOUCH).contains_rect(a.rect);
+            if overlap && !nested {
+                faults.push(format!(
+                    "\"{}\" {:?} overlaps \"{}\" {:?}",
+                    a.name, a.rect, b.name, b.rect
+                ));
+            }
+        }
+    }
+    faults
+}
+
+/// Looks at the present screen in both themes, all sizes and scales.
+fn check(harness: &mut Harness<'_, App>, what: &str) {
+    let mut faults_of_all = Vec::new();
+    for theme in [ThemePreference::Dark, ThemePreference::Light] {
+        harness.ctx.set_theme(theme);
+        for size in SIZES {
+            for scale in [1.0, 2.0] {
+                harness.set_pixels_per_point(scale);
+                // The scale changes with the next frame, and the size with it.
+                harness.step();
+                harness.set_size(size / scale);
+                harness.run_ok();
+                let now = harness.ctx.content_rect().size() * scale;
+                assert!((now - size).length() < 1.0, "{now:?} instead of {size:?}");
+                let found = faults(harness).into_iter();
+                faults_of_all.extend(
+                    found.map(|fault| format!("{what}, {theme:?}, {size:?} at {scale}: {fault}")),
+                );
+            }
+        }
+    }
+    assert!(faults_of_all.is_empty(), "{}", faults_of_all.join("\n"));
+}
+
+#[test]
+fn the_start_screen_fits() {
+    let mut harness = crate::support::workbench();
+    settle(&mut harness);
+    check(&mut harness, "start");
+}
+
+#[test]
+fn every_phase_fits() {
+    let measured = Measured::mini(30, &[("winch_scale", "cable-3", &[("scale", 0.02)])]);
+    let mut harness = measured.opened();
+    for command in [ModelCommand::Identify, ModelCommand::Diagnose] {
+        harness.state_mut().state.outbox.send(command);
+        settle(&mut harness);
+    }
+    for step in Step::ALL {
+        harness
+            .state_mut()
+            .state
+            .outbox
+            .send(ViewCommand::Go(Screen::Phase(step)));
+        settle(&mut harness);
+        check(&mut harness, step.title());
+    }
+}

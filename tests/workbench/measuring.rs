@@ -1,0 +1,169 @@
+//! The phase Measuring on a simulated robot.
+
+use egui_kittest::kittest::Queryable;
+use tautline_core::robot::presets;
+use tautline_session::{PlannedPose, Session, Simulator, Timestamp};
+use tautline_workbench::app::commands::robot::Export;
+use tautline_workbench::app::commands::{ModelCommand, RobotCommand, ViewCommand};
+use tautline_workbench::app::screen::Step;
+use tautline_workbench::app::{Selection, State};
+
+use crate::demo::Bench;
+
+fn measured(state: &State) -> usize {
+    let document = state.document.as_ref();
+    document.map_or(0, |d| d.session().measurements.len())
+}
+
+fn paused(state: &State) -> bool {
+    let run = state.link.run.as_ref();
+    run.is_some_and(|run| run.paused.is_some())
+}
+
+#[test]
+fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
+    let mut bench = Bench::demo(3);
+    bench.go(Step::Measuring);
+    bench
+        .harness
+        .get_by_label_contains("No poses are planned yet");
+    bench.press("Plan poses");
+    bench.settle("a plan");
+    assert_eq!(bench.session().plan.len(), 26, "home and 25 poses");
+    bench
+        .harness
+        .get_by_label_contains("The pulleys will be known to");
+    bench.connect_and_arm();
+    bench.press("Start measuring");
+    bench.wait("three poses", |state| measured(state) >= 3);
+    bench.press("Pause");
+    bench.wait("a pause", paused);
+    let before = bench.session().measurements.len();
+    bench
+        .harness
+        .get_by_label_contains("Waiting: paused by the operator");
+    bench.press("Skip pose");
+    bench.wait("another pose", |state| measured(state) > before);
+    bench.press("Repeat last pose");
+    bench.wait("a repeated pose", |state| {
+        let document = state.document.as_ref().expect("a session");
+        !document.session().excluded().is_empty()
+    });
+    bench.press("Abort");
+    bench.wait("the end", |state| !state.link.is_measuring());
+    let ended = bench.session().measurements.len();
+    bench
+        .harness
+        .get_by_label_contains("What is measured is kept");
+    assert!(ended < 26, "{ended} poses");
+    bench.press("Continue measuring");
+    bench.wait("all poses", |state| !state.link.is_measuring());
+    // Home, 25 poses and the one that was repeated.
+    assert_eq!(bench.session().measurements.len(), 27);
+    assert_eq!(bench.session().excluded().len(), 1);
+    bench
+        .harness
+        .get_by_label_contains("All planned poses are measured");
+    bench.give(ModelCommand::Identify);
+    bench.settle("an identification");
+    let document = bench.state().document.as_ref().expect("a session");
+    assert!(document.fit_is_current());
+    bench.press("Go to identification");
+    assert!(
+        bench
+            .harness
+            .query_by_label("Go to identification")
+            .is_none()
+    );
+    let log = bench.session().log().iter();
+    let told: Vec<&str> = log.map(|entry| entry.text.as_str()).collect();
+    for text in ["Planned 25 poses.", "Measuring of 26 poses started."] {
+        assert!(told.contains(&text), "{told:?}");
+    }
+}
+
+#[test]
+fn plan_edits_and_exclusions_are_undone_and_measurements_are_not() {
+    let mut bench = Bench::demo(3);
+    assert_eq!(bench.measure(6), 7);
+    let select = |bench: &mut Bench, label: i64| {
+        bench.give(ViewCommand::Select(Selection::pose(label)));
+        bench.harness.step();
+    };
+    select(&mut bench, 2);
+    bench.press("Leave out");
+    assert!(bench.session().excluded().contains(&2));
+    bench.give(tautline_workbench::app::command::Command::Undo);
+    assert!(bench.session().excluded().is_empty());
+    assert_eq!(bench.session().measurements.len(), 7);
+    bench.press("Add current pose");
+    assert_eq!(bench.session().plan.len(), 8);
+    select(&mut bench, 7);
+    bench.press("Remove from plan");
+    assert_eq!(bench.session().plan.len(), 7);
+    bench.give(tautline_workbench::app::command::Command::Undo);
+    assert_eq!(bench.session().plan.len(), 8);
+    let path = bench.folder.path().join("plan.csv");
+    bench.give(RobotCommand::Export(Export::Plan, path.clone()));
+    bench.settle("a file");
+    let text = std::fs::read_to_string(path).expect("written");
+    assert_eq!(text.lines().count(), 9, "{text}");
+    // Planning again completes what is measured.
+    bench.give(RobotCommand::Plan(2));
+    bench.settle("a plan");
+    let labels: Vec<i64> = bench.session().plan.iter().map(|p| p.label).collect();
+    assert_eq!(labels, [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+}
+
+/// MINI whose beam hits nothing; with `mounted` a laser is in its description all the same.
+fn without_beam(mounted: bool) -> Session {
+    let mut robot = presets::find("mini").expect("a preset").robot;
+    let mut truth = robot.clone();
+    truth.laser = None;
+    if !mounted {
+        robot.laser = None;
+    }
+    let home = robot.home.expect("a home pose").pose();
+    let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+    session.plan = vec![PlannedPose::new(0, &home)];
+    session.simulator = Some(Simulator {
+        truth,
+        seed: 1,
+        revealed: false,
+    });
+    session
+}
+
+#[test]
+fn a_laser_without_distance_is_told_with_what_to_do() {
+    let mut bench = Bench::of_session(&without_beam(true));
+    bench.go(Step::Measuring);
+    bench.connect_and_arm();
+    bench.press("Start measuring");
+    bench.wait("a pause", paused);
+    bench
+        .harness
+        .get_by_label_contains("Free the way of the beam");
+    assert_eq!(bench.session().measurements.len(), 0);
+    bench.press("Abort");
+    bench.wait("the end", |state| !state.link.is_measuring());
+
+    let mut bench = Bench::of_session(&without_beam(false));
+    bench.go(Step::Measuring);
+    bench
+        .harness
+        .get_by_label_contains("This robot has no laser");
+}
+
+#[test]
+fn a_closed_session_takes_its_robot_along() {
+    let mut bench = Bench::demo(3);
+    bench.go(Step::Measuring);
+    bench.connect_and_arm();
+    let state = &mut bench.harness.state_mut().state;
+    state.document = None;
+    bench.wait("the end of the connection", |state| {
+        !state.link.is_connected()
+    });
+    assert!(bench.state().link.connected.is_none());
+}
