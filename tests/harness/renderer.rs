@@ -29,13 +29,7 @@ impl GlowTestRenderer {
     /// If the driver refuses.
     pub fn picture(&self, harness: &Harness<'_, App>) -> Result<RgbaImage, OffscreenError> {
         let mut painter = self.0.borrow_mut();
-<<<<<<< HEAD:tests/harness/renderer.rs
         painter.picture(&harness.ctx, harness.output())
-=======
-        painter
-            .picture(&harness.ctx, harness.output())
-            .expect("a picture")
->>>>>>> main:tests/workbench/renderer.rs
     }
 }
 
@@ -45,11 +39,7 @@ impl TestRenderer for GlowTestRenderer {
     }
 
     fn handle_delta(&mut self, delta: &mut TexturesDelta) {
-<<<<<<< HEAD:tests/harness/renderer.rs
         let taken = self.0.borrow_mut().take_textures(delta);
         taken.expect("a driver that keeps pictures");
-=======
-        self.0.borrow_mut().take_textures(delta).expect("textures");
->>>>>>> main:tests/workbench/renderer.rs
     }
 }

@@ -21,7 +21,7 @@ pub fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../screenshots"))
 }
 
-/// Session of most pictures: it has tables of the bench, and one fault that is named.
+/// A session with one fault that is named.
 const SESSION: &str = "mini-winch-scale/session.json";
 
 /// Takes all pictures.
@@ -34,7 +34,7 @@ pub fn write_all(into: &Path) -> Result<()> {
     // The start screen looks for the sample sessions where the program was started.
     std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     phases(&into)?;
-    other_robots(&into)?;
+    causes(&into)?;
     small_and_light(&into)?;
     tour::write(&into.join("tour.png"))
 }
@@ -42,26 +42,40 @@ pub fn write_all(into: &Path) -> Result<()> {
 fn phases(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     files::write_still(&into.join("start.png"), &stage.picture()?)?;
+    open(&mut stage, "clean-mini/session.json");
+    phase(&mut stage, Step::Precalibration);
+    stage.give(ViewCommand::Select(Selection::cable(5)));
+    files::write_still(&into.join("phase-1.png"), &stage.picture()?)?;
+    phase(&mut stage, Step::Modeling);
+    files::write_still(&into.join("phase-2.png"), &stage.picture()?)?;
+    phase(&mut stage, Step::Measuring);
+    stage.give(ViewCommand::Select(Selection::pose(17)));
+    files::write_still(&into.join("phase-3.png"), &stage.picture()?)?;
+    stage.connect_and_arm()?;
+    phase(&mut stage, Step::Adjustment);
+    files::write_still(&into.join("phase-5.png"), &stage.picture()?)
+}
+
+fn phase(stage: &mut Stage, step: Step) {
+    stage.give(ViewCommand::Go(Screen::Phase(step)));
+}
+
+/// Sessions with something wrong, in the phase that finds it.
+fn causes(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
     open(&mut stage, SESSION);
     stage.give(ViewCommand::Select(Selection {
         cable: Some(2),
         pose: Some(17),
     }));
-    for step in Step::ALL {
-        stage.give(ViewCommand::Go(Screen::Phase(step)));
-        let name = format!("phase-{}.png", step.number());
-        files::write_still(&into.join(name), &stage.picture()?)?;
-    }
-    stage.give(ViewCommand::Go(Screen::Phase(Step::Identification)));
+    files::write_still(&into.join("phase-4.png"), &stage.picture()?)?;
     stage.press("Model doctor");
-    files::write_still(&into.join("doctor.png"), &stage.picture()?)
-}
-
-fn other_robots(into: &Path) -> Result<()> {
-    let mut stage = Stage::new(LARGE)?;
+    stage.show("Add to model: ");
+    files::write_still(&into.join("doctor.png"), &stage.picture()?)?;
     open(&mut stage, "hall-creep-and-slip/session.json");
     stage.press("Model doctor");
     stage.give(ViewCommand::Select(Selection::cable(5)));
+    stage.show("These data cannot tell the causes below apart");
     files::write_still(&into.join("doctor-hall.png"), &stage.picture()?)?;
     open(&mut stage, "suspended-sag/session.json");
     stage.give(ViewCommand::Select(Selection::pose(11)));

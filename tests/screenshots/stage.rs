@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use image::RgbImage;
 use tautline_session::Folders;
 use tautline_workbench::app::command::Command;
@@ -16,7 +17,7 @@ pub const LARGE: [f32; 2] = [1440.0, 900.0];
 /// Size of a small notebook's window.
 pub const SMALL: [f32; 2] = [1280.0, 800.0];
 /// Seed of the demonstration: always the same fault.
-const DEMO_SEED: u64 = 5;
+const DEMO_SEED: u64 = 3;
 /// How much faster than real the simulated robot moves.
 const ROBOT_SPEED: f64 = 60.0;
 
@@ -59,6 +60,29 @@ impl Stage {
     /// Presses what has this name and waits until all is done.
     pub fn press(&mut self, name: &str) {
         press(&mut self.harness, name);
+    }
+
+    /// Presses the first that has a name beginning like this, and waits until all is done.
+    pub fn press_first(&mut self, beginning: &str) {
+        let found = self.harness.get_all_by_label_contains(beginning).next();
+        found.expect("one at least").click_accesskit();
+        self.harness.step();
+        settle(&mut self.harness);
+    }
+
+    /// Scrolls to the first that has a name beginning like this.
+    pub fn show(&mut self, beginning: &str) {
+        let found = self.harness.get_all_by_label_contains(beginning).next();
+        found.expect("one at least").scroll_to_me();
+        settle(&mut self.harness);
+    }
+
+    /// Connects and arms the simulated robot.
+    pub fn connect_and_arm(&mut self) -> Result<()> {
+        self.press("Connect the simulated robot");
+        self.wait("a connection", |state| state.link.is_connected())?;
+        self.press("Arm");
+        self.wait("arming", |state| state.link.is_armed())
     }
 
     /// Lets the workbench run until its state is as wanted.

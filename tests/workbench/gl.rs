@@ -7,12 +7,8 @@ use image::RgbaImage;
 use tautline_core::geometry::Vec3;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
-<<<<<<< HEAD
 use tautline_validation::harness::GlowTestRenderer;
-use tautline_workbench::app::{self, App, theme};
-=======
 use tautline_workbench::app::{App, theme};
->>>>>>> main
 use tautline_workbench::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
