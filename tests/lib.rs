@@ -2,7 +2,10 @@
 
 pub mod bad_input_cases;
 pub mod hangprinter;
+pub mod harness;
 pub mod hidden;
 pub mod nist;
+pub mod screenshots;
+pub mod sessions;
 pub mod table1;
 pub mod truth;

@@ -1,4 +1,5 @@
-//! Validation tables: each on its own, or all of them into docs/VALIDATION.md.
+//! Validation tables: each on its own, or all of them into docs/VALIDATION.md. Also the sample sessions
+//! and the screenshots.
 
 mod hidden;
 
@@ -6,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use tautline_validation::{hangprinter, nist, table1, truth};
+use tautline_validation::{hangprinter, nist, screenshots, sessions, table1, truth};
 
 /// Presets of the truth study.
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
@@ -23,8 +24,13 @@ fn main() -> Result<()> {
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("hidden") => hidden::command(&arguments[1..])?,
         Some("write") => write(argument)?,
+        Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
+        Some("screenshots") => {
+            screenshots::write_all(argument.map_or(screenshots::folder(), Path::new))?;
+        }
         _ => bail!(
-            "what to validate: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, write [FOLDER]"
+            "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, write [FOLDER], \
+             sessions [FOLDER], screenshots [FOLDER]"
         ),
     }
     Ok(())

@@ -7,6 +7,7 @@ use image::RgbaImage;
 use tautline_core::geometry::Vec3;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
+use tautline_validation::harness::GlowTestRenderer;
 use tautline_workbench::app::{App, theme};
 use tautline_workbench::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
@@ -14,7 +15,6 @@ use tautline_workbench::views::robot_3d::drawing::Options;
 use tautline_workbench::views::robot_3d::picking::{Picture, Thing};
 use tautline_workbench::views::robot_3d::scene::{CableView, Scene, Subject};
 
-use crate::renderer::GlowTestRenderer;
 use crate::robot_3d::{in_window, open, session_of};
 use crate::support::options;
 
@@ -181,22 +181,22 @@ fn draws(harness: &Harness<'_, App>) -> u64 {
 
 #[test]
 fn the_robot_is_drawn_again_only_when_something_changed() {
-    let renderer = GlowTestRenderer::new();
+    let renderer = GlowTestRenderer::new().unwrap();
     let mut harness = harness(&renderer, 1.0);
     open(&mut harness, session_of("mini", 4), true);
-    let first = renderer.picture(&harness);
+    let first = renderer.picture(&harness).unwrap();
     assert_eq!(draws(&harness), 1);
     let at = in_window(&harness, &Vec3::zeros());
     for step in 0..5 {
         harness.hover_at(at + vec2(step as f32, 0.0));
         harness.run_ok();
-        renderer.picture(&harness);
+        renderer.picture(&harness).unwrap();
     }
     assert_eq!(draws(&harness), 1, "the pointer alone changes nothing");
     harness.hover_at(at - vec2(0.0, 400.0));
     harness.run_ok();
     assert!(
-        renderer.picture(&harness) == first,
+        renderer.picture(&harness).unwrap() == first,
         "the copy is the picture"
     );
     harness.drag_at(at + vec2(150.0, 60.0));
@@ -205,7 +205,7 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
     harness.run_ok();
     harness.drop_at(at + vec2(200.0, 60.0));
     harness.run_ok();
-    renderer.picture(&harness);
+    renderer.picture(&harness).unwrap();
     let turned = draws(&harness);
     assert!(turned > 1, "it was turned");
     harness
@@ -214,7 +214,7 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
         .context
         .set_theme(ThemePreference::Light);
     harness.run_ok();
-    let light = renderer.picture(&harness);
+    let light = renderer.picture(&harness).unwrap();
     assert_eq!(draws(&harness), turned + 1, "another theme");
     let rect = harness.get_by_label("3D view").rect();
     let corner = rect.left_center() + vec2(4.0, 0.0);
@@ -226,10 +226,10 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
 #[test]
 fn at_twice_the_scale_lines_are_twice_as_wide() {
     let area = |scale: f32| {
-        let renderer = GlowTestRenderer::new();
+        let renderer = GlowTestRenderer::new().unwrap();
         let mut harness = harness(&renderer, scale);
         open(&mut harness, session_of("planar", 3), false);
-        let image = renderer.picture(&harness);
+        let image = renderer.picture(&harness).unwrap();
         assert_eq!(image.width(), (1280.0 * scale) as u32);
         let wanted = colour(theme::palette(harness.ctx.theme()).cable(1));
         let count = image.pixels().filter(|p| {

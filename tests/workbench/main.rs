@@ -11,7 +11,6 @@ mod measuring;
 mod modeling;
 mod plots;
 mod precalibration;
-mod renderer;
 mod robot_3d;
 mod start;
 mod support;

@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{PhaseData, write_dataset};
+pub use tautline_validation::harness::{give, press};
 use tautline_workbench::app::commands::FileCommand;
 use tautline_workbench::app::{App, Document};
 
-use crate::support::{settle, workbench};
+use crate::support::workbench;
 
 /// An effect with its cable and parameters.
 type Hidden<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
@@ -64,22 +64,6 @@ impl Measured {
         give(&mut harness, FileCommand::Open(self.beside("mini")));
         harness
     }
-}
-
-/// Gives a command and waits until all is done.
-pub fn give(
-    harness: &mut Harness<'_, App>,
-    command: impl Into<tautline_workbench::app::command::Command>,
-) {
-    harness.state_mut().state.outbox.send(command);
-    settle(harness);
-}
-
-/// Presses what has this name, wherever it is scrolled to, and waits until all is done.
-pub fn press(harness: &mut Harness<'_, App>, name: &str) {
-    harness.get_by_label(name).click_accesskit();
-    harness.step();
-    settle(harness);
 }
 
 /// The open session with its results.

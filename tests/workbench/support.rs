@@ -2,10 +2,10 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
 use tautline_session::Folders;
+pub use tautline_validation::harness::settle;
 use tautline_workbench::app::{App, Options};
 
 static STARTED: AtomicUsize = AtomicUsize::new(0);
@@ -28,21 +28,4 @@ pub fn workbench() -> Harness<'static, App> {
         .with_size(egui::vec2(1280.0, 800.0))
         .with_max_steps(60)
         .build_eframe(|creation| App::new(creation, options()))
-}
-
-/// Lets the workbench run until no task is running and nothing changes any more.
-pub fn settle(harness: &mut Harness<'_, App>) {
-    let start = Instant::now();
-    loop {
-        harness.step();
-        if harness.state().state.tasks.running().is_empty() {
-            break;
-        }
-        assert!(
-            start.elapsed() < Duration::from_secs(120),
-            "a task does not end"
-        );
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    harness.run_ok();
 }

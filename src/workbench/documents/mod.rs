@@ -2,3 +2,22 @@
 
 pub mod diagnosis;
 pub mod identification;
+
+use tautline_session::{Document, ResultRecord, Session, Timestamp};
+
+/// A result as a session keeps it, with the fingerprint of the data that it was computed from.
+pub fn record<D: Document>(
+    session: &Session,
+    title: &str,
+    document: &D,
+    time: Timestamp,
+) -> ResultRecord {
+    let document = tautline_session::document(document);
+    ResultRecord {
+        time,
+        title: title.to_owned(),
+        // Only keys that are no texts could fail, and there are none.
+        document: serde_json::to_value(document).unwrap_or_default(),
+        basis: Some(session.basis()),
+    }
+}

@@ -2,7 +2,7 @@
 
 mod demo;
 mod library;
-mod tables;
+pub mod tables;
 
 pub use demo::demo;
 pub use library::{Sample, find};

@@ -8,14 +8,15 @@ use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
-use tautline_session::{Method, Phase, ResultRecord, Session};
+use tautline_session::{Document as _, Method, Phase, ResultRecord, Session};
 
 use crate::app::clock;
 use crate::app::document::{Diagnosed, Document, Stored};
 use crate::app::fit::{Fit, FitOrder, compare_published, fit};
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::documents::diagnosis::stage;
+use crate::documents::diagnosis::{DiagnosisDocument, stage};
+use crate::documents::record;
 use crate::screens::identification::{Before, Half, Live, discrepancy_figures};
 use crate::views::plots::figure::Figure;
 use crate::wording::{count, ratio};
@@ -61,7 +62,8 @@ pub enum ModelOutcome {
 #[derive(Debug)]
 pub struct Examined {
     diagnosed: Diagnosed,
-    record: ResultRecord,
+    /// The document for the session; none where the session has it already.
+    record: Option<ResultRecord>,
     figures: Vec<Figure>,
 }
 
@@ -73,7 +75,7 @@ pub(super) fn perform(state: &mut State, command: ModelCommand) {
         }
         ModelCommand::Diagnose => {
             state.screens.identification.half = Half::Doctor;
-            start_diagnosis(state);
+            start_diagnosis(state, true);
         }
         ModelCommand::Stop => {
             state.screens.identification.live.stop();
@@ -110,13 +112,24 @@ fn identify(state: &mut State, keep: bool) {
     });
 }
 
-/// After a session was opened: identifies again what it has a result of, so that there is something to look at.
+/// After a session was opened: identifies and diagnoses again what it has results of, so that there is something to look
+/// at.
 pub(super) fn reopened(state: &mut State) {
     let stored = state.document.as_ref().map(Document::stored);
     state.screens.identification = Default::default();
     if stored == Some(Stored::Current) {
         identify(state, false);
     }
+    let session = state.document.as_ref().map(Document::session);
+    if session.is_some_and(has_current_diagnosis) {
+        start_diagnosis(state, false);
+    }
+}
+
+fn has_current_diagnosis(session: &Session) -> bool {
+    let mut results = session.results().iter().rev();
+    let last = results.find(|record| record.format() == Some(DiagnosisDocument::FORMAT));
+    last.is_some_and(|record| record.basis == Some(session.basis()))
 }
 
 /// What the operator changes of the problem while looking at its solution.
@@ -192,25 +205,10 @@ fn identification_record(session: &Session, fit: &Fit) -> ResultRecord {
         Some(Ok(compared)) => compared.identification.clone(),
         _ => fit.solved().identification(),
     };
-    record(session, "Identification", &document)
+    record(session, "Identification", &document, clock::now())
 }
 
-fn record<D: tautline_session::Document + serde::Serialize>(
-    session: &Session,
-    title: &str,
-    document: &D,
-) -> ResultRecord {
-    let document = tautline_session::document(document);
-    ResultRecord {
-        time: clock::now(),
-        title: title.to_owned(),
-        // Only keys that are no texts could fail, and there are none.
-        document: serde_json::to_value(document).unwrap_or_default(),
-        basis: Some(session.basis()),
-    }
-}
-
-fn start_diagnosis(state: &mut State) {
+fn start_diagnosis(state: &mut State, keep: bool) {
     let Some(document) = &state.document else {
         return;
     };
@@ -223,7 +221,7 @@ fn start_diagnosis(state: &mut State) {
         .filter(|_| document.fit_is_current())
         .cloned();
     state.tasks.start(DIAGNOSING, move |task| {
-        let result = diagnosed(&session, current, task);
+        let result = diagnosed(&session, current, keep, task);
         ModelOutcome::Diagnosed { inputs, result }.into()
     });
 }
@@ -235,6 +233,7 @@ fn start_diagnosis(state: &mut State) {
 fn diagnosed(
     session: &Session,
     current: Option<Arc<Fit>>,
+    keep: bool,
     task: &TaskHandle,
 ) -> Result<Option<Box<Examined>>, String> {
     let mut dataset = session.dataset();
@@ -252,7 +251,7 @@ fn diagnosed(
     let Some(diagnosed) = examined(dataset, alpha, task)? else {
         return Ok(None);
     };
-    let record = record(session, "Diagnosis", &diagnosed.document());
+    let record = keep.then(|| record(session, "Diagnosis", &diagnosed.document(), clock::now()));
     let figures = discrepancy_figures(&diagnosed);
     Ok(Some(Box::new(Examined {
         diagnosed,
@@ -364,11 +363,13 @@ fn take_diagnosis(
     document: &mut Document,
     inputs: u64,
     diagnosed: Diagnosed,
-    record: ResultRecord,
+    record: Option<ResultRecord>,
 ) -> String {
     let found = count(diagnosed.diagnosis.findings.len(), "finding");
     document.set_diagnosis(diagnosed, inputs);
-    document.add_result(record);
-    document.log(Phase::Diagnosis, format!("Diagnosed: {found}."));
+    if let Some(record) = record {
+        document.add_result(record);
+        document.log(Phase::Diagnosis, format!("Diagnosed: {found}."));
+    }
     format!("Diagnosis finished with {found}.")
 }

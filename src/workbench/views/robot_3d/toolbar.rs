@@ -17,7 +17,7 @@ pub enum Aim {
 }
 
 /// Width (points) from which on everything is in the row.
-const WIDE: f32 = 780.0;
+const WIDE: f32 = 830.0;
 
 /// Draws the row.
 pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<Aim> {

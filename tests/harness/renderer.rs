@@ -7,7 +7,7 @@ use egui::TexturesDelta;
 use egui_kittest::{Harness, TestRenderer};
 use image::RgbaImage;
 use tautline_workbench::app::App;
-use tautline_workbench::offscreen::OffscreenPainter;
+use tautline_workbench::offscreen::{OffscreenError, OffscreenPainter};
 
 /// The renderer of a harness, and the pictures it makes.
 #[derive(Clone)]
@@ -15,17 +15,21 @@ pub struct GlowTestRenderer(Rc<RefCell<OffscreenPainter>>);
 
 impl GlowTestRenderer {
     /// A renderer of its own.
-    pub fn new() -> Self {
-        let painter = OffscreenPainter::new().expect("OpenGL without a window");
-        Self(Rc::new(RefCell::new(painter)))
+    ///
+    /// # Errors
+    /// If there is no OpenGL.
+    pub fn new() -> Result<Self, OffscreenError> {
+        let painter = OffscreenPainter::new()?;
+        Ok(Self(Rc::new(RefCell::new(painter))))
     }
 
     /// The picture of what the harness drew last.
-    pub fn picture(&self, harness: &Harness<'_, App>) -> RgbaImage {
+    ///
+    /// # Errors
+    /// If the driver refuses.
+    pub fn picture(&self, harness: &Harness<'_, App>) -> Result<RgbaImage, OffscreenError> {
         let mut painter = self.0.borrow_mut();
-        painter
-            .picture(&harness.ctx, harness.output())
-            .expect("a picture")
+        painter.picture(&harness.ctx, harness.output())
     }
 }
 
@@ -35,6 +39,7 @@ impl TestRenderer for GlowTestRenderer {
     }
 
     fn handle_delta(&mut self, delta: &mut TexturesDelta) {
-        self.0.borrow_mut().take_textures(delta).expect("textures");
+        let taken = self.0.borrow_mut().take_textures(delta);
+        taken.expect("a driver that keeps pictures");
     }
 }

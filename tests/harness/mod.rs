@@ -1,0 +1,46 @@
+//! The workbench without a window, driven by accessible names: for tests and screenshots.
+
+mod renderer;
+
+use std::time::{Duration, Instant};
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use tautline_workbench::app::App;
+use tautline_workbench::app::command::Command;
+
+pub use renderer::GlowTestRenderer;
+
+/// How long a task may take before something must be wrong.
+pub const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Lets the workbench run until no task is running and nothing changes any more.
+///
+/// # Panics
+/// If a task does not end.
+pub fn settle(harness: &mut Harness<'_, App>) {
+    let start = Instant::now();
+    loop {
+        harness.step();
+        if harness.state().state.tasks.running().is_empty() {
+            break;
+        }
+        assert!(start.elapsed() < PATIENCE, "a task does not end");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    harness.run_ok();
+}
+
+/// Gives a command and waits until all is done.
+pub fn give(harness: &mut Harness<'_, App>, command: impl Into<Command>) {
+    harness.state_mut().state.outbox.send(command);
+    settle(harness);
+}
+
+/// Presses what has this name, wherever it is scrolled to, and waits until all is done.
+pub fn press(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).click_accesskit();
+    harness.step();
+    settle(harness);
+}

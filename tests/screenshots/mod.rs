@@ -1,0 +1,98 @@
+//! Pictures of the program for the README, taken from the real thing without a window.
+
+mod files;
+mod stage;
+mod tour;
+
+use std::path::Path;
+
+use anyhow::Result;
+use egui::ThemePreference;
+use tautline_workbench::app::Selection;
+use tautline_workbench::app::commands::{FileCommand, ViewCommand};
+use tautline_workbench::app::screen::{Screen, Step};
+
+use crate::sessions;
+use stage::{LARGE, SMALL, Stage};
+
+/// Where the pictures lie.
+#[must_use]
+pub fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../screenshots"))
+}
+
+/// A session with one fault that is named.
+const SESSION: &str = "mini-winch-scale/session.json";
+
+/// Takes all pictures.
+///
+/// # Errors
+/// If there is no OpenGL, or a file cannot be written.
+pub fn write_all(into: &Path) -> Result<()> {
+    std::fs::create_dir_all(into)?;
+    let into = into.canonicalize()?;
+    // The start screen looks for the sample sessions where the program was started.
+    std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    phases(&into)?;
+    causes(&into)?;
+    small_and_light(&into)?;
+    tour::write(&into.join("tour.png"))
+}
+
+fn phases(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
+    files::write_still(&into.join("start.png"), &stage.picture()?)?;
+    open(&mut stage, "clean-mini/session.json");
+    phase(&mut stage, Step::Precalibration);
+    stage.give(ViewCommand::Select(Selection::cable(5)));
+    files::write_still(&into.join("phase-1.png"), &stage.picture()?)?;
+    phase(&mut stage, Step::Modeling);
+    files::write_still(&into.join("phase-2.png"), &stage.picture()?)?;
+    phase(&mut stage, Step::Measuring);
+    stage.give(ViewCommand::Select(Selection::pose(17)));
+    files::write_still(&into.join("phase-3.png"), &stage.picture()?)?;
+    stage.connect_and_arm()?;
+    phase(&mut stage, Step::Adjustment);
+    files::write_still(&into.join("phase-5.png"), &stage.picture()?)
+}
+
+fn phase(stage: &mut Stage, step: Step) {
+    stage.give(ViewCommand::Go(Screen::Phase(step)));
+}
+
+/// Sessions with something wrong, in the phase that finds it.
+fn causes(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
+    open(&mut stage, SESSION);
+    stage.give(ViewCommand::Select(Selection {
+        cable: Some(2),
+        pose: Some(17),
+    }));
+    files::write_still(&into.join("phase-4.png"), &stage.picture()?)?;
+    stage.press("Model doctor");
+    stage.show("Add to model: ");
+    files::write_still(&into.join("doctor.png"), &stage.picture()?)?;
+    open(&mut stage, "hall-creep-and-slip/session.json");
+    stage.press("Model doctor");
+    stage.give(ViewCommand::Select(Selection::cable(5)));
+    stage.show("These data cannot tell the causes below apart");
+    files::write_still(&into.join("doctor-hall.png"), &stage.picture()?)?;
+    open(&mut stage, "suspended-sag/session.json");
+    stage.give(ViewCommand::Select(Selection::pose(11)));
+    files::write_still(&into.join("suspended.png"), &stage.picture()?)
+}
+
+fn small_and_light(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
+    stage.give(ViewCommand::Theme(ThemePreference::Light));
+    open(&mut stage, SESSION);
+    files::write_still(&into.join("light.png"), &stage.picture()?)?;
+    let mut stage = Stage::new(SMALL)?;
+    open(&mut stage, SESSION);
+    stage.press("Model doctor");
+    files::write_still(&into.join("small.png"), &stage.picture()?)
+}
+
+fn open(stage: &mut Stage, session: &str) {
+    stage.give(FileCommand::Open(sessions::folder().join(session)));
+}

@@ -1,0 +1,119 @@
+//! The tour: what one does from the start to the cause of a fault, as an animation.
+
+use std::path::Path;
+
+use anyhow::Result;
+use image::imageops::{FilterType, resize};
+use tautline_workbench::app::Selection;
+use tautline_workbench::app::commands::ViewCommand;
+use tautline_workbench::app::screen::{Screen, Step};
+
+use super::files::{self, Frame};
+use super::stage::{LARGE, Stage};
+
+/// Size of its frames (pixels).
+const SIZE: [u32; 2] = [864, 540];
+/// How long a frame is shown (tenths of a second).
+const SHORT: u16 = 12;
+/// How long one is shown on which there is much to read.
+const LONG: u16 = 25;
+
+/// What was filmed so far.
+struct Film {
+    stage: Stage,
+    frames: Vec<Frame>,
+}
+
+impl Film {
+    fn shot(&mut self, tenths: u16) -> Result<()> {
+        let picture = self.stage.picture()?;
+        let picture = resize(&picture, SIZE[0], SIZE[1], FilterType::CatmullRom);
+        self.frames.push(Frame { picture, tenths });
+        Ok(())
+    }
+
+    fn go(&mut self, step: Step) {
+        self.stage.give(ViewCommand::Go(Screen::Phase(step)));
+    }
+
+    fn select(&mut self, selection: Selection) {
+        self.stage.give(ViewCommand::Select(selection));
+    }
+}
+
+/// Films the tour.
+///
+/// # Errors
+/// If there is no OpenGL, or the file cannot be written.
+pub fn write(path: &Path) -> Result<()> {
+    let mut film = Film {
+        stage: Stage::new(LARGE)?,
+        frames: Vec::new(),
+    };
+    film.shot(LONG)?;
+    film.stage.press("Try the demo robot");
+    film.shot(LONG)?;
+    film.select(Selection::cable(2));
+    film.shot(SHORT)?;
+    film.go(Step::Modeling);
+    film.shot(LONG)?;
+    measured(&mut film)?;
+    identified(&mut film)?;
+    adjusted(&mut film)?;
+    files::write(path, &film.frames)
+}
+
+/// Phase 3: a plan, and the robot under way.
+fn measured(film: &mut Film) -> Result<()> {
+    film.go(Step::Measuring);
+    film.shot(SHORT)?;
+    film.stage.press("Plan poses");
+    film.shot(LONG)?;
+    film.stage.connect_and_arm()?;
+    film.stage.press("Start measuring");
+    for poses in [6, 12, 18] {
+        film.stage.wait("a measured pose", |state| {
+            let document = state.document.as_ref();
+            document.is_some_and(|document| document.session().measurements.len() >= poses)
+        })?;
+        film.shot(SHORT)?;
+    }
+    film.stage
+        .wait("all poses", |state| !state.link.is_measuring())?;
+    film.shot(SHORT)
+}
+
+/// Phase 4: from measured poses to the cause.
+fn identified(film: &mut Film) -> Result<()> {
+    film.go(Step::Identification);
+    film.stage.press("Identify");
+    film.shot(LONG)?;
+    film.stage.press("Model doctor");
+    film.stage.press("What does the model get wrong?");
+    film.shot(LONG)?;
+    film.stage.show("Add to model: ");
+    film.shot(LONG)?;
+    film.stage.press_first("Add to model: ");
+    film.stage.press("Geometry");
+    film.shot(LONG)
+}
+
+/// Phase 5: what was found goes to the controller, and is checked.
+fn adjusted(film: &mut Film) -> Result<()> {
+    film.go(Step::Adjustment);
+    film.shot(LONG)?;
+    verified(film, "Measure before", 1)?;
+    film.stage.press("Write to the controller");
+    film.stage.wait("the values", |state| !state.link.writing)?;
+    verified(film, "Measure after", 2)?;
+    film.stage.show("More exact: ");
+    film.shot(LONG)
+}
+
+fn verified(film: &mut Film, button: &str, runs: usize) -> Result<()> {
+    film.stage.press(button);
+    film.stage.wait("a verification", |state| {
+        let document = state.document.as_ref();
+        document.is_some_and(|document| document.session().verifications().len() >= runs)
+    })
+}

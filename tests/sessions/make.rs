@@ -1,0 +1,183 @@
+//! Makes a sample session: a virtual robot is measured, identified and diagnosed as the workbench would.
+
+use anyhow::{Context, Result};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
+use tautline_core::effect::EffectSetting;
+use tautline_core::estimation::Control;
+use tautline_core::robot::{Robot, presets};
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{Document, LogEntry, Phase, Session, Simulator, Timestamp};
+use tautline_workbench::app::document::Diagnosed;
+use tautline_workbench::app::fit::{Fit, FitOrder, fit};
+use tautline_workbench::documents;
+use tautline_workbench::samples::tables::{bench, home_platform};
+
+use super::recipes::{Hidden, Recipe};
+use super::rounding;
+
+/// Time from the beginning of a session to its poses, its identification and its diagnosis (s).
+const POSES_AFTER_S: i64 = 5400;
+const IDENTIFIED_AFTER_S: i64 = 6000;
+const DIAGNOSED_AFTER_S: i64 = 6060;
+
+/// A sample session with what was computed for it.
+pub struct Made {
+    /// The session.
+    pub session: Session,
+    /// Its identification.
+    pub fit: Fit,
+    /// Its diagnosis, where its recipe has one.
+    pub diagnosed: Option<Diagnosed>,
+}
+
+/// Makes a sample session; the same one every time.
+///
+/// # Errors
+/// If the recipe is of no possible robot.
+pub fn make(recipe: &Recipe) -> Result<Made> {
+    let mut session = measured(recipe)?;
+    let order = FitOrder::of(&session)?;
+    let mut fit = fit(order, &mut |_| Control::Continue)?;
+    // No clock runs here: a time that differs would make another file.
+    fit.seconds = 0.0;
+    let document = fit.solved().identification();
+    let poses = session.measurements.len();
+    let said = format!("Identified from {poses} poses.");
+    let time = after(&session, IDENTIFIED_AFTER_S);
+    keep(&mut session, "Identification", &document, time);
+    log(&mut session, time, Phase::Identification, said);
+    let diagnosed = match recipe.is_diagnosed {
+        true => Some(diagnosed(&mut session)?),
+        false => None,
+    };
+    Ok(Made {
+        session,
+        fit,
+        diagnosed,
+    })
+}
+
+fn measured(recipe: &Recipe) -> Result<Session> {
+    let begun: Timestamp = recipe.begun.parse()?;
+    let preset = presets::find(recipe.preset).context("a preset of this name")?;
+    let mut drawing = preset.robot.clone();
+    if !recipe.cable_weight_is_stated {
+        for cable in &mut drawing.cables {
+            cable.cable.weight_n_per_m = 0.0;
+        }
+    }
+    let options = SimulationOptions {
+        geometry: (preset.measured_entry_points_m.clone())
+            .map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(1, recipe.robot_seed)
+    };
+    let mut truth = rounding::truth(&simulate(&drawing, &options)?.truth);
+    if let Some(moved) = recipe.moved {
+        let entry = &mut truth.cables[moved.cable].pulley.entry_point_m;
+        *entry = [0, 1, 2].map(|axis| entry[axis] + moved.by_m[axis]);
+    }
+    let options = SimulationOptions {
+        poses: recipe.poses,
+        seed: recipe.seed,
+        geometry: TrueGeometry::Nominal,
+        effects: recipe.hidden.iter().map(setting).collect(),
+        ..options
+    };
+    let run = simulate(&truth, &options)?;
+    let truth = run.truth;
+    let mut rng = ChaCha8Rng::seed_from_u64(recipe.seed);
+    if recipe.has_bench {
+        drawing.home_platform = Some(home_platform());
+    }
+    let mut session = Session::new(recipe.name, drawing, begun);
+    session.measurements = rounding::readings(&run.dataset.measurements);
+    // The platform was sent home by the drawing, too.
+    if let (Some(home), Some(commanded)) = (
+        &session.robot.home,
+        session.measurements.commanded.first_mut(),
+    ) {
+        *commanded = Some(home.pose());
+    }
+    measure_on_bench(&mut session, recipe, &truth, &mut rng);
+    session.simulator = Some(Simulator {
+        truth,
+        seed: recipe.seed,
+        revealed: false,
+    });
+    let poses = session.measurements.len();
+    let time = after(&session, POSES_AFTER_S);
+    let said = format!("Measured {poses} poses, the home pose included.");
+    log(&mut session, time, Phase::Poses, said);
+    Ok(session)
+}
+
+fn measure_on_bench(session: &mut Session, recipe: &Recipe, truth: &Robot, rng: &mut ChaCha8Rng) {
+    let Some(home) = truth.home.as_ref().filter(|_| recipe.has_bench) else {
+        return;
+    };
+    let mut phases = rounding::tables(bench(&session.robot, &home.pose(), rng));
+    if !recipe.has_winch_bench {
+        phases.winch.clear();
+    }
+    session.phases = phases;
+    let time = session.created;
+    let said = match recipe.has_winch_bench {
+        true => {
+            "Measured winches, force sensors, the home platform and the elongation of the cable."
+        }
+        false => {
+            "Measured force sensors, the home platform and the elongation of the cable; the winches were left out."
+        }
+    };
+    log(session, time, Phase::Instruments, said.to_owned());
+}
+
+fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
+    let alpha = session.settings.diagnosis.alpha;
+    let options = DiagnosisOptions {
+        alpha,
+        ..DiagnosisOptions::default()
+    };
+    let dataset = session.dataset();
+    let diagnosis = diagnose(&dataset, &options, &mut |_| Control::Continue)?;
+    let diagnosed = Diagnosed {
+        dataset: dataset.into(),
+        diagnosis,
+        alpha,
+        seconds: 0.0,
+    };
+    let time = after(session, DIAGNOSED_AFTER_S);
+    keep(session, "Diagnosis", &diagnosed.document(), time);
+    let said = match diagnosed.diagnosis.findings.len() {
+        1 => "Diagnosed: 1 finding.".to_owned(),
+        findings => format!("Diagnosed: {findings} findings."),
+    };
+    log(session, time, Phase::Diagnosis, said);
+    Ok(diagnosed)
+}
+
+fn keep<D: Document>(session: &mut Session, title: &str, document: &D, time: Timestamp) {
+    let mut record = documents::record(session, title, document, time);
+    rounding::result(&mut record.document);
+    session.add_result(record);
+}
+
+fn setting((effect, cable, values): &Hidden) -> EffectSetting {
+    EffectSetting {
+        effect: (*effect).to_owned(),
+        targets: cable.iter().map(|name| (*name).to_owned()).collect(),
+        parameters: values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
+    }
+}
+
+fn after(session: &Session, seconds: i64) -> Timestamp {
+    Timestamp::from_unix_seconds(session.created.unix_seconds() + seconds)
+}
+
+fn log(session: &mut Session, time: Timestamp, phase: Phase, text: String) {
+    session.record(LogEntry { time, phase, text });
+}

@@ -1,0 +1,129 @@
+//! What is hidden in each sample session.
+
+/// A pulley that has another place than in the session before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// Index of its cable.
+    pub cable: usize,
+    /// By how much its entry point was moved (m).
+    pub by_m: [f64; 3],
+}
+
+/// A hidden effect: its identifier, its cable or none for all, its parameters.
+pub type Hidden = (
+    &'static str,
+    Option<&'static str>,
+    &'static [(&'static str, f64)],
+);
+
+/// How one sample session is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recipe {
+    /// Its file below `sessions/`.
+    pub file: &'static str,
+    /// Its name.
+    pub name: &'static str,
+    /// Preset of the robot.
+    pub preset: &'static str,
+    /// Number of poses besides the home pose.
+    pub poses: usize,
+    /// Seed of the true robot.
+    pub robot_seed: u64,
+    /// Seed of the readings.
+    pub seed: u64,
+    /// When the first pose was measured.
+    pub begun: &'static str,
+    /// What the description of the robot does not know.
+    pub hidden: &'static [Hidden],
+    /// A pulley that was moved before the poses were measured.
+    pub moved: Option<Moved>,
+    /// Whether the description says what the cables weigh.
+    pub cable_weight_is_stated: bool,
+    /// Whether force sensors, home platform and elongation were measured on the bench before.
+    pub has_bench: bool,
+    /// Whether the winches were measured there, too.
+    pub has_winch_bench: bool,
+    /// Whether somebody asked what the model gets wrong.
+    pub is_diagnosed: bool,
+}
+
+/// MINI, as good as its description, measured on the bench.
+const MINI: Recipe = Recipe {
+    file: "clean-mini/session.json",
+    name: "MINI, nothing wrong",
+    preset: "mini",
+    poses: 40,
+    robot_seed: 1,
+    seed: 1,
+    begun: "2026-03-02T08:30:00Z",
+    hidden: &[],
+    moved: None,
+    cable_weight_is_stated: true,
+    has_bench: true,
+    has_winch_bench: true,
+    is_diagnosed: true,
+};
+
+/// All sample sessions.
+pub const RECIPES: [Recipe; 6] = [
+    MINI,
+    Recipe {
+        file: "mini-winch-scale/session.json",
+        name: "MINI, a drum of another diameter",
+        begun: "2026-03-03T08:30:00Z",
+        hidden: &[("winch_scale", Some("cable-3"), &[("scale", 0.02)])],
+        has_winch_bench: false,
+        ..MINI
+    },
+    Recipe {
+        file: "hall-creep-and-slip/session.json",
+        name: "Hall robot, creep and a slip",
+        preset: "hall",
+        begun: "2026-03-09T13:00:00Z",
+        hidden: &[
+            ("cable_creep", None, &[("c", 0.002)]),
+            (
+                "cable_slip",
+                Some("cable-6"),
+                &[("step", 0.012), ("pose", 22.0)],
+            ),
+        ],
+        has_bench: false,
+        has_winch_bench: false,
+        ..MINI
+    },
+    Recipe {
+        file: "suspended-sag/session.json",
+        name: "Suspended robot, cables that sag",
+        preset: "suspended",
+        begun: "2026-03-16T09:00:00Z",
+        hidden: &[("cable_sag", None, &[("weight", 2.0)])],
+        cable_weight_is_stated: false,
+        has_bench: false,
+        has_winch_bench: false,
+        ..MINI
+    },
+    Recipe {
+        file: "before-after/before.json",
+        name: "MINI before the repair",
+        begun: "2026-04-13T08:30:00Z",
+        robot_seed: 7,
+        seed: 7,
+        is_diagnosed: false,
+        ..MINI
+    },
+    Recipe {
+        file: "before-after/after.json",
+        name: "MINI after the repair",
+        begun: "2026-05-11T08:30:00Z",
+        robot_seed: 7,
+        seed: 8,
+        // 12 mm in all.
+        moved: Some(Moved {
+            cable: 5,
+            by_m: [-0.008, 0.004, 0.008],
+        }),
+        is_diagnosed: false,
+        ..MINI
+    },
+];

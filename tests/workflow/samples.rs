@@ -1,0 +1,166 @@
+//! The sample sessions are what their recipes make, and what their READMEs say is so.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tautline_core::comparison::{Identified, compare};
+use tautline_core::diagnosis::{Finding, Verdict};
+use tautline_core::estimation::{Control, Options, Problem, solve};
+use tautline_session::{Session, read_session, write_session};
+use tautline_validation::sessions::{Made, RECIPES, Recipe, folder, make};
+use tautline_workbench::samples;
+
+fn recipe(file: &str) -> &'static Recipe {
+    let mut recipes = RECIPES.iter();
+    recipes
+        .find(|recipe| recipe.file == file)
+        .expect("a recipe")
+}
+
+fn made(file: &str) -> Made {
+    make(recipe(file)).expect("a session")
+}
+
+fn readme(of: &str) -> String {
+    let text = fs::read_to_string(folder().join(of).join("README.md")).expect("a README.md");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn read(file: &str) -> Session {
+    let read = read_session(&folder().join(file)).expect("a session");
+    assert!(read.notices.is_empty(), "{file}: {:?}", read.notices);
+    read.value
+}
+
+/// Effect and cables of the findings, in their order.
+fn named(made: &Made) -> Vec<(&'static str, Vec<usize>)> {
+    let findings = &made
+        .diagnosed
+        .as_ref()
+        .expect("a diagnosis")
+        .diagnosis
+        .findings;
+    let name = |finding: &Finding| (finding.cause.effect().id(), finding.cause.cables());
+    findings.iter().map(name).collect()
+}
+
+/// The sentences that the doctor says stand in the README as they are.
+fn assert_quoted(made: &Made, text: &str) {
+    let diagnosed = made.diagnosed.as_ref().expect("a diagnosis");
+    for finding in &diagnosed.diagnosis.findings {
+        assert!(text.contains(&finding.sentence), "{}", finding.sentence);
+    }
+}
+
+#[test]
+fn files_are_what_the_recipes_make() {
+    let fresh = tempfile::tempdir().expect("a folder");
+    for recipe in &RECIPES {
+        let path = fresh.path().join("session.json");
+        write_session(&path, &make(recipe).expect("a session").session).expect("written");
+        let file = folder().join(recipe.file);
+        let (new, old) = (
+            fs::read(&path).expect("read"),
+            fs::read(&file).expect("read"),
+        );
+        assert!(new == old, "{} is not what is made now", recipe.file);
+        assert!(old.len() < 400_000, "{}: {} bytes", recipe.file, old.len());
+    }
+}
+
+#[test]
+fn every_sample_is_listed_and_its_results_are_up_to_date() {
+    let listed = samples::find(&[folder().to_owned()]);
+    let paths: Vec<PathBuf> = listed.iter().map(|sample| sample.session.clone()).collect();
+    assert_eq!(paths.len(), RECIPES.len());
+    for recipe in &RECIPES {
+        assert!(
+            paths.contains(&folder().join(Path::new(recipe.file))),
+            "{}",
+            recipe.file
+        );
+        let session = read(recipe.file);
+        assert!(!session.results().is_empty());
+        for result in session.results() {
+            assert_eq!(result.basis, Some(session.basis()), "{}", recipe.file);
+        }
+    }
+    assert!(listed.iter().all(|sample| !sample.shows.is_empty()));
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_wrong() {
+    let made = made("clean-mini/session.json");
+    assert!(named(&made).is_empty());
+    let truth = &made.session.simulator.as_ref().expect("a truth").truth;
+    for (cable, found) in truth.cables.iter().zip(&made.fit.model.cables) {
+        let [is, says] = [cable, found].map(|c| nalgebra::Vector3::from(c.pulley.entry_point_m));
+        assert!(
+            (is - says).norm() < 0.006,
+            "{}: {:?}",
+            cable.name,
+            is - says
+        );
+    }
+}
+
+#[test]
+fn the_drum_of_another_diameter_is_named() {
+    let made = made("mini-winch-scale/session.json");
+    assert_eq!(named(&made), [("winch_scale", vec![2])]);
+    assert_quoted(&made, &readme("mini-winch-scale"));
+}
+
+#[test]
+fn creep_is_named_and_the_slip_has_one_alternative() {
+    let made = made("hall-creep-and-slip/session.json");
+    assert_eq!(
+        named(&made),
+        [("cable_creep", vec![]), ("cable_slip", vec![5])]
+    );
+    let findings = &made
+        .diagnosed
+        .as_ref()
+        .expect("a diagnosis")
+        .diagnosis
+        .findings;
+    assert_eq!(findings[0].verdict, Verdict::Named);
+    assert_eq!(findings[1].verdict, Verdict::Ambiguous);
+    let alternatives = findings[1].alternatives.iter();
+    let alternatives: Vec<_> = alternatives.map(|cause| cause.effect().id()).collect();
+    assert_eq!(alternatives, ["frame_shift"]);
+    assert_quoted(&made, &readme("hall-creep-and-slip"));
+}
+
+#[test]
+fn sag_that_is_not_modelled_is_named() {
+    let made = made("suspended-sag/session.json");
+    assert_eq!(named(&made), [("cable_sag", vec![])]);
+    assert_quoted(&made, &readme("suspended-sag"));
+}
+
+#[test]
+fn the_pulley_that_was_moved_is_the_only_one() {
+    let runs = ["before-after/before.json", "before-after/after.json"].map(read);
+    let datasets = [runs[0].dataset(), runs[1].dataset()];
+    let problems = [0, 1].map(|k| Problem::new(&datasets[k]).expect("a problem"));
+    let solve = |problem| solve(problem, &Options::default(), &mut |_| Control::Continue);
+    let solutions = [0, 1].map(|k| solve(&problems[k]).expect("a solution"));
+    let identified = |k: usize| Identified {
+        problem: &problems[k],
+        solution: &solutions[k],
+    };
+    let compared = compare(&identified(0), &identified(1), 0.05).expect("a comparison");
+    let moved: Vec<&str> = (compared.pulleys.iter())
+        .filter(|pulley| pulley.moved)
+        .map(|pulley| pulley.cable.as_str())
+        .collect();
+    assert_eq!(moved, ["cable-6"]);
+    let relative = compared.pulleys[5].relative.expect("a displacement");
+    let said = format!(
+        "{:.1} ± {:.1} mm",
+        1e3 * relative.length_m(),
+        1e3 * relative.length_sd_m()
+    );
+    assert!(readme("before-after").contains(&said), "{said}");
+}
