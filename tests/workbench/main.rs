@@ -1,5 +1,6 @@
 //! The workbench, driven by accessible names.
 
+mod compare;
 mod doctor;
 mod gl;
 mod identification;

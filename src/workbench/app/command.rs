@@ -2,8 +2,9 @@
 //! all send these, and each kind has one handler in `commands/`.
 
 use super::commands::{
-    FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome,
-    PlotCommand, PlotOutcome, ReportCommand, ReportOutcome, ViewCommand,
+    CompareCommand, CompareOutcome, FileCommand, FileOutcome, ImportCommand, ImportOutcome,
+    ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, ReportCommand, ReportOutcome,
+    ViewCommand,
 };
 use super::edit::Edit;
 
@@ -28,6 +29,8 @@ pub enum Command {
     Plot(PlotCommand),
     /// The report.
     Report(ReportCommand),
+    /// Two sessions side by side.
+    Compare(CompareCommand),
 }
 
 /// What a task came to.
@@ -43,6 +46,8 @@ pub enum Outcome {
     Plot(PlotOutcome),
     /// Of a task with the report.
     Report(ReportOutcome),
+    /// Of comparing two sessions.
+    Compare(CompareOutcome),
     /// The task broke down.
     Panicked {
         /// Its title.
@@ -68,11 +73,13 @@ from!(
     ModelCommand => Command::Model,
     PlotCommand => Command::Plot,
     ReportCommand => Command::Report,
+    CompareCommand => Command::Compare,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
     PlotOutcome => Outcome::Plot,
     ReportOutcome => Outcome::Report,
+    CompareOutcome => Outcome::Compare,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

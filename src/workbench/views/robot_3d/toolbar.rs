@@ -5,6 +5,7 @@ use egui_material_icons::icons;
 
 use super::camera::StandardView;
 use super::drawing::{CableColour, Options};
+use super::scene::Besides;
 use crate::widgets::{icon_only, muted};
 
 /// What the row asks of the camera.
@@ -17,7 +18,7 @@ pub enum Aim {
 }
 
 /// Draws the row.
-pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<Aim> {
+pub fn show(ui: &mut Ui, options: &mut Options, besides: Besides) -> Option<Aim> {
     let mut aim = None;
     ui.horizontal_wrapped(|ui| {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit to all (F)", true).clicked() {
@@ -33,8 +34,8 @@ pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<A
         ui.separator();
         colours(ui, options);
         ui.separator();
-        ui.menu_button("Show", |ui| parts(ui, options, is_identified));
-        if is_identified {
+        ui.menu_button("Show", |ui| parts(ui, options, besides));
+        if besides != Besides::Nothing {
             exaggeration(ui, options);
         }
     });
@@ -56,17 +57,21 @@ fn colours(ui: &mut Ui, options: &mut Options) {
     }
 }
 
-fn parts(ui: &mut Ui, options: &mut Options, is_identified: bool) {
+fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     ui.checkbox(&mut options.labels, "Numbers of cables");
     ui.checkbox(&mut options.poses, "Poses");
+    let pulleys = match besides {
+        Besides::Other => "Pulleys of B",
+        Besides::Drawing | Besides::Nothing => "Pulleys of the drawing",
+    };
     let of_identification = [
-        (&mut options.nominal, "Pulleys of the drawing"),
+        (&mut options.nominal, pulleys),
         (&mut options.arrows, "Displacements"),
         (&mut options.ellipsoids, "95 % confidence ellipsoids"),
     ];
     for (shown, name) in of_identification {
         let checkbox = egui::Checkbox::new(shown, name);
-        ui.add_enabled(is_identified, checkbox)
+        ui.add_enabled(besides != Besides::Nothing, checkbox)
             .on_disabled_hover_text("There is nothing to show before an identification.");
     }
 }

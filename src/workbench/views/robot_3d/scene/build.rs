@@ -10,7 +10,8 @@ use tautline_core::robot::Robot;
 
 use super::residuals::Residuals;
 use super::{
-    CableView, Displacement, FrameBox, MeasuredPose, PlatformBox, Scene, Shown, cable, platform,
+    Besides, CableView, Displacement, FrameBox, MeasuredPose, PlatformBox, Scene, Shown, cable,
+    platform,
 };
 use crate::app::Selection;
 use crate::app::fit::Fit;
@@ -71,7 +72,7 @@ impl<'a> Subject<'a> {
             home_beams: platform::home_beams(robot, &pose),
             measured: self.measured(&fitted, &residuals),
             planned: self.planned.iter().map(|pose| pose.position).collect(),
-            is_identified: self.fit.is_some(),
+            besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
             frame,
         }
     }
@@ -205,6 +206,7 @@ fn displacement(fit: &Fit, index: usize, nominal: &tautline_core::robot::Cable) 
         from,
         by: found - from,
         covariance: covariance(fit, index),
+        is_noise: false,
     }
 }
 
