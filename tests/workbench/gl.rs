@@ -35,7 +35,7 @@ fn bare() -> Options {
 }
 
 fn draw(scene: &Scene, camera: &Camera, theme: Theme) -> RgbaImage {
-    render_scene(scene, &bare(), camera, SIZE, theme).unwrap()
+    render_scene(scene, &bare(), camera, (SIZE, 1.0), theme).unwrap()
 }
 
 fn rgb(image: &RgbaImage, x: u32, y: u32) -> [i32; 3] {

@@ -9,6 +9,7 @@ mod modeling;
 mod plots;
 mod precalibration;
 mod renderer;
+mod report;
 mod robot_3d;
 mod start;
 mod support;

@@ -6,7 +6,7 @@ use tautline_session::{Folders, LeftBehind, Preferences, left_behind};
 
 use super::breakdown::Breakdown;
 use super::command::Outbox;
-use super::commands::Leaving;
+use super::commands::{Leaving, SavingReport};
 use super::document::Document;
 use super::keeping::Keeping;
 use super::messages::Messages;
@@ -36,6 +36,8 @@ pub struct Windows {
     pub leaving: Option<Leaving>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
+    /// The report that is to be saved, while its place is asked for.
+    pub report: Option<SavingReport>,
     /// Whether the log is open.
     pub log: bool,
 }

@@ -15,7 +15,7 @@ use crate::app::clock;
 use crate::app::fit::Fit;
 use crate::comparison::identify;
 use crate::documents::diagnosis::Diagnosed;
-use crate::report::{ReportFormat, ReportInput, write_report};
+use crate::report::{ReportFormat, ReportInput, report_picture, write_report};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -44,12 +44,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_err(|error| error.context(arguments.subject.display().to_string()))?;
         (Some(fit), Some(diagnosis))
     };
+    let picture = report_picture(&session, fit.as_ref());
+    if let Err(error) = &picture {
+        eprintln!("the report has no picture of the robot: {error}");
+    }
     let input = ReportInput {
         session: &session,
         fit: fit.as_ref(),
         diagnosis: diagnosis.as_ref(),
         outdated: false,
-        picture: None,
+        picture: picture.as_deref().ok(),
         now: clock::now(),
     };
     write_report(&arguments.out, &input)?;

@@ -15,7 +15,7 @@ pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
-pub use report::{ReportCommand, ReportOutcome};
+pub use report::{ReportCommand, ReportOutcome, SavingReport};
 pub use view::{ViewCommand, restore};
 
 use super::command::{Command, Outcome};
