@@ -76,7 +76,10 @@ impl Bench {
     /// Presses what has this name.
     pub fn press(&mut self, name: &str) {
         self.harness.step();
-        self.harness.get_by_label(name).click_accesskit();
+        let found = self.harness.query_by_label(name);
+        let found =
+            found.unwrap_or_else(|| panic!("no {name:?}; the screen says {:?}", self.words()));
+        found.click_accesskit();
         self.harness.step();
         self.harness.step();
     }

@@ -22,20 +22,41 @@ struct Seen {
     rect: Rect,
 }
 
+/// What is on the screen: of what a scroll area has moved away, the part that can be seen.
 fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
+    let visible = visible(harness);
     let nodes = harness.root().children_recursive();
     let nodes = nodes.filter(|node| is_part(node.accesskit_node().role()));
     nodes
-        .map(|node| {
+        .filter_map(|node| {
             let inner = node.accesskit_node();
             let name = inner.label().or(inner.value()).unwrap_or_default();
-            Seen {
+            let whole = node.rect();
+            let same = |(rect, _): &&(Rect, Rect)| {
+                (rect.min - whole.min).length() + (rect.max - whole.max).length() < 0.1
+            };
+            let rect = visible
+                .iter()
+                .find(same)
+                .map_or(whole, |(_, clipped)| *clipped);
+            rect.is_positive().then_some(Seen {
                 role: inner.role(),
                 name,
-                rect: node.rect(),
-            }
+                rect,
+            })
         })
         .collect()
+}
+
+/// Whole and visible rectangles of all widgets.
+fn visible(harness: &Harness<'_, App>) -> Vec<(Rect, Rect)> {
+    harness.ctx.viewport(|viewport| {
+        let layers = viewport.prev_pass.widgets.layers();
+        let widgets = layers.flat_map(|(_, widgets)| widgets.iter());
+        widgets
+            .map(|widget| (widget.rect, widget.interact_rect))
+            .collect()
+    })
 }
 
 fn is_part(role: Role) -> bool {

@@ -210,9 +210,11 @@ fn pose_of(accepted: &Accepted) -> MeasuredPose {
 
 /// Draws the robot where it is while something goes on.
 pub(super) fn draw(state: &mut State) {
-    let goes_on = state.link.is_busy() || state.link.watches;
+    if !state.link.is_connected() {
+        return;
+    }
     let drawn = &mut state.views.robot_3d.live;
-    if !goes_on || !state.link.is_connected() {
+    if !state.link.is_busy() && !state.link.watches {
         *drawn = None;
         return;
     }
