@@ -18,6 +18,8 @@ fn a_path_that_does_not_exist_is_named() {
         .type_text("nowhere.json");
     harness.run();
     harness.get_by_label("Open").click();
+    // The click arrives within several frames.
+    harness.run_ok();
     settle(&mut harness);
     let shown = harness.get_by_label_contains("nowhere.json");
     assert!(shown.rect().is_positive(), "the status bar tells it");

@@ -117,12 +117,14 @@ pub(super) fn modelled(
         .map(|((cable, ports), tension_n)| {
             let mut cable = cable.clone();
             ports.change_geometry(&mut cable);
-            if let Some(slack) = tension_n.filter(|tension| tension.is_nan() || *tension <= 0.0)
+            let is_taut = |tension: f64| tension > 0.0;
+            if let Some(tension_n) = *tension_n
                 && ports.weight.value != 0.0
+                && !is_taut(tension_n)
             {
                 return Err(BudgetError::Slack {
                     cable: cable.name,
-                    tension_n: slack,
+                    tension_n,
                 });
             }
             Ok(ModelledCable {

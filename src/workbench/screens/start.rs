@@ -88,6 +88,7 @@ fn open(ui: &mut Ui, state: &mut State) {
 }
 
 fn compare(ui: &mut Ui, state: &mut State) {
+    ui.add_space(2.0 * GRID);
     ui.horizontal(|ui| {
         let title = "Compare two sessions";
         if icon_button(ui, icons::ICON_COMPARE_ARROWS, title, true).clicked() {

@@ -39,7 +39,7 @@ fn a_moved_pulley_is_told_from_noise() {
     changed.cables[4].pulley.entry_point_m[1] -= 0.01;
     let before = write_run(&folder, "before", &robot, 1);
     let again = write_run(&folder, "again", &robot, 2);
-    let after = write_run(&folder, "after", &changed, 3);
+    let after = write_run(&folder, "after", &changed, 4);
 
     let same = tautline(&["compare", &before, &again, "--json", "-"])
         .succeeded()

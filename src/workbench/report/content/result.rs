@@ -43,7 +43,13 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     if let Some(png) = input.picture {
         section.blocks.push(Block::Picture {
             png: png.to_vec(),
-            caption: format!("{} with its cables", input.session.robot.name),
+            caption: match input.fit {
+                Some(_) => format!(
+                    "{}: the arrows lead from the pulleys of the drawing to the identified ones, larger than they are",
+                    input.session.robot.name
+                ),
+                None => format!("{} with its cables", input.session.robot.name),
+            },
         });
     }
     section

@@ -166,15 +166,16 @@ impl<'a> Layout<'a> {
         });
         self.y += 3.0;
         for (k, block) in section.blocks.iter().enumerate() {
-            self.block(block, section.blocks.get(k + 1));
+            self.block(block, section.blocks.get(k + 1..).unwrap_or_default());
         }
     }
 
-    fn block(&mut self, block: &Block, next: Option<&Block>) {
+    /// Lays out a block; `after` follow it.
+    fn block(&mut self, block: &Block, after: &[Block]) {
         match block {
             Block::Heading(text) => {
                 self.space(10.0);
-                self.reserve(HEADING.leading + BELOW_HEADING);
+                self.reserve(HEADING.leading + below_heading(after));
                 self.text(text, HEADING, 0.0);
             }
             Block::Lead(text) => self.paragraph(text, LEAD),
@@ -190,7 +191,7 @@ impl<'a> Layout<'a> {
             Block::Picture { png, caption } => self.picture(png, caption),
         }
         // What a lead says belongs to what follows it.
-        if matches!((block, next), (Block::Lead(_), Some(_))) {
+        if matches!(block, Block::Lead(_)) && !after.is_empty() {
             self.y += 1.0;
         }
     }
@@ -300,6 +301,19 @@ impl<'a> Layout<'a> {
         });
         self.y += size[1] + 2.0;
         self.text(caption, SMALL, 0.0);
+    }
+}
+
+/// Height that a heading needs below it (pt): plots stay with it and the note between them.
+fn below_heading(after: &[Block]) -> f64 {
+    let first = |plots: &[Drawing]| plots.first().map_or(0.0, |plot| plot.size[1]);
+    match after {
+        [Block::Plots(plots), ..] => 8.0 + first(plots),
+        [Block::Note(_), Block::Plots(plots), ..] => {
+            // A note has three lines at most.
+            13.0 + 3.0 * SMALL.leading + first(plots)
+        }
+        _ => BELOW_HEADING,
     }
 }
 

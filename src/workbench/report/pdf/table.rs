@@ -11,6 +11,8 @@ const PADDING: f64 = 5.0;
 const ROW_SPACE: f64 = 1.5;
 /// Narrowest column of text that breaks (pt).
 const NARROWEST: f64 = 56.0;
+/// Height below which a table is not broken (pt).
+const KEPT_WHOLE: f64 = 180.0;
 /// Rows that stay with the heading.
 const WITH_HEADING: usize = 2;
 
@@ -55,13 +57,17 @@ impl Layout<'_> {
             })
             .collect();
         let caption = wrap(self.faces, &table.caption, SMALL.size, SMALL.bold, WIDTH);
-        let with_heading: f64 = rows
-            .iter()
-            .take(WITH_HEADING)
-            .map(|r| height(r, cell))
-            .sum();
+        let of_rows = |count: usize| -> f64 {
+            let rows = rows.iter().take(count);
+            rows.map(|row| height(row, cell)).sum()
+        };
         let above = caption.len() as f64 * SMALL.leading + height(&headings, head);
-        self.reserve(above + with_heading);
+        let whole = above + of_rows(rows.len());
+        self.reserve(if whole < KEPT_WHOLE {
+            whole
+        } else {
+            above + of_rows(WITH_HEADING)
+        });
         for line in caption {
             self.line(line, SMALL, LEFT, Anchor::Start);
             self.y += SMALL.leading;

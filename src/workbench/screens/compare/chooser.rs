@@ -11,7 +11,7 @@ use crate::app::screen::{Screen, Step};
 use crate::app::theme::{self, GRID};
 use crate::comparison::{Side, Source};
 use crate::samples;
-use crate::widgets::{heading, icon_button, primary};
+use crate::widgets::{heading, icon_button};
 
 /// Height of a row and width of the name before it (points).
 const ROW: f32 = 7.0 * GRID;
@@ -90,7 +90,10 @@ fn choose(ui: &mut Ui, state: &mut State, side: Side) {
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &label));
     let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     let typed = !path.trim().is_empty();
-    let take = named(primary(ui, "Take", typed), &format!("Take {name}"));
+    let take = named(
+        ui.add_enabled(typed, Button::new("Take")),
+        &format!("Take {name}"),
+    );
     if (take.clicked() || entered) && typed {
         let source = Source::File(PathBuf::from(path.trim()));
         state.outbox.send(CompareCommand::Choose(side, source));

@@ -6,7 +6,7 @@ mod pulleys;
 
 use std::sync::Arc;
 
-use egui::{Frame, Margin, Panel, ScrollArea, Spinner, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 
 use crate::app::State;
 use crate::app::commands::{COMPARING, CompareCommand, ViewCommand};
@@ -97,7 +97,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         Some(Ok(compared)) => {
             Panel::right("differences")
                 .frame(side)
-                .default_size(560.0)
+                .default_size(600.0)
                 .size_range(420.0..=760.0)
                 .show(ui, |ui| differences(ui, state, &compared));
             Panel::bottom("residuals of both")
@@ -105,11 +105,13 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 .default_size(230.0)
                 .size_range(140.0..=500.0)
                 .show(ui, |ui| residuals(ui, state, &compared));
-            let view = &mut state.views.compared_3d;
-            let (scene, selection) = (&compared.scene, state.selection);
-            if let Some(selection) = view.show(ui, scene, selection, &mut state.hovered) {
-                state.outbox.send(ViewCommand::Select(selection));
-            }
+            CentralPanel::no_frame().show(ui, |ui| {
+                let view = &mut state.views.compared_3d;
+                let (scene, selection) = (&compared.scene, state.selection);
+                if let Some(selection) = view.show(ui, scene, selection, &mut state.hovered) {
+                    state.outbox.send(ViewCommand::Select(selection));
+                }
+            });
         }
         Some(Err(error)) => {
             ui.add_space(6.0 * GRID);

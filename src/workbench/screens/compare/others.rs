@@ -10,7 +10,7 @@ use crate::comparison::{Compared, by_chance, differs, effect_name};
 use crate::documents::identification::Explains;
 use crate::widgets::{Cell, Column, muted, section, table};
 use crate::wording::sentence;
-use crate::wording::units::{quantity, unit_of, with_sd};
+use crate::wording::units::{decimals, people, quantity, unit_of, with_sd};
 
 /// Draws the parts.
 pub fn show(ui: &mut Ui, compared: &Compared) {
@@ -51,9 +51,15 @@ fn side_by_side(
     (name, unit): (String, &str),
     scalar: &ScalarDifference,
 ) -> Vec<Cell> {
-    let value = |value: Option<f64>| {
-        let absent = || Cell::new("not in its model").coloured(theme::of(ui).muted);
-        value.map_or_else(absent, |value| Cell::new(quantity(value, unit)))
+    let (factor, people) = people(unit);
+    let sd = factor * scalar.sd;
+    let value = |value: Option<f64>| match value {
+        None => Cell::new("not in its model").coloured(theme::of(ui).muted),
+        Some(value) if sd.is_finite() && sd > 0.0 => {
+            let text = format!("{:.*} {people}", decimals(sd), factor * value);
+            Cell::new(text.trim_end())
+        }
+        Some(value) => Cell::new(quantity(value, unit)),
     };
     vec![
         Cell::new(name),

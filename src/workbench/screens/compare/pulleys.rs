@@ -2,12 +2,11 @@
 
 use egui::Ui;
 use egui_material_icons::icons;
-use tautline_core::comparison::{Comparison, PulleyDifference};
+use tautline_core::comparison::{Comparison, PulleyDifference, Test};
 
 use crate::app::State;
 use crate::app::commands::ViewCommand;
 use crate::app::{Selection, theme};
-use crate::comparison::by_chance;
 use crate::screens::desk::decimals_for;
 use crate::widgets::{Cell, Column, muted, section, table};
 
@@ -19,8 +18,7 @@ pub fn show(ui: &mut Ui, state: &mut State, compared: &Comparison) {
         Column::number("x", "mm"),
         Column::number("y", "mm"),
         Column::number("z", "mm"),
-        Column::number("Distance", "mm"),
-        Column::number("Standard deviation", "mm"),
+        Column::number("Distance ±", "mm"),
         Column::words("Verdict"),
         Column::words("By noise alone"),
     ];
@@ -39,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &mut State, compared: &Comparison) {
     }
     muted(
         ui,
-        "Relative to the pulleys that did not move. The probabilities are corrected for the number of questions asked.",
+        "Relative to the pulleys that did not move, ± one standard deviation. The probabilities are corrected for the number of questions asked.",
     );
 }
 
@@ -50,6 +48,15 @@ fn decimals(compared: &Comparison) -> usize {
         shown.length_sd_m() * 1e3
     });
     decimals_for(sds.fold(f64::INFINITY, f64::min), 1, 3)
+}
+
+/// How often noise alone makes such a difference, as short as it fits a table.
+fn chance(test: Test) -> String {
+    match test.p_corrected {
+        p if p < 1e-6 => "under 1 in a million".to_owned(),
+        p if p > 0.05 => format!("{:.0} in 100", 100.0 * p),
+        p => format!("1 in {:.0}", 1.0 / p),
+    }
 }
 
 fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec<Cell> {
@@ -66,14 +73,17 @@ fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec
             .coloured(palette.good),
     };
     let [x, y, z] = shown.vector_m.into();
-    let chance = pulley.test.map_or_else(String::new, by_chance);
+    let chance = pulley.test.map_or_else(String::new, chance);
     vec![
         Cell::new(&pulley.cable).with_dot(palette.cable(index)),
         millimetres(x),
         millimetres(y),
         millimetres(z),
-        millimetres(shown.length_m()),
-        millimetres(shown.length_sd_m()),
+        Cell::new(format!(
+            "{:.decimals$} ± {:.decimals$}",
+            shown.length_m() * 1e3,
+            shown.length_sd_m() * 1e3
+        )),
         verdict,
         Cell::new(chance).coloured(palette.muted),
     ]

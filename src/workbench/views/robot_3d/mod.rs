@@ -242,13 +242,14 @@ impl Robot3d {
         hovered: &mut Selection,
     ) -> Option<Selection> {
         let mut aim = None;
+        let width = ui.available_width();
         Frame::new()
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
                 aim = toolbar::show(ui, &mut self.options, scene.besides);
             });
         let drawing = self.drawing_of(scene, selection, ui.theme());
-        let size = ui.available_size().max(egui::Vec2::splat(16.0));
+        let size = egui::vec2(width, ui.available_height()).max(egui::Vec2::splat(16.0));
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let aspect = f64::from(rect.aspect_ratio());

@@ -8,6 +8,9 @@ use super::drawing::{CableColour, Options};
 use super::scene::Besides;
 use crate::widgets::{icon_only, muted};
 
+/// Width of the slider with its number (points).
+const EXAGGERATION: f32 = 168.0;
+
 /// What the row asks of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
@@ -86,6 +89,10 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
 }
 
 fn exaggeration(ui: &mut Ui, options: &mut Options) {
+    // A slider does not go to the next row by itself.
+    if ui.available_size_before_wrap().x < EXAGGERATION {
+        ui.end_row();
+    }
     let slider = Slider::new(&mut options.exaggeration, 1.0..=200.0)
         .logarithmic(true)
         .step_by(1.0)
