@@ -2,6 +2,7 @@
 
 pub mod app;
 pub mod cli;
+mod comparison;
 pub mod documents;
 mod fonts;
 pub mod offscreen;

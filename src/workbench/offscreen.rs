@@ -178,7 +178,8 @@ impl Drop for OffscreenPainter {
     }
 }
 
-/// The picture of a scene as the view draws it, numbers and legends included, `size` pixels large.
+/// The picture of a scene as the view draws it, numbers and legends included: `size` points large, with `scale` pixels for
+/// each.
 ///
 /// # Errors
 /// If there is no OpenGL or it refuses.
@@ -186,7 +187,7 @@ pub fn render_scene(
     scene: &Scene,
     options: &Options,
     camera: &Camera,
-    size: [u32; 2],
+    (size, scale): ([u32; 2], f32),
     theme: Theme,
 ) -> Result<RgbaImage, OffscreenError> {
     let mut painter = OffscreenPainter::new()?;
@@ -196,10 +197,13 @@ pub fn render_scene(
     let side = |side: u32| side.max(1) as f32;
     let rect =
         egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side(size[0]), side(size[1])));
-    let input = egui::RawInput {
+    let mut input = egui::RawInput {
         screen_rect: Some(rect),
         ..Default::default()
     };
+    if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
+        viewport.native_pixels_per_point = Some(scale);
+    }
     let canvas = Canvas::default();
     let selection = Selection::default();
     let drawing = Arc::new(Drawing::new(scene, options, selection, theme));

@@ -36,7 +36,7 @@ fn bare() -> Options {
 }
 
 fn draw(scene: &Scene, camera: &Camera, theme: Theme) -> RgbaImage {
-    render_scene(scene, &bare(), camera, SIZE, theme).expect("a picture")
+    render_scene(scene, &bare(), camera, (SIZE, 1.0), theme).expect("a picture")
 }
 
 fn rgb(image: &RgbaImage, x: u32, y: u32) -> [i32; 3] {
@@ -181,22 +181,22 @@ fn draws(harness: &Harness<'_, App>) -> u64 {
 
 #[test]
 fn the_robot_is_drawn_again_only_when_something_changed() {
-    let renderer = GlowTestRenderer::new().unwrap();
+    let renderer = GlowTestRenderer::new().expect("a picture");
     let mut harness = harness(&renderer, 1.0);
     open(&mut harness, session_of("mini", 4), true);
-    let first = renderer.picture(&harness).unwrap();
+    let first = renderer.picture(&harness).expect("a picture");
     assert_eq!(draws(&harness), 1);
     let at = in_window(&harness, &Vec3::zeros());
     for step in 0..5 {
         harness.hover_at(at + vec2(step as f32, 0.0));
         harness.run_ok();
-        renderer.picture(&harness).unwrap();
+        renderer.picture(&harness).expect("a picture");
     }
     assert_eq!(draws(&harness), 1, "the pointer alone changes nothing");
     harness.hover_at(at - vec2(0.0, 400.0));
     harness.run_ok();
     assert!(
-        renderer.picture(&harness).unwrap() == first,
+        renderer.picture(&harness).expect("a picture") == first,
         "the copy is the picture"
     );
     harness.drag_at(at + vec2(150.0, 60.0));
@@ -205,7 +205,7 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
     harness.run_ok();
     harness.drop_at(at + vec2(200.0, 60.0));
     harness.run_ok();
-    renderer.picture(&harness).unwrap();
+    renderer.picture(&harness).expect("a picture");
     let turned = draws(&harness);
     assert!(turned > 1, "it was turned");
     harness
@@ -214,7 +214,7 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
         .context
         .set_theme(ThemePreference::Light);
     harness.run_ok();
-    let light = renderer.picture(&harness).unwrap();
+    let light = renderer.picture(&harness).expect("a picture");
     assert_eq!(draws(&harness), turned + 1, "another theme");
     let rect = harness.get_by_label("3D view").rect();
     let corner = rect.left_center() + vec2(4.0, 0.0);
@@ -226,10 +226,10 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
 #[test]
 fn at_twice_the_scale_lines_are_twice_as_wide() {
     let area = |scale: f32| {
-        let renderer = GlowTestRenderer::new().unwrap();
+        let renderer = GlowTestRenderer::new().expect("a picture");
         let mut harness = harness(&renderer, scale);
         open(&mut harness, session_of("planar", 3), false);
-        let image = renderer.picture(&harness).unwrap();
+        let image = renderer.picture(&harness).expect("a picture");
         assert_eq!(image.width(), (1280.0 * scale) as u32);
         let wanted = colour(theme::palette(harness.ctx.theme()).cable(1));
         let count = image.pixels().filter(|p| {

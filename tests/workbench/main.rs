@@ -1,6 +1,7 @@
 //! The workbench, driven by accessible names.
 
 mod adjustment;
+mod compare;
 mod demo;
 mod doctor;
 mod gl;
@@ -11,6 +12,7 @@ mod measuring;
 mod modeling;
 mod plots;
 mod precalibration;
+mod report;
 mod robot_3d;
 mod start;
 mod support;

@@ -8,3 +8,4 @@ mod identify;
 mod plan;
 mod precalibrate;
 mod program;
+mod report;

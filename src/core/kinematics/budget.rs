@@ -81,15 +81,17 @@ pub(super) struct ModelledCable {
     pub cable: Cable,
     pub ports: CablePorts,
     pub located: LocatedCable,
-    pub tension_n: f64,
+    /// Where it is known.
+    pub tension_n: Option<f64>,
 }
 
-/// All cables at a pose under tensions (N), as the effects of the model have them.
+/// All cables at a pose under tensions (N), as the effects of the model have them; those that have no path or no
+/// tension to hold them up say so.
 pub(super) fn modelled(
     robot: &Robot,
     pose: &Pose,
-    tensions_n: &[f64],
-) -> Result<Vec<ModelledCable>, BudgetError> {
+    tensions_n: &[Option<f64>],
+) -> Result<Vec<Result<ModelledCable, BudgetError>>, BudgetError> {
     if tensions_n.len() != robot.cable_count() {
         return Err(BudgetError::Tensions {
             found: tensions_n.len(),
@@ -108,17 +110,19 @@ pub(super) fn modelled(
     };
     let home = robot.home.map(|_| 0);
     let circumstances = Circumstances::new(robot, &data, home, &poses, None);
-    let ports = circumstances.cable_ports(poses.len() - 1, robot, &effects?, tensions_n);
+    let known: Vec<f64> = tensions_n.iter().map(|t| t.unwrap_or(0.0)).collect();
+    let ports = circumstances.cable_ports(poses.len() - 1, robot, &effects?, &known);
     let cables = robot.cables.iter().zip(ports).zip(tensions_n);
-    cables
+    Ok(cables
         .map(|((cable, ports), tension_n)| {
             let mut cable = cable.clone();
             ports.change_geometry(&mut cable);
-            let is_taut = *tension_n > 0.0;
-            if ports.weight.value != 0.0 && !is_taut {
+            if let Some(slack) = tension_n.filter(|tension| tension.is_nan() || *tension <= 0.0)
+                && ports.weight.value != 0.0
+            {
                 return Err(BudgetError::Slack {
                     cable: cable.name,
-                    tension_n: *tension_n,
+                    tension_n: slack,
                 });
             }
             Ok(ModelledCable {
@@ -128,7 +132,7 @@ pub(super) fn modelled(
                 tension_n: *tension_n,
             })
         })
-        .collect()
+        .collect())
 }
 
 impl ModelledCable {
@@ -140,11 +144,11 @@ impl ModelledCable {
         &self.located.pulley
     }
 
-    /// The law of its length; `down` is the direction of gravity.
-    fn law(&self, down: [f64; 3]) -> CableLaw<'_, f64> {
+    /// The law of its length under a tension; `down` is the direction of gravity.
+    fn law(&self, down: [f64; 3], tension_n: f64) -> CableLaw<'_, f64> {
         CableLaw {
             run: self.cable.winch.length_to_pulley_m,
-            tension: self.tension_n,
+            tension: tension_n,
             compliance: self.ports.compliance.value,
             strain: self.ports.strain.value,
             weight: Some(self.ports.weight.value).filter(|weight| *weight != 0.0),
@@ -153,8 +157,8 @@ impl ModelledCable {
         }
     }
 
-    fn budget(&self, down: [f64; 3]) -> Result<CableBudget, BudgetError> {
-        let law = self.law(down);
+    fn budget(&self, down: [f64; 3], tension_n: f64) -> Result<CableBudget, BudgetError> {
+        let law = self.law(down, tension_n);
         let path = self.path();
         let unstrained = law.unstrained(path);
         let span = law.run + path.length;
@@ -198,8 +202,11 @@ pub fn cable_budget(
 ) -> Result<Vec<CableBudget>, BudgetError> {
     let down: [f64; 3] = down(robot).into();
     let at = |pose: &Pose, tensions_n: &[f64]| -> Result<Vec<CableBudget>, BudgetError> {
-        let cables = modelled(robot, pose, tensions_n)?;
-        cables.iter().map(|cable| cable.budget(down)).collect()
+        let known: Vec<_> = tensions_n.iter().copied().map(Some).collect();
+        let cables = modelled(robot, pose, &known)?.into_iter().zip(tensions_n);
+        cables
+            .map(|(cable, tension_n)| cable?.budget(down, *tension_n))
+            .collect()
     };
     let mut budgets = at(pose, tensions_n)?;
     if let (Some(home), Some(tensions_n)) = (&robot.home, home_tensions_n) {

@@ -62,7 +62,7 @@ fn a_heavy_cable_hangs_in_the_parabola_of_its_extra_length() {
         span_parts: 2000,
         ..CableDetail::default()
     };
-    let drawing = only(cable_polyline(&robot, &pose, &[500.0], &detail).unwrap());
+    let drawing = only(cable_polyline(&robot, &pose, &[Some(500.0)], &detail).unwrap()).unwrap();
     let hanging = &drawing.points[drawing.exit..];
     let length: f64 = hanging.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
     // First order in the sag: the next term of the root is smaller by (slope)^2 / 4 = 2e-5, and the chords by 2e-7.
@@ -178,7 +178,9 @@ fn drawings_follow_the_pulleys() {
         let robot = &preset.robot;
         let tensions = preset.tension.tensions(robot, &pose).unwrap().unwrap();
         let detail = CableDetail::default();
-        let drawings = cable_polyline(robot, &pose, &tensions, &detail).unwrap();
+        let known: Vec<_> = tensions.iter().copied().map(Some).collect();
+        let drawings = cable_polyline(robot, &pose, &known, &detail).unwrap();
+        let drawings: Vec<_> = drawings.into_iter().map(Result::unwrap).collect();
         assert_drawn(robot, &pose, &drawings);
         let budgets = cable_budget(robot, &pose, &tensions, None).unwrap();
         for (drawing, budget) in drawings.iter().zip(&budgets) {
@@ -200,8 +202,15 @@ fn what_has_no_budget_is_said() {
         "found 0 tensions, expected one for each of the 1 cables"
     );
     robot.cables[0].cable.weight_n_per_m = 1.0;
-    let slack = cable_polyline(&robot, &pose, &[0.0], &CableDetail::default()).unwrap_err();
-    assert!(matches!(slack, BudgetError::Slack { .. }));
+    let detail = CableDetail::default();
+    let drawn = |tension| only(cable_polyline(&robot, &pose, &[tension], &detail).unwrap());
+    assert!(matches!(drawn(Some(0.0)), Err(BudgetError::Slack { .. })));
+    let straight = drawn(None).unwrap();
+    assert_eq!(straight.points.len(), straight.exit + 2, "exit and anchor");
+    let hanging = drawn(Some(1e-6)).unwrap();
+    let [exit, middle, anchor] = [0, 12, 24].map(|k| hanging.points[hanging.exit + k]);
+    let depth = (middle - (exit + anchor) / 2.0).norm() / (anchor - exit).norm();
+    assert!(depth < 0.3 + 1e-12 && depth > 0.1, "{depth}");
     let inside = cable_budget(&robot, &at(0.1, 0.0), &[10.0], None).unwrap_err();
     assert!(matches!(inside, BudgetError::Kinematics(_)));
 }

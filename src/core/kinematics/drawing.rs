@@ -17,6 +17,8 @@ pub struct CableDetail {
     pub largest_turn_rad: f64,
     /// Parts of the free cable where it sags.
     pub span_parts: usize,
+    /// Largest depth in its middle that is drawn, over its length: a cable that is almost slack is no parabola any more.
+    pub largest_sag: f64,
 }
 
 impl Default for CableDetail {
@@ -25,6 +27,7 @@ impl Default for CableDetail {
             lead_in_m: 0.1,
             largest_turn_rad: 0.1,
             span_parts: 24,
+            largest_sag: 0.3,
         }
     }
 }
@@ -36,6 +39,8 @@ pub struct CableDrawing {
     pub points: Vec<Vec3>,
     /// Index of the point at which it leaves the pulley.
     pub exit: usize,
+    /// Where it reaches the pulley (m).
+    pub entry: Vec3,
     /// Centre of the pulley (m).
     pub pulley_centre: Vec3,
     /// Axis about which the pulley turns (unit vector).
@@ -46,22 +51,21 @@ pub struct CableDrawing {
     pub radius_m: f64,
 }
 
-/// Draws every cable at `pose` under `tensions_n`, as the model with its effects has them, in the robot's order.
+/// Draws every cable at `pose` under `tensions_n`, as the model with its effects has them, in the robot's order. A cable
+/// whose tension is not known is straight; one that has no path or no tension to hold it up cannot be drawn and says so.
 ///
 /// # Errors
-/// A cable that has no path or no tension to hold it up, an effect that does not exist, or tensions that are not
-/// one for each cable.
+/// An effect that does not exist, or tensions that are not one for each cable.
 pub fn cable_polyline(
     robot: &Robot,
     pose: &Pose,
-    tensions_n: &[f64],
+    tensions_n: &[Option<f64>],
     detail: &CableDetail,
-) -> Result<Vec<CableDrawing>, BudgetError> {
+) -> Result<Vec<Result<CableDrawing, BudgetError>>, BudgetError> {
     let down = down(robot);
-    let cables = modelled(robot, pose, tensions_n)?;
+    let cables = modelled(robot, pose, tensions_n)?.into_iter();
     Ok(cables
-        .iter()
-        .map(|cable| drawing(cable, down, detail))
+        .map(|cable| Ok(drawing(&cable?, down, detail)))
         .collect())
 }
 
@@ -87,8 +91,12 @@ fn drawing(cable: &ModelledCable, down: Vec3, detail: &CableDetail) -> CableDraw
     let chord = anchor - from;
     let along = -Vec3::from(path.toward_exit);
     let across = down - along * along.dot(&down);
-    let depth = weight * path.free_length * path.free_length / (2.0 * cable.tension_n);
-    let parts = if weight == 0.0 {
+    // Its depth in the middle, four times.
+    let sagging = |tension_n: f64| weight * path.free_length / (2.0 * tension_n);
+    let sag = cable.tension_n.map_or(0.0, sagging);
+    let most = 4.0 * detail.largest_sag;
+    let depth = sag.clamp(-most, most) * path.free_length;
+    let parts = if depth == 0.0 {
         1
     } else {
         detail.span_parts.max(2)
@@ -101,6 +109,7 @@ fn drawing(cable: &ModelledCable, down: Vec3, detail: &CableDetail) -> CableDraw
     CableDrawing {
         points,
         exit,
+        entry,
         pulley_centre: centre,
         pulley_axis: path.lateral.into(),
         swivel_axis: axis,

@@ -2,9 +2,9 @@
 //! all send these, and each kind has one handler in `commands/`.
 
 use super::commands::{
-    FileCommand, FileOutcome, ImportCommand, ImportOutcome, ModelCommand, ModelOutcome,
-    PlotCommand, PlotOutcome, ReportCommand, ReportOutcome, RobotCommand, RobotOutcome,
-    ViewCommand,
+    CompareCommand, CompareOutcome, FileCommand, FileOutcome, ImportCommand, ImportOutcome,
+    ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, ReportCommand, ReportOutcome,
+    RobotCommand, RobotOutcome, ViewCommand,
 };
 use super::edit::Edit;
 
@@ -31,6 +31,8 @@ pub enum Command {
     Robot(RobotCommand),
     /// The report.
     Report(ReportCommand),
+    /// Two sessions side by side.
+    Compare(CompareCommand),
 }
 
 /// What a task came to.
@@ -48,6 +50,8 @@ pub enum Outcome {
     Robot(RobotOutcome),
     /// Of a task with the report.
     Report(ReportOutcome),
+    /// Of comparing two sessions.
+    Compare(CompareOutcome),
     /// The task broke down.
     Panicked {
         /// Its title.
@@ -73,6 +77,7 @@ from!(
     ModelCommand => Command::Model,
     PlotCommand => Command::Plot,
     ReportCommand => Command::Report,
+    CompareCommand => Command::Compare,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
     ModelOutcome => Outcome::Model,
@@ -80,6 +85,7 @@ from!(
     RobotCommand => Command::Robot,
     RobotOutcome => Outcome::Robot,
     ReportOutcome => Outcome::Report,
+    CompareOutcome => Outcome::Compare,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

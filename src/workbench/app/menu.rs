@@ -4,7 +4,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 
 use super::command::Command;
 use super::commands::{
-    DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, ReportCommand, ViewCommand,
+    CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, ReportCommand, ViewCommand,
 };
 use super::screen::{Screen, Step};
 use super::state::State;
@@ -106,6 +106,13 @@ fn file(state: &State) -> Vec<Item> {
             keys(CONTROL, Key::O),
             true,
             FileCommand::AskOpen,
+        ),
+        item(
+            Menu::File,
+            "Compare two sessions",
+            None,
+            true,
+            CompareCommand::Show,
         ),
         item(
             Menu::File,

@@ -27,7 +27,8 @@ pub use messages::{Message, Messages, Severity};
 pub use selection::Selection;
 pub use state::{Options, State};
 
-use commands::FileCommand;
+use commands::{CompareCommand, FileCommand};
+use screen::Screen;
 
 /// The workbench as eframe runs it.
 pub struct App {
@@ -82,9 +83,11 @@ impl eframe::App for App {
         self.ask_before_closing(ctx);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
-            self.state
-                .outbox
-                .send(FileCommand::Open(file.path().to_path_buf()));
+            let path = file.path().to_path_buf();
+            match self.state.screen {
+                Screen::Compare => self.state.outbox.send(CompareCommand::Drop(path)),
+                _ => self.state.outbox.send(FileCommand::Open(path)),
+            }
         }
     }
 

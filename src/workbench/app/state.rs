@@ -6,7 +6,7 @@ use tautline_session::{Folders, LeftBehind, Preferences, left_behind};
 
 use super::breakdown::Breakdown;
 use super::command::Outbox;
-use super::commands::Leaving;
+use super::commands::{Leaving, SavingReport};
 use super::document::Document;
 use super::frame::Part;
 use super::keeping::Keeping;
@@ -42,6 +42,8 @@ pub struct Windows {
     pub save_as: Option<String>,
     /// What a small window shows.
     pub part: Part,
+    /// The report that is to be saved, while its place is asked for.
+    pub report: Option<SavingReport>,
     /// Whether the log is open.
     pub log: bool,
 }

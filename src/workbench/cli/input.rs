@@ -5,9 +5,21 @@ use std::path::Path;
 use anyhow::Result;
 use tautline_core::effect::measurements_as_modelled;
 use tautline_core::measurement::Dataset;
-use tautline_session::read_dataset;
+use tautline_session::{Session, import, read_dataset};
 
 use super::BadInput;
+use crate::app::clock;
+use crate::comparison::as_session;
+
+/// Reads a session, or begins one with a robot or a dataset folder; prints notices.
+pub fn session(path: &Path) -> Result<Session> {
+    let read = import(path, None)?;
+    let (session, notices) = as_session(path, read.value, clock::now()).map_err(BadInput::new)?;
+    for notice in read.notices.iter().chain(&notices) {
+        eprintln!("{notice}");
+    }
+    Ok(session)
+}
 
 /// Reads a dataset folder and prints its notices.
 pub fn dataset(folder: &Path) -> Result<Dataset> {

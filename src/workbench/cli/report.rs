@@ -1,23 +1,21 @@
 //! `tautline report`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
 use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
-use tautline_core::effect::{BoundEffect, EffectError};
-use tautline_core::estimation::{Control, Method};
-use tautline_session::{Import, Session, import};
+use tautline_core::estimation::Control;
+use tautline_session::Session;
 
-use super::BadInput;
 use super::diagnose::Shown;
-use super::fitted::refuse_extrapolation;
-use super::input::as_modelled;
+use super::{BadInput, input};
 use crate::app::clock;
-use crate::app::fit::{Fit, FitOrder, fit};
+use crate::app::fit::Fit;
+use crate::comparison::identify;
 use crate::documents::diagnosis::Diagnosed;
-use crate::report::{ReportFormat, ReportInput, write_report};
+use crate::report::{ReportFormat, ReportInput, report_picture, write_report};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -36,80 +34,41 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             arguments.out.display()
         )));
     }
-    let session = session(&arguments.subject)?;
+    let session = input::session(&arguments.subject)?;
     let (fit, diagnosis) = if session.measurements.is_empty() {
         (None, None)
     } else {
-        let fit = identify(&session)
-            .map_err(|error| error.context(arguments.subject.display().to_string()))?;
-        let diagnosis = examine(&session)
+        let fit = identify(&session, &mut |_| Control::Continue)
+            .map_err(|error| BadInput::new(format!("{}: {error}", arguments.subject.display())))?;
+        let diagnosis = examine(&session, &fit)
             .map_err(|error| error.context(arguments.subject.display().to_string()))?;
         (Some(fit), Some(diagnosis))
     };
+    let picture = report_picture(&session, fit.as_ref());
+    if let Err(error) = &picture {
+        eprintln!("the report has no picture of the robot: {error}");
+    }
     let input = ReportInput {
         session: &session,
         fit: fit.as_ref(),
         diagnosis: diagnosis.as_ref(),
         outdated: false,
-        picture: None,
+        picture: picture.as_deref().ok(),
         now: clock::now(),
     };
     write_report(&arguments.out, &input)?;
     Ok(())
 }
 
-/// Reads the session, or begins one with a robot or a dataset.
-fn session(path: &Path) -> Result<Session> {
-    let read = import(path, None)?;
-    for notice in &read.notices {
-        eprintln!("{notice}");
-    }
-    match read.value {
-        Import::Session(session) => Ok(*session),
-        Import::Robot(robot) => Ok(Session::new(robot.name.clone(), *robot, clock::now())),
-        Import::Dataset(folder) => {
-            for notice in &folder.notices {
-                eprintln!("{notice}");
-            }
-            let name = folder.dataset.robot.name.clone();
-            Ok(Session::of_dataset(name, *folder, clock::now()))
-        }
-        _ => Err(BadInput::new(format!(
-            "{}: found a table, expected a session, a robot or a dataset folder",
-            path.display()
-        ))),
-    }
-}
-
-/// What the settings of the session ask for.
-fn order(session: &Session) -> Result<FitOrder> {
-    let settings = session.settings.identification.effects.iter();
-    let effects: Result<Vec<_>, EffectError> = settings
-        .map(|setting| BoundEffect::to_estimate(setting, &session.robot))
-        .collect();
-    Ok(FitOrder {
-        dataset: Arc::new(as_modelled(session.dataset())?),
-        method: match session.settings.identification.method {
-            tautline_session::Method::Simple => Method::Simple,
-            _ => Method::Joint,
-        },
-        effects: effects.map_err(BadInput::new)?,
-    })
-}
-
-fn identify(session: &Session) -> Result<Fit> {
-    let found = fit(order(session)?, &mut |_| Control::Continue).map_err(BadInput::new)?;
-    refuse_extrapolation(&found.dataset, &found.solution)?;
-    Ok(found)
-}
-
-fn examine(session: &Session) -> Result<Diagnosed> {
+/// Diagnoses the model with the effects that the session has added to it, at the values that were identified.
+fn examine(session: &Session, fit: &Fit) -> Result<Diagnosed> {
     let alpha = session.settings.diagnosis.alpha;
     let options = DiagnosisOptions {
         alpha,
         ..DiagnosisOptions::default()
     };
-    let dataset = session.dataset();
+    let mut dataset = session.dataset();
+    dataset.robot.effects.clone_from(&fit.model.effects);
     let started = Instant::now();
     let mut shown = Shown::start();
     let diagnosis = diagnose(&dataset, &options, &mut |progress| shown.tell(*progress))

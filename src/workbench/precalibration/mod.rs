@@ -3,7 +3,6 @@
 mod calibration;
 mod fits;
 mod put;
-mod shares;
 mod table;
 
 pub use calibration::{Calibration, PerCable, Proposal};
@@ -11,5 +10,4 @@ pub use fits::{
     ElongationFit, fit_elongation, fit_force_sensor, fit_home, fit_winch, home_start_in_reference,
 };
 pub use put::{put_force_sensor, put_home, put_surface, put_winch};
-pub use shares::{CableShares, cable_shares};
 pub use table::{Table, TableRows};

@@ -1,13 +1,14 @@
 //! The report of a calibration: what was measured, identified and found, as HTML or PDF.
 //!
-//! `content` makes one [`document::Document`] of plain data; `html` and `pdf` render it. Nothing here reads a clock or asks
-//! the window for anything, so a report is the same wherever it is made.
+//! `content` makes one [`document::Document`] of plain data; `html` and `pdf` render it, `picture` draws the robot. Nothing
+//! here reads a clock or asks the window for anything, so a report is the same wherever it is made.
 
 mod content;
 mod document;
 mod drawing;
 mod html;
 mod pdf;
+mod picture;
 mod plots;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ use tautline_session::{Session, Timestamp, WriteError, write_bytes};
 use crate::app::fit::Fit;
 use crate::documents::diagnosis::Diagnosed;
 pub use pdf::PdfError;
+pub use picture::report_picture;
 
 /// Name of the program, as it signs reports.
 const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
@@ -58,6 +60,15 @@ impl ReportFormat {
             "html" | "htm" => Some(Self::Html),
             "pdf" => Some(Self::Pdf),
             _ => None,
+        }
+    }
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Html => "HTML",
+            Self::Pdf => "PDF",
         }
     }
 

@@ -24,6 +24,20 @@ pub fn find(folders: &[PathBuf]) -> Vec<Sample> {
         .unwrap_or_default()
 }
 
+/// Folders that may hold the sample sessions: beside the program, and where it was started.
+#[must_use]
+pub fn places() -> Vec<PathBuf> {
+    let program = std::env::current_exe().ok();
+    let beside = program
+        .iter()
+        .flat_map(|path| path.ancestors().skip(1).take(4))
+        .map(Path::to_owned);
+    beside
+        .chain(std::env::current_dir())
+        .map(|folder| folder.join("sessions"))
+        .collect()
+}
+
 fn samples_in(folder: &Path) -> Vec<Sample> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();

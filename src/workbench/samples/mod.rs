@@ -5,4 +5,4 @@ mod library;
 pub mod tables;
 
 pub use demo::demo;
-pub use library::{Sample, find};
+pub use library::{Sample, find, places};

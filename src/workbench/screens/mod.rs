@@ -29,6 +29,8 @@ pub struct Screens {
     pub precalibration: precalibration::Remembered,
     /// Of phase 2.
     pub modeling: modeling::Remembered,
+    /// Of the comparison.
+    pub compare: compare::Remembered,
 }
 
 /// Draws the panel of a phase.

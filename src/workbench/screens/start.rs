@@ -1,12 +1,12 @@
 //! The start screen: what one can begin with.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::app::State;
-use crate::app::commands::FileCommand;
+use crate::app::commands::{CompareCommand, FileCommand};
 use crate::app::theme::{self, GRID};
 use crate::samples::{self, Sample};
 use crate::widgets::{icon_button, icon_only, muted, primary, section};
@@ -41,6 +41,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 begin(ui, state);
                 section(ui, "Open a session, a robot.json or a dataset folder");
                 open(ui, state);
+                compare(ui, state);
                 recent(ui, state);
                 sample_sessions(ui, state);
                 ui.add_space(6.0 * GRID);
@@ -83,6 +84,16 @@ fn open(ui: &mut Ui, state: &mut State) {
         if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
             state.outbox.send(FileCommand::AskOpen);
         }
+    });
+}
+
+fn compare(ui: &mut Ui, state: &mut State) {
+    ui.horizontal(|ui| {
+        let title = "Compare two sessions";
+        if icon_button(ui, icons::ICON_COMPARE_ARROWS, title, true).clicked() {
+            state.outbox.send(CompareCommand::Show);
+        }
+        muted(ui, "Has a pulley moved, or is it noise?");
     });
 }
 
@@ -191,7 +202,7 @@ fn sample_sessions(ui: &mut Ui, state: &mut State) {
         .screens
         .start
         .samples
-        .get_or_insert_with(|| samples::find(&places()));
+        .get_or_insert_with(|| samples::find(&samples::places()));
     if found.is_empty() {
         return;
     }
@@ -205,19 +216,6 @@ fn sample_sessions(ui: &mut Ui, state: &mut State) {
             ui.add(egui::Label::new(text).truncate());
         });
     }
-}
-
-/// Folders that may hold the sample sessions: beside the program, and where it was started.
-fn places() -> Vec<PathBuf> {
-    let program = std::env::current_exe().ok();
-    let beside = program
-        .iter()
-        .flat_map(|path| path.ancestors().skip(1).take(4))
-        .map(Path::to_owned);
-    beside
-        .chain(std::env::current_dir())
-        .map(|folder| folder.join("sessions"))
-        .collect()
 }
 
 fn link(ui: &mut Ui, text: &str, enabled: bool) -> bool {

@@ -8,6 +8,8 @@ pub mod robot_3d;
 pub struct Views {
     /// Of the robot in 3D.
     pub robot_3d: robot_3d::Robot3d,
+    /// Of the two robots in 3D that are compared.
+    pub compared_3d: robot_3d::Robot3d,
     /// Of the plots.
     pub plots: plots::Remembered,
 }
@@ -16,5 +18,6 @@ impl Views {
     /// Frees what lies on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.robot_3d.destroy();
+        self.compared_3d.destroy();
     }
 }

@@ -1,5 +1,6 @@
 //! What the commands do; one file for each kind.
 
+mod compare;
 mod file;
 mod import;
 mod model;
@@ -9,11 +10,13 @@ pub mod robot;
 mod tables;
 mod view;
 
+pub use crate::comparison::{Side, Source};
+pub use compare::{COMPARING, CompareCommand, CompareOutcome};
 pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
 pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
-pub use report::{ReportCommand, ReportOutcome};
+pub use report::{ReportCommand, ReportOutcome, SavingReport};
 pub use robot::{RobotCommand, RobotOutcome};
 pub use view::{ViewCommand, restore};
 
@@ -31,6 +34,7 @@ pub fn perform(state: &mut State, command: Command) {
         Command::Robot(command) => robot::perform(state, command),
         Command::Plot(command) => plots::perform(state, command),
         Command::Report(command) => report::perform(state, command),
+        Command::Compare(command) => compare::perform(state, command),
         Command::Edit(edit) => changed(state, None, |document| {
             let name = edit.name();
             document.edit(edit).then_some(name)
@@ -77,6 +81,7 @@ pub fn receive(state: &mut State, outcome: Outcome) {
         Outcome::Robot(outcome) => robot::receive(state, outcome),
         Outcome::Plot(outcome) => plots::receive(state, outcome),
         Outcome::Report(outcome) => report::receive(state, outcome),
+        Outcome::Compare(outcome) => compare::receive(state, outcome),
         Outcome::Panicked { task } => {
             state.messages.error(format!(
                 "{task} broke down; the session is untouched. Please report this with the log."

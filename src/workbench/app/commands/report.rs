@@ -6,15 +6,28 @@ use std::sync::Arc;
 use crate::app::clock;
 use crate::app::command::Outcome;
 use crate::app::state::State;
-use crate::report::{ReportFormat, ReportInput, write_report};
+use crate::report::{ReportFormat, ReportInput, report_picture, write_report};
 
 /// Saves the report of the session.
 #[derive(Debug, Clone)]
 pub enum ReportCommand {
-    /// Asks for a place to save at.
+    /// Asks for a place to save at, in a window.
     AskSave(ReportFormat),
+    /// Asks for it with a file dialog.
+    Browse(ReportFormat),
+    /// Does not save.
+    Cancel,
     /// Saves at a place; the end of its name says in which format.
     Save(PathBuf),
+}
+
+/// A report that is to be saved.
+#[derive(Debug, Clone)]
+pub struct SavingReport {
+    /// How.
+    pub format: ReportFormat,
+    /// Where, as it is typed.
+    pub path: String,
 }
 
 /// What a task with the report came to.
@@ -28,38 +41,66 @@ pub enum ReportOutcome {
         path: PathBuf,
         /// Nothing, or one sentence.
         result: Result<(), String>,
+        /// Why it has no picture of the robot, if so.
+        lack: Option<String>,
     },
 }
 
 pub(super) fn perform(state: &mut State, command: ReportCommand) {
     match command {
         ReportCommand::AskSave(format) => ask(state, format),
-        ReportCommand::Save(path) => save(state, path),
+        ReportCommand::Browse(format) => browse(state, format),
+        ReportCommand::Cancel => state.windows.report = None,
+        ReportCommand::Save(path) => {
+            let saving = state.windows.report.take();
+            let path = match saving {
+                Some(saving) => whole(path, saving.format),
+                None => path,
+            };
+            save(state, path);
+        }
     }
 }
 
+/// Where the report belongs: beside the session.
+fn place(state: &State, format: ReportFormat) -> Option<PathBuf> {
+    let path = state.document.as_ref()?.path();
+    let stem = path.and_then(Path::file_stem);
+    let stem = stem.map_or_else(|| "session".into(), |stem| stem.to_string_lossy());
+    let name = format!("{stem}-report.{}", format.extension());
+    Some(path.map_or_else(|| name.clone().into(), |path| path.with_file_name(&name)))
+}
+
 fn ask(state: &mut State, format: ReportFormat) {
-    let Some(document) = &state.document else {
+    state.windows.report = place(state, format).map(|path| SavingReport {
+        format,
+        path: path.display().to_string(),
+    });
+}
+
+fn browse(state: &mut State, format: ReportFormat) {
+    let Some(place) = place(state, format) else {
         return;
     };
+    let name = place
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
     let extension = format.extension();
-    let beside = document.path().and_then(Path::file_stem);
-    let stem = beside.map_or_else(|| "session".into(), |stem| stem.to_string_lossy());
-    let name = format!("{stem}-report.{extension}");
     state.tasks.start("File dialog", move |_| {
         let dialog = rfd::FileDialog::new().add_filter(extension.to_uppercase(), &[extension]);
-        let picked = dialog.set_file_name(name).save_file();
-        // A name that is typed without its end gets it.
-        let whole = |path: PathBuf| match ReportFormat::of(&path) {
-            Some(_) => path,
-            None => {
-                let mut name = path.into_os_string();
-                name.push(format!(".{extension}"));
-                name.into()
-            }
-        };
-        ReportOutcome::Picked(picked.map(whole)).into()
+        let picked = dialog.set_file_name(name.unwrap_or_default()).save_file();
+        ReportOutcome::Picked(picked.map(|path| whole(path, format))).into()
     });
+}
+
+/// A name that is typed without its end gets it.
+fn whole(path: PathBuf, format: ReportFormat) -> PathBuf {
+    if ReportFormat::of(&path).is_some() {
+        return path;
+    }
+    let mut name = path.into_os_string();
+    name.push(format!(".{}", format.extension()));
+    name.into()
 }
 
 fn save(state: &mut State, path: PathBuf) {
@@ -72,33 +113,45 @@ fn save(state: &mut State, path: PathBuf) {
     let is_current = (fit.is_none() || document.fit_is_current())
         && (diagnosis.is_none() || document.diagnosis_is_current());
     state.tasks.start("Writing the report", move |_| {
+        let picture = report_picture(&session, fit.as_deref());
         let input = ReportInput {
             session: &session,
             fit: fit.as_deref(),
             diagnosis: diagnosis.as_deref(),
             outdated: !is_current,
-            picture: None,
+            picture: picture.as_deref().ok(),
             now: clock::now(),
         };
         let result = write_report(&path, &input).map_err(|error| error.to_string());
-        Outcome::Report(ReportOutcome::Saved { path, result })
+        Outcome::Report(ReportOutcome::Saved {
+            path,
+            result,
+            lack: picture.err(),
+        })
     });
 }
 
 pub(super) fn receive(state: &mut State, outcome: ReportOutcome) {
     match outcome {
-        ReportOutcome::Picked(Some(path)) => save(state, path),
+        ReportOutcome::Picked(Some(path)) => match &mut state.windows.report {
+            Some(saving) => saving.path = path.display().to_string(),
+            None => save(state, path),
+        },
         ReportOutcome::Picked(None) => state
             .messages
-            .info("The report was not saved: no file was chosen."),
-        ReportOutcome::Saved {
-            path,
-            result: Ok(()),
-        } => state
-            .messages
-            .info(format!("Saved the report {}.", path.display())),
+            .info("No file was chosen. If no dialog appeared, type the path."),
         ReportOutcome::Saved {
             result: Err(error), ..
         } => state.messages.error(error),
+        ReportOutcome::Saved { path, lack, .. } => {
+            if let Some(lack) = lack {
+                state
+                    .messages
+                    .warning(format!("The report has no picture of the robot: {lack}."));
+            }
+            state
+                .messages
+                .info(format!("Saved the report {}.", path.display()));
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! Questions that have to be answered before the program goes on.
 
 use egui::{Id, Key, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
 
-use crate::app::commands::FileCommand;
+use crate::app::commands::{FileCommand, ReportCommand, SavingReport};
 use crate::app::state::State;
 use crate::app::theme::{self, GRID};
-use crate::widgets::{heading, muted, primary};
+use crate::widgets::{heading, icon_button, muted, primary};
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -14,6 +15,40 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     } else if state.windows.leaving.is_some() {
         unsaved(ui, state);
     }
+    if let Some(saving) = state.windows.report.take() {
+        report(ui, state, saving);
+    }
+}
+
+/// Where is the report to be saved?
+fn report(ui: &mut Ui, state: &mut State, mut saving: SavingReport) {
+    let format = saving.format;
+    let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
+        ui.set_width(520.0);
+        heading(ui, &format!("Save the report as {}", format.title()));
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - 120.0;
+            let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(width));
+            field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the report"));
+            if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
+                state.outbox.send(ReportCommand::Browse(format));
+            }
+        });
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            let path = saving.path.trim();
+            if primary(ui, "Save report", !path.is_empty()).clicked() {
+                state.outbox.send(ReportCommand::Save(path.into()));
+            }
+            if ui.button("Cancel").clicked() {
+                state.outbox.send(ReportCommand::Cancel);
+            }
+        });
+    });
+    if modal.should_close() {
+        state.outbox.send(ReportCommand::Cancel);
+    }
+    state.windows.report = Some(saving);
 }
 
 /// Where to save?

@@ -1,15 +1,15 @@
 //! Readable form of a comparison.
 
+use tautline_core::comparison::Comparison;
+
 use super::document::{ComparisonDocument, PulleyDocument, ScalarDocument};
 use crate::cli::output::say;
 use crate::cli::table::{self, mm};
+use crate::comparison::{unexplained, verdict};
 use crate::wording::units::{quantity, significant, with_sd};
 
-/// Probability of a fit below which its differences are not to be trusted.
-const BAD_FIT: f64 = 0.01;
-
 /// Prints what differs.
-pub fn print(compared: &ComparisonDocument) {
+pub fn print(comparison: &Comparison, compared: &ComparisonDocument) {
     let mut rows = table::numbers(&[
         "Pulley",
         "dx mm",
@@ -39,14 +39,10 @@ pub fn print(compared: &ComparisonDocument) {
         let size = scalar(&effect.size, &effect.unit, compared.level);
         say!("{} {} {on}: {size}", effect.effect, effect.parameter);
     }
-    for (fit, run) in compared.fits.iter().zip(["first", "second"]) {
-        if fit.p_value.is_some_and(|p| p < BAD_FIT) {
-            say!(
-                "the model does not explain the {run} run: differences may come from what it lacks"
-            );
-        }
+    for sentence in unexplained(comparison, ["the first run", "the second run"]) {
+        say!("{sentence}");
     }
-    say!("{}", verdict(compared));
+    say!("{}", verdict(comparison));
 }
 
 fn cells(pulley: &PulleyDocument) -> [String; 8] {
@@ -92,18 +88,4 @@ fn scalar(of: &ScalarDocument, unit: &str, level: f64) -> String {
         size(of.second),
         with_sd(of.difference, of.sd, unit)
     )
-}
-
-fn verdict(compared: &ComparisonDocument) -> String {
-    if !compared.different {
-        return "no difference beyond noise".to_owned();
-    }
-    let moved: Vec<&str> = (compared.pulleys.iter())
-        .filter(|pulley| pulley.moved)
-        .map(|pulley| pulley.cable.as_str())
-        .collect();
-    match moved.as_slice() {
-        [] => "the robot differs, but no pulley has moved".to_owned(),
-        _ => format!("moved: {}", moved.join(", ")),
-    }
 }

@@ -92,10 +92,10 @@ fn entry_points(fit: &Fit) -> Table {
     table
 }
 
-/// The effects that were identified: those that the description has come before them.
+/// The effects that were identified: those whose values were held come before them.
 fn free_effects(fit: &Fit) -> &[BoundEffect] {
-    let held = fit.dataset.robot.effects.len();
-    fit.solution.globals.effects.get(held..).unwrap_or_default()
+    let effects = &fit.solution.globals.effects;
+    effects.get(fit.held..).unwrap_or_default()
 }
 
 /// Nominal and identified value of a parameter that is no entry point; the nominal one only where it is one number.

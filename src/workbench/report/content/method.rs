@@ -1,7 +1,8 @@
 //! How the values were found.
 
 use tautline_core::effect::BoundEffect;
-use tautline_session::{Method, Session};
+use tautline_core::estimation::Method;
+use tautline_session::Session;
 
 use crate::app::fit::Fit;
 use crate::report::document::Section;
@@ -12,12 +13,10 @@ const SOURCE: &str = "X. Jin, J. Jung, S. Y. Ko, E. Choi, J.-O. Park, C.-S. Kim:
 
 pub fn section(session: &Session, fit: &Fit) -> Section {
     let mut section = Section::new("Method");
-    let tensions = match session.settings.identification.method {
+    let tensions = match fit.method {
         Method::Simple => "Tensions are taken as the sensors say, without the balance of forces",
-        Method::Joint | Method::Published if fit.dataset.measurements.force_n.is_empty() => {
-            "No tensions were measured"
-        }
-        Method::Joint | Method::Published => {
+        Method::Joint if fit.dataset.measurements.force_n.is_empty() => "No tensions were measured",
+        Method::Joint => {
             "Tensions are unknown as well: their readings have noise, and the balance of forces holds at every pose"
         }
     };

@@ -1,10 +1,12 @@
 //! Where the length of every cable goes at the pose shown.
 
 use egui::{Color32, Rect, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
+use tautline_core::geometry::Pose;
+use tautline_core::kinematics::{BudgetError, CableBudget, cable_budget, inverse_kinematics};
+use tautline_core::robot::Robot;
 
 use super::pose;
 use crate::app::theme::{self, GRID, Palette};
-use crate::precalibration::{CableShares, cable_shares};
 use crate::screens::desk::{Desk, or_dash};
 use crate::widgets::{Cell, Column, Verdict, muted, table, verdict};
 
@@ -22,7 +24,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
         );
         return;
     };
-    let shares = match cable_shares(desk.robot(), &shown.pose, shown.tensions_n.as_deref()) {
+    let shares = match shares(desk.robot(), &shown.pose, shown.tensions_n.as_deref()) {
         Ok(shares) => shares,
         Err(error) => return verdict(ui, Verdict::Bad, &format!("{error}.")),
     };
@@ -48,8 +50,73 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
     numbers(ui, desk, &shares);
 }
 
+/// The length of a cable, part by part.
+#[derive(Debug)]
+struct Share {
+    /// Straight line from the pulley to the platform (m).
+    free_m: f64,
+    /// Around the pulley (m).
+    wrapped_m: f64,
+    /// What its tension makes of it; one sentence where that is not known.
+    under_load: Result<UnderLoad, String>,
+}
+
+/// What a tension makes of a cable.
+#[derive(Debug)]
+struct UnderLoad {
+    tension_n: f64,
+    elastic_m: f64,
+    sag_m: f64,
+}
+
+/// The length of every cable at `pose`; `tensions_n` where they are known.
+fn shares(
+    robot: &Robot,
+    pose: &Pose,
+    tensions_n: Option<&[f64]>,
+) -> Result<Vec<Share>, BudgetError> {
+    let unloaded = |reason: &str| -> Result<Vec<Share>, BudgetError> {
+        let states = inverse_kinematics(robot, pose)?.into_iter();
+        let share = states.map(|state| Share {
+            free_m: state.free_length_m,
+            wrapped_m: state.length_m - state.free_length_m,
+            under_load: Err(format!("Elongation and sag are not known, {reason}")),
+        });
+        Ok(share.collect())
+    };
+    let Some(tensions_n) = tensions_n else {
+        return unloaded("no tension was measured here");
+    };
+    match cable_budget(robot, pose, tensions_n, None) {
+        Err(slack @ BudgetError::Slack { .. }) => unloaded(&slack.to_string()),
+        Err(error) => Err(error),
+        Ok(budgets) => {
+            let loaded = budgets.iter().zip(tensions_n);
+            Ok(loaded
+                .map(|(cable, tension_n)| share(cable, *tension_n))
+                .collect())
+        }
+    }
+}
+
+fn share(cable: &CableBudget, tension_n: f64) -> Share {
+    let load = UnderLoad {
+        tension_n,
+        elastic_m: cable.elastic_m,
+        sag_m: cable.sag_m,
+    };
+    let outside = cable.outside_surface.as_ref();
+    Share {
+        free_m: cable.free_m,
+        wrapped_m: cable.wrapped_m,
+        under_load: outside.map_or(Ok(load), |outside| {
+            Err(format!("Elongation is not known, {outside}"))
+        }),
+    }
+}
+
 /// Every reason once why something is not known.
-fn reasons(shares: &[CableShares]) -> Vec<&str> {
+fn reasons(shares: &[Share]) -> Vec<&str> {
     let mut reasons: Vec<&str> = Vec::new();
     for share in shares {
         if let Err(reason) = &share.under_load
@@ -62,12 +129,12 @@ fn reasons(shares: &[CableShares]) -> Vec<&str> {
 }
 
 /// Everything that a bar shows (m).
-fn total(share: &CableShares) -> f64 {
+fn total(share: &Share) -> f64 {
     parts(share).iter().map(|(_, metres)| metres).sum()
 }
 
 /// Name and size of the parts (m).
-fn parts(share: &CableShares) -> [(&'static str, f64); 4] {
+fn parts(share: &Share) -> [(&'static str, f64); 4] {
     let load = share.under_load.as_ref().ok();
     [
         ("Free span", share.free_m),
@@ -95,7 +162,7 @@ fn legend(ui: &mut Ui) {
     });
 }
 
-fn bar(ui: &mut Ui, desk: &mut Desk<'_>, cable: usize, share: &CableShares, longest: f64) {
+fn bar(ui: &mut Ui, desk: &mut Desk<'_>, cable: usize, share: &Share, longest: f64) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), BAR + 2.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -134,7 +201,7 @@ fn bar(ui: &mut Ui, desk: &mut Desk<'_>, cable: usize, share: &CableShares, long
     }
 }
 
-fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[CableShares]) {
+fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[Share]) {
     let columns = [
         Column::words("Cable"),
         Column::number("Free span", "mm"),
@@ -161,5 +228,29 @@ fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[CableShares]) {
     let chosen = desk.selection.cable;
     if let Some(cable) = table(ui, &columns, &rows, chosen).clicked {
         desk.select_cable(cable);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tautline_core::robot::presets::find;
+
+    #[test]
+    fn parts_are_the_same_with_and_without_a_tension() {
+        let robot = find("mini").expect("the preset").robot;
+        let pose = robot.home.expect("home").pose();
+        let tensions = vec![50.0; robot.cable_count()];
+        let loaded = shares(&robot, &pose, Some(&tensions)).expect("paths");
+        let unloaded = shares(&robot, &pose, None).expect("paths");
+        for (a, b) in loaded.iter().zip(&unloaded) {
+            assert!((a.free_m - b.free_m).abs() < 1e-12);
+            assert!((a.wrapped_m - b.wrapped_m).abs() < 1e-12);
+            assert!(a.under_load.as_ref().is_ok_and(|load| load.elastic_m > 0.0));
+        }
+        assert_eq!(
+            reasons(&unloaded),
+            ["Elongation and sag are not known, no tension was measured here"]
+        );
     }
 }

@@ -31,6 +31,7 @@ pub struct Entry {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sign {
     Marker(Marker, Ink),
+    Ring(Ink),
     Line(Ink, bool),
     Area(Ink, bool),
     Band,
@@ -107,13 +108,21 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
     let mut signs: Vec<(Sign, &str, Option<usize>)> = Vec::new();
     // Many cables are named by their numbers alone, so that the data keep the space.
     let is_short = figure.series.len() > 4;
-    for series in &figure.series {
+    let named = figure
+        .series
+        .iter()
+        .filter(|series| !series.short.is_empty());
+    for series in named {
         let text = if is_short {
             &series.short
         } else {
             &series.name
         };
-        let sign = Sign::Marker(series.marker, series.ink);
+        let sign = if series.hollow {
+            Sign::Ring(series.ink)
+        } else {
+            Sign::Marker(series.marker, series.ink)
+        };
         signs.push((sign, text, series.cable));
     }
     for columns in &figure.columns {
@@ -351,6 +360,8 @@ fn points(
         }
         if dense {
             canvas.fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
+        } else if series.hollow {
+            canvas.ring(at, 3.25, Stroke::new(1.25, colour));
         } else {
             canvas.marker(at, series.marker, 3.25, colour);
         }
@@ -429,6 +440,7 @@ fn sign(canvas: &mut dyn Canvas, entry: &Entry, selection: Selection, palette: &
     let area = Rect::from_center_size(at, vec2(3.0 * GRID, 2.0 * GRID));
     match entry.sign {
         Sign::Marker(marker, ink) => canvas.marker(at, marker, 3.75, ink.colour(palette)),
+        Sign::Ring(ink) => canvas.ring(at, 3.75, Stroke::new(1.25, ink.colour(palette))),
         Sign::Line(ink, dashed) => {
             canvas.line(
                 &[at - half, at + half],

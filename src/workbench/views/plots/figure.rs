@@ -160,6 +160,8 @@ pub struct Series {
     pub ink: Ink,
     /// Shape.
     pub marker: Marker,
+    /// Whether points are rings, as for the second of two sets.
+    pub hollow: bool,
     points: Vec<Point>,
 }
 
@@ -176,6 +178,7 @@ impl Series {
             cable: None,
             ink,
             marker,
+            hollow: false,
             points,
         }
     }
@@ -187,6 +190,15 @@ impl Series {
             short: (index + 1).to_string(),
             cable: Some(index),
             ..Self::new(name, Ink::Cable(index), Marker::cable(index), points)
+        }
+    }
+
+    /// The same as rings, as the second of two sets of the same cable.
+    #[must_use]
+    pub fn as_rings(self) -> Self {
+        Self {
+            hollow: true,
+            ..self
         }
     }
 

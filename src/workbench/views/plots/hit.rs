@@ -68,7 +68,7 @@ pub fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
         let excluded = if point.excluded { ", excluded" } else { "" };
         lines.push(format!("Pose {pose}{excluded}"));
     }
-    let is_pose = figure.x.label == super::POSE;
+    let is_pose = figure.x.label == super::POSE && point.pose.is_some();
     lines.push(line(&figure.y, point.y, point.sd[1], scale.view[1]));
     if !is_pose {
         lines.push(line(&figure.x, point.x, point.sd[0], scale.view[0]));

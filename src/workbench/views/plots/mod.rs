@@ -34,6 +34,7 @@ use figure::Figure;
 use panel::{Done, Panel, Shown};
 pub use prepare::{Preparation, Prepared};
 use sources::residuals::Unit;
+pub use sources::residuals::of_both as residuals_of_both;
 use sources::tensions::Shown as Tensions;
 use sources::variable::Choice;
 pub use tab::Tab;

@@ -9,7 +9,7 @@ use super::scene::{CableView, Displacement, Scene, Wheel};
 use crate::app::Selection;
 use crate::app::theme::{self, Palette};
 
-/// Opacity of nominal pulleys.
+/// Opacity of the pulleys shown besides.
 const GHOST: f32 = 0.3;
 /// Opacity of ellipsoids.
 const ELLIPSOID: f32 = 0.28;
@@ -48,9 +48,9 @@ pub struct Options {
     pub colour: CableColour,
     /// How many times larger than they are displacements and ellipsoids are drawn.
     pub exaggeration: f64,
-    /// Pulleys of the drawing.
+    /// Pulleys shown besides, of the drawing or another session.
     pub nominal: bool,
-    /// What identification changed.
+    /// How the two differ.
     pub arrows: bool,
     /// Where pulleys are with 95 % confidence.
     pub ellipsoids: bool,
@@ -237,13 +237,18 @@ impl Drawing {
             return;
         };
         let tip = moved.from + moved.by * options.exaggeration;
+        let ink = if moved.is_noise {
+            palette.muted
+        } else {
+            palette.accent
+        };
         if options.arrows {
-            self.arrow(&moved.from, &tip, size_m, palette.accent);
+            self.arrow(&moved.from, &tip, size_m, ink);
         }
         if options.ellipsoids
             && let Some(shape) = ellipsoid(moved, options.exaggeration)
         {
-            let colour = rgba(palette.accent, ELLIPSOID);
+            let colour = rgba(ink, ELLIPSOID);
             self.glass.ellipsoid(&tip, &shape, colour);
         }
     }
@@ -368,6 +373,7 @@ mod tests {
             from: Vec3::zeros(),
             by: Vec3::zeros(),
             covariance: Some(Matrix3::from_diagonal(&diagonal)),
+            is_noise: false,
         };
         let shape = ellipsoid(&moved(Vec3::new(4e-6, 1e-6, 9e-6)), 10.0).unwrap();
         let mut axes: Vec<f64> = (0..3).map(|k| shape.column(k).norm()).collect();

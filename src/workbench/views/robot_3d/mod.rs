@@ -58,7 +58,7 @@ pub struct Robot3d {
     pub options: Options,
     camera: Option<Camera>,
     scene: Option<(SceneKey, Arc<Scene>)>,
-    drawing: Option<(DrawingKey, Arc<Drawing>)>,
+    drawing: Option<(Arc<Scene>, DrawingKey, Arc<Drawing>)>,
     drawings: u64,
     canvas: Canvas,
     hovers: bool,
@@ -184,24 +184,29 @@ impl Robot3d {
             planned: self.planned.clone(),
         };
         self.scene = Some((key, Arc::clone(&scene)));
-        self.drawing = None;
         scene
     }
 
-    fn drawing_of(&mut self, scene: &Scene, selection: Selection, theme: Theme) -> Arc<Drawing> {
+    fn drawing_of(
+        &mut self,
+        scene: &Arc<Scene>,
+        selection: Selection,
+        theme: Theme,
+    ) -> Arc<Drawing> {
         let key = DrawingKey {
             theme,
             options: self.options,
             selection,
         };
-        if let Some((of, drawing)) = &self.drawing
-            && *of == key
+        if let Some((of, with, drawing)) = &self.drawing
+            && Arc::ptr_eq(of, scene)
+            && *with == key
         {
             return Arc::clone(drawing);
         }
         let drawing = Arc::new(Drawing::new(scene, &self.options, selection, theme));
         self.drawings += 1;
-        self.drawing = Some((key, Arc::clone(&drawing)));
+        self.drawing = Some((Arc::clone(scene), key, Arc::clone(&drawing)));
         drawing
     }
 }
@@ -217,51 +222,70 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     };
     let view = &mut state.views.robot_3d;
     let scene = view.scene_of(document, state.selection);
-    let mut aim = None;
-    Frame::new()
-        .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
-        .show(ui, |ui| {
-            aim = toolbar::show(ui, &mut view.options, scene.is_identified);
-        });
-    let drawing = view.drawing_of(&scene, state.selection, ui.theme());
-    let size = ui.available_size().max(egui::Vec2::splat(16.0));
-    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
-    let aspect = f64::from(rect.aspect_ratio());
-    let extent = scene.extent();
-    let start = || Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
-    let camera = view.camera.get_or_insert_with(start);
-    match aim.or_else(|| canvas::keys(ui, &response)) {
-        Some(Aim::Fit) => camera.fit(&extent, aspect),
-        Some(Aim::To(side)) => {
-            camera.turn_to(side);
-            camera.fit(&extent, aspect);
-        }
-        None => {}
-    }
-    canvas::steer(ui, &response, camera, &extent);
-    let picture = picking::Picture {
-        scene: &scene,
-        options: &view.options,
-        camera,
-        size: [rect.width(), rect.height()].map(f64::from),
-    };
-    let thing = canvas::under_pointer(&response, &picture);
-    view.canvas
-        .paint(ui, rect, &drawing, view.drawings, &picture, state.hovered);
-    if let Some(thing) = thing {
-        response
-            .clone()
-            .on_hover_text_at_pointer(words::describe(&scene, thing));
-    }
-    let picked = thing.map(canvas::selection_of).unwrap_or_default();
-    if thing.is_some() || view.hovers {
-        // What another view hovers stays until the pointer is here.
-        state.hovered = picked;
-        view.hovers = thing.is_some();
-    }
-    if response.clicked() {
-        let selection = canvas::clicked(picked, state.selection);
+    if let Some(selection) = view.show(ui, &scene, state.selection, &mut state.hovered) {
         state.outbox.send(ViewCommand::Select(selection));
+    }
+}
+
+impl Robot3d {
+    /// Forgets from where it was looked at: the next scene is seen from where all of it is seen.
+    pub fn look_anew(&mut self) {
+        self.camera = None;
+    }
+
+    /// Draws a scene with its toolbar; gives what a click selects. `hovered` is what is under the pointer, in all views.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Arc<Scene>,
+        selection: Selection,
+        hovered: &mut Selection,
+    ) -> Option<Selection> {
+        let mut aim = None;
+        Frame::new()
+            .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
+            .show(ui, |ui| {
+                aim = toolbar::show(ui, &mut self.options, scene.besides);
+            });
+        let drawing = self.drawing_of(scene, selection, ui.theme());
+        let size = ui.available_size().max(egui::Vec2::splat(16.0));
+        let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
+        let aspect = f64::from(rect.aspect_ratio());
+        let extent = scene.extent();
+        let start = || Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
+        let camera = self.camera.get_or_insert_with(start);
+        match aim.or_else(|| canvas::keys(ui, &response)) {
+            Some(Aim::Fit) => camera.fit(&extent, aspect),
+            Some(Aim::To(side)) => {
+                camera.turn_to(side);
+                camera.fit(&extent, aspect);
+            }
+            None => {}
+        }
+        canvas::steer(ui, &response, camera, &extent);
+        let picture = picking::Picture {
+            scene,
+            options: &self.options,
+            camera,
+            size: [rect.width(), rect.height()].map(f64::from),
+        };
+        let thing = canvas::under_pointer(&response, &picture);
+        self.canvas
+            .paint(ui, rect, &drawing, self.drawings, &picture, *hovered);
+        if let Some(thing) = thing {
+            response
+                .clone()
+                .on_hover_text_at_pointer(words::describe(scene, thing));
+        }
+        let picked = thing.map(canvas::selection_of).unwrap_or_default();
+        if thing.is_some() || self.hovers {
+            // What another view hovers stays until the pointer is here.
+            *hovered = picked;
+            self.hovers = thing.is_some();
+        }
+        response
+            .clicked()
+            .then(|| canvas::clicked(picked, selection))
     }
 }

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, po
 
 use super::drawing::{CableColour, Options, tension_colour, tension_range};
 use super::picking::{OnScreen, Picture};
-use super::scene::round_length;
+use super::scene::{Besides, round_length};
 use super::words;
 use crate::app::Selection;
 use crate::app::theme::{self, GRID, Palette};
@@ -155,7 +155,7 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
         (false, true) => "95 % ellipsoids",
         (false, false) => return,
     };
-    if picture.scene.is_identified {
+    if picture.scene.besides != Besides::Nothing {
         let size = if exaggeration > 1.0 {
             format!("{parts} drawn {exaggeration:.0} times as large")
         } else {

@@ -5,6 +5,7 @@ use egui_material_icons::icons;
 
 use super::camera::StandardView;
 use super::drawing::{CableColour, Options};
+use super::scene::Besides;
 use crate::widgets::{icon_only, muted};
 
 /// What the row asks of the camera.
@@ -20,7 +21,7 @@ pub enum Aim {
 const WIDE: f32 = 830.0;
 
 /// Draws the row.
-pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<Aim> {
+pub fn show(ui: &mut Ui, options: &mut Options, besides: Besides) -> Option<Aim> {
     let mut aim = None;
     let is_wide = ui.available_width() > WIDE;
     ui.horizontal_wrapped(|ui| {
@@ -38,12 +39,12 @@ pub fn show(ui: &mut Ui, options: &mut Options, is_identified: bool) -> Option<A
         colours(ui, options);
         ui.separator();
         ui.menu_button("Show", |ui| {
-            parts(ui, options, is_identified);
-            if is_identified && !is_wide {
+            parts(ui, options, besides);
+            if besides != Besides::Nothing && !is_wide {
                 exaggeration(ui, options);
             }
         });
-        if is_identified && is_wide {
+        if besides != Besides::Nothing && is_wide {
             exaggeration(ui, options);
         }
     });
@@ -65,17 +66,21 @@ fn colours(ui: &mut Ui, options: &mut Options) {
     }
 }
 
-fn parts(ui: &mut Ui, options: &mut Options, is_identified: bool) {
+fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     ui.checkbox(&mut options.labels, "Numbers of cables");
     ui.checkbox(&mut options.poses, "Poses");
+    let pulleys = match besides {
+        Besides::Other => "Pulleys of B",
+        Besides::Drawing | Besides::Nothing => "Pulleys of the drawing",
+    };
     let of_identification = [
-        (&mut options.nominal, "Pulleys of the drawing"),
+        (&mut options.nominal, pulleys),
         (&mut options.arrows, "Displacements"),
         (&mut options.ellipsoids, "95 % confidence ellipsoids"),
     ];
     for (shown, name) in of_identification {
         let checkbox = egui::Checkbox::new(shown, name);
-        ui.add_enabled(is_identified, checkbox)
+        ui.add_enabled(besides != Besides::Nothing, checkbox)
             .on_disabled_hover_text("There is nothing to show before an identification.");
     }
 }

@@ -1,7 +1,7 @@
 //! What the pointer is told.
 
 use super::picking::Thing;
-use super::scene::{Residual, Scene, Shown};
+use super::scene::{Besides, Residual, Scene, Shown};
 
 /// What a thing is, and how much of it.
 #[must_use]
@@ -18,6 +18,14 @@ pub fn describe(scene: &Scene, thing: Thing) -> String {
 /// Which pose is shown.
 #[must_use]
 pub fn shown(scene: &Scene) -> String {
+    let shown = pose_shown(scene);
+    match scene.besides {
+        Besides::Other => format!("{shown}: A in colour, B grey"),
+        Besides::Drawing | Besides::Nothing => shown,
+    }
+}
+
+fn pose_shown(scene: &Scene) -> String {
     match scene.shown {
         Shown::Home => "At home".to_owned(),
         Shown::Fitted(0) => "At home, as identified".to_owned(),
@@ -61,7 +69,10 @@ fn pulley(scene: &Scene, index: usize) -> String {
     );
     if let Some(moved) = &cable.moved {
         let length = moved.by.norm() * 1e3;
-        text += &format!("\n{length:.2} mm from the drawing");
+        text += &match scene.besides {
+            Besides::Other => format!("\n{length:.2} mm away in B"),
+            Besides::Drawing | Besides::Nothing => format!("\n{length:.2} mm from the drawing"),
+        };
         if let Some(covariance) = moved.covariance {
             let sd = covariance.diagonal().map(|v| v.max(0.0).sqrt() * 1e3);
             text += &format!(

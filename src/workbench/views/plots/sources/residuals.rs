@@ -63,7 +63,62 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
 #[must_use]
 pub fn lengths(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
-    let mut points: Vec<Vec<Point>> = vec![Vec::new(); cables.len()];
+    let named = cable_points(fit, unit, excluded)
+        .into_iter()
+        .zip(cables)
+        .enumerate();
+    let series = named
+        .map(|(index, (points, cable))| Series::of_cable(index, &cable.name, points))
+        .collect();
+    over_poses(unit, unit.band(length_readings(fit)), series)
+}
+
+/// Residuals of the lengths of all cables in two sessions, the second as rings. Their poses have nothing to do with each
+/// other, so a point stands for no pose.
+#[must_use]
+pub fn of_both(fits: [&Fit; 2]) -> Figure {
+    let unit = Unit::default();
+    let nothing = BTreeSet::new();
+    let key = |name| Series::new(name, Ink::Text, Marker::Circle, Vec::new());
+    let mut series = vec![key("A"), key("B").as_rings()];
+    for (fit, name) in fits.into_iter().zip(["A", "B"]) {
+        let cables = cable_points(fit, unit, &nothing).into_iter();
+        for (index, (mut points, cable)) in cables.zip(&fit.dataset.robot.cables).enumerate() {
+            points.iter_mut().for_each(|point| point.pose = None);
+            let own = Series::of_cable(index, format!("{name}: {}", cable.name), points);
+            series.push(if name == "A" {
+                own
+            } else {
+                // The legend names every cable once.
+                let mut own = own.as_rings();
+                own.short.clear();
+                own
+            });
+        }
+    }
+    let readings = fits.into_iter().flat_map(length_readings);
+    over_poses(unit, unit.band(readings), series)
+}
+
+fn over_poses(unit: Unit, band: Option<Band>, series: Vec<Series>) -> Figure {
+    Figure {
+        x: Axis::whole(POSE),
+        y: unit.axis(),
+        bands: band.into_iter().collect(),
+        series,
+        has_zero_line: true,
+        ..Figure::default()
+    }
+}
+
+fn length_readings(fit: &Fit) -> impl Iterator<Item = &Reading> {
+    let readings = fit.analysis.readings.iter();
+    readings.filter(|reading| matches!(reading.kind, ReadingKind::Length(_)))
+}
+
+/// Residuals of the lengths of each cable.
+fn cable_points(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Vec<Vec<Point>> {
+    let mut points: Vec<Vec<Point>> = vec![Vec::new(); fit.dataset.robot.cable_count()];
     for reading in &fit.analysis.readings {
         if let ReadingKind::Length(cable) = reading.kind
             && let Some(value) = unit.value(reading)
@@ -72,21 +127,7 @@ pub fn lengths(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
             points.push(over_pose(&fit.dataset, excluded, reading.row, value));
         }
     }
-    let is_length = |reading: &&Reading| matches!(reading.kind, ReadingKind::Length(_));
-    let named = points.into_iter().zip(cables).enumerate();
-    Figure {
-        x: Axis::whole(POSE),
-        y: unit.axis(),
-        bands: unit
-            .band(fit.analysis.readings.iter().filter(is_length))
-            .into_iter()
-            .collect(),
-        series: named
-            .map(|(index, (points, cable))| Series::of_cable(index, &cable.name, points))
-            .collect(),
-        has_zero_line: true,
-        ..Figure::default()
-    }
+    points
 }
 
 /// Residuals of the laser.
@@ -101,12 +142,6 @@ pub fn laser(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
         Some(over_pose(&fit.dataset, excluded, reading.row, value))
     };
     let points = readings().filter_map(point).collect();
-    Figure {
-        x: Axis::whole(POSE),
-        y: unit.axis(),
-        bands: unit.band(readings()).into_iter().collect(),
-        series: vec![Series::new("laser", Ink::Accent, Marker::Circle, points)],
-        has_zero_line: true,
-        ..Figure::default()
-    }
+    let series = Series::new("laser", Ink::Accent, Marker::Circle, points);
+    over_poses(unit, unit.band(readings()), vec![series])
 }

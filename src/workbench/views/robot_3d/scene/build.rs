@@ -10,7 +10,8 @@ use tautline_core::robot::Robot;
 
 use super::residuals::Residuals;
 use super::{
-    CableView, Displacement, FrameBox, MeasuredPose, PlatformBox, Scene, Shown, cable, platform,
+    Besides, CableView, Displacement, FrameBox, MeasuredPose, PlatformBox, Scene, Shown, cable,
+    platform,
 };
 use crate::app::Selection;
 use crate::app::fit::Fit;
@@ -71,7 +72,7 @@ impl<'a> Subject<'a> {
             home_beams: platform::home_beams(robot, &pose),
             measured: self.measured(&fitted, &residuals),
             planned: self.planned.iter().map(|pose| pose.position).collect(),
-            is_identified: self.fit.is_some(),
+            besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
             frame,
         }
     }
@@ -130,30 +131,27 @@ impl<'a> Subject<'a> {
     ) -> Vec<CableView> {
         let model = self.model();
         let tensions = self.tensions(shown);
-        let drops = cable::drops(model, pose, &tensions);
         let row = match shown {
             Shown::Fitted(label) => fitted.get(&label).map(|(row, _)| *row),
             _ => None,
         };
-        let nominal = self.robot.cables.iter();
-        let cables = model.cables.iter().zip(nominal).enumerate();
+        let own = cable::located(model, pose, &tensions).into_iter();
+        let nominal = self
+            .fit
+            .map(|_| cable::located(self.robot, pose, &tensions));
+        let nominal_wheel = |index: usize| nominal.as_ref()?.get(index).map(|n| n.wheel);
+        let cables = own.zip(&self.robot.cables).enumerate();
         cables
-            .map(|(index, (own, nominal))| {
-                let wheel = cable::wheel(own, pose);
-                let path = cable::path(own, pose, drops[index]);
-                let anchor = pose.transform(&own.platform_anchor_m.into());
-                let free_m = path.as_ref().map(|path| path.free_m);
-                CableView {
-                    path: path.map_or_else(|| vec![wheel.entry, anchor], |path| path.points),
-                    wheel,
-                    nominal: self.fit.map(|_| cable::wheel(nominal, pose)),
-                    moved: self.fit.map(|fit| displacement(fit, index, nominal)),
-                    free_m,
-                    tension_n: tensions[index],
-                    residual: residuals
-                        .of_cable(index, row)
-                        .filter(|_| row.is_some() || shown == Shown::Home),
-                }
+            .map(|(index, (own, drawn))| CableView {
+                path: own.path,
+                wheel: own.wheel,
+                nominal: nominal_wheel(index),
+                moved: self.fit.map(|fit| displacement(fit, index, drawn)),
+                free_m: own.free_m,
+                tension_n: tensions[index],
+                residual: residuals
+                    .of_cable(index, row)
+                    .filter(|_| row.is_some() || shown == Shown::Home),
             })
             .collect()
     }
@@ -205,6 +203,7 @@ fn displacement(fit: &Fit, index: usize, nominal: &tautline_core::robot::Cable) 
         from,
         by: found - from,
         covariance: covariance(fit, index),
+        is_noise: false,
     }
 }
 

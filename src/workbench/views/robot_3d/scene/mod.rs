@@ -2,6 +2,7 @@
 
 mod build;
 mod cable;
+mod compared;
 mod frame;
 mod platform;
 mod residuals;
@@ -30,15 +31,29 @@ pub struct Wheel {
     pub radius_m: f64,
 }
 
-/// What identification changed at a pulley.
+/// What identification changed at a pulley, or what is different in another session.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Displacement {
-    /// Entry point of the drawing (m).
+    /// Entry point of the drawing, or of the first session (m).
     pub from: Vec3,
-    /// Identified less nominal (m).
+    /// Identified less nominal, or second less first (m).
     pub by: Vec3,
-    /// Covariance of the identified entry point (m^2), where the data determine it.
+    /// Its covariance (m^2), where the data determine it.
     pub covariance: Option<Matrix3<f64>>,
+    /// Whether it is known to be nothing but noise.
+    pub is_noise: bool,
+}
+
+/// What the pulleys are that are shown besides the identified ones.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Besides {
+    /// There are none, because nothing is identified.
+    #[default]
+    Nothing,
+    /// Those of the drawing.
+    Drawing,
+    /// Those of another session.
+    Other,
 }
 
 /// How well the model predicts what was measured, in standard deviations.
@@ -67,9 +82,9 @@ pub struct CableView {
     pub path: Vec<Vec3>,
     /// Its pulley, identified if there is an identification.
     pub wheel: Wheel,
-    /// The pulley of the drawing, where an identified one is shown.
+    /// The pulley that is shown besides.
     pub nominal: Option<Wheel>,
-    /// What identification changed.
+    /// How the two differ.
     pub moved: Option<Displacement>,
     /// Straight part (m); `None` where it has no path at this pose.
     pub free_m: Option<f64>,
@@ -140,8 +155,8 @@ pub struct Scene {
     pub measured: Vec<MeasuredPose>,
     /// Planned poses (m).
     pub planned: Vec<Vec3>,
-    /// Whether an identified geometry is shown.
-    pub is_identified: bool,
+    /// What pulleys are shown besides the identified ones.
+    pub besides: Besides,
 }
 
 impl Scene {

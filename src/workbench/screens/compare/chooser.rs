@@ -1,0 +1,148 @@
+//! The two sessions at the top: chosen by path, dialog, or from those that are known.
+
+use std::path::PathBuf;
+
+use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
+use egui_material_icons::icons;
+
+use crate::app::State;
+use crate::app::commands::{CompareCommand, ViewCommand};
+use crate::app::screen::{Screen, Step};
+use crate::app::theme::{self, GRID};
+use crate::comparison::{Side, Source};
+use crate::samples;
+use crate::widgets::{heading, icon_button, primary};
+
+/// Height of a row and width of the name before it (points).
+const ROW: f32 = 7.0 * GRID;
+const NAME: f32 = 5.0 * GRID;
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    ui.horizontal(|ui| {
+        heading(ui, "Compare two sessions");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
+                let back = match state.document {
+                    Some(_) => Screen::Phase(Step::Identification),
+                    None => Screen::Start,
+                };
+                state.outbox.send(ViewCommand::Go(back));
+            }
+            let is_any = Side::ALL
+                .iter()
+                .any(|side| state.screens.compare.source(*side).is_some());
+            if icon_button(ui, icons::ICON_SWAP_VERT, "Swap A and B", is_any).clicked() {
+                state.outbox.send(CompareCommand::Swap);
+            }
+        });
+    });
+    for side in Side::ALL {
+        ui.add_space(GRID);
+        let size = vec2(ui.available_width(), ROW);
+        let layout = Layout::left_to_right(Align::Center);
+        ui.allocate_ui_with_layout(size, layout, |ui| row(ui, state, side));
+    }
+}
+
+fn row(ui: &mut Ui, state: &mut State, side: Side) {
+    let name = RichText::new(side.name()).font(theme::strong(16.0));
+    let colour = theme::of(ui).accent;
+    let label = Label::new(name.color(colour));
+    ui.add_sized(vec2(NAME, ROW), label);
+    match state.screens.compare.source(side).cloned() {
+        Some(source) => chosen(ui, state, side, &source),
+        None => choose(ui, state, side),
+    }
+}
+
+fn chosen(ui: &mut Ui, state: &mut State, side: Side, source: &Source) {
+    if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {
+        state.outbox.send(CompareCommand::Clear(side));
+    }
+    let known = match &state.screens.compare.result {
+        Some(Ok(compared)) => Some(&compared.runs[side as usize].name),
+        _ => None,
+    };
+    let open = state.document.as_ref().map(|document| document.session());
+    let (name, place) = match source {
+        Source::Open => (
+            known.or(open.map(|session| &session.name)).cloned(),
+            "the open session".to_owned(),
+        ),
+        Source::File(path) => (known.cloned(), path.display().to_string()),
+    };
+    if let Some(name) = name {
+        ui.label(RichText::new(name).font(theme::strong(13.0)));
+    }
+    let place = RichText::new(place).color(theme::of(ui).muted);
+    ui.add(Label::new(place).truncate());
+}
+
+fn choose(ui: &mut Ui, state: &mut State, side: Side) {
+    let name = side.name();
+    let path = &mut state.screens.compare.paths[side as usize];
+    let field = TextEdit::singleline(path)
+        .hint_text("Path of a session or a dataset folder, or drop it on the window")
+        .desired_width((ui.available_width() - 420.0).clamp(160.0, 560.0));
+    let field = ui.add(field);
+    let label = format!("Path of {name}");
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &label));
+    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let typed = !path.trim().is_empty();
+    let take = named(primary(ui, "Take", typed), &format!("Take {name}"));
+    if (take.clicked() || entered) && typed {
+        let source = Source::File(PathBuf::from(path.trim()));
+        state.outbox.send(CompareCommand::Choose(side, source));
+    }
+    let browse = icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true);
+    if named(browse, &format!("Browse for {name}")).clicked() {
+        state.outbox.send(CompareCommand::Ask(side));
+    }
+    let menu = ui.menu_button("Known sessions", |ui| known(ui, state, side));
+    named(menu.response, &format!("Known sessions for {name}"));
+}
+
+/// The open session, recent ones and samples.
+fn known(ui: &mut Ui, state: &mut State, side: Side) {
+    let memory = &mut state.screens.compare;
+    let samples = memory
+        .samples
+        .get_or_insert_with(|| samples::find(&samples::places()));
+    let recent = state.preferences.recent().iter();
+    let recent = recent.filter(|recent| recent.exists());
+    let open = state
+        .document
+        .iter()
+        .map(|document| (document.session().name.clone(), "open", Source::Open));
+    let recent = recent.map(|recent| {
+        let source = Source::File(recent.path().to_owned());
+        (recent.name.clone(), "recent", source)
+    });
+    let samples = samples.iter().map(|sample| {
+        let source = Source::File(sample.session.clone());
+        (sample.title.clone(), "sample", source)
+    });
+    let all: Vec<_> = open.chain(recent).chain(samples).collect();
+    if all.is_empty() {
+        ui.label("Sessions appear here once they were saved or opened.");
+    }
+    for (name, kind, source) in all {
+        let place = match &source {
+            Source::File(path) => path.display().to_string(),
+            Source::Open => String::new(),
+        };
+        let button = Button::new(&name).shortcut_text(kind);
+        if ui.add(button).on_hover_text(place).clicked() {
+            state.outbox.send(CompareCommand::Choose(side, source));
+            ui.close();
+        }
+    }
+}
+
+/// Gives a button a name of its own, where the text alone is there twice.
+fn named(response: egui::Response, name: &str) -> egui::Response {
+    let enabled = response.enabled();
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    response
+}

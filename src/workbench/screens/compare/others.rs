@@ -1,0 +1,184 @@
+//! What is compared besides the pulleys: the motion that all have in common, target plane, home pose, effects, fits.
+
+use egui::Ui;
+use egui_material_icons::icons;
+use tautline_core::comparison::{Comparison, ScalarDifference, Test};
+use tautline_core::effect::find;
+
+use crate::app::theme;
+use crate::comparison::{Compared, by_chance, differs, effect_name};
+use crate::documents::identification::Explains;
+use crate::widgets::{Cell, Column, muted, section, table};
+use crate::wording::sentence;
+use crate::wording::units::{quantity, unit_of, with_sd};
+
+/// Draws the parts.
+pub fn show(ui: &mut Ui, compared: &Compared) {
+    let comparison = &compared.comparison;
+    effects(ui, comparison);
+    plane(ui, comparison);
+    motion(ui, comparison);
+    home(ui, comparison);
+    fits(ui, compared);
+}
+
+/// The cell that says whether a difference is more than noise.
+fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
+    let palette = theme::of(ui);
+    match test {
+        None => Cell::new("cannot be told").coloured(palette.muted),
+        Some(_) if differs(compared, test) => Cell::new("different")
+            .with_icon(icons::ICON_WARNING)
+            .coloured(palette.warning),
+        Some(_) => Cell::new("noise")
+            .with_icon(icons::ICON_CHECK_CIRCLE)
+            .coloured(palette.good),
+    }
+}
+
+const SIDE_BY_SIDE: [Column<'_>; 5] = [
+    Column::words("Quantity"),
+    Column::number("A", ""),
+    Column::number("B", ""),
+    Column::number("Difference ± standard deviation", ""),
+    Column::words("Verdict"),
+];
+
+/// A quantity in both sessions.
+fn side_by_side(
+    ui: &Ui,
+    compared: &Comparison,
+    (name, unit): (String, &str),
+    scalar: &ScalarDifference,
+) -> Vec<Cell> {
+    let value = |value: Option<f64>| {
+        let absent = || Cell::new("not in its model").coloured(theme::of(ui).muted);
+        value.map_or_else(absent, |value| Cell::new(quantity(value, unit)))
+    };
+    vec![
+        Cell::new(name),
+        value(scalar.first),
+        value(scalar.second),
+        Cell::new(with_sd(scalar.difference, scalar.sd, unit)),
+        verdict(ui, compared, scalar.test),
+    ]
+}
+
+fn effects(ui: &mut Ui, compared: &Comparison) {
+    section(ui, "Effects");
+    if compared.effects.is_empty() {
+        muted(
+            ui,
+            "Neither session has an effect in its model. Those that the model doctor adds are compared here.",
+        );
+        return;
+    }
+    let rows = compared.effects.iter().map(|effect| {
+        let parameters = find(&effect.effect).map_or(&[][..], |found| found.parameters());
+        let name = match parameters {
+            [_] => sentence(&effect_name(effect)),
+            _ => format!("{}: {}", sentence(&effect_name(effect)), effect.parameter),
+        };
+        let unit = unit_of(&effect.parameter, effect.unit);
+        side_by_side(ui, compared, (name, unit), &effect.size)
+    });
+    let rows: Vec<_> = rows.collect();
+    table(ui, &SIDE_BY_SIDE, &rows, None);
+}
+
+fn plane(ui: &mut Ui, compared: &Comparison) {
+    let Some(plane) = &compared.plane else {
+        return;
+    };
+    section(ui, "Target plane of the laser");
+    let row = side_by_side(ui, compared, ("Offset".to_owned(), "m"), plane);
+    table(ui, &SIDE_BY_SIDE, &[row], None);
+}
+
+const CHANGES: [Column<'_>; 2] = [
+    Column::words("Coordinate"),
+    Column::number("B less A ± standard deviation", ""),
+];
+
+fn motion(ui: &mut Ui, compared: &Comparison) {
+    let Some(motion) = &compared.motion else {
+        return;
+    };
+    section(ui, "Motion that all pulleys have in common");
+    let told = match motion.test {
+        None => String::new(),
+        Some(test) if differs(compared, Some(test)) => format!(
+            "More than the home poses of both explain (by noise alone: {}). ",
+            by_chance(test)
+        ),
+        Some(test) => format!(
+            "No more than noise: as large as this {} by noise alone. ",
+            by_chance(test)
+        ),
+    };
+    muted(
+        ui,
+        &format!(
+            "{told}It is no change of the robot: each session counts from its own home pose. It is taken out above."
+        ),
+    );
+    let sd = |k: usize| motion.covariance[(k, k)].max(0.0).sqrt();
+    let shift = (0..3).map(|k| (k, "Shift along", motion.shift_m[k], "m"));
+    let turn = (0..3).map(|k| (k + 3, "Rotation about", motion.rotation_rad[k], "rad"));
+    let rows = shift.chain(turn).map(|(k, what, value, unit)| {
+        let axis = ["x", "y", "z"][k % 3];
+        vec![
+            Cell::new(format!("{what} {axis}")),
+            Cell::new(with_sd(value, sd(k), unit)),
+        ]
+    });
+    let rows: Vec<_> = rows.collect();
+    table(ui, &CHANGES, &rows, None);
+}
+
+fn home(ui: &mut Ui, compared: &Comparison) {
+    let Some(home) = &compared.home else {
+        return;
+    };
+    section(ui, "Home pose");
+    let told = match home.test {
+        Some(test) if differs(compared, Some(test)) => {
+            "The platform stood differently at home. This is no change of the robot."
+        }
+        Some(_) => "The same within the noise.",
+        None => "Whether it is the same cannot be told.",
+    };
+    muted(ui, told);
+    let rows = home.coordinates.iter().map(|(coordinate, value, sd)| {
+        let unit = if coordinate.index() < 3 { "m" } else { "rad" };
+        vec![
+            Cell::new(sentence(coordinate.describe())),
+            Cell::new(with_sd(*value, *sd, unit)),
+        ]
+    });
+    let rows: Vec<_> = rows.collect();
+    table(ui, &CHANGES, &rows, None);
+}
+
+fn fits(ui: &mut Ui, compared: &Compared) {
+    section(ui, "How well each session is explained");
+    let columns = [
+        Column::words("Session"),
+        Column::number("Poses", ""),
+        Column::number("Residuals over noise", ""),
+        Column::words("Verdict"),
+    ];
+    let named = compared.runs.iter().zip(["A", "B"]);
+    let rows = named.map(|(run, name)| {
+        let missed = run.fit.missed();
+        let explains = Explains::of(run.fit.solution.p_value());
+        vec![
+            Cell::new(name),
+            Cell::new(run.fit.solution.poses.len().to_string()),
+            Cell::new(missed.map_or("–".to_owned(), |missed| format!("{missed:.2}"))),
+            Cell::new(explains.words()),
+        ]
+    });
+    let rows: Vec<_> = rows.collect();
+    table(ui, &columns, &rows, None);
+}

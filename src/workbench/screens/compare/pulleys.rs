@@ -1,0 +1,80 @@
+//! The pulleys: how far apart they are, and whether that is noise.
+
+use egui::Ui;
+use egui_material_icons::icons;
+use tautline_core::comparison::{Comparison, PulleyDifference};
+
+use crate::app::State;
+use crate::app::commands::ViewCommand;
+use crate::app::{Selection, theme};
+use crate::comparison::by_chance;
+use crate::screens::desk::decimals_for;
+use crate::widgets::{Cell, Column, muted, section, table};
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, state: &mut State, compared: &Comparison) {
+    section(ui, "Pulleys, B less A");
+    let columns = [
+        Column::words("Cable"),
+        Column::number("x", "mm"),
+        Column::number("y", "mm"),
+        Column::number("z", "mm"),
+        Column::number("Distance", "mm"),
+        Column::number("Standard deviation", "mm"),
+        Column::words("Verdict"),
+        Column::words("By noise alone"),
+    ];
+    let decimals = decimals(compared);
+    let pulleys = compared.pulleys.iter().enumerate();
+    let rows: Vec<Vec<Cell>> = pulleys
+        .map(|(index, pulley)| row(ui, index, pulley, decimals))
+        .collect();
+    let touched = table(ui, &columns, &rows, state.selection.cable);
+    if let Some(cable) = touched.clicked {
+        let selection = Selection {
+            cable: Some(cable),
+            ..state.selection
+        };
+        state.outbox.send(ViewCommand::Select(selection));
+    }
+    muted(
+        ui,
+        "Relative to the pulleys that did not move. The probabilities are corrected for the number of questions asked.",
+    );
+}
+
+/// Decimals for all: those of the most exact pulley.
+fn decimals(compared: &Comparison) -> usize {
+    let sds = compared.pulleys.iter().map(|pulley| {
+        let shown = pulley.relative.unwrap_or(pulley.raw);
+        shown.length_sd_m() * 1e3
+    });
+    decimals_for(sds.fold(f64::INFINITY, f64::min), 1, 3)
+}
+
+fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec<Cell> {
+    let palette = theme::of(ui);
+    let shown = pulley.relative.unwrap_or(pulley.raw);
+    let millimetres = |metres: f64| Cell::new(format!("{:.decimals$}", metres * 1e3));
+    let verdict = match (pulley.test, pulley.moved) {
+        (None, _) => Cell::new("cannot be told").coloured(palette.muted),
+        (Some(_), true) => Cell::new("moved")
+            .with_icon(icons::ICON_WARNING)
+            .coloured(palette.warning),
+        (Some(_), false) => Cell::new("noise")
+            .with_icon(icons::ICON_CHECK_CIRCLE)
+            .coloured(palette.good),
+    };
+    let [x, y, z] = shown.vector_m.into();
+    let chance = pulley.test.map_or_else(String::new, by_chance);
+    vec![
+        Cell::new(&pulley.cable).with_dot(palette.cable(index)),
+        millimetres(x),
+        millimetres(y),
+        millimetres(z),
+        millimetres(shown.length_m()),
+        millimetres(shown.length_sd_m()),
+        verdict,
+        Cell::new(chance).coloured(palette.muted),
+    ]
+}

@@ -1,0 +1,31 @@
+//! A second session beside the one that is shown.
+
+use tautline_core::comparison::Comparison;
+
+use super::{Besides, Displacement, Scene, Wheel};
+
+impl Scene {
+    /// Shows the second geometry of a comparison beside the first, which this is a scene of. The common motion is taken
+    /// out: the home pose of the first session holds for both. Poses are left out, each session has its own.
+    #[must_use]
+    pub fn compared(mut self, compared: &Comparison) -> Self {
+        self.besides = Besides::Other;
+        self.measured.clear();
+        for (cable, pulley) in self.cables.iter_mut().zip(&compared.pulleys) {
+            let difference = pulley.relative.unwrap_or(pulley.raw);
+            let by = difference.vector_m;
+            cable.nominal = Some(Wheel {
+                entry: cable.wheel.entry + by,
+                centre: cable.wheel.centre + by,
+                ..cable.wheel
+            });
+            cable.moved = Some(Displacement {
+                from: cable.wheel.entry,
+                by,
+                covariance: Some(difference.covariance),
+                is_noise: !pulley.moved,
+            });
+        }
+        self
+    }
+}

@@ -1,0 +1,156 @@
+//! Two sessions side by side.
+
+use std::path::Path;
+
+use egui::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{Session, Timestamp, write_session};
+use tautline_workbench::app::commands::{CompareCommand, FileCommand};
+use tautline_workbench::app::{App, Selection};
+
+use crate::measured::{give, press};
+use crate::support::{settle, workbench};
+
+/// Writes a session of a preset whose fifth pulley has moved by `moved_m` along y.
+fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
+    let preset = presets::find(preset).expect("a preset");
+    let mut truth = preset.robot.clone();
+    if let Some(cable) = truth.cables.get_mut(4) {
+        cable.pulley.entry_point_m[1] += moved_m;
+    }
+    let options = SimulationOptions {
+        geometry: TrueGeometry::Nominal,
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(40, seed)
+    };
+    let simulated = simulate(&truth, &options).expect("measurements");
+    let name = path.file_stem().expect("a name").to_string_lossy();
+    let now = Timestamp::from_unix_seconds(0);
+    let mut session = Session::new(name, preset.robot, now);
+    session.measurements = simulated.dataset.measurements;
+    write_session(path, &session).expect("written");
+}
+
+/// Types a path and takes it.
+fn take(harness: &mut Harness<'_, App>, side: &str, path: &Path) {
+    let field = format!("Path of {side}");
+    let text = path.display().to_string();
+    let by_name = |harness: &Harness<'_, App>| {
+        harness
+            .get_by_role_and_label(Role::TextInput, &field)
+            .focus();
+    };
+    by_name(harness);
+    harness.run_ok();
+    harness
+        .get_by_role_and_label(Role::TextInput, &field)
+        .type_text(&text);
+    harness.run_ok();
+    press(harness, &format!("Take {side}"));
+}
+
+/// The row of a cable in the table of pulleys.
+fn row(harness: &Harness<'_, App>, cable: &str) -> String {
+    let start = format!("{cable},");
+    let found = harness.get_by_label_contains(&start);
+    found.accesskit_node().label().unwrap_or_default()
+}
+
+#[test]
+fn a_moved_pulley_is_told_from_noise_and_the_two_are_exchanged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [before, after] = ["before.json", "after.json"].map(|name| folder.path().join(name));
+    write(&before, "mini", 0.0, 1);
+    write(&after, "mini", -0.01, 3);
+    let mut harness = workbench();
+    settle(&mut harness);
+    press(&mut harness, "Compare two sessions");
+    harness.get_by_label_contains("Choose two sessions of the same robot");
+    take(&mut harness, "A", &before);
+    take(&mut harness, "B", &after);
+    let verdict = "1 pulley has moved: cable-5. The rest agrees within the noise.";
+    harness.get_by_label(verdict);
+    for cable in 1..=8 {
+        let text = row(&harness, &format!("cable-{cable}"));
+        let expected = if cable == 5 { "moved" } else { "noise" };
+        assert!(text.contains(expected), "{text}");
+    }
+    let along_y = |harness: &Harness<'_, App>| {
+        let text = row(harness, "cable-5");
+        let y = text.split(", ").nth(2).and_then(|y| y.parse::<f64>().ok());
+        y.unwrap_or_else(|| panic!("no number in {text}"))
+    };
+    assert!((along_y(&harness) + 10.0).abs() < 5.0);
+    for part in ["3D view", "Plot: residuals of both sessions"] {
+        let rect = harness.get_by_label(part).rect();
+        assert!(
+            rect.height() > 60.0 && rect.width() > 300.0,
+            "{part} {rect:?}"
+        );
+    }
+    harness.get_by_label_contains("cable-5,").click_accesskit();
+    settle(&mut harness);
+    assert_eq!(harness.state().state.selection, Selection::cable(4));
+    press(&mut harness, "Swap A and B");
+    harness.get_by_label(verdict);
+    assert!((along_y(&harness) - 10.0).abs() < 5.0);
+    press(&mut harness, "Back");
+    harness.get_by_label("Try the demo robot");
+}
+
+#[test]
+fn what_cannot_be_compared_is_said_with_its_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [mini, planar] = ["mini.json", "planar.json"].map(|name| folder.path().join(name));
+    write(&mini, "mini", 0.0, 1);
+    write(&planar, "planar", 0.0, 1);
+    let mut harness = workbench();
+    give(&mut harness, CompareCommand::Show);
+    take(&mut harness, "A", &mini);
+    take(&mut harness, "B", &folder.path().join("nowhere.json"));
+    let state = &harness.state().state;
+    let last = state.messages.last().map(|message| message.text.clone());
+    assert!(last.is_some_and(|text| text.contains("nowhere.json")));
+    press(&mut harness, "Change B");
+    harness
+        .state_mut()
+        .state
+        .outbox
+        .send(CompareCommand::Choose(
+            tautline_workbench::app::commands::Side::B,
+            tautline_workbench::app::commands::Source::File(planar),
+        ));
+    settle(&mut harness);
+    settle(&mut harness);
+    let told = harness
+        .get_all_by_label_contains("The two cannot be compared")
+        .count();
+    assert!(told > 0, "on the screen");
+}
+
+#[test]
+fn the_open_session_is_the_first_and_is_compared_again_once_it_was_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [open, other] = ["open.json", "other.json"].map(|name| folder.path().join(name));
+    write(&open, "mini", 0.0, 1);
+    write(&other, "mini", 0.0, 2);
+    let mut harness = workbench();
+    give(&mut harness, FileCommand::Open(open));
+    give(&mut harness, CompareCommand::Show);
+    take(&mut harness, "B", &other);
+    let same = "No pulley has moved: all agrees within the noise.";
+    harness.get_by_label(same);
+    assert!(harness.query_by_label("Compare again").is_none());
+    give(
+        &mut harness,
+        tautline_workbench::app::edit::Edit::Exclude(5),
+    );
+    harness.get_by_label("The open session was changed since it was compared.");
+    press(&mut harness, "Compare again");
+    harness.get_by_label(same);
+    assert!(harness.query_by_label("Compare again").is_none());
+}

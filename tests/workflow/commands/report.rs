@@ -1,0 +1,44 @@
+//! report: HTML and PDF of a session.
+
+use super::program::{Folder, tautline};
+
+#[test]
+fn a_report_is_written_as_html_and_as_pdf() {
+    let folder = Folder::new();
+    let data = folder.join("mini");
+    let effect = "winch_scale:cable-3:scale=0.02";
+    tautline(&[
+        "simulate", "--robot", "mini", "--poses", "20", "--effect", effect, "--out", &data,
+    ])
+    .succeeded();
+    let html = folder.join("report.html");
+    tautline(&["report", &data, "--out", &html]).succeeded();
+    let text = std::fs::read_to_string(&html).expect("the report");
+    for heading in [
+        "Result",
+        "Robot",
+        "Method",
+        "Identified values",
+        "How well the model fits",
+    ] {
+        assert!(
+            text.contains(&format!(">{heading}</h2>")),
+            "no heading {heading}"
+        );
+    }
+    assert!(text.contains("cable-3"), "the finding is named");
+    let pdf = folder.join("report.pdf");
+    tautline(&["report", &data, "--out", &pdf]).succeeded();
+    let bytes = std::fs::read(&pdf).expect("the report");
+    assert!(bytes.starts_with(b"%PDF-") && bytes.len() > 20_000);
+}
+
+#[test]
+fn a_report_needs_a_name_that_says_its_format_and_something_to_report_on() {
+    let folder = Folder::new();
+    let data = folder.join("nothing");
+    tautline(&["report", &data, "--out", &folder.join("r.html")]).refused(&["nothing"]);
+    tautline(&["report", &data, "--out", &folder.join("r.doc")]).refused(&["r.doc", ".html"]);
+    let table = folder.write("winch.csv", "cable,revolutions,length_m\ncable-1,1,0.1\n");
+    tautline(&["report", &table, "--out", &folder.join("r.pdf")]).refused(&["winch.csv"]);
+}
