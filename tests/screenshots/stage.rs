@@ -1,6 +1,6 @@
 //! A workbench to take pictures of.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use egui_kittest::Harness;
@@ -89,10 +89,12 @@ impl Stage {
     pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) -> Result<()> {
         let start = Instant::now();
         while !reached(&self.harness.state().state) {
-            if start.elapsed() > PATIENCE {
-                bail!("{what} does not come");
+            if start.elapsed() > 4 * PATIENCE {
+                let last = self.harness.state().state.messages.last();
+                bail!("{what} does not come; the last message is {last:?}");
             }
-            std::thread::sleep(std::time::Duration::from_millis(2));
+            // The thread of the controller needs the processor more than the pictures do.
+            std::thread::sleep(Duration::from_millis(20));
             self.harness.step();
         }
         self.harness.run_ok();
