@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
 fn entry(ui: &mut Ui, (step, standing): (Step, &Standing), selected: bool, narrow: bool) -> bool {
     let palette = theme::of(ui);
     let width = ui.available_width();
-    let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 15.0 * GRID), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 17.0 * GRID), Sense::click());
     let title = format!("{}. {}", step.number(), step.title());
     let name = format!("Phase {}: {}", step.number(), step.title());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
@@ -73,7 +73,7 @@ fn words(ui: &mut Ui, title: &str, standing: &Standing) {
         ui.label(RichText::new(title).font(theme::strong(13.0)));
     });
     let line = RichText::new(&standing.line).small().color(palette.muted);
-    ui.add(egui::Label::new(line).truncate());
+    ui.add(egui::Label::new(line).wrap());
 }
 
 fn icon(ui: &mut Ui, step: Step, standing: &Standing) {

@@ -15,11 +15,12 @@ use tautline_link::adjusting::Difference;
 use self::figures::Figures;
 use super::measuring::{Next, controller, step_button};
 use crate::app::commands::robot::{self, Export, revertible};
-use crate::app::commands::{RobotCommand, ViewCommand};
+use crate::app::commands::{ModelCommand, RobotCommand, ViewCommand};
 use crate::app::robot::Kind;
 use crate::app::screen::{Screen, Step};
 use crate::app::theme::GRID;
 use crate::app::{Memo, State};
+use crate::documents::identification::Explains;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 
 /// Identity and revision of the document, place of its fit, count of the parameters' changes.
@@ -51,6 +52,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     controller::show(ui, state, next);
     let differences = differences(state);
     if current {
+        doubt(ui, state);
         compare(ui, state, &differences);
         write(ui, state, next, &differences);
     }
@@ -87,6 +89,27 @@ fn next(state: &State, current: bool) -> Next {
         Next::Arm
     } else {
         Next::Start
+    }
+}
+
+/// Warns of values from a model that misses the readings: they can make the robot worse.
+fn doubt(ui: &mut Ui, state: &mut State) {
+    let fit = state.document.as_ref().and_then(|document| document.fit());
+    let explains = |p: f64| Explains::of(Some(p)) != Explains::No;
+    if fit
+        .and_then(|fit| fit.solution.p_value())
+        .is_none_or(explains)
+    {
+        return;
+    }
+    let text = "The model does not explain the readings. Its values can make the robot less exact: ask first what the \
+                model gets wrong.";
+    verdict(ui, Verdict::Doubtful, text);
+    if ui.button("Go to the model doctor").clicked() {
+        state.outbox.send(ModelCommand::Diagnose);
+        state
+            .outbox
+            .send(ViewCommand::Go(Screen::Phase(Step::Identification)));
     }
 }
 

@@ -68,7 +68,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .cell_layout(Layout::right_to_left(Align::Center))
         .auto_shrink([false, true])
         .max_scroll_height(64.0 * GRID)
-        .column(Column::exact(13.0 * GRID))
+        .column(Column::exact(14.0 * GRID))
         .columns(Column::exact(13.0 * GRID), 4)
         .column(Column::remainder().at_least(20.0 * GRID).clip(true))
         .header(height, |mut header| {
