@@ -109,6 +109,13 @@ pub fn run() -> ExitCode {
 }
 
 fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
+    if let Some(missing) = path.as_deref().filter(|path| !path.exists()) {
+        let message = format!(
+            "{}: is neither a command nor a file or folder",
+            missing.display()
+        );
+        return Err(BadInput::new(message));
+    }
     let options = crate::app::Options {
         path,
         ..Default::default()

@@ -59,7 +59,7 @@ fn phase(ui: &mut Ui, state: &mut State, step: Step) {
         .show(ui, |ui| rail::show(ui, state, narrow));
     let panel = Panel::right("phase")
         .frame(side)
-        .default_size(400.0)
+        .default_size(440.0)
         .size_range(340.0..=640.0);
     panel.show(ui, |ui| screens::phase(ui, state, step));
     let height = ui.available_height();
