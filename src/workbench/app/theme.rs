@@ -218,6 +218,7 @@ fn apply(style: &mut egui::Style, palette: &Palette) {
     spacing.menu_width = 240.0;
     spacing.scroll.floating = false;
     spacing.scroll.bar_width = 8.0;
+    spacing.scroll.foreground_color = false;
     // Labels that can be selected swallow the clicks on rows of tables.
     style.interaction.selectable_labels = false;
     style.visuals = visuals(palette);
@@ -265,6 +266,8 @@ fn visuals(palette: &Palette) -> egui::Visuals {
         state.corner_radius = radius;
         state.expansion = 0.0;
     }
+    // Handles of scroll bars and rails of sliders: seen, but quiet.
+    visuals.widgets.inactive.bg_fill = palette.panel.lerp_to_gamma(palette.muted, 0.4);
     visuals
 }
 
