@@ -2,6 +2,7 @@
 
 mod adjustment;
 mod compare;
+mod crash;
 mod demo;
 mod doctor;
 mod gl;

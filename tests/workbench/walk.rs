@@ -101,7 +101,7 @@ fn save_and_open_again(bench: &mut Bench) {
         .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     bench.harness.step();
     bench.harness.step();
-    let (role, name) = (Role::TextInput, "File to save as");
+    let (role, name) = (Role::TextInput, "Path of the session");
     bench.harness.get_by_role_and_label(role, name).focus();
     bench.harness.step();
     bench
@@ -112,7 +112,7 @@ fn save_and_open_again(bench: &mut Bench) {
         .get_by_role_and_label(role, name)
         .type_text(&path.display().to_string());
     bench.harness.step();
-    bench.press("Save session");
+    bench.press("Save");
     bench.settle("the saved session");
     let before = bench.session().clone();
     assert!(

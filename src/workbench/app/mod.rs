@@ -12,6 +12,7 @@ mod keeping;
 mod memo;
 mod menu;
 mod messages;
+mod observed;
 pub mod robot;
 pub mod screen;
 mod selection;
@@ -42,6 +43,9 @@ impl App {
     pub fn new(creation: &eframe::CreationContext<'_>, options: Options) -> Self {
         breakdown::listen();
         theme::install(&creation.egui_ctx);
+        if let Some(path) = &options.observed {
+            observed::observe(&creation.egui_ctx, path.clone());
+        }
         let mut state = State::new(&creation.egui_ctx, options);
         commands::restore(&state);
         if let Some(path) = state.options.path.clone() {
@@ -64,6 +68,29 @@ impl App {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.state.outbox.send(FileCommand::Quit);
         }
+    }
+}
+
+impl App {
+    /// A frame: what `show` draws, then the commands that were given. A panic in it leaves the session as it is, kept,
+    /// and is told by the next frame.
+    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
+        let state = &mut self.state;
+        if state.breakdown.is_some() {
+            frame::broken(ui, state);
+            return;
+        }
+        let done = breakdown::guard(|| {
+            show(ui, state);
+            for command in state.outbox.take() {
+                commands::perform(state, command);
+            }
+        });
+        state.breakdown = done.err();
+        if state.breakdown.is_some() {
+            ui.ctx().request_repaint();
+        }
+        state.keeping.follow(state.document.as_ref());
     }
 }
 
@@ -92,19 +119,7 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let state = &mut self.state;
-        if state.breakdown.is_some() {
-            frame::broken(ui, state);
-            return;
-        }
-        let done = breakdown::guard(|| {
-            frame::show(ui, state);
-            for command in state.outbox.take() {
-                commands::perform(state, command);
-            }
-        });
-        state.breakdown = done.err();
-        state.keeping.follow(state.document.as_ref());
+        self.frame(ui, frame::show);
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
@@ -133,3 +148,6 @@ pub fn run(start: Options) -> Result<(), eframe::Error> {
         Box::new(|creation| Ok(Box::new(App::new(creation, start)))),
     )
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,6 +35,9 @@ struct Arguments {
     /// Session, robot.json or dataset folder to open in the workbench
     #[arg(value_name = "PATH")]
     path: Option<PathBuf>,
+    /// File that describes what the window shows after every frame, for programs that drive it
+    #[arg(long, value_name = "FILE", hide = true)]
+    observed: Option<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -88,7 +91,7 @@ impl BadInput {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let Some(command) = arguments.command else {
-        return finish(workbench(arguments.path));
+        return finish(workbench(arguments.path, arguments.observed));
     };
     finish(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -108,7 +111,7 @@ pub fn run() -> ExitCode {
     })
 }
 
-fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
+fn workbench(path: Option<PathBuf>, observed: Option<PathBuf>) -> anyhow::Result<()> {
     if let Some(missing) = path.as_deref().filter(|path| !path.exists()) {
         let message = format!(
             "{}: is neither a command nor a file or folder",
@@ -118,6 +121,7 @@ fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
     }
     let options = crate::app::Options {
         path,
+        observed,
         ..Default::default()
     };
     crate::app::run(options).map_err(|error| anyhow::anyhow!("cannot open a window: {error}"))

@@ -1,6 +1,6 @@
 //! Questions that have to be answered before the program goes on.
 
-use egui::{Id, Key, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use crate::app::commands::{FileCommand, ReportCommand, SavingReport};
@@ -10,9 +10,8 @@ use crate::widgets::{heading, icon_button, muted, primary};
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    if state.windows.save_as.is_some() {
-        save_as(ui, state);
-    } else if state.windows.leaving.is_some() {
+    // Where to save is asked above it.
+    if state.windows.leaving.is_some() && state.windows.save_as.is_none() {
         unsaved(ui, state);
     }
     if let Some(saving) = state.windows.report.take() {
@@ -49,45 +48,6 @@ fn report(ui: &mut Ui, state: &mut State, mut saving: SavingReport) {
         state.outbox.send(ReportCommand::Cancel);
     }
     state.windows.report = Some(saving);
-}
-
-/// Where to save?
-fn save_as(ui: &mut Ui, state: &mut State) {
-    let Some(mut path) = state.windows.save_as.take() else {
-        return;
-    };
-    let mut done = false;
-    let modal = Modal::new(Id::unique("save as")).show(ui.ctx(), |ui| {
-        ui.set_width(520.0);
-        heading(ui, "Save the session as");
-        let field = ui.add(TextEdit::singleline(&mut path).desired_width(f32::INFINITY));
-        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "File to save as"));
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        muted(
-            ui,
-            "A path without folders is in the folder where the program was started.",
-        );
-        ui.add_space(2.0 * GRID);
-        ui.horizontal(|ui| {
-            let is_named = !path.trim().is_empty();
-            if (primary(ui, "Save session", is_named).clicked() || entered) && is_named {
-                state.outbox.send(FileCommand::SaveAs(path.trim().into()));
-                done = true;
-            }
-            if ui.button("Browse…").clicked() {
-                state.outbox.send(FileCommand::BrowseSaveAs);
-            }
-            if ui.button("Cancel").clicked() {
-                done = true;
-                state.windows.leaving = None;
-            }
-        });
-    });
-    if modal.should_close() {
-        state.windows.leaving = None;
-    } else if !done {
-        state.windows.save_as = Some(path);
-    }
 }
 
 /// Save the changes first?
