@@ -48,7 +48,7 @@ fn demo(window: &mut Window) -> Result<()> {
         window.element(&format!("phase {digit}"), |element| {
             element.role == "Button"
                 && element.selected
-                && element.name.starts_with(&format!("{digit}. "))
+                && element.name.starts_with(&format!("Phase {digit}: "))
         })?;
     }
     window.command('w')?;
