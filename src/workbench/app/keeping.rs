@@ -39,6 +39,8 @@ pub struct Keeping {
     thread: Option<JoinHandle<()>>,
     /// Identity and revision of the document that was handed over last; `None` while nothing is kept.
     followed: Option<(u64, u64)>,
+    /// Labels of measured poses that were handed over and that the document does not have yet.
+    ahead: Vec<i64>,
 }
 
 impl Keeping {
@@ -63,19 +65,27 @@ impl Keeping {
             kept,
             thread,
             followed: None,
+            ahead: Vec::new(),
         }
     }
 
     /// Hands the document over if it has changes that neither its file nor the recovery folder has.
     pub fn follow(&mut self, document: Option<&Document>) {
         let now = document.map(|document| (document.identity(), document.revision()));
-        if now == self.followed {
+        // Saving changes no revision, but then there is nothing to keep any more.
+        if now == self.followed && document.is_none_or(Document::is_unsaved) {
             return;
         }
         let other =
             now.map(|(identity, _)| identity) != self.followed.map(|(identity, _)| identity);
         let unsaved = document.filter(|document| document.is_unsaved());
-        if self.followed.is_some() && (other || unsaved.is_none()) {
+        let has = |label: &i64| {
+            document.is_some_and(|document| document.session().measurements.labels.contains(label))
+        };
+        self.ahead.retain(|label| !other && !has(label));
+        // A file that was saved while a pose was on its way does not have it.
+        let is_done = unsaved.is_none() && self.ahead.is_empty();
+        if self.followed.is_some() && (other || is_done) {
             self.send(Job::Finish);
             self.followed = None;
         }
@@ -90,7 +100,8 @@ impl Keeping {
     }
 
     /// Keeps a measured pose at once; [`Kept::Measured`] tells when it is on disk.
-    pub fn measured(&self, pose: MeasuredPose) {
+    pub fn measured(&mut self, pose: MeasuredPose) {
+        self.ahead.push(pose.label);
         self.send(Job::Measured(Box::new(pose)));
     }
 
@@ -180,5 +191,70 @@ fn perform(
         }
         Job::SetAside(left) => left.discard().map(drop).map_err(failed),
         Job::Finish => keeper.take().map_or(Ok(()), Keeper::finish).map_err(failed),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use tautline_core::robot::presets;
+    use tautline_session::left_behind;
+
+    use super::*;
+    use crate::app::clock;
+
+    fn pose(label: i64) -> MeasuredPose {
+        MeasuredPose {
+            label,
+            revolutions: vec![0.0; 8],
+            force_n: vec![50.0; 8],
+            laser_m: Some(1.0),
+            ..MeasuredPose::default()
+        }
+    }
+
+    fn told(keeping: &Keeping) -> i64 {
+        let told = keeping.kept.recv_timeout(Duration::from_secs(60));
+        match told.expect("it is kept") {
+            Kept::Measured(label) => label,
+            Kept::Failed(text) => panic!("{text}"),
+        }
+    }
+
+    #[test]
+    fn a_file_saved_while_a_pose_is_on_its_way_does_not_take_the_pose_away() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut document = Document::new(Session::new("MINI", robot, clock::now()), None);
+        let mut keeping = Keeping::new(folder.path().into(), egui::Context::default());
+        keeping.follow(Some(&document));
+        let written = document.revision();
+        keeping.measured(pose(0));
+        assert_eq!(told(&keeping), 0);
+        // The file was begun before the pose came, and is done before the document has it.
+        document.saved_as(folder.path().join("saved.json"), written);
+        keeping.follow(Some(&document));
+        keeping.flush();
+        let left = left_behind(folder.path()).expect("readable");
+        assert_eq!(left.len(), 1);
+        assert_eq!(left[0].poses, 1);
+    }
+
+    #[test]
+    fn nothing_is_kept_once_the_file_has_everything() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut document = Document::new(Session::new("MINI", robot, clock::now()), None);
+        let mut keeping = Keeping::new(folder.path().into(), egui::Context::default());
+        keeping.follow(Some(&document));
+        keeping.measured(pose(0));
+        assert_eq!(told(&keeping), 0);
+        document.append(|session| session.append_pose(&pose(0)).expect("it fits"));
+        keeping.follow(Some(&document));
+        document.saved_as(folder.path().join("saved.json"), document.revision());
+        keeping.follow(Some(&document));
+        keeping.flush();
+        assert!(left_behind(folder.path()).expect("readable").is_empty());
     }
 }
