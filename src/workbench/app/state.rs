@@ -27,6 +27,8 @@ pub struct Options {
     pub demo_seed: Option<u64>,
     /// How many times faster than real the simulated robot moves; by default 1.
     pub robot_speed: Option<f64>,
+    /// Where to describe what the window shows, for programs that drive it from the outside.
+    pub observed: Option<PathBuf>,
 }
 
 /// Windows above the screen.
@@ -34,6 +36,8 @@ pub struct Options {
 pub struct Windows {
     /// What waits for an answer about unsaved changes.
     pub leaving: Option<Leaving>,
+    /// The path to save at, while it is asked for.
+    pub save_as: Option<String>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
     /// Whether the log is open.

@@ -27,6 +27,8 @@ pub enum FileCommand {
     Save,
     /// Asks for a place to save at.
     AskSaveAs,
+    /// Picks that place in a dialog.
+    PickSaveAs,
     /// Saves at a place.
     SaveAs(PathBuf),
     /// Closes the session.
@@ -105,11 +107,12 @@ pub(super) fn perform(state: &mut State, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(state),
         FileCommand::AskOpen => ask(state, Purpose::Open),
-        FileCommand::AskSaveAs => ask(state, Purpose::SaveAs),
+        FileCommand::AskSaveAs => ask_save_as(state),
+        FileCommand::PickSaveAs => ask(state, Purpose::SaveAs),
         FileCommand::Open(path) => read(state, path),
         FileCommand::Save => match state.document.as_ref().and_then(Document::path) {
             Some(path) => save(state, path.to_owned()),
-            None => ask(state, Purpose::SaveAs),
+            None => ask_save_as(state),
         },
         FileCommand::SaveAs(path) => save(state, path),
         FileCommand::Close => leave(state, Leaving::Close),
@@ -148,6 +151,37 @@ fn ask(state: &mut State, purpose: Purpose) {
         };
         FileOutcome::Picked { purpose, path }.into()
     });
+}
+
+/// Asks where to save; its own file is suggested, or one beside the session that was open last.
+fn ask_save_as(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let recent = state.preferences.recent().first();
+    let path = document.path().map_or_else(
+        || {
+            let folder = recent.and_then(|recent| recent.path().parent());
+            let name = file_name(&document.session().name);
+            folder.map_or_else(|| PathBuf::from(&name), |folder| folder.join(&name))
+        },
+        Path::to_owned,
+    );
+    state.windows.save_as = Some(path.display().to_string());
+}
+
+/// "MINI of 2024" as "mini-of-2024.json".
+fn file_name(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_alphanumeric());
+    let words: Vec<String> = words
+        .filter(|word| !word.is_empty())
+        .map(str::to_lowercase)
+        .collect();
+    if words.is_empty() {
+        "session.json".into()
+    } else {
+        format!("{}.json", words.join("-"))
+    }
 }
 
 fn read(state: &mut State, path: PathBuf) {
@@ -282,9 +316,11 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
         FileOutcome::Picked {
             purpose: Purpose::SaveAs,
             path: Some(path),
-        } => save(state, path),
+        } => {
+            state.windows.save_as = None;
+            save(state, path);
+        }
         FileOutcome::Picked { path: None, .. } => {
-            state.windows.leaving = None;
             state.messages.info("No file was chosen. If no dialog appeared, type the path or drop the file on the window.");
         }
     }
@@ -372,4 +408,16 @@ fn open(state: &mut State, opening: Opening) {
         Step::Precalibration
     });
     super::model::reopened(state);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::file_name;
+
+    #[test]
+    fn a_session_suggests_the_name_of_its_file() {
+        assert_eq!(file_name("Demo robot"), "demo-robot.json");
+        assert_eq!(file_name("MINI/2024: b"), "mini-2024-b.json");
+        assert_eq!(file_name(" / "), "session.json");
+    }
 }

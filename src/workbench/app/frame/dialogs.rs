@@ -9,7 +9,8 @@ use crate::widgets::{heading, muted, primary};
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    if state.windows.leaving.is_some() {
+    // Where to save is asked above it.
+    if state.windows.leaving.is_some() && state.windows.save_as.is_none() {
         unsaved(ui, state);
     }
 }

@@ -4,6 +4,7 @@ mod dialogs;
 mod log;
 mod palette;
 mod rail;
+mod save_as;
 mod status;
 mod top;
 
@@ -62,4 +63,5 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     palette::show(ui, state);
     log::show(ui, state);
     dialogs::show(ui, state);
+    save_as::show(ui, state);
 }
