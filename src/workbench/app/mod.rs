@@ -12,6 +12,7 @@ mod keeping;
 mod memo;
 mod menu;
 mod messages;
+mod observed;
 pub mod screen;
 mod selection;
 pub mod standing;
@@ -40,6 +41,9 @@ impl App {
     pub fn new(creation: &eframe::CreationContext<'_>, options: Options) -> Self {
         breakdown::listen();
         theme::install(&creation.egui_ctx);
+        if let Some(path) = &options.observed {
+            observed::observe(&creation.egui_ctx, path.clone());
+        }
         let mut state = State::new(&creation.egui_ctx, options);
         commands::restore(&state);
         if let Some(path) = state.options.path.clone() {
@@ -65,6 +69,29 @@ impl App {
     }
 }
 
+impl App {
+    /// A frame: what `show` draws, then the commands that were given. A panic in it leaves the session as it is, kept,
+    /// and is told by the next frame.
+    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
+        let state = &mut self.state;
+        if state.breakdown.is_some() {
+            frame::broken(ui, state);
+            return;
+        }
+        let done = breakdown::guard(|| {
+            show(ui, state);
+            for command in state.outbox.take() {
+                commands::perform(state, command);
+            }
+        });
+        state.breakdown = done.err();
+        if state.breakdown.is_some() {
+            ui.ctx().request_repaint();
+        }
+        state.keeping.follow(state.document.as_ref());
+    }
+}
+
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         for outcome in self.state.tasks.outcomes() {
@@ -84,19 +111,7 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let state = &mut self.state;
-        if state.breakdown.is_some() {
-            frame::broken(ui, state);
-            return;
-        }
-        let done = breakdown::guard(|| {
-            frame::show(ui, state);
-            for command in state.outbox.take() {
-                commands::perform(state, command);
-            }
-        });
-        state.breakdown = done.err();
-        state.keeping.follow(state.document.as_ref());
+        self.frame(ui, frame::show);
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
@@ -125,3 +140,6 @@ pub fn run(start: Options) -> Result<(), eframe::Error> {
         Box::new(|creation| Ok(Box::new(App::new(creation, start)))),
     )
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,6 +35,9 @@ struct Arguments {
     /// Session, robot.json or dataset folder to open in the workbench
     #[arg(value_name = "PATH")]
     path: Option<PathBuf>,
+    /// File that describes what the window shows after every frame, for programs that drive it
+    #[arg(long, value_name = "FILE", hide = true)]
+    observed: Option<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -88,7 +91,7 @@ impl BadInput {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let Some(command) = arguments.command else {
-        return finish(workbench(arguments.path));
+        return finish(workbench(arguments.path, arguments.observed));
     };
     finish(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -108,9 +111,10 @@ pub fn run() -> ExitCode {
     })
 }
 
-fn workbench(path: Option<PathBuf>) -> anyhow::Result<()> {
+fn workbench(path: Option<PathBuf>, observed: Option<PathBuf>) -> anyhow::Result<()> {
     let options = crate::app::Options {
         path,
+        observed,
         ..Default::default()
     };
     crate::app::run(options).map_err(|error| anyhow::anyhow!("cannot open a window: {error}"))
