@@ -4,5 +4,7 @@ pub mod bad_input_cases;
 pub mod hangprinter;
 pub mod hidden;
 pub mod nist;
+pub mod program;
 pub mod table1;
 pub mod truth;
+pub mod window;

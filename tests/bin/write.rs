@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use tautline_validation::{hangprinter, nist, table1, truth};
+use tautline_validation::{hangprinter, nist, table1, truth, window};
 
 /// Presets of the truth study.
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
@@ -21,10 +21,11 @@ fn main() -> Result<()> {
         Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
+        Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
         Some("write") => write(argument)?,
         _ => bail!(
-            "what to validate: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, write [FOLDER]"
+            "what to validate: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write], write [FOLDER]"
         ),
     }
     Ok(())
@@ -49,10 +50,27 @@ fn hangprinter_table(folder: Option<&str>) -> Result<String> {
     ))
 }
 
+/// How quick the window is; written down only when nothing else runs on the machine, so not with the rest.
+fn workbench(write: Option<&str>) -> Result<()> {
+    let table = window::speed::measure()?;
+    println!("{table}");
+    if write == Some("write") {
+        let path = document();
+        let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+        replace(&mut text, "workbench", &table)?;
+        tautline_session::write_text(&path, &text)?;
+    }
+    Ok(())
+}
+
+fn document() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/VALIDATION.md")
+}
+
 /// Puts every table between its marks in docs/VALIDATION.md. The Hangprinter's stays as it is where
 /// its data are absent.
 fn write(folder: Option<&str>) -> Result<()> {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/VALIDATION.md");
+    let path = document();
     let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
     replace(&mut text, "nist", &nist::markdown(&nist::table()?))?;
     replace(&mut text, "truth", &truth_table(None)?)?;

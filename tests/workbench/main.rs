@@ -1,5 +1,6 @@
 //! The workbench, driven by accessible names.
 
+mod crash;
 mod doctor;
 mod gl;
 mod identification;

@@ -1,11 +1,10 @@
 //! The built program and what it answers.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-use std::sync::OnceLock;
-use std::time::SystemTime;
 
 use serde_json::Value;
+use tautline_validation::program::program;
 use tempfile::TempDir;
 
 /// What a run of the program left behind.
@@ -103,52 +102,4 @@ pub fn assert_number(document: &Value, pointer: &str, expected: f64, tolerance: 
         (found - expected).abs() <= tolerance,
         "{pointer} is {found}, not {expected}"
     );
-}
-
-/// The program next to this test, built if it is missing or older than its sources.
-fn program() -> &'static Path {
-    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        if let Ok(path) = std::env::var("CARGO_BIN_EXE_tautline") {
-            return path.into();
-        }
-        let test = std::env::current_exe().expect("a path");
-        let folder = test.ancestors().nth(2).expect("the folder of the profile");
-        let program = folder.join(format!("tautline{}", std::env::consts::EXE_SUFFIX));
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let sources = newest(&root.join("src"));
-        if modified(&program).is_none_or(|built| sources.is_some_and(|changed| changed > built)) {
-            build(&root, folder);
-        }
-        program
-    })
-}
-
-fn build(root: &Path, folder: &Path) {
-    let profile = match folder.file_name().and_then(|name| name.to_str()) {
-        None | Some("debug") => "dev",
-        Some(name) => name,
-    };
-    let target = folder.parent().expect("the target folder");
-    let status = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "-p", "tautline", "--profile", profile])
-        .arg("--target-dir")
-        .arg(target)
-        .current_dir(root)
-        .status();
-    assert!(status.expect("cargo starts").success());
-}
-
-fn modified(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).ok()?.modified().ok()
-}
-
-/// When the newest file below a folder was changed.
-fn newest(folder: &Path) -> Option<SystemTime> {
-    let entries = std::fs::read_dir(folder).ok()?.flatten();
-    let times = entries.filter_map(|entry| match entry.file_type().ok()?.is_dir() {
-        true => newest(&entry.path()),
-        false => modified(&entry.path()),
-    });
-    times.max()
 }

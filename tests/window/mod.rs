@@ -1,0 +1,8 @@
+//! The built program in a real window that nobody sees, for tests and for measuring its speed.
+
+mod display;
+mod running;
+pub mod speed;
+
+pub use display::{Display, keys};
+pub use running::{Element, Window};
