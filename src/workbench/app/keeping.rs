@@ -54,7 +54,7 @@ impl Keeping {
                 // Nobody listens any more when the program ends.
                 let _ = tell.send(message);
                 context.request_repaint();
-            })
+            });
         };
         let thread = thread::Builder::new()
             .name("keeping".into())

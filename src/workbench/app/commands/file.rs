@@ -121,7 +121,7 @@ pub(super) fn perform(state: &mut State, command: FileCommand) {
         FileCommand::Recover(place) => recover(state, place),
         FileCommand::SetAside(place) => set_aside(state, place),
         FileCommand::Forget(path) => {
-            state.change_preferences(|preferences| preferences.forget(&path))
+            state.change_preferences(|preferences| preferences.forget(&path));
         }
     }
 }

@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ui.separator();
         title(ui, state);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            right(ui, state)
+            right(ui, state);
         });
     });
 }
