@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// The program next to this test, built if it is missing or older than its sources.
+/// The program next to this test or program, built if it is missing or older than its sources.
 ///
 /// # Panics
 /// If it cannot be built.
@@ -16,8 +16,10 @@ pub fn program() -> &'static Path {
         if let Ok(path) = std::env::var("CARGO_BIN_EXE_tautline") {
             return path.into();
         }
-        let test = std::env::current_exe().expect("a path");
-        let folder = test.ancestors().nth(2).expect("the folder of the profile");
+        let own = std::env::current_exe().expect("a path");
+        // Tests lie in the folder deps, programs beside it.
+        let mut folders = own.ancestors().skip(1).skip_while(|f| f.ends_with("deps"));
+        let folder = folders.next().expect("the folder of the profile");
         let program = folder.join(format!("tautline{}", std::env::consts::EXE_SUFFIX));
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let sources = newest(&root.join("src"));

@@ -72,7 +72,8 @@ impl Keeping {
     /// Hands the document over if it has changes that neither its file nor the recovery folder has.
     pub fn follow(&mut self, document: Option<&Document>) {
         let now = document.map(|document| (document.identity(), document.revision()));
-        if now == self.followed {
+        // Saving changes no revision, but then there is nothing to keep any more.
+        if now == self.followed && document.is_none_or(Document::is_unsaved) {
             return;
         }
         let other =
