@@ -86,6 +86,32 @@ pub(crate) fn effect_name(setting: &EffectSetting, parameter: &str) -> String {
     format!("effect.{}{dot}{targets}.{parameter}", setting.effect)
 }
 
+/// What the name of an effect's parameter says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EffectName<'a> {
+    /// Identifier of the effect.
+    pub effect: &'a str,
+    /// The cable's name, those of two joined by `+`; empty for an effect without target.
+    pub targets: &'a str,
+    /// Name of the parameter.
+    pub parameter: &'a str,
+}
+
+impl<'a> EffectName<'a> {
+    /// Reads a name; `None` if it is not that of an effect's parameter.
+    #[must_use]
+    pub fn read(name: &'a str) -> Option<Self> {
+        // A cable's name may contain dots, an identifier and a parameter's name do not.
+        let (effect, rest) = name.strip_prefix("effect.")?.split_once('.')?;
+        let (targets, parameter) = rest.rsplit_once('.').unwrap_or(("", rest));
+        Some(Self {
+            effect,
+            targets,
+            parameter,
+        })
+    }
+}
+
 /// Sets one parameter of a robot.
 ///
 /// # Errors
@@ -220,6 +246,25 @@ mod tests {
         assert_eq!(names.len(), 8 * 8 + 6 + 1 + 1);
         assert!(names.contains(&"effect.winch_scale.cable-3.scale".to_owned()));
         assert_eq!(robot.effects[0].parameters["scale"], 1e-3);
+    }
+
+    #[test]
+    fn names_of_effects_are_read_again() {
+        for targets in [&[][..], &["left.upper"], &["cable-1", "cable-2"]] {
+            let setting = EffectSetting {
+                effect: "winch_scale".into(),
+                targets: targets.iter().map(|&target| target.to_owned()).collect(),
+                parameters: [].into(),
+            };
+            let name = effect_name(&setting, "scale");
+            let expected = EffectName {
+                effect: "winch_scale",
+                targets: &targets.join("+"),
+                parameter: "scale",
+            };
+            assert_eq!(EffectName::read(&name), Some(expected));
+        }
+        assert_eq!(EffectName::read("cable-1.pulley.radius_m"), None);
     }
 
     #[test]

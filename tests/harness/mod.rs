@@ -1,6 +1,7 @@
 //! The workbench without a window, driven by accessible names: for tests and screenshots.
 
 mod renderer;
+mod robot;
 
 use std::time::{Duration, Instant};
 
@@ -11,6 +12,7 @@ use tautline_workbench::app::App;
 use tautline_workbench::app::command::Command;
 
 pub use renderer::GlowTestRenderer;
+pub use robot::{connect_and_arm, give_parameters, wait, words};
 
 /// How long a task may take before something must be wrong.
 pub const PATIENCE: Duration = Duration::from_secs(120);

@@ -1,8 +1,6 @@
 //! A workbench to take pictures of.
 
-use std::time::{Duration, Instant};
-
-use anyhow::{Result, bail};
+use anyhow::Result;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::RgbImage;
@@ -10,7 +8,9 @@ use tautline_session::Folders;
 use tautline_workbench::app::command::Command;
 use tautline_workbench::app::{App, Options, State};
 
-use crate::harness::{GlowTestRenderer, PATIENCE, give, press, settle};
+use crate::harness::{
+    GlowTestRenderer, connect_and_arm, give, give_parameters, press, settle, wait,
+};
 
 /// Size of a window (points, and pixels as well).
 pub const LARGE: [f32; 2] = [1440.0, 900.0];
@@ -78,27 +78,18 @@ impl Stage {
     }
 
     /// Connects and arms the simulated robot.
-    pub fn connect_and_arm(&mut self) -> Result<()> {
-        self.press("Connect the simulated robot");
-        self.wait("a connection", |state| state.link.is_connected())?;
-        self.press("Arm");
-        self.wait("arming", |state| state.link.is_armed())
+    pub fn connect_and_arm(&mut self) {
+        connect_and_arm(&mut self.harness);
+    }
+
+    /// Gives the simulated robot parameters for the effects of the model, and arms it again.
+    pub fn give_parameters(&mut self) {
+        give_parameters(&mut self.harness);
     }
 
     /// Lets the workbench run until its state is as wanted.
-    pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) -> Result<()> {
-        let start = Instant::now();
-        while !reached(&self.harness.state().state) {
-            if start.elapsed() > 4 * PATIENCE {
-                let last = self.harness.state().state.messages.last();
-                bail!("{what} does not come; the last message is {last:?}");
-            }
-            // The thread of the controller needs the processor more than the pictures do.
-            std::thread::sleep(Duration::from_millis(20));
-            self.harness.step();
-        }
-        self.harness.run_ok();
-        Ok(())
+    pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
+        wait(&mut self.harness, what, reached);
     }
 
     /// What one would see now.

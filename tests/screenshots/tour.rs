@@ -69,17 +69,17 @@ fn measured(film: &mut Film) -> Result<()> {
     film.shot(SHORT)?;
     film.stage.press("Plan poses");
     film.shot(LONG)?;
-    film.stage.connect_and_arm()?;
+    film.stage.connect_and_arm();
     film.stage.press("Start measuring");
     for poses in [6, 12, 18] {
         film.stage.wait("a measured pose", |state| {
             let document = state.document.as_ref();
             document.is_some_and(|document| document.session().measurements.len() >= poses)
-        })?;
+        });
         film.shot(SHORT)?;
     }
     film.stage
-        .wait("all poses", |state| !state.link.is_measuring())?;
+        .wait("all poses", |state| !state.link.is_measuring());
     film.shot(SHORT)
 }
 
@@ -102,18 +102,20 @@ fn identified(film: &mut Film) -> Result<()> {
 fn adjusted(film: &mut Film) -> Result<()> {
     film.go(Step::Adjustment);
     film.shot(LONG)?;
-    verified(film, "Measure before", 1)?;
+    film.stage.give_parameters();
+    film.shot(SHORT)?;
+    verified(film, "Measure before", 1);
     film.stage.press("Write to the controller");
-    film.stage.wait("the values", |state| !state.link.writing)?;
-    verified(film, "Measure after", 2)?;
+    film.stage.wait("the values", |state| !state.link.writing);
+    verified(film, "Measure after", 2);
     film.stage.show("More exact: ");
     film.shot(LONG)
 }
 
-fn verified(film: &mut Film, button: &str, runs: usize) -> Result<()> {
+fn verified(film: &mut Film, button: &str, runs: usize) {
     film.stage.press(button);
     film.stage.wait("a verification", |state| {
         let document = state.document.as_ref();
         document.is_some_and(|document| document.session().verifications().len() >= runs)
-    })
+    });
 }

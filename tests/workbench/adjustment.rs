@@ -1,9 +1,11 @@
 //! The phase Adjustment on a simulated robot.
 
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::accuracy::iso9283::{Target, pose_accuracy};
+use tautline_core::effect;
 use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
+use tautline_validation::harness::give_parameters;
 use tautline_workbench::app::commands::robot::Export;
 use tautline_workbench::app::commands::{ModelCommand, RobotCommand};
 use tautline_workbench::app::edit::Edit;
@@ -46,6 +48,18 @@ fn verify(bench: &mut Bench, button: &str, runs: usize) {
     });
 }
 
+/// The row of the fault has its title, its cable and a unit, and nothing of it is cut.
+fn effect_is_readable(bench: &Bench) {
+    let fault = &bench.session().settings.identification.effects[0];
+    let title = effect::find(&fault.effect).expect("an effect").title();
+    let row = format!("{title}, {}, ", fault.targets[0]);
+    let row = bench.harness.get_by_label_contains(&row);
+    let name = row.accesskit_node().label().expect("a name");
+    assert!(name.ends_with(", %"), "{name}");
+    let window = bench.harness.ctx.content_rect();
+    assert!(window.contains_rect(row.rect()), "{:?}", row.rect());
+}
+
 #[test]
 fn identified_values_are_written_and_make_the_robot_more_exact() {
     let mut bench = Bench::demo(3);
@@ -64,14 +78,8 @@ fn identified_values_are_written_and_make_the_robot_more_exact() {
     bench.give(Edit::AddEffects(vec![fault], "add the fault".into()));
     bench.give(ModelCommand::Identify);
     bench.settle("an identification");
-    let text = "Give the simulated controller these parameters";
-    bench.press(text);
-    bench.wait("a controller that corrects the fault", |state| {
-        let mut held = state.link.parameters.iter();
-        held.any(|p| p.name.starts_with("effect.")) && !state.link.is_armed()
-    });
-    bench.press("Arm");
-    bench.wait("arming", |state| state.link.is_armed());
+    give_parameters(&mut bench.harness);
+    effect_is_readable(&bench);
     bench.press("Write to the controller");
     bench.wait("the values", |state| !state.link.writing);
     let written = bench

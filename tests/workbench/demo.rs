@@ -1,10 +1,9 @@
 //! The demonstration on a simulated robot whose time runs fast, and how tests drive it.
 
-use std::time::{Duration, Instant};
-
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use tautline_session::{Folders, Session};
+use tautline_validation::harness::{connect_and_arm, wait, words};
 use tautline_workbench::app::command::Command;
 use tautline_workbench::app::commands::{FileCommand, RobotCommand, ViewCommand};
 use tautline_workbench::app::screen::{Screen, Step};
@@ -77,8 +76,8 @@ impl Bench {
     pub fn press(&mut self, name: &str) {
         self.harness.step();
         let found = self.harness.query_by_label(name);
-        let found =
-            found.unwrap_or_else(|| panic!("no {name:?}; the screen says {:?}", self.words()));
+        let found = found
+            .unwrap_or_else(|| panic!("no {name:?}; the screen says {:?}", words(&self.harness)));
         found.click_accesskit();
         self.harness.step();
         self.harness.step();
@@ -86,26 +85,7 @@ impl Bench {
 
     /// Lets the workbench run until its state is as wanted.
     pub fn wait(&mut self, what: &str, reached: impl Fn(&State) -> bool) {
-        let start = Instant::now();
-        while !reached(self.state()) {
-            assert!(
-                start.elapsed() < Duration::from_secs(60),
-                "{what} does not come; the last message is {:?}; the screen says {:?}",
-                self.state().messages.last(),
-                self.words()
-            );
-            std::thread::sleep(Duration::from_millis(5));
-            self.harness.step();
-        }
-        self.harness.step();
-    }
-
-    /// All that is written on the screen.
-    fn words(&self) -> Vec<String> {
-        let nodes = self.harness.root().children_recursive();
-        nodes
-            .filter_map(|node| node.accesskit_node().value())
-            .collect()
+        wait(&mut self.harness, what, reached);
     }
 
     /// Lets the workbench run until no task is running.
@@ -115,10 +95,7 @@ impl Bench {
 
     /// Connects and arms by the buttons.
     pub fn connect_and_arm(&mut self) {
-        self.press("Connect the simulated robot");
-        self.wait("a connection", |state| state.link.is_connected());
-        self.press("Arm");
-        self.wait("arming", |state| state.link.is_armed());
+        connect_and_arm(&mut self.harness);
     }
 
     /// Plans, measures all poses and gives the number measured.

@@ -17,7 +17,8 @@ pub struct CableDetail {
     pub largest_turn_rad: f64,
     /// Parts of the free cable where it sags.
     pub span_parts: usize,
-    /// Largest depth in its middle that is drawn, over its length: a cable that is almost slack is no parabola any more.
+    /// Largest depth in the middle of a level cable that is drawn, over its length: one that is almost slack is no
+    /// parabola any more.
     pub largest_sag: f64,
 }
 

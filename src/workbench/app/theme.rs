@@ -115,7 +115,7 @@ const LIGHT: Palette = Palette {
         rgb(0x00c7_7f00),
         rgb(0x002a_94d4),
         rgb(0x0000_8c66),
-        rgb(0x00a8_9a00),
+        rgb(0x0096_8a00),
         rgb(0x0000_56a8),
         rgb(0x00c2_4a00),
         rgb(0x00b0_4f88),

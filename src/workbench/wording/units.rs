@@ -24,7 +24,10 @@ pub fn unit_of(parameter: &str, unit: &'static str) -> &'static str {
 
 /// A number with `digits` that count, without zeros at its end; all digits before the point.
 pub fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 || !value.is_finite() {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
         return format!("{value}");
     }
     let before_point = value.abs().log10().floor() as i32 + 1;
@@ -80,14 +83,35 @@ pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
             .to_owned();
     }
     let decimals = decimals(sd);
-    format!("{value:.decimals$} ± {sd:.decimals$} {name}")
+    let value = fixed(value, decimals);
+    format!("{value} ± {sd:.decimals$} {name}")
         .trim_end()
         .to_owned()
 }
 
+/// A number with these decimals; what rounds to zero has no sign.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if !size.contains(|digit| matches!(digit, '1'..='9')) => size.to_owned(),
+        _ => text,
+    }
+}
+
+/// The same with a plus where it is positive.
+pub fn signed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    let is_positive = value > 0.0 && text.contains(|digit| matches!(digit, '1'..='9'));
+    if is_positive {
+        format!("+{text}")
+    } else {
+        text
+    }
+}
+
 /// Metres as millimetres with the decimals given.
 pub fn mm(metres: f64, decimals: usize) -> String {
-    format!("{:.decimals$}", metres * 1e3)
+    fixed(metres * 1e3, decimals)
 }
 
 #[cfg(test)]
@@ -116,6 +140,14 @@ mod tests {
     }
 
     #[test]
+    fn signs_mean_something() {
+        let all = [-1.25, -0.001, 0.0, 0.001, 2.0];
+        let [plain, with_plus] = [fixed, signed].map(|text| all.map(|v| text(v, 1)).join(" "));
+        assert_eq!(plain, "-1.2 0.0 0.0 0.0 2.0");
+        assert_eq!(with_plus, "-1.2 0.0 0.0 0.0 +2.0");
+    }
+
+    #[test]
     fn digits_follow_the_standard_deviation() {
         for (value, sd, unit, text) in [
             (0.0031, 0.0004, "1", "0.31 ± 0.04 %"),
@@ -124,6 +156,10 @@ mod tests {
             (-12.3, 4.6, "N", "-12 ± 5 N"),
             (1234.5, 150.0, "N", "1234 ± 150 N"),
             (0.0031, f64::NAN, "1", "0.31 %"),
+            (-0.0002, 0.0023, "m", "0 ± 2 mm"),
+            (-0.000_004, 0.000_12, "m", "0.00 ± 0.12 mm"),
+            (-0.000_006, 0.000_12, "m", "-0.01 ± 0.12 mm"),
+            (-0.0, f64::NAN, "m", "0 mm"),
         ] {
             assert_eq!(with_sd(value, sd, unit), text);
         }

@@ -67,7 +67,10 @@ impl Diagnosed {
             );
         }
         if let Some(after) = missed(&diagnosis.extended.global).filter(|_| is_extended) {
-            lines.push(format!("With what was found: by {} times.", ratio(after)));
+            lines.push(format!(
+                "With what was found, it misses them by {} times their noise.",
+                ratio(after)
+            ));
         }
         if !diagnosis.extended_solution.converged() {
             lines.push("The fit did NOT converge: do not rely on the numbers.".to_owned());

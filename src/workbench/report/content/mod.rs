@@ -16,6 +16,7 @@ use tautline_session::Timestamp;
 
 use super::ReportInput;
 use super::document::Document;
+use crate::wording::units;
 
 /// What stands where there is no number.
 const NONE: &str = "–";
@@ -56,23 +57,12 @@ fn when(time: Timestamp) -> String {
 
 /// A number with a sign that is as long as the digits are high, and no minus before nothing but zeros.
 fn number(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(digits) if digits.bytes().all(|b| matches!(b, b'0' | b'.')) => digits.to_owned(),
-        Some(digits) => format!("−{digits}"),
-        None => text,
-    }
+    units::fixed(value, decimals).replace('-', "−")
 }
 
 /// The same with a plus where it is positive.
 fn signed(value: f64, decimals: usize) -> String {
-    let text = number(value, decimals);
-    let is_zero = text.bytes().all(|b| matches!(b, b'0' | b'.'));
-    if is_zero || text.starts_with('−') {
-        text
-    } else {
-        format!("+{text}")
-    }
+    units::signed(value, decimals).replace('-', "−")
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ fn a_named_finding_is_clear() {
     let parts = [
         "planar: the model does NOT explain the readings of 13 poses. With the finding below it does.\n",
         "It misses them by 1.60 times their noise; a right model would do so or worse less than once in a million times.\n",
-        "With what was found: by 1.00 times.\n",
+        "With what was found, it misses them by 1.00 times their noise.\n",
         "\n1. Winch scale (cable-3), clearly\n",
         "   Winch 3 pays out too much.\n",
         "   Size: 0.31 ± 0.04 %\n",
