@@ -9,7 +9,7 @@ use std::path::Path;
 use anyhow::Result;
 use egui::ThemePreference;
 use tautline_workbench::app::Selection;
-use tautline_workbench::app::commands::{FileCommand, ViewCommand};
+use tautline_workbench::app::commands::{CompareCommand, FileCommand, ViewCommand};
 use tautline_workbench::app::screen::{Screen, Step};
 
 use crate::sessions;
@@ -35,6 +35,7 @@ pub fn write_all(into: &Path) -> Result<()> {
     std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     phases(&into)?;
     causes(&into)?;
+    comparison(&into)?;
     small_and_light(&into)?;
     tour::write(&into.join("tour.png"))
 }
@@ -80,6 +81,19 @@ fn causes(into: &Path) -> Result<()> {
     open(&mut stage, "suspended-sag/session.json");
     stage.give(ViewCommand::Select(Selection::pose(11)));
     files::write_still(&into.join("suspended.png"), &stage.picture()?)
+}
+
+/// The same robot before and after a pulley was moved.
+fn comparison(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
+    stage.give(CompareCommand::Show);
+    for run in ["before.json", "after.json"] {
+        // Named as one would from the folder of the repository.
+        let path = Path::new("sessions/before-after").join(run);
+        stage.give(CompareCommand::Drop(path));
+    }
+    stage.give(ViewCommand::Select(Selection::cable(5)));
+    files::write_still(&into.join("compare.png"), &stage.picture()?)
 }
 
 fn small_and_light(into: &Path) -> Result<()> {
