@@ -80,8 +80,8 @@ fn elongation(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<ElongationPoint> {
         return Vec::new();
     };
     let mut points = Vec::new();
-    for length_m in (0..8).map(|k| 0.2 + 0.2 * f64::from(k)) {
-        for tension_n in (0..9).map(|k| 2.0 + 12.0 * f64::from(k)) {
+    for length_m in (0..8).map(|k| 0.1 + 0.25 * f64::from(k)) {
+        for tension_n in (0..9).map(|k| 2.0 + 21.0 * f64::from(k)) {
             let elongation_m = length_m * tension_n / stiffness_n + normal(rng, ELONGATION_SD_M);
             points.push(ElongationPoint {
                 length_m,
