@@ -103,6 +103,7 @@ fn adjusted(film: &mut Film) -> Result<()> {
     film.go(Step::Adjustment);
     film.shot(LONG)?;
     film.stage.give_parameters();
+    film.stage.show("Read back");
     film.shot(SHORT)?;
     verified(film, "Measure before", 1);
     film.stage.press("Write to the controller");
