@@ -1,6 +1,6 @@
 //! The report of a calibration: what was measured, identified and found, as HTML or PDF.
 //!
-//! `content` makes one [`document::Document`] of plain data; `html` and `pdf` render it, `picture` draws the robot. Nothing
+//! `content` makes one document of plain data; `html` and `pdf` render it, `picture` draws the robot. Nothing
 //! here reads a clock or asks the window for anything, so a report is the same wherever it is made.
 
 mod content;
