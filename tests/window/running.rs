@@ -55,6 +55,8 @@ impl Window {
         let display = Display::new(size[0], size[1])?;
         let errors = fs::File::create(folder.join("stderr"))?;
         let executable = program();
+        // Of an earlier start; usually there was none.
+        let _ = fs::remove_file(folder.join("shown"));
         let begin = Instant::now();
         let program = Command::new(executable)
             .arg("--observed")
@@ -91,6 +93,7 @@ impl Window {
             let (_, elements) = window.shown()?;
             Ok(elements.iter().any(wide).then_some(()))
         })?;
+        window.rest()?;
         Ok(window)
     }
 
@@ -194,6 +197,21 @@ impl Window {
         self.display.button(true)?;
         thread::sleep(Duration::from_millis(30));
         self.display.button(false)
+    }
+
+    /// Types into a field, instead of what is in it.
+    ///
+    /// # Errors
+    /// If the display fails or the text does not appear.
+    pub fn enter(&mut self, field: &str, text: &str) -> Result<()> {
+        let field = self.named("TextInput", field)?;
+        self.click(&field)?;
+        // Keys that come in the frame of the click are not the field's yet.
+        self.rest()?;
+        self.command('a')?;
+        self.display.write(text)?;
+        self.element("the typed text", |element| element.name == text)?;
+        self.rest()
     }
 
     /// Strikes a letter or digit with the control key held, and the shift key, too, for a capital.

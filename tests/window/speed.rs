@@ -79,9 +79,6 @@ fn dataset(folder: &Path, poses: usize) -> Result<String> {
 
 /// From the start of the process to the second frame, when the first is on the screen (s).
 fn start(folder: &Path) -> Result<f64> {
-    let shown = folder.join("shown");
-    // None is there before the first start.
-    let _ = std::fs::remove_file(shown);
     let (mut window, begin) = Window::start(folder, SIZE, &[])?;
     window.until("the first frame", |window| {
         Ok((window.shown()?.0 > 1).then_some(()))
@@ -89,13 +86,10 @@ fn start(folder: &Path) -> Result<f64> {
     Ok(begin.elapsed().as_secs_f64())
 }
 
-/// From the command to open to the first frame with the robot (s).
+/// From the command to open to the first frame with the robot, laid out but not painted yet (s).
 fn opening(folder: &Path, name: &str) -> Result<f64> {
     let mut window = Window::open(folder, SIZE, &[])?;
-    let field = window.named("TextInput", "Path")?;
-    window.click(&field)?;
-    window.display.write(name)?;
-    window.rest()?;
+    window.enter("Path", name)?;
     let begin = Instant::now();
     window.display.strike(&[], keys::RETURN)?;
     window.named("Canvas", "3D view")?;
@@ -164,7 +158,7 @@ fn markdown(start_s: f64, opening_s: f64, scenes: &[Scene]) -> String {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split_whitespace().next().unwrap_or("unknown");
     let mut text = format!(
-        "First frame {start_s:.2} s after the start of the process (median of {STARTS}); {OPENED} poses opened and drawn \
+        "First frame {start_s:.2} s after the start of the process (median of {STARTS}); {OPENED} poses opened and the frame with the robot laid out \
          {opening_s:.2} s after the command (median of {OPENINGS}). Load of the machine at the end: {load}.\n\n\
          | poses | ms per frame while turning | idle, % of a core | memory, MiB |\n|---|---|---|---|\n"
     );

@@ -57,18 +57,9 @@ fn demo(window: &mut Window) -> Result<()> {
     window.click(&discard)
 }
 
-/// Types into the field that has the focus and strikes Return once it is there.
-fn enter(window: &mut Window, text: &str) -> Result<()> {
-    window.display.write(text)?;
-    window.element("the typed text", |element| element.name == text)?;
-    window.rest()?;
-    window.display.strike(&[], keys::RETURN)
-}
-
 fn open(window: &mut Window, path: &str) -> Result<()> {
-    let field = window.named("TextInput", "Path")?;
-    window.click(&field)?;
-    enter(window, path)?;
+    window.enter("Path", path)?;
+    window.display.strike(&[], keys::RETURN)?;
     window.text("4. ")?;
     Ok(())
 }
@@ -100,10 +91,8 @@ fn turn(window: &mut Window) -> Result<()> {
 
 fn save(window: &mut Window, path: &str) -> Result<()> {
     window.command('S')?;
-    let field = window.named("TextInput", "Path of the session")?;
-    window.click(&field)?;
-    window.command('a')?;
-    enter(window, path)?;
+    window.enter("Path of the session", path)?;
+    window.display.strike(&[], keys::RETURN)?;
     window.text("Saved ")?;
     Ok(())
 }
