@@ -12,7 +12,7 @@ use crate::app::{Selection, theme};
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Gives what a
 /// click on a point selects: its cable and pose, where it has them.
 ///
-/// ```ignore
+/// ```text
 /// let figure = Figure {
 ///     x: Axis::new("Length", "m"),
 ///     y: Axis::new("Residual", "mm"),
