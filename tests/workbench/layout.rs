@@ -4,7 +4,7 @@ use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tautline_workbench::app::App;
-use tautline_workbench::app::commands::{ModelCommand, ViewCommand};
+use tautline_workbench::app::commands::{CompareCommand, ModelCommand, ViewCommand};
 use tautline_workbench::app::screen::{Screen, Step};
 
 use crate::measured::Measured;
@@ -153,4 +153,7 @@ fn every_phase_fits() {
         settle(&mut harness);
         check(&mut harness, step.title());
     }
+    harness.state_mut().state.outbox.send(CompareCommand::Show);
+    settle(&mut harness);
+    check(&mut harness, "compare");
 }
