@@ -32,6 +32,8 @@ struct Scene {
     poses: usize,
     /// Time per frame while the robot is turned, the least of some seconds (s).
     turning_s: f64,
+    /// Time per frame while the pointer moves over the menus and nothing changes in 3D (s).
+    still_s: f64,
     /// Share of one core while nothing happens.
     idle: f64,
     /// Resident memory (MiB).
@@ -103,7 +105,10 @@ fn scene(folder: &Path, poses: usize) -> Result<Scene> {
     window.command('i')?;
     window.text("Identified from")?;
     window.rest()?;
-    let turns: Result<Vec<f64>> = (0..TURNS).map(|_| turning(&mut window)).collect();
+    let turned = window.named("Canvas", "3D view")?.middle();
+    let menus = (SIZE[0] as i16 / 2, 12);
+    let turning = least(&mut window, turned, true)?;
+    let still = least(&mut window, menus, false)?;
     window.display.move_to((SIZE[0] as i16 - 4, 4))?;
     thread::sleep(Duration::from_secs(2));
     let before = processor_s(window.id())?;
@@ -111,29 +116,40 @@ fn scene(folder: &Path, poses: usize) -> Result<Scene> {
     let idle = (processor_s(window.id())? - before) / IDLE.as_secs_f64();
     Ok(Scene {
         poses,
-        turning_s: turns?.into_iter().fold(f64::INFINITY, f64::min),
+        turning_s: turning,
+        still_s: still,
         idle,
         memory_mib: memory_mib(window.id())?,
     })
 }
 
-/// Time per frame while the pointer turns the robot (s).
-fn turning(window: &mut Window) -> Result<f64> {
-    let (x, y) = window.named("Canvas", "3D view")?.middle();
+/// The least of some measurements of the time per frame (s).
+fn least(window: &mut Window, place: (i16, i16), pressed: bool) -> Result<f64> {
+    let times: Result<Vec<f64>> = (0..TURNS).map(|_| moving(window, place, pressed)).collect();
+    Ok(times?.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// Time per frame while the pointer moves about a place, its button pressed or not (s).
+fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<f64> {
     window.display.move_to((x, y))?;
-    window.display.button(true)?;
+    if pressed {
+        window.display.button(true)?;
+    }
     let (before, begin) = (window.shown()?.0, Instant::now());
     let mut step = 0_i16;
     while begin.elapsed() < TURNING {
         step = (step + 1) % 200;
-        window
-            .display
-            .move_to((x + (step - 100).abs() * 2, y + step / 10))?;
+        window.display.move_to((
+            x + (step - 100).abs() * 2,
+            y + i16::from(pressed) * step / 10,
+        ))?;
         thread::sleep(Duration::from_millis(2));
     }
     let seconds = begin.elapsed().as_secs_f64();
     let frames = window.shown()?.0 - before;
-    window.display.button(false)?;
+    if pressed {
+        window.display.button(false)?;
+    }
     Ok(seconds / frames.max(1) as f64)
 }
 
@@ -160,15 +176,16 @@ fn markdown(start_s: f64, opening_s: f64, scenes: &[Scene]) -> String {
     let mut text = format!(
         "First frame {start_s:.2} s after the start of the process (median of {STARTS}); {OPENED} poses opened and the frame with the robot laid out \
          {opening_s:.2} s after the command (median of {OPENINGS}). Load of the machine at the end: {load}.\n\n\
-         | poses | ms per frame while turning | idle, % of a core | memory, MiB |\n|---|---|---|---|\n"
+         | poses | ms per frame while turning | ms per frame, 3D unchanged | idle, % of a core | memory, MiB |\n|---|---|---|---|---|\n"
     );
     for scene in scenes {
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "| {} | {:.1} | {:.2} | {:.0} |",
+            "| {} | {:.1} | {:.1} | {:.2} | {:.0} |",
             scene.poses,
             scene.turning_s * 1e3,
+            scene.still_s * 1e3,
             scene.idle * 1e2,
             scene.memory_mib
         );

@@ -1,6 +1,7 @@
 //! Everything the operator can make the program do, in one place: menus, shortcuts, the command palette and buttons
 //! all send these, and each kind has one handler in `commands/`.
 
+use super::breakdown::Breakdown;
 use super::commands::{
     CompareCommand, CompareOutcome, FileCommand, FileOutcome, ImportCommand, ImportOutcome,
     ModelCommand, ModelOutcome, PlotCommand, PlotOutcome, ReportCommand, ReportOutcome,
@@ -56,6 +57,8 @@ pub enum Outcome {
     Panicked {
         /// Its title.
         task: String,
+        /// What it said.
+        breakdown: Breakdown,
     },
 }
 

@@ -1,10 +1,10 @@
 //! Work off the user interface's thread: named, with progress, to be cancelled, reporting by messages.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread;
 
+use super::breakdown::{self, Breakdown};
 use super::command::Outcome;
 
 /// State of a running task.
@@ -118,8 +118,11 @@ impl Tasks {
         let (sender, context) = (self.sender.clone(), self.context.clone());
         let named = title.clone();
         let run = move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| work(&handle)))
-                .unwrap_or(Outcome::Panicked { task: named });
+            let outcome =
+                breakdown::guard(|| work(&handle)).unwrap_or_else(|breakdown| Outcome::Panicked {
+                    task: named,
+                    breakdown,
+                });
             // Nobody listens any more when the program ends.
             let _ = sender.send((id, outcome));
             context.request_repaint();
@@ -129,7 +132,15 @@ impl Tasks {
             .spawn(run)
             .is_err()
         {
-            let _ = self.sender.send((id, Outcome::Panicked { task: title }));
+            let _ = self.sender.send((
+                id,
+                Outcome::Panicked {
+                    task: title,
+                    breakdown: Breakdown {
+                        what: "no thread could be started".into(),
+                    },
+                },
+            ));
         }
     }
 

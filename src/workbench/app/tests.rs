@@ -103,9 +103,18 @@ fn a_panic_in_a_task_is_told_and_costs_nothing() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     harness.run_ok();
+    harness.get_by_label_contains("the cable tore");
+    harness.get_by_label_contains(
+        &Folders::below(folder.path())
+            .recovery()
+            .display()
+            .to_string(),
+    );
+    harness.get_by_label("Go on").click_accesskit();
+    harness.run_ok();
     harness.get_by_label_contains("Testing broke down; the session is untouched.");
     let state = &harness.state().app.state;
-    assert!(state.breakdown.is_none(), "the window stays");
+    assert!(state.breakdown.is_none(), "the window is there again");
     assert!(state.document.as_ref().is_some_and(Document::is_unsaved));
     rename(&mut harness, "after");
     harness.state_mut().app.state.keeping.flush();

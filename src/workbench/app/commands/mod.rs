@@ -82,10 +82,11 @@ pub fn receive(state: &mut State, outcome: Outcome) {
         Outcome::Plot(outcome) => plots::receive(state, outcome),
         Outcome::Report(outcome) => report::receive(state, outcome),
         Outcome::Compare(outcome) => compare::receive(state, outcome),
-        Outcome::Panicked { task } => {
+        Outcome::Panicked { task, breakdown } => {
             state.messages.error(format!(
                 "{task} broke down; the session is untouched. Please report this with the log."
             ));
+            state.breakdown = Some(breakdown);
         }
     }
 }
