@@ -11,6 +11,8 @@ use crate::app::edit::Edit;
 use crate::app::theme;
 use crate::app::{Document, Messages, Selection};
 use crate::precalibration::{Calibration, PerCable, Proposal, Table};
+use crate::views::plots::figure::{Axis, Band, Figure, Point, Series};
+use crate::views::plots::small;
 use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
 
 /// The open session with what its tables tell, and where commands go.
@@ -25,6 +27,20 @@ pub struct Desk<'a> {
     pub outbox: &'a mut Outbox,
     /// For sentences about wrong input.
     pub messages: &'a mut Messages,
+}
+
+/// Residuals of what was measured cable by cable, with the band that they should stay in.
+pub struct Residuals<'a> {
+    /// Accessible name of the plot.
+    pub name: &'a str,
+    /// Along what they are shown.
+    pub x: Axis,
+    /// Unit of residuals and limit.
+    pub unit: &'static str,
+    /// Half the height of the band.
+    pub limit: f64,
+    /// Cables with their residuals.
+    pub points: Vec<(usize, Vec<Point>)>,
 }
 
 impl<'a> Desk<'a> {
@@ -91,6 +107,29 @@ impl<'a> Desk<'a> {
                     self.outbox.send(Edit::SetRobot(robot, what.to_owned()));
                 }
             }
+        }
+    }
+
+    /// Draws residuals; a click on one selects its cable.
+    pub fn residuals(&mut self, ui: &mut Ui, plot: Residuals<'_>) {
+        let Residuals { limit, unit, .. } = plot;
+        let series = plot.points.into_iter();
+        let figure = Figure {
+            x: plot.x,
+            y: Axis::new("Residual", unit),
+            bands: vec![Band {
+                name: format!("within {limit} {unit}"),
+                y: [-limit, limit],
+            }],
+            series: series
+                .map(|(cable, points)| Series::of_cable(cable, self.cable_name(cable), points))
+                .collect(),
+            has_zero_line: true,
+            ..Figure::default()
+        };
+        let clicked = small::show(ui, plot.name, &figure, 176.0, self.selection);
+        if let Some(cable) = clicked.and_then(|selection| selection.cable) {
+            self.select_cable(cable);
         }
     }
 

@@ -5,7 +5,6 @@ mod import_row;
 mod number;
 mod part_row;
 mod rows;
-mod scatter;
 mod table;
 mod text;
 
@@ -14,6 +13,5 @@ pub use import_row::{Import, import_row};
 pub use number::{Entered, Number, number};
 pub use part_row::part_row;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
-pub use scatter::{Scatter, Series, scatter};
 pub use table::{Cell, Column, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

@@ -8,9 +8,11 @@ use crate::app::theme;
 use crate::precalibration::{ElongationFit, Table};
 use crate::screens::desk::{Desk, or_dash};
 use crate::screens::precalibration::Typed;
+use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use crate::views::plots::small;
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Scatter, Series, Verdict, muted, rows,
-    scatter, section, table, value, verdict,
+    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, value,
+    verdict,
 };
 
 const FIELDS: [RowField; 3] = [
@@ -43,8 +45,8 @@ const FIELDS: [RowField; 3] = [
     },
 ];
 
-/// Lengths at which the surface is drawn.
-const SLICES: usize = 4;
+/// Colours of the slices, one for each length at which the surface is drawn.
+const INKS: [Ink; 4] = [Ink::Muted, Ink::Text, Ink::Accent, Ink::Warning];
 /// Points this near to a slice are drawn with it, in halves of the measured range.
 const NEAR: f64 = 0.02;
 /// Points of a drawn slice.
@@ -159,92 +161,85 @@ fn degrees(ui: &mut Ui, fit: &ElongationFit) {
     );
 }
 
-/// Colour of a slice: from the diverging scale, short to long.
-fn slice_colour(ui: &Ui, length_m: f64, surface: &ElongationSurface) -> egui::Color32 {
-    let x = (length_m - surface.length_center_m) / surface.length_scale_m;
-    theme::of(ui).residual(3.0 * x)
-}
-
 fn slices(ui: &mut Ui, desk: &Desk<'_>, surface: &ElongationSurface) {
     section(ui, "Slices at four measured lengths");
     let spread = |k: usize, count: usize, centre: f64, scale: f64| {
         centre + scale * (2.0 * k as f64 / (count - 1) as f64 - 1.0)
     };
     let points = &desk.session().phases.elongation;
-    let mut series = Vec::new();
-    for slice in 0..SLICES {
+    let (mut series, mut curves) = (Vec::new(), Vec::new());
+    for (slice, ink) in INKS.into_iter().enumerate() {
         let wanted = spread(
             slice,
-            SLICES,
+            INKS.len(),
             surface.length_center_m,
             surface.length_scale_m,
         );
         let away = |p: &&ElongationPoint| (p.length_m - wanted).abs();
         let nearest = points.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         let length = nearest.map_or(wanted, |point| point.length_m);
-        let colour = slice_colour(ui, length, surface);
         let name = format!("{:.0} mm", length * 1e3);
         let line = (0..STEPS).map(|k| {
             let tension = spread(k, STEPS, surface.tension_center_n, surface.tension_scale_n);
             let value = surface.evaluate_unchecked(length, tension);
             [tension, value.elongation_m * 1e3]
         });
-        series.push(Series {
-            name: name.clone(),
-            colour,
+        curves.push(Curve {
+            name: String::new(),
+            ink,
+            dashed: false,
             points: line.collect(),
-            joined: true,
-            strong: false,
         });
         let near = points
             .iter()
             .filter(|p| (p.length_m - length).abs() <= NEAR * surface.length_scale_m);
-        series.push(Series {
-            name,
-            colour,
-            points: near.map(|p| [p.tension_n, p.elongation_m * 1e3]).collect(),
-            joined: false,
-            strong: true,
-        });
+        let near = near.map(|p| Point::new(p.tension_n, p.elongation_m * 1e3));
+        series.push(Series::new(name, ink, Marker::cable(slice), near.collect()));
     }
-    let plot = Scatter {
-        name: "Slices of the elongation surface",
-        x: "Tension (N)",
-        y: "Elongation (mm)",
-        band: None,
-        height: 184.0,
+    let figure = Figure {
+        x: Axis::new("Tension", "N"),
+        y: Axis::new("Elongation", "mm"),
+        series,
+        curves,
+        ..Figure::default()
     };
-    scatter(ui, &plot, &series);
-    ui.horizontal_wrapped(|ui| {
-        for one in series.iter().filter(|one| one.joined) {
-            let text = egui::RichText::new(&one.name).small().color(one.colour);
-            ui.label(text);
-        }
-    });
+    let name = "Slices of the elongation surface";
+    small::show(ui, name, &figure, 200.0, desk.selection);
 }
 
 fn residuals(ui: &mut Ui, desk: &Desk<'_>, fit: &ElongationFit) {
     section(ui, "Residuals");
     let surface = &fit.choice.surface;
     let points = desk.session().phases.elongation.iter();
-    let series = Series {
-        name: "Measured minus surface".to_owned(),
-        colour: theme::of(ui).accent,
-        points: points
-            .zip(&fit.residuals_m)
-            .map(|(point, residual)| [point.tension_n, residual * 1e3])
-            .collect(),
-        joined: false,
-        strong: false,
+    let points = points
+        .zip(&fit.residuals_m)
+        .map(|(point, residual)| Point::new(point.tension_n, residual * 1e3));
+    let name = "Measured minus surface";
+    let limit = Some(3.0 * surface.residual_sd_m * 1e3).filter(|limit| *limit > 0.0);
+    let band = |limit: f64| Band {
+        name: "3 standard deviations".to_owned(),
+        y: [-limit, limit],
     };
-    let plot = Scatter {
-        name: "Residuals of the elongation",
-        x: "Tension (N)",
-        y: "Residual (mm)",
-        band: Some(3.0 * surface.residual_sd_m * 1e3).filter(|band| *band > 0.0),
-        height: 152.0,
+    let figure = Figure {
+        x: Axis::new("Tension", "N"),
+        y: Axis::new("Residual", "mm"),
+        bands: limit.map(band).into_iter().collect(),
+        series: vec![Series::new(
+            name,
+            Ink::Accent,
+            Marker::Circle,
+            points.collect(),
+        )],
+        has_zero_line: true,
+        ..Figure::default()
     };
-    scatter(ui, &plot, &[series]);
+    small::show(
+        ui,
+        "Residuals of the elongation",
+        &figure,
+        152.0,
+        desk.selection,
+    );
     muted(
         ui,
         "The band is three standard deviations about the surface.",

@@ -5,12 +5,11 @@ use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, ForceSensorCalibration};
 use tautline_session::{ForcePair, PhaseData};
 
 use super::Typed;
-use crate::app::theme;
 use crate::precalibration::{PerCable, Table};
-use crate::screens::desk::{Desk, decimals_for, or_dash, verdict_cell};
+use crate::screens::desk::{Desk, Residuals, decimals_for, or_dash, verdict_cell};
+use crate::views::plots::figure::{Axis, Point};
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Scatter, Series, Verdict, muted, rows,
-    scatter, section, table, verdict,
+    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
 
 const FIELDS: [RowField; 2] = [
@@ -49,7 +48,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
     } else {
         judge(ui, desk);
         fits(ui, desk, chosen);
-        residuals(ui, desk, chosen);
+        residuals(ui, desk);
         values(ui, desk);
     }
     pairs(ui, desk, chosen, typed);
@@ -110,32 +109,24 @@ fn fits(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
     }
 }
 
-fn residuals(ui: &mut Ui, desk: &Desk<'_>, chosen: usize) {
-    let palette = theme::of(ui);
-    let mut series = Vec::new();
-    for Fit { cable, fit } in &desk.calibration.force_sensors {
-        let Ok(fit) = fit else { continue };
+fn residuals(ui: &mut Ui, desk: &mut Desk<'_>) {
+    let fits = desk.calibration.force_sensors.iter();
+    let of_sensor = |one: &Fit| {
         let pairs = desk.session().phases.force.iter();
-        let pairs = pairs.filter(|pair| pair.cable == *cable);
-        let points = pairs
-            .zip(&fit.residuals_n)
-            .map(|(pair, residual)| [pair.load_n, *residual]);
-        series.push(Series {
-            name: desk.cable_name(*cable),
-            colour: palette.cable(*cable),
-            points: points.collect(),
-            joined: false,
-            strong: *cable == chosen,
-        });
-    }
-    let plot = Scatter {
-        name: "Residuals of the force sensors",
-        x: "Load (N)",
-        y: "Residual (N)",
-        band: Some(FORCE_RESIDUAL_LIMIT_N),
-        height: 176.0,
+        let pairs = pairs.filter(|pair| pair.cable == one.cable);
+        let residuals = one.fit.as_ref().ok()?.residuals_n.iter();
+        let points = pairs.zip(residuals);
+        let points = points.map(|(pair, residual)| Point::new(pair.load_n, *residual));
+        Some((one.cable, points.collect()))
     };
-    scatter(ui, &plot, &series);
+    let plot = Residuals {
+        name: "Residuals of the force sensors",
+        x: Axis::new("Load", "N"),
+        unit: "N",
+        limit: FORCE_RESIDUAL_LIMIT_N,
+        points: fits.filter_map(of_sensor).collect(),
+    };
+    desk.residuals(ui, plot);
 }
 
 fn values(ui: &mut Ui, desk: &mut Desk<'_>) {

@@ -5,12 +5,11 @@ use tautline_core::instrument::{WINCH_RESIDUAL_LIMIT_M, WinchCalibration};
 use tautline_session::{PhaseData, WinchPair};
 
 use super::Typed;
-use crate::app::theme;
 use crate::precalibration::{PerCable, Table};
-use crate::screens::desk::{Desk, decimals_for, or_dash, verdict_cell};
+use crate::screens::desk::{Desk, Residuals, decimals_for, or_dash, verdict_cell};
+use crate::views::plots::figure::{Axis, Point};
 use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Scatter, Series, Verdict, muted, rows,
-    scatter, section, table, verdict,
+    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
 
 const FIELDS: [RowField; 3] = [
@@ -58,7 +57,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
     } else {
         judge(ui, desk);
         fits(ui, desk, chosen);
-        residuals(ui, desk, chosen);
+        residuals(ui, desk);
         values(ui, desk);
     }
     pairs(ui, desk, chosen, typed);
@@ -119,32 +118,24 @@ fn fits(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
     }
 }
 
-fn residuals(ui: &mut Ui, desk: &Desk<'_>, chosen: usize) {
-    let palette = theme::of(ui);
-    let mut series = Vec::new();
-    for Fit { cable, fit } in &desk.calibration.winches {
-        let Ok(fit) = fit else { continue };
+fn residuals(ui: &mut Ui, desk: &mut Desk<'_>) {
+    let fits = desk.calibration.winches.iter();
+    let of_winch = |one: &Fit| {
         let pairs = desk.session().phases.winch.iter();
-        let pairs = pairs.filter(|pair| pair.cable == *cable);
-        let points = pairs
-            .zip(&fit.residuals_m)
-            .map(|(pair, residual)| [pair.revolutions, residual * 1e3]);
-        series.push(Series {
-            name: desk.cable_name(*cable),
-            colour: palette.cable(*cable),
-            points: points.collect(),
-            joined: false,
-            strong: *cable == chosen,
-        });
-    }
-    let plot = Scatter {
-        name: "Residuals of the winches",
-        x: "Revolutions",
-        y: "Residual (mm)",
-        band: Some(WINCH_RESIDUAL_LIMIT_M * 1e3),
-        height: 176.0,
+        let pairs = pairs.filter(|pair| pair.cable == one.cable);
+        let residuals = one.fit.as_ref().ok()?.residuals_m.iter();
+        let points = pairs.zip(residuals);
+        let points = points.map(|(pair, residual)| Point::new(pair.revolutions, residual * 1e3));
+        Some((one.cable, points.collect()))
     };
-    scatter(ui, &plot, &series);
+    let plot = Residuals {
+        name: "Residuals of the winches",
+        x: Axis::new("Revolutions", ""),
+        unit: "mm",
+        limit: WINCH_RESIDUAL_LIMIT_M * 1e3,
+        points: fits.filter_map(of_winch).collect(),
+    };
+    desk.residuals(ui, plot);
 }
 
 fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
