@@ -9,12 +9,15 @@ mod design;
 mod expectation;
 mod order;
 mod outlook;
+mod platform;
 #[cfg(test)]
 mod tests;
 
 pub use candidates::Refused;
 pub use expectation::{Expectation, Indices};
 pub use order::Order;
+
+use nalgebra::DMatrix;
 
 use crate::effect::BoundEffect;
 use crate::estimation::{Control, EstimationError, ExpectedInformation, Method, Parameter};
@@ -39,6 +42,9 @@ pub struct PlanOptions<'a> {
     pub workspace: Option<Workspace>,
     /// How cables are tensioned; by default as suits the weight.
     pub tension: Option<TensionRange>,
+    /// Part of the range of tensions at each end that poses leave free where enough of them can: the real robot
+    /// differs from its description, and may not be able to hold poses that the description only just holds.
+    pub tension_margin: f64,
     /// Effects that are to be estimated as well.
     pub effects: &'a [BoundEffect],
     /// What was measured already, counted from the same home pose; the plan completes it.
@@ -61,6 +67,7 @@ impl PlanOptions<'_> {
             seed,
             workspace: None,
             tension: None,
+            tension_margin: 0.1,
             effects: &[],
             existing: None,
             method: Method::Joint,
@@ -162,6 +169,7 @@ pub struct Plan {
     /// Largest `ln det` of the information among those sets.
     pub best_random_log_det: f64,
     information: ExpectedInformation,
+    platform: Option<DMatrix<f64>>,
 }
 
 impl Plan {
@@ -175,7 +183,7 @@ impl Plan {
     #[must_use]
     pub fn after(&self, count: usize) -> Expectation {
         let count = count.min(self.poses.len());
-        Expectation::of(&self.information, 0..count)
+        Expectation::of(&self.information, self.platform.as_ref(), 0..count)
     }
 }
 
@@ -192,7 +200,27 @@ pub fn plan(
     if options.poses == 0 {
         return Err(PlanError::NoPoses);
     }
-    let outlook = Outlook::new(robot, options)?;
+    let range = options.tension.unwrap_or_else(|| TensionRange::of(robot));
+    match plan_within(
+        robot,
+        options,
+        range.inner(options.tension_margin),
+        observer,
+    ) {
+        Err(PlanError::TooFewPoses { .. } | PlanError::Simulation(_)) => {
+            plan_within(robot, options, range, observer)
+        }
+        planned => planned,
+    }
+}
+
+fn plan_within(
+    robot: &Robot,
+    options: &PlanOptions<'_>,
+    range: TensionRange,
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Plan, PlanError> {
+    let outlook = Outlook::new(robot, options, range)?;
     let (candidates, refused) = draw(&outlook, options, observer)?;
     let labels = outlook.scattered(candidates.len());
     let pool = outlook.information(labels.zip(&candidates))?;
@@ -200,7 +228,8 @@ pub fn plan(
         return Err(PlanError::NothingToEstimate);
     }
     let chosen = design::choose(&pool, options.poses, observer)?;
-    let random = expectation::random_sets(&pool, options.poses, options.seed);
+    let platform = platform::error_weights(&outlook.robot, &outlook.workspace, &pool.parameters);
+    let random = expectation::random_sets((&pool, platform.as_ref()), options.poses, options.seed);
     let poses: Vec<Pose> = chosen.iter().map(|index| candidates[*index].pose).collect();
     let order = Order::of(&outlook.robot, outlook.start(), &poses);
     let ordered: Vec<&Candidate> = (order.sequence.iter())
@@ -222,9 +251,10 @@ pub fn plan(
         refused,
         candidates: candidates.len(),
         order,
-        expected: Expectation::of(&information, 0..ordered.len()),
+        expected: Expectation::of(&information, platform.as_ref(), 0..ordered.len()),
         random: random.typical,
         best_random_log_det: random.best_log_det,
         information,
+        platform,
     })
 }

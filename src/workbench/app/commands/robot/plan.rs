@@ -2,8 +2,7 @@
 
 use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Control, Method};
-use tautline_core::planning::{Indices, Plan, PlanError, PlanOptions, PlanProgress, plan};
-use tautline_core::simulation::TensionRange;
+use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, plan};
 use tautline_session::{Phase, PlannedPose, Session};
 
 use super::RobotOutcome;
@@ -18,8 +17,6 @@ use crate::wording;
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
 
-/// Part of the range of tensions at each end that planned poses leave free where they can.
-const MARGIN: f64 = 0.1;
 /// Seed of the poses among which is chosen.
 const SEED: u64 = 1;
 
@@ -73,17 +70,8 @@ fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook
         },
         ..PlanOptions::new(poses, SEED)
     };
-    let cautious = PlanOptions {
-        tension: Some(inner(tension)),
-        ..options.clone()
-    };
     let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-    let planned = match plan(&session.robot, &cautious, &mut observe) {
-        Err(PlanError::TooFewPoses { .. } | PlanError::Simulation(_)) => {
-            plan(&session.robot, &options, &mut observe)
-        }
-        planned => planned,
-    };
+    let planned = plan(&session.robot, &options, &mut observe);
     let planned = planned.map_err(|error| error.to_string())?;
     task.tell(None, "what to expect");
     Ok(Outlook {
@@ -95,17 +83,6 @@ fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook
             .collect(),
         way_m: planned.order.travel_m,
     })
-}
-
-/// The range without its ends: the real robot differs from its description, and poses that only just can be held may
-/// not be held by it.
-fn inner(tension: TensionRange) -> TensionRange {
-    let margin_n = MARGIN * (tension.upper_n - tension.lower_n);
-    TensionRange {
-        lower_n: (tension.lower_n + margin_n).min(tension.reference_n),
-        upper_n: (tension.upper_n - margin_n).max(tension.reference_n),
-        ..tension
-    }
 }
 
 fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
