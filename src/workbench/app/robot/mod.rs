@@ -6,7 +6,6 @@ mod clock;
 mod message;
 mod rig;
 mod run;
-mod watched;
 mod whereabouts;
 mod work;
 mod worker;

@@ -9,12 +9,11 @@ use tautline_link::adjusting::write_adjustment;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::simulated::SimulatedRobot;
 use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
-use tautline_link::{Activity, Clock, Controller, Instrument, Limited, LinkError};
+use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
 
 use super::clock::FastClock;
 use super::message::{Doing, Live, MeasuringOrder, Order, Purpose, Report};
 use super::rig::Rig;
-use super::watched::Watched;
 use super::whereabouts::Whereabouts;
 use super::work::{Measuring, Verifying, Work};
 
@@ -62,7 +61,7 @@ impl Teller {
 
 /// A controller with what belongs to its connection.
 struct Connection {
-    controller: Watched,
+    controller: Station<Box<dyn Controller>>,
     instrument: Box<dyn Instrument>,
     clock: FastClock,
     rig: Box<Rig>,
@@ -220,7 +219,8 @@ impl Worker {
         let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
         let seed = rig.setup.seed.wrapping_add(1);
         let instrument = robot.tracker(position_sd_m, orientation_sd_rad, seed);
-        let mut controller = Watched::new(Box::new(Limited::new(robot, rig.limits.clone())));
+        let robot: Box<dyn Controller> = Box::new(robot);
+        let mut controller = Station::new(robot, rig.limits.clone());
         controller.connect()?;
         let parameters = controller.parameters()?;
         let identity = controller.identity();
@@ -312,7 +312,7 @@ impl Worker {
         let live = match &mut self.connection {
             None => Live::default(),
             Some(connection) => {
-                let sample = connection.controller.last.clone();
+                let sample = connection.controller.last().cloned();
                 let whereabouts = connection.whereabouts.as_mut();
                 let pose = whereabouts
                     .zip(sample.as_ref())
