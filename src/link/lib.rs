@@ -10,6 +10,7 @@ pub mod export;
 pub mod limits;
 pub mod measuring;
 pub mod parameters;
+pub mod replay;
 pub mod simulated;
 #[cfg(test)]
 mod testing;
@@ -19,3 +20,4 @@ pub use clock::{Clock, ManualClock, SystemClock};
 pub use controller::{Activity, Controller, ControllerState, Instrument, LinkError, Sample};
 pub use limits::{Limited, Limits};
 pub use parameters::ParameterInfo;
+pub use replay::ReplayController;
