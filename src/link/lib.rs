@@ -12,6 +12,7 @@ pub mod laser;
 pub mod limits;
 pub mod measuring;
 pub mod parameters;
+pub mod replay;
 pub mod simulated;
 pub mod station;
 #[cfg(test)]
@@ -23,4 +24,5 @@ pub use controller::{Activity, Controller, ControllerState, Instrument, LinkErro
 pub use laser::LaserSource;
 pub use limits::Limits;
 pub use parameters::ParameterInfo;
+pub use replay::ReplayController;
 pub use station::Station;

@@ -7,15 +7,13 @@ use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::write_adjustment;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
-use tautline_link::simulated::SimulatedRobot;
 use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
 use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
 
-use super::clock::FastClock;
 use super::message::{Doing, Live, MeasuringOrder, Order, Purpose, Report};
-use super::rig::Rig;
 use super::whereabouts::Whereabouts;
 use super::work::{Measuring, Verifying, Work};
+use crate::controllers::{FastClock, OpenError, Rig};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
@@ -25,8 +23,6 @@ const SHORTEST_TICK: Duration = Duration::from_millis(1);
 const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the window.
 const PICTURE: Duration = Duration::from_millis(50);
-/// Noise of the simulated tracker (m, rad).
-const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 
 /// Tells the window; wakes it no more often than it can show.
 pub(super) struct Teller {
@@ -62,7 +58,7 @@ impl Teller {
 /// A controller with what belongs to its connection.
 struct Connection {
     controller: Station<Box<dyn Controller>>,
-    instrument: Box<dyn Instrument>,
+    instrument: Option<Box<dyn Instrument>>,
     clock: FastClock,
     rig: Box<Rig>,
     whereabouts: Option<Whereabouts>,
@@ -155,7 +151,9 @@ impl Worker {
             Order::Watch(watches) => self.watches = watches,
             Order::Speed(speed) => {
                 self.speed = speed;
-                if let Some(connection) = &self.connection {
+                if let Some(connection) = &self.connection
+                    && !connection.rig.runs_in_real_time()
+                {
                     connection.clock.set_speed(speed);
                 }
             }
@@ -182,6 +180,11 @@ impl Worker {
             }
             Order::Measure(order) => {
                 self.work = Work::Measuring(Box::new(measuring(connection, *order)));
+            }
+            Order::Verify(_, stage) if connection.instrument.is_none() => {
+                let text = "No external instrument is connected: import a check.csv instead.";
+                let report = Report::Verified(stage, Err(text.to_owned()));
+                self.tell.report(report);
             }
             Order::Verify(targets, stage) => {
                 if let Err(error) = controller.home() {
@@ -214,20 +217,18 @@ impl Worker {
 
     fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
         self.close();
-        let clock = FastClock::start(self.speed);
-        let robot = SimulatedRobot::new(rig.setup.clone(), Arc::new(clock.clone()))?;
-        let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
-        let seed = rig.setup.seed.wrapping_add(1);
-        let instrument = robot.tracker(position_sd_m, orientation_sd_rad, seed);
-        let robot: Box<dyn Controller> = Box::new(robot);
-        let mut controller = Station::new(robot, rig.limits.clone());
+        let opened = rig.open(self.speed).map_err(|error| match error {
+            OpenError::Link(error) => error,
+            OpenError::Read(error) => LinkError::Setup(error.to_string()),
+        })?;
+        let mut controller = opened.controller;
         controller.connect()?;
         let parameters = controller.parameters()?;
         let identity = controller.identity();
         self.connection = Some(Connection {
             controller,
-            instrument: Box::new(instrument),
-            clock,
+            instrument: opened.instrument,
+            clock: opened.clock,
             whereabouts: Whereabouts::of(rig.robot()),
             rig: rig.clone(),
         });
@@ -289,9 +290,10 @@ impl Worker {
                 Vec::new()
             }
             Work::Measuring(measuring) => measuring.tick(controller, connection.clock.now_s()),
-            Work::Verifying(verifying) => {
-                verifying.tick(controller, connection.instrument.as_mut())
-            }
+            Work::Verifying(verifying) => match &mut connection.instrument {
+                Some(instrument) => verifying.tick(controller, instrument.as_mut()),
+                None => Vec::new(),
+            },
         };
         if self.work.has_ended() {
             self.work = Work::None;

@@ -9,9 +9,9 @@ use super::RobotOutcome;
 use crate::app::Document;
 use crate::app::command::Outcome;
 use crate::app::edit::Edit;
-use crate::app::robot::bounds;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
+use crate::controllers::bounds;
 use crate::wording;
 
 /// Title of the task that plans.
