@@ -63,6 +63,8 @@ pub(super) struct Checks<'a> {
     pub robot: &'a Robot,
     pub options: &'a MeasuringOptions,
     pub at: &'a Accepted,
+    /// Why there is no laser distance, where that is known.
+    pub laser_trouble: Option<String>,
 }
 
 impl Checks<'_> {
@@ -109,9 +111,13 @@ impl Checks<'_> {
             }
         }
         if self.at.laser_m.is_nan() && self.robot.laser.is_some() {
-            let text =
+            let usual =
                 "the laser has no return: is something in the beam, or the target out of reach?";
-            found.push(self.warning(None, self.options.laser_required, text));
+            let text = match &self.laser_trouble {
+                Some(known) => format!("there is no laser distance, {known}"),
+                None => usual.to_owned(),
+            };
+            found.push(self.warning(None, self.options.laser_required, &text));
         }
         found
     }

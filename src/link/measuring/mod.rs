@@ -22,6 +22,7 @@ pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 
 use crate::controller::{Activity, Controller, LinkError, Sample};
+use crate::laser::ManualLaser;
 use checks::{Checks, Journey, exchanged, jump};
 use settling::Window;
 
@@ -52,6 +53,12 @@ pub enum MeasuringEvent {
         /// Samples wanted.
         of: usize,
     },
+    /// The platform stands still: the operator is to read the laser distance there and to answer the
+    /// [`ManualLaser`] of the run. Nothing moves until then.
+    LaserWanted {
+        /// Label of the pose.
+        label: i64,
+    },
     /// A pose was measured: store it and call [`MeasuringRun::confirm_stored`].
     Measured(Box<Accepted>),
     /// Something does not look right.
@@ -79,6 +86,8 @@ pub enum Stage {
     Ready,
     /// On the way or settling.
     Approaching,
+    /// The platform stands still and waits for the laser distance that the operator types.
+    Asking,
     /// Samples are taken.
     Sampling,
     /// The measured pose waits to be stored.
@@ -93,6 +102,8 @@ pub struct MeasuringRun {
     plan: Vec<(i64, Pose)>,
     options: MeasuringOptions,
     predictor: Predictor,
+    /// The laser to which the operator answers, if there is one.
+    asked: Option<ManualLaser>,
     queue: VecDeque<(i64, Pose)>,
     current: Option<(i64, Pose)>,
     stage: Stage,
@@ -123,6 +134,7 @@ impl MeasuringRun {
             queue: plan.iter().copied().collect(),
             plan,
             options,
+            asked: None,
             current: None,
             stage: Stage::Ready,
             paused: false,
@@ -143,6 +155,13 @@ impl MeasuringRun {
     #[must_use]
     pub fn predicting(mut self, predictor: Predictor) -> Self {
         self.predictor = predictor;
+        self
+    }
+
+    /// The same run with a laser distance that the operator types; `laser` is a clone of that in the station.
+    #[must_use]
+    pub fn asking(mut self, laser: Option<ManualLaser>) -> Self {
+        self.asked = laser;
         self
     }
 
@@ -206,7 +225,8 @@ impl MeasuringRun {
     }
 
     fn approach_anew(&mut self) {
-        if matches!(self.stage, Stage::Approaching | Stage::Sampling) {
+        let approaches = [Stage::Approaching, Stage::Asking, Stage::Sampling];
+        if approaches.contains(&self.stage) {
             self.queue.extend(self.current.take());
             self.queue.rotate_right(1);
             self.stage = Stage::Ready;
@@ -302,7 +322,8 @@ impl MeasuringRun {
                 let moving = state.activity == Activity::Moving;
                 self.approach(sample, moving);
             }
-            Stage::Sampling => self.collect(sample),
+            Stage::Asking => self.wait_for_answer(&sample),
+            Stage::Sampling => self.collect(sample, controller.laser_trouble()),
             Stage::Storing | Stage::Ended => {}
         }
     }
@@ -390,6 +411,12 @@ impl MeasuringRun {
         let still = settled.as_ref().is_some_and(|s| s.still);
         if still {
             self.stage = Stage::Sampling;
+            if let Some(laser) = &self.asked {
+                laser.ask(label);
+                self.stage = Stage::Asking;
+                self.pending.push(MeasuringEvent::LaserWanted { label });
+                return;
+            }
         } else if late {
             let restless = settled.as_ref().and_then(|s| s.restless.clone());
             let restless = restless.unwrap_or_else(|| "too few readings arrive".to_owned());
@@ -417,11 +444,31 @@ impl MeasuringRun {
         jumped
     }
 
-    fn collect(&mut self, sample: Sample) {
-        if self.note_jump(&sample) {
+    /// Settles anew after a jump; whether there was one.
+    fn settle_anew(&mut self, sample: &Sample) -> bool {
+        let jumped = self.note_jump(sample);
+        if jumped {
             self.samples.clear();
             self.window.clear();
             self.stage = Stage::Approaching;
+        }
+        jumped
+    }
+
+    /// Goes on once the laser distance was typed.
+    fn wait_for_answer(&mut self, sample: &Sample) {
+        if self.settle_anew(sample) {
+            return;
+        }
+        self.window.push(sample.clone(), self.options.settle_time_s);
+        let label = self.current().unwrap_or(0);
+        if (self.asked.as_ref()).is_none_or(|laser| laser.is_answered(label)) {
+            self.stage = Stage::Sampling;
+        }
+    }
+
+    fn collect(&mut self, sample: Sample, laser_trouble: Option<String>) {
+        if self.settle_anew(&sample) {
             return;
         }
         self.samples.push(sample);
@@ -430,12 +477,12 @@ impl MeasuringRun {
             of: self.options.samples,
         });
         if self.samples.len() >= self.options.samples {
-            self.accept();
+            self.accept(laser_trouble);
         }
     }
 
     /// Checks the mean of the samples, and hands it to the caller unless it cannot be used.
-    fn accept(&mut self) {
+    fn accept(&mut self, laser_trouble: Option<String>) {
         let Some((label, pose)) = self.current else {
             return;
         };
@@ -445,6 +492,7 @@ impl MeasuringRun {
             robot: &self.robot,
             options: &self.options,
             at: &accepted,
+            laser_trouble,
         };
         let warnings = checks.all(self.journey.as_ref(), expected.as_ref());
         let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());

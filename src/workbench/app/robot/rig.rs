@@ -4,6 +4,7 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::Limits;
+use tautline_link::laser::LaserChoice;
 use tautline_link::simulated::SimulatedSetup;
 use tautline_session::Session;
 
@@ -35,6 +36,7 @@ pub struct Rig {
     pub kind: Kind,
     pub(super) setup: SimulatedSetup,
     pub(super) limits: Limits,
+    pub(super) laser: LaserChoice,
 }
 
 /// Seed of the noise of a robot that is simulated from its description.
@@ -68,6 +70,7 @@ impl Rig {
         let velocity_m_s = reach_m.clamp(0.1, 2.0);
         Self {
             kind,
+            laser: session.laser_source.clone(),
             limits: Limits {
                 robot: session.robot.clone(),
                 workspace,

@@ -6,10 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::write_adjustment;
+use tautline_link::laser::{self, ManualLaser};
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::simulated::SimulatedRobot;
 use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
-use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
+use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station, SystemClock};
 
 use super::clock::FastClock;
 use super::message::{Doing, Live, MeasuringOrder, Order, Purpose, Report};
@@ -62,6 +63,8 @@ impl Teller {
 /// A controller with what belongs to its connection.
 struct Connection {
     controller: Station<Box<dyn Controller>>,
+    /// The laser to which the operator answers.
+    asked: Option<ManualLaser>,
     instrument: Box<dyn Instrument>,
     clock: FastClock,
     rig: Box<Rig>,
@@ -206,6 +209,11 @@ impl Worker {
             Order::Repeat(label) => self.work.measuring(|m| {
                 m.run.repeat(label);
             }),
+            Order::LaserDistance(label, distance_m) => {
+                if let Some(laser) = &connection.asked {
+                    laser.answer(label, distance_m)?;
+                }
+            }
             Order::Stored(label) => self.work.measuring(|m| m.run.confirm_stored(label)),
             Order::Connect(..) | Order::Disconnect | Order::Watch(_) | Order::Speed(_) => {}
         }
@@ -220,12 +228,16 @@ impl Worker {
         let seed = rig.setup.seed.wrapping_add(1);
         let instrument = robot.tracker(position_sd_m, orientation_sd_rad, seed);
         let robot: Box<dyn Controller> = Box::new(robot);
-        let mut controller = Station::new(robot, rig.limits.clone());
+        let laser = laser::chosen(&rig.laser, Arc::new(SystemClock::start()));
+        let asked = laser.as_ref().and_then(laser::Chosen::asked);
+        let mut controller = Station::new(robot, rig.limits.clone())
+            .with_laser(laser.map(laser::Chosen::into_source));
         controller.connect()?;
         let parameters = controller.parameters()?;
         let identity = controller.identity();
         self.connection = Some(Connection {
             controller,
+            asked,
             instrument: Box::new(instrument),
             clock,
             whereabouts: Whereabouts::of(rig.robot()),
@@ -341,6 +353,7 @@ fn measuring(connection: &Connection, order: MeasuringOrder) -> Measuring {
     options.tension = rig.tension();
     let run = MeasuringRun::new(order.plan, rig.robot(), options)
         .predicting(predict_by(&order.model, rig.tension()))
+        .asking(connection.asked.clone())
         .continuing(&order.measured);
     let per_revolution = rig.robot().cables.iter();
     Measuring {
