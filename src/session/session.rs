@@ -4,6 +4,7 @@ mod adjustment;
 mod basis;
 mod check;
 mod document;
+mod laser_settings;
 mod log;
 mod measured_pose;
 mod measurement_table;
@@ -25,6 +26,7 @@ use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub(crate) use document::SessionDocument;
+pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 pub use log::{LogEntry, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
 pub(crate) use measurement_table::MeasurementTable;
@@ -60,6 +62,8 @@ pub struct Session {
     pub simulator: Option<Simulator>,
     /// The parameters that the controller holds, so that a simulated one goes on where it was.
     pub controller: Vec<NamedValue>,
+    /// Where the laser distance comes from.
+    pub laser_source: LaserSettings,
     excluded: BTreeSet<i64>,
     results: Vec<ResultRecord>,
     adjustments: Vec<Adjustment>,
@@ -82,6 +86,7 @@ impl Session {
             settings: Settings::default(),
             simulator: None,
             controller: Vec::new(),
+            laser_source: LaserSettings::default(),
             excluded: BTreeSet::new(),
             results: Vec::new(),
             adjustments: Vec::new(),

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::{FieldError, Robot};
 
 use super::{
-    Adjustment, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord, Session,
-    Settings, Simulator, Timestamp, Verification, below, check, fail,
+    Adjustment, LaserSettings, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord,
+    Session, Settings, Simulator, Timestamp, Verification, below, check, fail,
 };
 use crate::json::Document;
 use crate::phases::PhaseData;
@@ -49,6 +49,9 @@ pub(crate) struct SessionDocument {
     /// The parameters that the controller holds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     controller: Vec<NamedValue>,
+    /// Where the laser distance comes from.
+    #[serde(default, skip_serializing_if = "LaserSettings::is_controller")]
+    laser_source: LaserSettings,
     /// Adjustments of the controller, the oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     adjustments: Vec<Adjustment>,
@@ -96,6 +99,8 @@ impl Document for SessionDocument {
             truth.map_err(|error| below("/simulator/truth", error))?;
         }
         check::controller(&self.controller)?;
+        let laser = self.laser_source.check();
+        laser.map_err(|error| below("/laser_source", error))?;
         check::adjustments(&self.adjustments)?;
         check::verifications(&self.verifications)
     }
@@ -117,6 +122,7 @@ impl SessionDocument {
             results: session.results.clone(),
             simulator: session.simulator.clone(),
             controller: session.controller.clone(),
+            laser_source: session.laser_source.clone(),
             adjustments: session.adjustments.clone(),
             verifications: session.verifications.clone(),
             log: session.log.clone(),
@@ -142,6 +148,7 @@ impl SessionDocument {
             results: self.results,
             simulator: self.simulator,
             controller: self.controller,
+            laser_source: self.laser_source,
             adjustments: self.adjustments,
             verifications: self.verifications,
             log: self.log,

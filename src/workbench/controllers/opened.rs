@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use tautline_core::robot::Robot;
+use tautline_link::laser::{self, ManualLaser};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
-use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station};
+use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station, SystemClock};
 use tautline_session::{ReadError, read_dataset};
 
 use super::clock::FastClock;
@@ -18,6 +19,8 @@ const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 pub struct Opened {
     /// The controller, behind its limits.
     pub controller: Station<Box<dyn Controller>>,
+    /// The laser to which the operator answers.
+    pub asked: Option<ManualLaser>,
     /// The external instrument that watches a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
     /// Where its time comes from.
@@ -62,8 +65,12 @@ impl Rig {
                 return Err(LinkError::Setup(text).into());
             }
         };
+        let laser = laser::chosen(&self.laser, Arc::new(SystemClock::start()));
+        let asked = laser.as_ref().and_then(laser::Chosen::asked);
         Ok(Opened {
-            controller: Station::new(controller, self.limits.clone()),
+            controller: Station::new(controller, self.limits.clone())
+                .with_laser(laser.map(laser::Chosen::into_source)),
+            asked,
             instrument,
             clock,
         })

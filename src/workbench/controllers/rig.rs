@@ -6,6 +6,7 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::Limits;
+use tautline_link::laser::LaserChoice;
 use tautline_link::simulated::SimulatedSetup;
 use tautline_session::Session;
 
@@ -45,6 +46,7 @@ pub struct Rig {
     /// File for the values that a simulated controller holds while they are written.
     pub(super) stores_at: Option<PathBuf>,
     pub(super) limits: Limits,
+    pub(super) laser: LaserChoice,
 }
 
 /// What answers.
@@ -93,6 +95,7 @@ impl Rig {
             source,
             stores_at: stores_at.map(Path::to_owned),
             limits,
+            laser: session.laser_source.clone(),
         }
     }
 
