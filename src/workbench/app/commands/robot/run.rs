@@ -165,9 +165,7 @@ pub fn kept(state: &mut State, label: i64) {
     let Some(document) = &mut state.document else {
         return;
     };
-    let mut refused = None;
-    document.append(|session| refused = session.append_pose(&pending.pose).err());
-    if let Some(error) = refused {
+    if let Err(error) = document.append_pose(&pending.pose) {
         state.messages.error(format!(
             "Pose {} cannot be used: {error}.",
             pending.pose.label
