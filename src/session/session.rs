@@ -240,15 +240,13 @@ pub(crate) fn from_document(
 /// # Errors
 /// If the session could not be read again or the file cannot be written.
 pub fn write_session(path: &Path, session: &Session) -> Result<(), WriteError> {
-    let document = SessionDocument::of(session);
-    document
-        .clone()
-        .into_session()
-        .map_err(|error| WriteError::Content {
-            path: path.into(),
-            message: error.to_string(),
-        })?;
-    write_document(path, &document)
+    // Made twice instead of copied: two large documents need not be there at once.
+    let read_again = SessionDocument::of(session).into_session();
+    read_again.map_err(|error| WriteError::Content {
+        path: path.into(),
+        message: error.to_string(),
+    })?;
+    write_document(path, &SessionDocument::of(session))
 }
 
 fn below(parent: &str, error: FieldError) -> FieldError {

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::{FieldError, Robot};
 
 use super::{
@@ -110,11 +111,19 @@ impl SessionDocument {
     /// The document of a session.
     pub fn of(session: &Session) -> Self {
         Self {
+            measurements: MeasurementTable::of(&session.measurements),
+            ..Self::without_measurements(session)
+        }
+    }
+
+    /// The document of a session, its measured poses left out.
+    pub fn without_measurements(session: &Session) -> Self {
+        Self {
             name: session.name.clone(),
             created: session.created,
             modified: session.modified,
             robot: session.robot.clone(),
-            measurements: MeasurementTable::of(&session.measurements),
+            measurements: MeasurementTable::default(),
             excluded: session.excluded.clone(),
             plan: session.plan.clone(),
             phases: session.phases.clone(),
@@ -127,6 +136,16 @@ impl SessionDocument {
             verifications: session.verifications.clone(),
             log: session.log.clone(),
         }
+    }
+
+    /// The session of a document that passed its check, with these measurements instead of its own.
+    pub fn into_session_with(self, measurements: &Measurements) -> Result<Session, FieldError> {
+        let measurements = MeasurementTable::of(measurements);
+        Self {
+            measurements,
+            ..self
+        }
+        .into_session()
     }
 
     /// The session of a document that passed its check.

@@ -18,6 +18,7 @@ mod words;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::{Frame, Margin, Theme, Ui};
 use tautline_core::geometry::Pose;
@@ -37,6 +38,9 @@ use crate::app::fit::Fit;
 use crate::app::theme::GRID;
 use crate::app::{Document, Selection, State};
 use crate::widgets::empty;
+
+/// How long the camera rests before everything is drawn again (s).
+const REST_S: f64 = 0.1;
 
 /// Where the platform is now and what its sensors say, while it is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +66,8 @@ pub struct Robot3d {
     drawings: u64,
     canvas: Canvas,
     hovers: bool,
+    /// When the camera moved last, in time of the window (s).
+    moved_s: Option<f64>,
 }
 
 /// What a scene depends on.
@@ -264,7 +270,20 @@ impl Robot3d {
             }
             None => {}
         }
+        let before = *camera;
         canvas::steer(ui, &response, camera, &extent);
+        // Few points are drawn while the camera moves, all once it rests.
+        let has_more = drawing.points.coarse < drawing.points.centres.len();
+        let now_s = ui.input(|input| input.time);
+        if *camera != before {
+            self.moved_s = Some(now_s);
+        }
+        let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
+        let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0);
+        if let Some(left_s) = left_s {
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f64(left_s));
+        }
         let picture = picking::Picture {
             scene,
             options: &self.options,
@@ -272,8 +291,14 @@ impl Robot3d {
             size: [rect.width(), rect.height()].map(f64::from),
         };
         let thing = canvas::under_pointer(&response, &picture);
-        self.canvas
-            .paint(ui, rect, &drawing, self.drawings, &picture, *hovered);
+        self.canvas.paint(
+            ui,
+            rect,
+            &drawing,
+            (self.drawings, left_s.is_some()),
+            &picture,
+            *hovered,
+        );
         if let Some(thing) = thing {
             response
                 .clone()
