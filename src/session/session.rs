@@ -3,6 +3,7 @@
 mod adjustment;
 mod basis;
 mod check;
+mod connection;
 mod document;
 mod log;
 mod measured_pose;
@@ -24,6 +25,10 @@ use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
+pub use connection::{
+    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation, AdsStatus,
+    AdsSymbol, AdsSymbols, Connection, is_per_cable, name_of_cable,
+};
 pub(crate) use document::SessionDocument;
 pub use log::{LogEntry, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
@@ -60,6 +65,8 @@ pub struct Session {
     pub simulator: Option<Simulator>,
     /// The parameters that the controller holds, so that a simulated one goes on where it was.
     pub controller: Vec<NamedValue>,
+    /// How the robot's own controller is reached.
+    pub connection: Connection,
     excluded: BTreeSet<i64>,
     results: Vec<ResultRecord>,
     adjustments: Vec<Adjustment>,
@@ -82,6 +89,7 @@ impl Session {
             settings: Settings::default(),
             simulator: None,
             controller: Vec::new(),
+            connection: Connection::default(),
             excluded: BTreeSet::new(),
             results: Vec::new(),
             adjustments: Vec::new(),

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::{FieldError, Robot};
 
 use super::{
-    Adjustment, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord, Session,
-    Settings, Simulator, Timestamp, Verification, below, check, fail,
+    Adjustment, Connection, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord,
+    Session, Settings, Simulator, Timestamp, Verification, below, check, connection, fail,
 };
 use crate::json::Document;
 use crate::phases::PhaseData;
@@ -49,6 +49,9 @@ pub(crate) struct SessionDocument {
     /// The parameters that the controller holds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     controller: Vec<NamedValue>,
+    /// How the robot's own controller is reached.
+    #[serde(default, skip_serializing_if = "Connection::is_empty")]
+    connection: Connection,
     /// Adjustments of the controller, the oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     adjustments: Vec<Adjustment>,
@@ -96,6 +99,7 @@ impl Document for SessionDocument {
             truth.map_err(|error| below("/simulator/truth", error))?;
         }
         check::controller(&self.controller)?;
+        connection::check(&self.connection, &self.robot)?;
         check::adjustments(&self.adjustments)?;
         check::verifications(&self.verifications)
     }
@@ -117,6 +121,7 @@ impl SessionDocument {
             results: session.results.clone(),
             simulator: session.simulator.clone(),
             controller: session.controller.clone(),
+            connection: session.connection.clone(),
             adjustments: session.adjustments.clone(),
             verifications: session.verifications.clone(),
             log: session.log.clone(),
@@ -142,6 +147,7 @@ impl SessionDocument {
             results: self.results,
             simulator: self.simulator,
             controller: self.controller,
+            connection: self.connection,
             adjustments: self.adjustments,
             verifications: self.verifications,
             log: self.log,
