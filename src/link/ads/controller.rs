@@ -29,6 +29,8 @@ struct Status {
     moving: Option<bool>,
     fault: Option<String>,
     acknowledged: u32,
+    /// Whether motion and writing are still allowed, where that is told.
+    released: bool,
 }
 
 /// A command that is not acknowledged yet.
@@ -137,6 +139,13 @@ impl AdsController {
             Ok((sample_of(&raw, layout), status_of(&raw, layout)))
         })?;
         self.status = status;
+        if self.armed && !self.status.released {
+            // Whatever is told now is not done: a command that is under way must not pass for one that has ended.
+            self.armed = false;
+            self.pending = None;
+            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
+            self.complaint = Some(text.to_owned());
+        }
         self.follow_command();
         Ok(Sample {
             time_s: if self.layout.time.is_some() {
@@ -305,6 +314,7 @@ fn status_of(raw: &Raw<'_>, layout: &Layout) -> Status {
             }
         }),
         acknowledged: acknowledged.map_or(0, |number| number as u32),
+        released: layout.release.is_none_or(|slot| raw.number(slot) == 1.0),
     }
 }
 

@@ -121,6 +121,11 @@ impl Layout {
         let fault_text = single(&mapping.state.fault_text, Expected::Text);
         let command = mapping.command.as_ref();
         let acknowledged = command.map(|c| wanted.single(&c.acknowledged, Expected::Counter));
+        let mut single = |name: &Option<String>, expected| {
+            let name = name.as_ref()?;
+            Some(wanted.single(name, expected))
+        };
+        let release = single(&mapping.release, Expected::Flag);
         let sampled = wanted.0.len();
         let command = command
             .zip(acknowledged)
@@ -135,7 +140,7 @@ impl Layout {
             Some(wanted.single(name, expected))
         };
         Ok(Self {
-            release: single(&mapping.release, Expected::Flag),
+            release,
             watchdog: single(&mapping.watchdog, Expected::Counter),
             parameters: wanted.parameters(&mapping.parameters, robot)?,
             wanted: wanted.0,
@@ -315,7 +320,7 @@ mod tests {
         let known = parameters_of(&robot);
         assert_eq!(names.len(), known.len());
         assert!(known.iter().all(|p| names.contains(&&p.name)));
-        assert_eq!(layout.wanted.len() - layout.sampled, 4 + 6 + 1);
+        assert_eq!(layout.wanted.len() - layout.sampled, 3 + 6 + 1);
         let last = layout
             .parameters
             .iter()
