@@ -1,10 +1,12 @@
 //! Writing values while connections break: afterwards the controller holds all old or all new ones, and which is told.
 
 use serde_json::json;
+use tautline_core::robot::presets;
 use tautline_link::Controller;
 use tautline_link::adjusting::{
     Holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
 };
+use tautline_link::parameters::parameters_of;
 use tautline_link::reconnecting::{Attempts, BackOff};
 
 use crate::names::{Style, global};
@@ -12,11 +14,15 @@ use crate::plant::Plant;
 
 const VALUES: usize = 6;
 
+/// Entry points of two cables, each coordinate moved by a millimetre or more.
 fn new_values() -> Vec<(String, f64)> {
-    let names =
-        (1..=2).flat_map(|n| ["x", "y", "z"].map(|axis| format!("cable-{n}.entry_point.{axis}_m")));
-    names
-        .zip((0..VALUES).map(|k| 0.3 + 0.01 * k as f64))
+    let robot = presets::find("mini").expect("a preset").robot;
+    let points = parameters_of(&robot)
+        .into_iter()
+        .filter(|p| p.name.contains("entry_point"));
+    let moved = points.take(VALUES).zip(1..);
+    moved
+        .map(|(p, k)| (p.name, p.value + 1e-3 * f64::from(k)))
         .collect()
 }
 
@@ -94,11 +100,10 @@ fn a_connection_that_breaks_while_values_are_read_back() {
 }
 
 #[test]
-fn a_value_that_is_refused_is_taken_back() {
+fn values_of_which_one_cannot_be_written_are_taken_back() {
     let plant = Plant::start(Style::Single);
     let mut client = plant.armed();
     let old = held(&plant);
-    // Read well, but the value cannot be had in the symbol's type.
     let mut new = new_values();
     new[4].1 = f64::NAN;
     let adjustment = write_adjustment(&mut client, &new).expect("an attempt");

@@ -84,8 +84,8 @@ fn nothing_is_written_before_arming() {
     }
     client.parameters().expect("parameters");
     client.stop().expect("nothing moves");
-    let home = plant.preset.robot.home.expect("a home pose").pose();
-    assert_eq!(client.command(&home), Err(LinkError::NotArmed));
+    let centre = plant.preset.workspace.centre;
+    assert_eq!(client.command(&centre), Err(LinkError::NotArmed));
     assert_eq!(client.home(), Err(LinkError::NotArmed));
     let value = [("home.x_m".to_owned(), 0.0)];
     assert_eq!(client.write(&value), Err(LinkError::NotArmed));
