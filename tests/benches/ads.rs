@@ -17,7 +17,7 @@ mod server;
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use names::Style;
 use plant::Plant;
 use tautline_link::Controller;
@@ -43,9 +43,15 @@ fn main() -> Result<()> {
         let plant = Plant::start(style);
         let mut client = plant.client();
         client.connect()?;
-        print_times(&format!("{name}, reading only"), &mut client)?;
-        client.arm()?;
-        print_times(&format!("{name}, armed"), &mut client)?;
+        for (mode, kind) in [("reading only", "read"), ("armed", "write")] {
+            if kind == "write" {
+                client.arm()?;
+            }
+            let before = plant.server.count(kind);
+            print_times(&format!("{name}, {mode}"), &mut client)?;
+            let requests = plant.server.count(kind) - before;
+            ensure!(requests == SAMPLES as u64, "{requests} requests arrived");
+        }
     }
     println!();
     steadily(seconds)
