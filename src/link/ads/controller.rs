@@ -61,7 +61,8 @@ pub struct AdsController {
 }
 
 impl AdsController {
-    /// A controller that is not connected.
+    /// A controller that is not connected. By the clock, which has to be a real one, a late answer is told from a lost
+    /// connection.
     ///
     /// # Errors
     /// If the mapping does not fit the robot or names a parameter that it does not have.

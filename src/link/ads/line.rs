@@ -11,7 +11,8 @@ use ads::client::{Command, Device, Source};
 use ads::{AmsAddr, AmsNetId, Client, Timeouts, index};
 
 use super::address::AdsAddress;
-use super::options::{AdsOptions, AdsSource};
+use super::options::AdsOptions;
+use super::probe::{OWN_PORT, probe};
 use super::symbols::Symbol;
 use crate::clock::Clock;
 use crate::controller::LinkError;
@@ -22,8 +23,6 @@ const PARTS: usize = 256;
 const BYTES: usize = 1 << 16;
 /// Longest description of a symbol (bytes).
 const ENTRY: usize = 8192;
-/// Our AMS port, where the address of this computer is given.
-const OWN_PORT: u16 = 58913;
 /// The ADS state in which the program runs.
 const RUN: u16 = 5;
 
@@ -101,24 +100,28 @@ impl Line {
             .ok_or_else(|| {
                 LinkError::Setup("the longest wait for an answer is not a positive time".to_owned())
             })?;
-        let source = match options.source {
-            AdsSource::Automatic => Source::Auto,
-            AdsSource::NetId(id) => Source::Addr(AmsAddr::new(AmsNetId(id), OWN_PORT)),
-            AdsSource::Router => Source::Request,
+        let source = match options.own_net_id {
+            None => Source::Auto,
+            Some(id) => Source::Addr(AmsAddr::new(AmsNetId(id), OWN_PORT)),
         };
+        let target = AmsAddr::new(AmsNetId(address.net_id), address.ams_port);
         let mut last = LinkError::Disconnected(format!("no computer is called {:?}", address.host));
         for place in places_of(address)? {
-            match Client::new(place, Timeouts::new(timeout), source) {
+            let opened = probe(place, target, options.own_net_id, timeout).and_then(|()| {
+                Client::new(place, Timeouts::new(timeout), source)
+                    .map_err(|error| LinkError::Disconnected(unreachable(place, &error)))
+            });
+            match opened {
                 Ok(client) => {
                     return Ok(Self {
                         client,
-                        target: AmsAddr::new(AmsNetId(address.net_id), address.ams_port),
+                        target,
                         timeout_s: options.timeout_s,
                         clock,
                         sums: true,
                     });
                 }
-                Err(error) => last = LinkError::Disconnected(unreachable(place, &error)),
+                Err(error) => last = error,
             }
         }
         Err(last)

@@ -4,6 +4,10 @@
 //! `docs/ADS.md`. No request is sent but by a call from outside, and each waits at most as long as
 //! [`AdsOptions::timeout_s`]; the library under it has one thread for each connection, which takes the answers.
 //! Nothing is written before [`crate::Controller::arm`].
+//!
+//! Readings are asked for, not subscribed to: one request has all readings of one moment, while notifications of
+//! several symbols come one by one, pile up where nobody takes them, and end in a failure of the library's thread when
+//! the connection is dropped amid one.
 
 mod address;
 mod controller;
@@ -12,8 +16,9 @@ mod line;
 mod live;
 mod options;
 mod pose;
+mod probe;
 mod symbols;
 
 pub use address::AdsAddress;
 pub use controller::AdsController;
-pub use options::{AdsOptions, AdsSource};
+pub use options::AdsOptions;

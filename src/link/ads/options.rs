@@ -2,17 +2,6 @@
 
 use crate::reconnecting::BackOff;
 
-/// By which address this computer presents itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AdsSource {
-    /// The address of its network card, with 1.1 after it.
-    Automatic,
-    /// This Net ID; a route in the controller names it.
-    NetId([u8; 6]),
-    /// The one that the router on this computer gives: where the controller is this computer.
-    Router,
-}
-
 /// How a controller is spoken to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdsOptions {
@@ -20,8 +9,9 @@ pub struct AdsOptions {
     pub timeout_s: f64,
     /// Longest time in which a command has to be acknowledged (s).
     pub acknowledge_s: f64,
-    /// The address of this computer.
-    pub source: AdsSource,
+    /// The AMS Net ID by which this computer presents itself, as the controller's route names it; absent: the address
+    /// of its network card with 1.1 after it.
+    pub own_net_id: Option<[u8; 6]>,
     /// How a lost connection is made anew; see [`crate::reconnecting`].
     pub back_off: BackOff,
 }
@@ -31,7 +21,7 @@ impl Default for AdsOptions {
         Self {
             timeout_s: 1.0,
             acknowledge_s: 2.0,
-            source: AdsSource::Automatic,
+            own_net_id: None,
             back_off: BackOff::default(),
         }
     }
