@@ -3,6 +3,7 @@
 mod adjustment;
 mod basis;
 mod check;
+mod connection;
 mod document;
 mod laser_settings;
 mod log;
@@ -25,6 +26,10 @@ use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
+pub use connection::{
+    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation, AdsStatus,
+    AdsSymbol, AdsSymbols, Connection, is_per_cable, name_of_cable,
+};
 pub(crate) use document::SessionDocument;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 pub use log::{LogEntry, Phase, ResultRecord};
@@ -64,6 +69,8 @@ pub struct Session {
     pub controller: Vec<NamedValue>,
     /// Where the laser distance comes from.
     pub laser_source: LaserSettings,
+    /// How the robot's own controller is reached.
+    pub connection: Connection,
     excluded: BTreeSet<i64>,
     results: Vec<ResultRecord>,
     adjustments: Vec<Adjustment>,
@@ -87,6 +94,7 @@ impl Session {
             simulator: None,
             controller: Vec::new(),
             laser_source: LaserSettings::default(),
+            connection: Connection::default(),
             excluded: BTreeSet::new(),
             results: Vec::new(),
             adjustments: Vec::new(),

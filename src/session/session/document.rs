@@ -8,8 +8,9 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::{FieldError, Robot};
 
 use super::{
-    Adjustment, LaserSettings, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord,
-    Session, Settings, Simulator, Timestamp, Verification, below, check, fail,
+    Adjustment, Connection, LaserSettings, LogEntry, MeasurementTable, NamedValue, PlannedPose,
+    ResultRecord, Session, Settings, Simulator, Timestamp, Verification, below, check, connection,
+    fail,
 };
 use crate::json::Document;
 use crate::phases::PhaseData;
@@ -53,6 +54,9 @@ pub(crate) struct SessionDocument {
     /// Where the laser distance comes from.
     #[serde(default, skip_serializing_if = "LaserSettings::is_controller")]
     laser_source: LaserSettings,
+    /// How the robot's own controller is reached.
+    #[serde(default, skip_serializing_if = "Connection::is_empty")]
+    connection: Connection,
     /// Adjustments of the controller, the oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     adjustments: Vec<Adjustment>,
@@ -102,6 +106,7 @@ impl Document for SessionDocument {
         check::controller(&self.controller)?;
         let laser = self.laser_source.check();
         laser.map_err(|error| below("/laser_source", error))?;
+        connection::check(&self.connection, &self.robot)?;
         check::adjustments(&self.adjustments)?;
         check::verifications(&self.verifications)
     }
@@ -132,6 +137,7 @@ impl SessionDocument {
             simulator: session.simulator.clone(),
             controller: session.controller.clone(),
             laser_source: session.laser_source.clone(),
+            connection: session.connection.clone(),
             adjustments: session.adjustments.clone(),
             verifications: session.verifications.clone(),
             log: session.log.clone(),
@@ -168,6 +174,7 @@ impl SessionDocument {
             simulator: self.simulator,
             controller: self.controller,
             laser_source: self.laser_source,
+            connection: self.connection,
             adjustments: self.adjustments,
             verifications: self.verifications,
             log: self.log,
