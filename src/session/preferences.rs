@@ -25,7 +25,9 @@ pub struct Preferences {
     pub interface_scale: f64,
     /// Width and height of the window when it was last closed, in points.
     pub window_size: Option<[f64; 2]>,
-    /// Name of the operator, for the log of adjustments.
+    /// Sizes of the parts of the window.
+    pub layout: Layout,
+    /// Name of the operator, for the log of adjustments and the report.
     pub operator: String,
     recent: Vec<RecentSession>,
 }
@@ -41,6 +43,16 @@ pub enum Theme {
     Dark,
     /// Light.
     Light,
+}
+
+/// Sizes of the parts of the window, where they were chosen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Layout {
+    /// Width of the panel of the phases (points).
+    pub panel_width: Option<f64>,
+    /// Height of the plots (points).
+    pub plots_height: Option<f64>,
 }
 
 /// A session that was open.
@@ -74,6 +86,7 @@ impl Default for Preferences {
             theme: Theme::default(),
             interface_scale: 1.0,
             window_size: None,
+            layout: Layout::default(),
             operator: String::new(),
             recent: Vec::new(),
         }
@@ -97,6 +110,14 @@ impl Document for Preferences {
             return fail("/interface_scale", message);
         }
         let is_size = |length: &f64| length.is_finite() && *length > 0.0;
+        for (pointer, length) in [
+            ("/layout/panel_width", self.layout.panel_width),
+            ("/layout/plots_height", self.layout.plots_height),
+        ] {
+            if let Some(length) = length.filter(|length| !is_size(length)) {
+                return fail(pointer, format!("found {length}, expected a length"));
+            }
+        }
         match self.window_size {
             Some(size) if !size.iter().all(is_size) => {
                 let message = format!("found {size:?}, expected a width and a height");
@@ -186,6 +207,10 @@ mod tests {
             theme: Theme::Dark,
             interface_scale: 1.5,
             window_size: Some([1280.0, 800.0]),
+            layout: Layout {
+                panel_width: Some(500.0),
+                plots_height: None,
+            },
             operator: "B. Smith".into(),
             ..Preferences::default()
         };
@@ -217,6 +242,10 @@ mod tests {
             (
                 &format!("{head}1, \"window_size\": [0, 1]}}"),
                 "/window_size",
+            ),
+            (
+                &format!("{head}1, \"layout\": {{\"plots_height\": -1}}}}"),
+                "/layout/plots_height",
             ),
         ] {
             std::fs::write(&path, text).expect("written");

@@ -27,9 +27,10 @@ pub fn report_picture(session: &Session, fit: Option<&Fit>) -> Result<Vec<u8>, S
     };
     let scene = subject.scene();
     let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
-    let extent = scene.extent();
-    let camera = Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
     let options = Options::default();
+    let mut extent = scene.extent();
+    extent.extend(options.tips(&scene));
+    let camera = Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
     let image = render_scene(&scene, &options, &camera, (SIZE, SCALE), Theme::Light)
         .map_err(|error| error.to_string())?;
     let mut png = Cursor::new(Vec::new());

@@ -5,6 +5,7 @@ mod import_row;
 mod number;
 mod part_row;
 mod rows;
+mod tab_row;
 mod table;
 mod text;
 
@@ -13,5 +14,6 @@ pub use import_row::{Import, import_row};
 pub use number::{Entered, Number, number};
 pub use part_row::part_row;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
+pub use tab_row::{TabOf, tab_row};
 pub use table::{Cell, Column, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
@@ -14,23 +14,16 @@ use super::sources::variable::{Choice, capitalised};
 use super::{Prepared, Remembered, Saving, Tab};
 use crate::app::commands::PlotCommand;
 use crate::app::{Document, State};
-use crate::widgets::{icon_button, icon_only, muted};
+use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
 
 /// The tabs; those that have nothing to show say why.
-pub fn tabs(ui: &mut Ui, document: &Document, plots: &mut Remembered) {
-    ui.horizontal_wrapped(|ui| {
-        for tab in Tab::ALL {
-            let missing = tab.missing(document);
-            let button = Button::selectable(plots.tab == tab, tab.title());
-            let response = ui.add_enabled(missing.is_none(), button);
-            if response.clicked() {
-                plots.tab = tab;
-            }
-            if let Some(why) = missing {
-                response.on_disabled_hover_text(why);
-            }
-        }
+pub fn tabs(ui: &mut Ui, document: &Document, tab: &mut Tab) {
+    let tabs = Tab::ALL.map(|tab| TabOf {
+        value: tab,
+        title: tab.title(),
+        missing: tab.missing(document),
     });
+    tab_row(ui, "More plots", &tabs, tab);
 }
 
 /// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
@@ -43,13 +36,13 @@ pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &
         choices(ui, state, plots);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             buttons(ui, plots);
-            let panel = plots.panels.get(&plots.tab);
-            if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.selection)) {
-                ui.add(egui::Label::new(&text).truncate())
-                    .on_hover_text(&text);
-            }
         });
     });
+    // A line of its own: it is too long to stand beside anything.
+    let panel = plots.panels.get(&plots.tab);
+    if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.selection)) {
+        ui.add(egui::Label::new(text).wrap());
+    }
 }
 
 fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {

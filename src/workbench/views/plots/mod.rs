@@ -103,7 +103,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     };
     let mut plots = std::mem::take(&mut state.views.plots);
     plots.settle(document);
-    bar::tabs(ui, document, &mut plots);
+    bar::tabs(ui, document, &mut plots.tab);
     match plots.figure(document) {
         Ok(figure) => plot(ui, state, &mut plots, &figure),
         Err(Lack::Nothing(why)) => empty(ui, why),

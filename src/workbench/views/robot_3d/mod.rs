@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{Frame, Margin, Theme, Ui};
-use tautline_core::geometry::Pose;
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
@@ -57,6 +57,8 @@ pub struct Robot3d {
     /// What is drawn and how.
     pub options: Options,
     camera: Option<Camera>,
+    /// What the camera shows all of, until the operator moves it: shape of the picture, and ends of displacements (m).
+    framed: Option<(f64, Vec<Vec3>)>,
     scene: Option<(SceneKey, Arc<Scene>)>,
     drawing: Option<(Arc<Scene>, DrawingKey, Arc<Drawing>)>,
     drawings: u64,
@@ -228,6 +230,28 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 }
 
 impl Robot3d {
+    /// Turns the camera as it was asked to; while nobody has moved it, it goes on showing everything. Gives what
+    /// everything is (m).
+    fn aim(&mut self, scene: &Scene, aim: Option<Aim>, aspect: f64) -> Vec<Vec3> {
+        let tips = self.options.tips(scene);
+        let mut extent = scene.extent();
+        extent.extend(&tips);
+        let Some(camera) = &mut self.camera else {
+            self.framed = Some((aspect, tips));
+            return extent;
+        };
+        if let Some(Aim::To(side)) = aim {
+            camera.turn_to(side);
+        }
+        let now = (aspect, tips);
+        let is_other = self.framed.as_ref().is_some_and(|framed| *framed != now);
+        if aim.is_some() || is_other {
+            camera.fit(&extent, aspect);
+            self.framed = Some(now);
+        }
+        extent
+    }
+
     /// Forgets from where it was looked at: the next scene is seen from where all of it is seen.
     pub fn look_anew(&mut self) {
         self.camera = None;
@@ -246,25 +270,22 @@ impl Robot3d {
         Frame::new()
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
-                aim = toolbar::show(ui, &mut self.options, scene.besides);
+                aim = toolbar::show(ui, &mut self.options, scene);
             });
         let drawing = self.drawing_of(scene, selection, ui.theme());
         let size = egui::vec2(width, ui.available_height()).max(egui::Vec2::splat(16.0));
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let aspect = f64::from(rect.aspect_ratio());
-        let extent = scene.extent();
+        let aim = aim.or_else(|| canvas::keys(ui, &response));
+        let extent = self.aim(scene, aim, aspect);
         let start = || Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
         let camera = self.camera.get_or_insert_with(start);
-        match aim.or_else(|| canvas::keys(ui, &response)) {
-            Some(Aim::Fit) => camera.fit(&extent, aspect),
-            Some(Aim::To(side)) => {
-                camera.turn_to(side);
-                camera.fit(&extent, aspect);
-            }
-            None => {}
-        }
+        let before = *camera;
         canvas::steer(ui, &response, camera, &extent);
+        if *camera != before && !response.double_clicked() {
+            self.framed = None;
+        }
         let picture = picking::Picture {
             scene,
             options: &self.options,

@@ -5,11 +5,11 @@ use egui_material_icons::icons;
 
 use super::camera::StandardView;
 use super::drawing::{CableColour, Options};
-use super::scene::Besides;
+use super::scene::{Besides, Scene};
 use crate::widgets::{icon_only, muted};
 
 /// Width of the slider with its number (points).
-const EXAGGERATION: f32 = 168.0;
+const EXAGGERATION: f32 = 240.0;
 
 /// What the row asks of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,10 +21,11 @@ pub enum Aim {
 }
 
 /// Width (points) from which on everything is in the row.
-const WIDE: f32 = 830.0;
+const WIDE: f32 = 900.0;
 
 /// Draws the row.
-pub fn show(ui: &mut Ui, options: &mut Options, besides: Besides) -> Option<Aim> {
+pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
+    let besides = scene.besides;
     let mut aim = None;
     let is_wide = ui.available_width() > WIDE;
     ui.horizontal_wrapped(|ui| {
@@ -44,11 +45,11 @@ pub fn show(ui: &mut Ui, options: &mut Options, besides: Besides) -> Option<Aim>
         ui.menu_button("Show", |ui| {
             parts(ui, options, besides);
             if besides != Besides::Nothing && !is_wide {
-                exaggeration(ui, options);
+                exaggeration(ui, options, scene);
             }
         });
         if besides != Besides::Nothing && is_wide {
-            exaggeration(ui, options);
+            exaggeration(ui, options, scene);
         }
     });
     aim
@@ -88,21 +89,32 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     }
 }
 
-fn exaggeration(ui: &mut Ui, options: &mut Options) {
+fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     // A slider does not go to the next row by itself.
     if ui.available_size_before_wrap().x < EXAGGERATION {
         ui.end_row();
     }
-    let slider = Slider::new(&mut options.exaggeration, 1.0..=200.0)
+    let mut value = options.exaggeration_of(scene);
+    let slider = Slider::new(&mut value, 1.0..=200.0)
         .logarithmic(true)
         .step_by(1.0)
         .show_value(false);
     ui.spacing_mut().slider_width = 88.0;
     let response = ui.add(slider);
-    let value = options.exaggeration;
     response.widget_info(|| WidgetInfo::slider(true, value, "Exaggeration"));
+    if response.changed() {
+        options.exaggeration = Some(value);
+    }
     response.on_hover_text(
         "How many times larger than they are displacements and ellipsoids are drawn",
     );
     ui.add(egui::Label::new(format!("{value:.0} times")).extend());
+    let is_automatic = options.exaggeration.is_none();
+    if ui
+        .selectable_label(is_automatic, "Automatic")
+        .on_hover_text("As large as is well seen and stays in the picture")
+        .clicked()
+    {
+        options.exaggeration = if is_automatic { Some(value) } else { None };
+    }
 }
