@@ -33,7 +33,7 @@ pub fn tab_row<T: Copy + PartialEq>(
         if is_shown.iter().all(|shown| *shown) {
             return;
         }
-        let content = (more, icons::ICON_EXPAND_MORE.rich_text().size(16.0));
+        let content = (more, icons::ICON_EXPAND_MORE.rich_text().size(13.0));
         let button = ui.add(Button::new(content).frame_when_inactive(false));
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, more));
         Popup::menu(&button).show(|ui| {

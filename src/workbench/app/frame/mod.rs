@@ -75,7 +75,8 @@ fn phase(ui: &mut Ui, state: &mut State, step: Step) {
         state.change_preferences(|p| p.layout.panel_width = Some(f64::from(width)));
     }
     let height = ui.available_height();
-    let usual = (0.38 * height).min(300.0);
+    // A low window still has room for a plot below its lines of choices.
+    let usual = (0.38 * height).min(300.0).max((0.5 * height).min(240.0));
     let size = Size {
         wanted: layout.plots_height.map_or(usual, |height| height as f32),
         range: Rangef::new(140.0, (0.7 * height).max(150.0)),

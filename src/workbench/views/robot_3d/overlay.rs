@@ -33,8 +33,29 @@ fn place(rect: Rect, seen: &OnScreen) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
-fn text(painter: &Painter, at: Pos2, anchor: Align2, text: impl ToString, colour: Color32) -> Rect {
-    painter.text(at, anchor, text, FontId::proportional(SMALL), colour)
+/// Writes a text on a ground of its own, so that it can be read over the robot; gives where it is.
+fn text(
+    painter: &Painter,
+    at: Pos2,
+    anchor: Align2,
+    text: impl ToString,
+    (colour, ground): (Color32, Color32),
+) -> Rect {
+    let font = FontId::proportional(SMALL);
+    let galley = painter.layout_no_wrap(text.to_string(), font, colour);
+    let rect = anchor.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand2(vec2(2.0, 0.0)), 3.0, ground);
+    painter.galley(rect.min, galley, colour);
+    rect
+}
+
+/// Colours of what is less important, and of its ground.
+fn quiet(palette: &Palette) -> (Color32, Color32) {
+    (palette.muted, behind(palette))
+}
+
+fn behind(palette: &Palette) -> Color32 {
+    palette.ground.gamma_multiply(0.72)
 }
 
 /// The cable and the pose under the pointer, here or in another view.
@@ -97,8 +118,7 @@ fn numbers(
         });
         if let Some(found) = free_place(at, away, reach, galley.size(), rect, &taken) {
             taken.push(found);
-            let ground = palette.ground.gamma_multiply(0.72);
-            painter.rect_filled(found.expand2(vec2(2.0, 0.0)), 3.0, ground);
+            painter.rect_filled(found.expand2(vec2(2.0, 0.0)), 3.0, behind(palette));
             painter.galley(found.min, galley, colour);
         }
     }
@@ -149,7 +169,7 @@ fn captions(
         at,
         Align2::LEFT_TOP,
         words::shown(picture.scene),
-        palette.muted,
+        quiet(palette),
     );
     let parts = match (arrows, ellipsoids) {
         (true, true) => "Displacements and 95 % ellipsoids",
@@ -164,7 +184,7 @@ fn captions(
             format!("{parts} drawn as large as they are")
         };
         let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
-        let second = text(painter, below, Align2::LEFT_TOP, size, palette.muted);
+        let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
         return vec![first, second];
     }
     vec![first]
@@ -183,7 +203,8 @@ fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         if tip.length() > 5.0 {
             let name = ["x", "y", "z"][axis];
             let at = centre + tip + tip.normalized() * 7.0;
-            text(painter, at, Align2::CENTER_CENTER, name, palette.text);
+            let colours = (palette.text, Color32::TRANSPARENT);
+            text(painter, at, Align2::CENTER_CENTER, name, colours);
         }
     }
     Rect::from_center_size(centre, Vec2::splat(64.0))
@@ -207,11 +228,11 @@ fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         above,
         Align2::CENTER_BOTTOM,
         metres(length),
-        palette.muted,
+        quiet(palette),
     );
     let grid = format!("Grid {}", metres(picture.scene.frame.floor.spacing_m));
     let beside = right + vec2(4.0 * GRID, 4.0);
-    let grid = text(painter, beside, Align2::LEFT_BOTTOM, grid, palette.muted);
+    let grid = text(painter, beside, Align2::LEFT_BOTTOM, grid, quiet(palette));
     number.union(grid).union(Rect::from_two_pos(left, right))
 }
 
@@ -257,7 +278,7 @@ fn legends(
                 at,
                 Align2::RIGHT_BOTTOM,
                 nothing,
-                palette.muted,
+                quiet(palette),
             ));
             return drawn;
         };
@@ -293,10 +314,10 @@ fn ramp(
     let anchors = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP];
     for (k, (mark, anchor)) in marks.into_iter().zip(anchors).enumerate() {
         let x = left + WIDTH * 0.5 * k as f32;
-        text(painter, pos2(x, at.y + 1.0), anchor, mark, palette.muted);
+        text(painter, pos2(x, at.y + 1.0), anchor, mark, quiet(palette));
     }
     let above = pos2(at.x, at.y - 9.0);
-    let title = text(painter, above, Align2::RIGHT_BOTTOM, title, palette.muted);
+    let title = text(painter, above, Align2::RIGHT_BOTTOM, title, quiet(palette));
     title.union(Rect::from_two_pos(
         pos2(left, at.y - 6.0),
         at + vec2(0.0, SMALL + 3.0),

@@ -22,25 +22,34 @@ pub enum Aim {
 
 /// Width (points) from which on everything is in the row.
 const WIDE: f32 = 900.0;
+/// Width (points) from which on colours stand beside each other.
+const MEDIUM: f32 = 660.0;
+/// Width (points) from which on the standard views do, too.
+const NARROW: f32 = 460.0;
 
 /// Draws the row.
 pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
     let besides = scene.besides;
     let mut aim = None;
-    let is_wide = ui.available_width() > WIDE;
+    let width = ui.available_width();
+    let is_wide = width > WIDE;
     ui.horizontal_wrapped(|ui| {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit to all (F)", true).clicked() {
             aim = Some(Aim::Fit);
         }
-        for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
-            let button = egui::Button::new(view.title()).frame_when_inactive(false);
-            let hint = format!("{} view, key {key}", view.title());
-            if ui.add(button).on_hover_text(hint).clicked() {
-                aim = Some(Aim::To(view));
-            }
+        if width > NARROW {
+            aim = views(ui).or(aim);
+        } else {
+            ui.menu_button("View", |ui| aim = views(ui).or(aim));
         }
         ui.separator();
-        colours(ui, options);
+        if width > MEDIUM {
+            muted(ui, "Colour");
+            colours(ui, options);
+        } else {
+            let text = format!("Colour: {}", options.colour.title());
+            ui.menu_button(text, |ui| colours(ui, options));
+        }
         ui.separator();
         ui.menu_button("Show", |ui| {
             parts(ui, options, besides);
@@ -55,8 +64,20 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
     aim
 }
 
+/// The standard views; gives the one that was asked for.
+fn views(ui: &mut Ui) -> Option<Aim> {
+    let mut aim = None;
+    for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
+        let button = egui::Button::new(view.title()).frame_when_inactive(false);
+        let hint = format!("{} view, key {key}", view.title());
+        if ui.add(button).on_hover_text(hint).clicked() {
+            aim = Some(Aim::To(view));
+        }
+    }
+    aim
+}
+
 fn colours(ui: &mut Ui, options: &mut Options) {
-    muted(ui, "Colour");
     for colour in CableColour::ALL {
         let hint = match colour {
             CableColour::Own => "Every cable in its own colour",
