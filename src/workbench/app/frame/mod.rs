@@ -86,10 +86,7 @@ fn phase(ui: &mut Ui, state: &mut State, step: Step) {
     if let Some(height) = dragged {
         state.change_preferences(|p| p.layout.plots_height = Some(f64::from(height)));
     }
-    let ground = Frame::new().fill(theme::of(ui).ground);
-    CentralPanel::no_frame()
-        .frame(ground)
-        .show(ui, |ui| views::robot_3d::show(ui, state));
+    views::robot(ui, state);
 }
 
 /// One part at a time, where the window has no room for all of them.
@@ -111,7 +108,7 @@ fn compact(ui: &mut Ui, state: &mut State, step: Step) {
         .frame(side)
         .show(ui, |ui| match state.windows.part {
             Part::Panel => screens::phase(ui, state, step),
-            Part::Robot => views::robot_3d::show(ui, state),
+            Part::Robot => views::robot(ui, state),
             Part::Plots => views::plots::show(ui, state),
         });
 }

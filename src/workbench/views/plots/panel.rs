@@ -2,6 +2,7 @@
 
 use egui::{Align2, Key, Popup, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
+use super::POSE;
 use super::canvas::{Canvas, Screen};
 use super::draw::{Layout, Seen, TEXT, arrange, draw, see, text_width};
 use super::figure::Figure;
@@ -117,6 +118,7 @@ impl Panel {
                 Stroke::new(1.5, theme::of(ui).text),
             );
         }
+        draw_pose(&mut canvas, shown, &scale, theme::of(ui));
         self.draw_cursors(&mut canvas, ui, &scale);
         drop(canvas);
         let frame = self.respond(ui, &response, shown, (&layout, &scale), hit);
@@ -303,6 +305,25 @@ impl Panel {
             frame.done.push(Done::Excluded(pose));
         }
         frame
+    }
+}
+
+/// A line at the selected pose, where poses stand along x.
+fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &theme::Palette) {
+    let Some(pose) = shown.selection.pose else {
+        return;
+    };
+    let points = shown.figure.series.iter().flat_map(|s| s.points());
+    let mut of_pose = points.filter(|point| point.pose == Some(pose));
+    let [low, high] = scale.view[0];
+    let x = of_pose.next().map(|point| point.x);
+    if let Some(x) = x.filter(|x| shown.figure.x.label == POSE && (low..=high).contains(x)) {
+        let x = scale.x(x);
+        let ends = [
+            egui::pos2(x, scale.rect.min.y),
+            egui::pos2(x, scale.rect.max.y),
+        ];
+        canvas.line(&ends, Stroke::new(1.0, palette.muted), false);
     }
 }
 
