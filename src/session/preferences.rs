@@ -27,6 +27,8 @@ pub struct Preferences {
     pub window_size: Option<[f64; 2]>,
     /// Sizes of the parts of the window.
     pub layout: Layout,
+    /// Which plots are shown beside each other.
+    pub plots: Plots,
     /// Name of the operator, for the log of adjustments and the report.
     pub operator: String,
     recent: Vec<RecentSession>,
@@ -53,6 +55,31 @@ pub struct Layout {
     pub panel_width: Option<f64>,
     /// Height of the plots (points).
     pub plots_height: Option<f64>,
+}
+
+/// Which plots are shown beside each other.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Plots {
+    /// How many, and how they stand.
+    pub arrangement: Arrangement,
+    /// Name of the plot in each place, from the upper left one row by row; one that is not known is ignored.
+    pub panes: Vec<String>,
+}
+
+/// How plots stand beside each other.
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arrangement {
+    /// One alone.
+    #[default]
+    One,
+    /// Two side by side.
+    SideBySide,
+    /// Two rows of two.
+    Grid,
 }
 
 /// A session that was open.
@@ -87,6 +114,7 @@ impl Default for Preferences {
             interface_scale: 1.0,
             window_size: None,
             layout: Layout::default(),
+            plots: Plots::default(),
             operator: String::new(),
             recent: Vec::new(),
         }
@@ -210,6 +238,10 @@ mod tests {
             layout: Layout {
                 panel_width: Some(500.0),
                 plots_height: None,
+            },
+            plots: Plots {
+                arrangement: Arrangement::SideBySide,
+                panes: vec!["laser".into()],
             },
             operator: "B. Smith".into(),
             ..Preferences::default()

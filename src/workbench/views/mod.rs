@@ -19,7 +19,7 @@ pub struct Views {
     /// Of the time line.
     pub timeline: timeline::Remembered,
     /// Of the plots.
-    pub plots: plots::Remembered,
+    pub plots: plots::Panes,
 }
 
 impl Views {

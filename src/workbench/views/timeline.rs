@@ -102,7 +102,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 commands.push(command);
             }
         }
-        let is_live = state.link.is_busy();
+        let is_live = state.link.is_connected() && (state.link.is_busy() || state.link.watches);
         if is_live {
             let follows = state.views.timeline.follows;
             let live = ui.selectable_label(follows, "Now");

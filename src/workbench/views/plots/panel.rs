@@ -75,6 +75,20 @@ impl Panel {
         self.view = None;
     }
 
+    /// The range along x that is shown, if not everything.
+    #[must_use]
+    pub fn along(&self) -> Option<[f64; 2]> {
+        self.view.map(|view| view[0])
+    }
+
+    /// Shows this range along x, or everything.
+    pub fn follow(&mut self, range: Option<[f64; 2]>) {
+        self.view = range.and_then(|range| {
+            let y = self.view.or(self.drawn.as_ref().map(|(_, scale)| scale.view));
+            Some([range, y?[1]])
+        });
+    }
+
     /// Draws the plot in the space that is left.
     pub fn show(&mut self, ui: &mut Ui, shown: &Shown<'_>) -> Frame {
         let (outer, response) =
