@@ -29,6 +29,8 @@ pub struct Preferences {
     pub layout: Layout,
     /// Which plots are shown beside each other.
     pub plots: Plots,
+    /// What reports have and say.
+    pub report: Report,
     /// Name of the operator, for the log of adjustments and the report.
     pub operator: String,
     recent: Vec<RecentSession>,
@@ -68,9 +70,7 @@ pub struct Plots {
 }
 
 /// How plots stand beside each other.
-#[derive(
-    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema,
-)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arrangement {
     /// One alone.
@@ -80,6 +80,18 @@ pub enum Arrangement {
     SideBySide,
     /// Two rows of two.
     Grid,
+}
+
+/// What reports have and say.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Report {
+    /// For whom measurements are made.
+    pub company: String,
+    /// A line above the title.
+    pub header: String,
+    /// Names of parts that are left out; one that is not known is ignored.
+    pub without: Vec<String>,
 }
 
 /// A session that was open.
@@ -115,6 +127,7 @@ impl Default for Preferences {
             window_size: None,
             layout: Layout::default(),
             plots: Plots::default(),
+            report: Report::default(),
             operator: String::new(),
             recent: Vec::new(),
         }

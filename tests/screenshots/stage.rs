@@ -1,8 +1,8 @@
 //! A workbench to take pictures of.
 
 use anyhow::Result;
-use egui_kittest::Harness;
 use egui::Role;
+use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbImage;
 use tautline_session::Folders;
@@ -76,7 +76,8 @@ impl Stage {
         let mut found: Vec<_> = self.harness.query_all_by_label(name).collect();
         found.retain(|node| node.accesskit_node().role() != Role::Label);
         let last = found.pop();
-        last.unwrap_or_else(|| panic!("no {name:?}")).click_accesskit();
+        last.unwrap_or_else(|| panic!("no {name:?}"))
+            .click_accesskit();
         self.harness.step();
         settle(&mut self.harness);
     }

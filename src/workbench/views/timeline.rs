@@ -175,8 +175,7 @@ fn track(
     let session = document.session();
     let labels = &session.measurements.labels;
     let width = (ui.available_width() - WORDS).max(40.0);
-    let (rect, response) =
-        ui.allocate_exact_size(vec2(width, 6.0 * GRID), Sense::click_and_drag());
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 6.0 * GRID), Sense::click_and_drag());
     let place = selection
         .pose
         .and_then(|pose| labels.iter().position(|label| *label == pose));

@@ -15,12 +15,7 @@ pub struct TabOf<T> {
 }
 
 /// Draws the row; `more` names the menu of those that have no room.
-pub fn tab_row<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    more: &str,
-    tabs: &[TabOf<T>],
-    chosen: &mut T,
-) {
+pub fn tab_row<T: Copy + PartialEq>(ui: &mut Ui, more: &str, tabs: &[TabOf<T>], chosen: &mut T) {
     let widths: Vec<f32> = tabs.iter().map(|tab| width(ui, tab.title)).collect();
     let place = tabs.iter().position(|tab| tab.value == *chosen);
     let room = ui.available_width();

@@ -15,7 +15,7 @@ fn dataset() -> Folder {
     let made = folder.join("made");
     tautline(&[&arguments[..], &[&made]].concat()).succeeded();
     let mut robot = folder.json("made/robot.json");
-        robot["home_platform"] = home_platform();
+    robot["home_platform"] = home_platform();
     folder.write("robot.json", &robot.to_string());
     folder.write("winch.csv", &winch_table(Some(3)));
     folder.write("force.csv", &force_table());

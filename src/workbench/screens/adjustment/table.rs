@@ -32,7 +32,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
         .filter(|line| all || line.sd.is_some() || line.is_writable_change())
         .collect();
     let cables = &document.session().robot.cables;
-    let of_line: Vec<Option<usize>> = shown.iter().map(|line| cable_of(cables, &line.name)).collect();
+    let of_line: Vec<Option<usize>> = shown
+        .iter()
+        .map(|line| cable_of(cables, &line.name))
+        .collect();
     let lines = shown.iter().zip(&of_line);
     let rows: Vec<Vec<Cell>> = lines
         .map(|(line, cable)| row(ui, line, cables, *cable))

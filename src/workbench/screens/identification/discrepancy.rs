@@ -31,9 +31,8 @@ fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, one) in found.iter().enumerate() {
         let of = |k: &usize| (found[*k].quantity, found[*k].cable);
-        let same = |group: &&mut Vec<usize>| {
-            group.first().map(of) == Some((one.quantity, one.cable))
-        };
+        let same =
+            |group: &&mut Vec<usize>| group.first().map(of) == Some((one.quantity, one.cable));
         match groups.iter_mut().find(same) {
             Some(group) => group.push(index),
             None => groups.push(vec![index]),

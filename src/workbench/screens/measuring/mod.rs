@@ -31,6 +31,8 @@ pub struct Remembered {
     asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, of a document and its revision.
     rows: Memo<(u64, u64), Vec<poses::Row>>,
+    /// The pose that the table was scrolled to last.
+    scrolled_to: Option<i64>,
     /// Planned poses that the 3D view shows, of a document and its revision.
     shown: Option<(u64, u64)>,
 }
@@ -43,6 +45,7 @@ impl Default for Remembered {
             outlook: None,
             asked: None,
             rows: Memo::default(),
+            scrolled_to: None,
             shown: None,
         }
     }

@@ -34,7 +34,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         None if state.tasks.runs(EXPECTING) => {
             ui.horizontal(|ui| {
                 ui.spinner();
-                muted(ui, "How exactly the pulleys will be known is being computed.");
+                muted(
+                    ui,
+                    "How exactly the pulleys will be known is being computed.",
+                );
             });
             return;
         }

@@ -173,8 +173,7 @@ fn residuals<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>) {
         let pairs = I::pairs(&desk.session().phases).iter();
         let pairs = pairs.filter(|pair| pair.cable() == one.cable);
         let points = pairs.zip(I::quality(one.fit.as_ref().ok()?).residuals);
-        let points =
-            points.map(|(pair, residual)| Point::new(I::place(pair), residual * per_si));
+        let points = points.map(|(pair, residual)| Point::new(I::place(pair), residual * per_si));
         Some((one.cable, points.collect()))
     };
     let (label, along) = I::WORDS.along;
@@ -267,7 +266,11 @@ mod tests {
         change(&mut pairs, 0, RowsEdit::Set(1, 1, Some(9.0)));
         change(&mut pairs, 0, RowsEdit::Set(0, 0, None));
         change(&mut pairs, 1, RowsEdit::Remove(0));
-        change(&mut pairs, 1, RowsEdit::Add(vec![[Some(5.0), Some(6.0), None]]));
+        change(
+            &mut pairs,
+            1,
+            RowsEdit::Add(vec![[Some(5.0), Some(6.0), None]]),
+        );
         let loads: Vec<(usize, f64)> = pairs.iter().map(|p| (p.cable, p.load_n)).collect();
         assert_eq!(loads, [(0, 1.0), (0, 9.0), (1, 6.0)]);
         assert_eq!(pairs[0].reading_n, 1.0, "a number that is needed stays");

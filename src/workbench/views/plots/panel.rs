@@ -84,7 +84,9 @@ impl Panel {
     /// Shows this range along x, or everything.
     pub fn follow(&mut self, range: Option<[f64; 2]>) {
         self.view = range.and_then(|range| {
-            let y = self.view.or(self.drawn.as_ref().map(|(_, scale)| scale.view));
+            let y = self
+                .view
+                .or(self.drawn.as_ref().map(|(_, scale)| scale.view));
             Some([range, y?[1]])
         });
     }

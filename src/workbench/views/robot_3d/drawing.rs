@@ -1,5 +1,7 @@
 //! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
 
+use std::collections::BTreeSet;
+
 use egui::{Color32, Theme};
 use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
@@ -42,7 +44,7 @@ impl CableColour {
 }
 
 /// What is drawn and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// By what cables are coloured.
     pub colour: CableColour,
@@ -58,6 +60,10 @@ pub struct Options {
     pub poses: bool,
     /// Numbers of the cables.
     pub labels: bool,
+    /// Whether what is pinned is shown.
+    pub callouts: bool,
+    /// Pulleys, by the index of their cable, whose coordinates are written beside them.
+    pub pinned: BTreeSet<usize>,
 }
 
 impl Default for Options {
@@ -70,11 +76,21 @@ impl Default for Options {
             ellipsoids: true,
             poses: true,
             labels: true,
+            callouts: true,
+            pinned: BTreeSet::new(),
         }
     }
 }
 
 impl Options {
+    /// Pins the coordinates of a pulley, or takes them away.
+    pub fn pin(&mut self, cable: usize) {
+        if !self.pinned.remove(&cable) {
+            self.pinned.insert(cable);
+            self.callouts = true;
+        }
+    }
+
     /// How many times larger than they are displacements and ellipsoids of a scene are drawn.
     #[must_use]
     pub fn exaggeration_of(&self, scene: &Scene) -> f64 {

@@ -4,6 +4,7 @@
 //! [`Scene`] says what there is, in metres; a [`Drawing`] gives it colours; the graphics card makes a picture of it for
 //! a [`Camera`]; and every frame copies the picture and writes over it.
 
+mod callout;
 pub mod camera;
 mod canvas;
 pub mod drawing;
@@ -197,7 +198,7 @@ impl Robot3d {
     ) -> Arc<Drawing> {
         let key = DrawingKey {
             theme,
-            options: self.options,
+            options: self.options.clone(),
             selection,
         };
         if let Some((of, with, drawing)) = &self.drawing
@@ -305,6 +306,9 @@ impl Robot3d {
             // What another view hovers stays until the pointer is here.
             *hovered = picked;
             self.hovers = thing.is_some();
+        }
+        if let (Some(picking::Thing::Pulley(index)), true) = (thing, response.clicked()) {
+            self.options.pin(index);
         }
         response
             .clicked()

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
+use super::callout;
 use super::drawing::{CableColour, Options, tension_colour, tension_range};
 use super::picking::{OnScreen, Picture};
 use super::scene::{Besides, round_length};
@@ -24,6 +25,9 @@ pub fn paint(
     taken.push(triad(painter, rect, picture, palette));
     taken.push(scale(painter, rect, picture, palette));
     taken.extend(legends(painter, rect, picture, palette));
+    if picture.options.callouts {
+        callout::paint(painter, rect, picture, &mut taken, palette);
+    }
     if picture.options.labels {
         numbers(painter, rect, picture, (hovered, taken), palette);
     }
@@ -153,12 +157,7 @@ fn free_place(
 }
 
 /// Which pose is shown, and what is larger than it is; gives where that is written.
-fn captions(
-    painter: &Painter,
-    rect: Rect,
-    picture: &Picture<'_>,
-    palette: &Palette,
-) -> Vec<Rect> {
+fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
     let at = rect.left_top() + vec2(3.0 * GRID, 2.0 * GRID);
     let Options {
         arrows, ellipsoids, ..
@@ -247,12 +246,7 @@ fn metres(length: f64) -> String {
 }
 
 /// What colours mean; gives where that is drawn.
-fn legends(
-    painter: &Painter,
-    rect: Rect,
-    picture: &Picture<'_>,
-    palette: &Palette,
-) -> Vec<Rect> {
+fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
     let scene = picture.scene;
     let mut drawn = Vec::new();
     let mut at = rect.right_bottom() - vec2(4.0 * GRID, 5.0 * GRID);

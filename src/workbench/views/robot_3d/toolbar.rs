@@ -94,6 +94,18 @@ fn colours(ui: &mut Ui, options: &mut Options) {
 fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     ui.checkbox(&mut options.labels, "Numbers of cables");
     ui.checkbox(&mut options.poses, "Poses");
+    ui.checkbox(&mut options.callouts, "Pinned coordinates")
+        .on_hover_text(
+            "A click on a pulley pins its coordinates beside it, another takes them away",
+        );
+    let has_pins = !options.pinned.is_empty();
+    if ui
+        .add_enabled(has_pins, egui::Button::new("Take all coordinates away"))
+        .on_disabled_hover_text("Click a pulley to pin its coordinates")
+        .clicked()
+    {
+        options.pinned.clear();
+    }
     let pulleys = match besides {
         Besides::Other => "Pulleys of B",
         Besides::Drawing | Besides::Nothing => "Pulleys of the drawing",

@@ -4,9 +4,7 @@ use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Control, Method};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
-use tautline_core::planning::{
-    Indices, Plan, PlanError, PlanOptions, PlanProgress, expect, plan,
-};
+use tautline_core::planning::{Indices, Plan, PlanError, PlanOptions, PlanProgress, expect, plan};
 use tautline_core::simulation::TensionRange;
 use tautline_session::{Phase, PlannedPose, Session};
 
