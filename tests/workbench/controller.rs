@@ -38,14 +38,21 @@ fn a_panic_in_the_controllers_thread_is_told_loses_nothing_and_ends_with_another
     bench.press("Start measuring");
     bench.wait("three poses", |state| measured(state) >= 3);
     break_down(&bench);
+    let told = |state: &State| {
+        let all = state.messages.all().iter();
+        all.filter(|message| message.text.contains("broke down"))
+            .count()
+    };
     bench.wait("the end of the connection", |state| {
-        !state.link.is_connected()
+        !state.link.is_connected() && told(state) == 2
     });
-    let told = bench.state().messages.all().iter();
-    let told: Vec<&str> = told.map(|message| message.text.as_str()).collect();
+    let messages = bench.state().messages.all();
+    let texts: Vec<&str> = messages.iter().map(|m| m.text.as_str()).collect();
     assert!(
-        told.iter().any(|text| text.contains("broke down")),
-        "{told:?}"
+        texts
+            .iter()
+            .any(|text| text.starts_with("Measuring ended after") && text.contains("broke down")),
+        "{texts:?}"
     );
     assert!(bench.state().breakdown.is_none(), "the window goes on");
     let kept = bench.session().measurements.clone();

@@ -114,6 +114,6 @@ fn plots_stand_beside_each_other_move_together_and_are_remembered() {
     let kept = Preferences::load(&file).value.plots;
     assert_eq!(kept.arrangement, Arrangement::Grid);
     assert_eq!(kept.panes[..2], ["residuals", "tensions"]);
-    let tabs = harness.get_all_by_role_and_label(Role::Button, "Residuals");
+    let tabs = harness.get_all_by_role_and_label(Role::Button, "More plots");
     assert_eq!(tabs.count(), 4, "each has its tabs");
 }

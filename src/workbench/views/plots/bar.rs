@@ -16,6 +16,9 @@ use crate::app::commands::PlotCommand;
 use crate::app::{Document, State};
 use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
 
+/// Width (points) below which choices are menus.
+const NARROW: f32 = 420.0;
+
 /// The tabs; those that have nothing to show say why.
 pub fn tabs(ui: &mut Ui, document: &Document, tab: &mut Tab) {
     let tabs = Tab::ALL.map(|tab| TabOf {
@@ -28,12 +31,19 @@ pub fn tabs(ui: &mut Ui, document: &Document, tab: &mut Tab) {
 
 /// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
 pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+    let is_narrow = ui.available_width() < NARROW;
+    let own_row = is_narrow && plots.tab == Tab::Variable && plots.saving.is_none();
+    if own_row {
+        ui.horizontal_wrapped(|ui| choices(ui, state, plots, is_narrow));
+    }
     ui.horizontal(|ui| {
         if plots.saving.is_some() {
             saving(ui, state, plots, figure);
             return;
         }
-        choices(ui, state, plots);
+        if !own_row {
+            choices(ui, state, plots, is_narrow);
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             buttons(ui, plots);
         });
@@ -45,25 +55,22 @@ pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &
     }
 }
 
-fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {
+fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered, is_narrow: bool) {
     match plots.tab {
         Tab::Residuals | Tab::Laser => {
             let units = [
                 (Unit::Deviations, "Standard deviations"),
                 (Unit::Millimetres, "Millimetres"),
             ];
-            for (unit, title) in units {
-                ui.selectable_value(&mut plots.unit, unit, title);
-            }
+            choose(ui, ("Unit", is_narrow), &units, &mut plots.unit);
         }
         Tab::Tensions => {
             let shown = [
                 (Tensions::Measured, "Measured"),
                 (Tensions::Errors, "Estimated errors"),
             ];
-            for (tensions, title) in shown {
-                ui.selectable_value(&mut plots.tensions, tensions, title);
-            }
+            let name = "Which tensions";
+            choose(ui, (name, is_narrow), &shown, &mut plots.tensions);
         }
         Tab::Variable => {
             if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.choice) {
@@ -93,6 +100,27 @@ fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {
         }
         Tab::Convergence | Tab::Correlation | Tab::BeforeAfter => {}
     }
+}
+
+/// One of several: beside each other, or in a menu where there is no room.
+fn choose<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    (name, is_narrow): (&str, bool),
+    all: &[(T, &str)],
+    chosen: &mut T,
+) {
+    let add = |ui: &mut Ui, chosen: &mut T| {
+        for (value, title) in all {
+            ui.selectable_value(chosen, *value, *title);
+        }
+    };
+    if !is_narrow {
+        add(ui, chosen);
+        return;
+    }
+    let selected = all.iter().find(|(value, _)| value == chosen);
+    let selected = selected.map_or("", |(_, title)| title);
+    combo(ui, name, selected, |ui| add(ui, chosen));
 }
 
 fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {

@@ -15,6 +15,8 @@ use crate::widgets::{empty, icon_only};
 const PLACES: usize = 4;
 /// What they show to begin with.
 const FIRST: [Tab; PLACES] = [Tab::Residuals, Tab::Tensions, Tab::Variable, Tab::Laser];
+/// Width (points) below which there is one plot at a time.
+const NARROW: f32 = 560.0;
 /// Width of the button that divides the area (points).
 const BUTTON: f32 = 32.0;
 
@@ -97,17 +99,18 @@ impl Panes {
         Some((title, panel.drawn.as_ref()?.1.view[0]))
     }
 
-    fn count(&self) -> usize {
-        match self.arrangement {
-            Arrangement::One => 1,
-            Arrangement::SideBySide => 2,
-            Arrangement::Grid => PLACES,
+    /// What there is room for.
+    fn shown(&self, width: f32) -> Arrangement {
+        if width < NARROW {
+            Arrangement::One
+        } else {
+            self.arrangement
         }
     }
 
     /// Lets the others follow the plot whose range along x has just been changed.
     fn link(&mut self, before: &[Along; PLACES]) {
-        let count = self.count();
+        let count = count(self.arrangement);
         let now = self.along();
         let is_changed =
             |place: &usize| now[*place].0 == before[*place].0 && now[*place].1 != before[*place].1;
@@ -128,6 +131,14 @@ impl Panes {
     }
 }
 
+fn count(arrangement: Arrangement) -> usize {
+    match arrangement {
+        Arrangement::One => 1,
+        Arrangement::SideBySide => 2,
+        Arrangement::Grid => PLACES,
+    }
+}
+
 /// Draws the plots.
 pub fn show(ui: &mut Ui, state: &mut State) {
     let Some(document) = &state.document else {
@@ -140,11 +151,12 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
     let before = panes.along();
     let whole = ui.available_rect_before_wrap();
-    for place in 0..panes.count() {
-        let rect = rect_of(whole, panes.arrangement, place);
+    let arrangement = panes.shown(whole.width());
+    for place in 0..count(arrangement) {
+        let rect = rect_of(whole, arrangement, place);
         let mut inner = ui.new_child(UiBuilder::new().id_salt(place).max_rect(rect));
         inner.shrink_clip_rect(rect);
-        one(&mut inner, state, &mut panes, place);
+        one(&mut inner, state, &mut panes, (place, count(arrangement)));
     }
     ui.advance_cursor_after_rect(whole);
     panes.link(&before);
@@ -168,12 +180,12 @@ fn rect_of(whole: Rect, arrangement: Arrangement, place: usize) -> Rect {
     Rect::from_min_size(whole.min + at * (size + gap), size)
 }
 
-fn one(ui: &mut Ui, state: &mut State, panes: &mut Panes, place: usize) {
+fn one(ui: &mut Ui, state: &mut State, panes: &mut Panes, (place, count): (usize, usize)) {
     let Some(document) = &state.document else {
         return;
     };
     // The button that divides the area stands in its upper right corner.
-    let has_button = place == panes.count().min(2) - 1;
+    let has_button = place == count.min(2) - 1;
     ui.horizontal(|ui| {
         let room = if has_button { BUTTON } else { 0.0 };
         ui.scope(|ui| {

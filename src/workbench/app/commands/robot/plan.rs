@@ -87,21 +87,31 @@ fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
     effects.map_err(|error| error.to_string())
 }
 
-fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
-    let effects = effects(session)?;
-    let measured = session.dataset().measurements;
-    let options = options(session, &effects, &measured, poses);
+/// Plans with tensions that stay off their limits, or if that is not possible, with all of them.
+fn cautiously(
+    options: &PlanOptions<'_>,
+    mut plan: impl FnMut(&PlanOptions<'_>) -> Result<Plan, PlanError>,
+) -> Result<Plan, PlanError> {
     let cautious = PlanOptions {
         tension: options.tension.map(inner),
         ..options.clone()
     };
-    let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-    let planned = match plan(&session.robot, &cautious, &mut observe) {
-        Err(PlanError::TooFewPoses { .. } | PlanError::Simulation(_)) => {
-            plan(&session.robot, &options, &mut observe)
-        }
+    match plan(&cautious) {
+        Err(
+            PlanError::TooFewPoses { .. } | PlanError::NotHeld { .. } | PlanError::Simulation(_),
+        ) => plan(options),
         planned => planned,
-    };
+    }
+}
+
+fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let measured = session.dataset().measurements;
+    let options = options(session, &effects, &measured, poses);
+    let planned = cautiously(&options, |options| {
+        let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
+        plan(&session.robot, options, &mut observe)
+    });
     let planned = planned.map_err(|error| error.to_string())?;
     task.tell(None, "what to expect");
     Ok(Outlook::of(with_home(session, &planned), &planned))
@@ -152,8 +162,10 @@ fn stored(session: &Session, task: &TaskHandle) -> Result<Outlook, String> {
         .map(PlannedPose::pose)
         .collect();
     let options = options(session, &effects, &measured, poses.len());
-    let mut observe = |progress: &PlanProgress| tell(task, progress, poses.len());
-    let planned = expect(&session.robot, &poses, &options, &mut observe);
+    let planned = cautiously(&options, |options| {
+        let mut observe = |progress: &PlanProgress| tell(task, progress, poses.len());
+        expect(&session.robot, &poses, options, &mut observe)
+    });
     let planned = planned.map_err(|error| error.to_string())?;
     Ok(Outlook::of(session.plan.clone(), &planned))
 }
