@@ -39,7 +39,7 @@ pub use phases::{
 };
 pub use plan_table::{read_plan, write_plan};
 pub use poses::{read_poses, write_poses};
-pub use preferences::{Preferences, RecentSession, Theme};
+pub use preferences::{Arrangement, Layout, Plots, Preferences, RecentSession, Theme};
 pub use recovery::{Changes, Keeper, LeftBehind, Recovered, left_behind};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{

@@ -24,6 +24,8 @@ const SHORTEST_TICK: Duration = Duration::from_millis(1);
 const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the window.
 const PICTURE: Duration = Duration::from_millis(50);
+/// Why something ends if nothing is wrong.
+const BY_OPERATOR: &str = "it was stopped by the operator";
 
 /// Tells the window; wakes it no more often than it can show.
 pub(super) struct Teller {
@@ -177,7 +179,7 @@ impl Worker {
             Order::Disarm => controller.disarm(),
             Order::Abort => {
                 let stopped = controller.stop();
-                let report = self.work.abort();
+                let report = self.work.abort(BY_OPERATOR);
                 report.into_iter().for_each(|r| self.tell.report(r));
                 stopped?;
             }
@@ -224,7 +226,7 @@ impl Worker {
     }
 
     fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
-        self.close();
+        self.close(BY_OPERATOR);
         let opened = rig.open(self.speed).map_err(|error| match error {
             OpenError::Link(error) => error,
             OpenError::Read(error) => LinkError::Setup(error.to_string()),
@@ -252,15 +254,15 @@ impl Worker {
 
     /// Stops the platform, ends the connection and says so.
     fn end(&mut self, why: Option<String>) {
-        if self.close() {
+        if self.close(why.as_deref().unwrap_or(BY_OPERATOR)) {
             self.show(true);
             self.tell.report(Report::Disconnected(why));
         }
     }
 
-    /// Stops the platform and ends the connection; whether there was one.
-    fn close(&mut self) -> bool {
-        let ended = self.work.abort();
+    /// Stops the platform and ends the connection; whether there was one. What goes on ends with the reason `why`.
+    fn close(&mut self, why: &str) -> bool {
+        let ended = self.work.abort(why);
         ended.into_iter().for_each(|r| self.tell.report(r));
         let connection = self.connection.take();
         connection.is_some_and(|mut connection| {

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Key, Popup, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
+use super::POSE;
 use super::canvas::{Canvas, Screen};
 use super::draw::{Layout, Seen, TEXT, arrange, draw, see, text_width};
 use super::figure::Figure;
@@ -76,6 +77,22 @@ impl Panel {
         self.view = None;
     }
 
+    /// The range along x that is shown, if not everything.
+    #[must_use]
+    pub fn along(&self) -> Option<[f64; 2]> {
+        self.view.map(|view| view[0])
+    }
+
+    /// Shows this range along x, or everything.
+    pub fn follow(&mut self, range: Option<[f64; 2]>) {
+        self.view = range.and_then(|range| {
+            let y = self
+                .view
+                .or(self.drawn.as_ref().map(|(_, scale)| scale.view));
+            Some([range, y?[1]])
+        });
+    }
+
     /// Draws the plot in the space that is left.
     pub fn show(&mut self, ui: &mut Ui, shown: &Shown<'_>) -> Frame {
         let (outer, response) =
@@ -125,6 +142,7 @@ impl Panel {
                 Stroke::new(1.5, theme::of(ui).text),
             );
         }
+        draw_pose(&mut canvas, shown, &scale, theme::of(ui));
         self.draw_cursors(&mut canvas, ui, &scale);
         drop(canvas);
         let frame = self.respond(ui, &response, shown, (&layout, &scale), hit);
@@ -304,6 +322,25 @@ impl Panel {
             frame.done.push(Done::Excluded(pose));
         }
         frame
+    }
+}
+
+/// A line at the selected pose, where poses stand along x.
+fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &theme::Palette) {
+    let Some(pose) = shown.selection.pose else {
+        return;
+    };
+    let points = shown.figure.series.iter().flat_map(|s| s.points());
+    let mut of_pose = points.filter(|point| point.pose == Some(pose));
+    let [low, high] = scale.view[0];
+    let x = of_pose.next().map(|point| point.x);
+    if let Some(x) = x.filter(|x| shown.figure.x.label == POSE && (low..=high).contains(x)) {
+        let x = scale.x(x);
+        let ends = [
+            egui::pos2(x, scale.rect.min.y),
+            egui::pos2(x, scale.rect.max.y),
+        ];
+        canvas.line(&ends, Stroke::new(1.0, palette.muted), false);
     }
 }
 

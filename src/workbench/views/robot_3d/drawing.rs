@@ -1,5 +1,7 @@
 //! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
 
+use std::collections::BTreeSet;
+
 use egui::{Color32, Theme};
 use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
@@ -45,12 +47,12 @@ impl CableColour {
 }
 
 /// What is drawn and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// By what cables are coloured.
     pub colour: CableColour,
-    /// How many times larger than they are displacements and ellipsoids are drawn.
-    pub exaggeration: f64,
+    /// How many times larger than they are displacements and ellipsoids are drawn; by default as suits the scene.
+    pub exaggeration: Option<f64>,
     /// Pulleys shown besides, of the drawing or another session.
     pub nominal: bool,
     /// How the two differ.
@@ -61,19 +63,53 @@ pub struct Options {
     pub poses: bool,
     /// Numbers of the cables.
     pub labels: bool,
+    /// Whether what is pinned is shown.
+    pub callouts: bool,
+    /// Pulleys, by the index of their cable, whose coordinates are written beside them.
+    pub pinned: BTreeSet<usize>,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self {
             colour: CableColour::Own,
-            exaggeration: 10.0,
+            exaggeration: None,
             nominal: true,
             arrows: true,
             ellipsoids: true,
             poses: true,
             labels: true,
+            callouts: true,
+            pinned: BTreeSet::new(),
         }
+    }
+}
+
+impl Options {
+    /// Pins the coordinates of a pulley, or takes them away.
+    pub fn pin(&mut self, cable: usize) {
+        if !self.pinned.remove(&cable) {
+            self.pinned.insert(cable);
+            self.callouts = true;
+        }
+    }
+
+    /// How many times larger than they are displacements and ellipsoids of a scene are drawn.
+    #[must_use]
+    pub fn exaggeration_of(&self, scene: &Scene) -> f64 {
+        self.exaggeration
+            .unwrap_or_else(|| scene.fitting_exaggeration())
+    }
+
+    /// Where the displacements of a scene end as they are drawn (m).
+    #[must_use]
+    pub fn tips(&self, scene: &Scene) -> Vec<Vec3> {
+        let exaggeration = self.exaggeration_of(scene);
+        let moved = scene.cables.iter().filter_map(|cable| cable.moved.as_ref());
+        moved
+            .filter(|_| self.arrows || self.ellipsoids)
+            .map(|moved| moved.from + moved.by * exaggeration)
+            .collect()
     }
 }
 
@@ -161,17 +197,19 @@ impl Drawing {
         let palette = theme::palette(theme);
         let mut drawing = Self {
             ground: palette.ground,
-            bounds: scene.bounds(),
+            bounds: scene.bounds(&options.tips(scene)),
             ..Self::default()
         };
         drawing.frame(scene, palette);
         drawing.platform(scene, palette);
         let range = tension_range(scene);
+        let exaggeration = options.exaggeration_of(scene);
         for (index, cable) in scene.cables.iter().enumerate() {
             let is_selected = selection.cable == Some(index);
             let colour = cable_colour(cable, index, options.colour, range, palette);
             drawing.cable(cable, colour, is_selected);
-            drawing.pulley(cable, options, scene.frame.size_m, palette);
+            let size = (scene.frame.size_m, exaggeration);
+            drawing.pulley(cable, options, size, palette);
         }
         drawing.instruments(scene, palette);
         drawing.points.coarse = drawing.points.centres.len();
@@ -228,7 +266,13 @@ impl Drawing {
             .push(&wheel.centre, colour, [9.0, 0.0, wheel.radius_m as f32]);
     }
 
-    fn pulley(&mut self, cable: &CableView, options: &Options, size_m: f64, palette: &Palette) {
+    fn pulley(
+        &mut self,
+        cable: &CableView,
+        options: &Options,
+        (size_m, exaggeration): (f64, f64),
+        palette: &Palette,
+    ) {
         if let Some(nominal) = cable.nominal.filter(|_| options.nominal) {
             if nominal.radius_m > 0.0 {
                 self.glass.wheel(&nominal, rgba(palette.ghost, GHOST));
@@ -242,7 +286,7 @@ impl Drawing {
         let Some(moved) = &cable.moved else {
             return;
         };
-        let tip = moved.from + moved.by * options.exaggeration;
+        let tip = moved.from + moved.by * exaggeration;
         let ink = if moved.is_noise {
             palette.muted
         } else {
@@ -252,7 +296,7 @@ impl Drawing {
             self.arrow(&moved.from, &tip, size_m, ink);
         }
         if options.ellipsoids
-            && let Some(shape) = ellipsoid(moved, options.exaggeration)
+            && let Some(shape) = ellipsoid(moved, exaggeration)
         {
             let colour = rgba(ink, ELLIPSOID);
             self.glass.ellipsoid(&tip, &shape, colour);

@@ -2,7 +2,9 @@
 
 use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Control, Method};
-use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, plan};
+use tautline_core::geometry::Pose;
+use tautline_core::measurement::Measurements;
+use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
 use tautline_session::{Phase, PlannedPose, Session};
 
 use super::RobotOutcome;
@@ -16,6 +18,8 @@ use crate::wording;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
+/// Title of the task that computes what to expect of a plan.
+pub const EXPECTING: &str = "Looking at the plan";
 
 /// Seed of the poses among which is chosen.
 const SEED: u64 = 1;
@@ -51,38 +55,108 @@ pub(super) fn start(state: &mut State, poses: usize) {
     });
 }
 
-fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
-    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
-        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
-        .collect();
-    let effects = effects.map_err(|error| error.to_string())?;
-    let dataset = session.dataset();
+/// What is planned: the options that depend on the session alone.
+fn options<'a>(
+    session: &Session,
+    effects: &'a [BoundEffect],
+    existing: &'a Measurements,
+    poses: usize,
+) -> PlanOptions<'a> {
     let (workspace, tension) = bounds(&session.robot);
-    let options = PlanOptions {
+    PlanOptions {
         workspace: Some(workspace),
         tension: Some(tension),
-        effects: &effects,
+        effects,
         // Before more poses than the home pose are measured there is nothing to build on.
-        existing: (dataset.measurements.len() > 1).then_some(&dataset.measurements),
+        existing: (existing.len() > 1).then_some(existing),
         method: match session.settings.identification.method {
             tautline_session::Method::Simple => Method::Simple,
             _ => Method::Joint,
         },
         ..PlanOptions::new(poses, SEED)
-    };
+    }
+}
+
+fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
+    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
+        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
+        .collect();
+    effects.map_err(|error| error.to_string())
+}
+
+fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let measured = session.dataset().measurements;
+    let options = options(session, &effects, &measured, poses);
     let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
     let planned = plan(&session.robot, &options, &mut observe);
     let planned = planned.map_err(|error| error.to_string())?;
     task.tell(None, "what to expect");
-    Ok(Outlook {
-        poses: with_home(session, &planned),
-        expected: planned.expected.indices,
-        random: planned.random.indices,
-        after_m: (0..=planned.poses.len())
-            .map(|count| planned.after(count).indices.mean_m)
-            .collect(),
-        way_m: planned.order.travel_m,
-    })
+    Ok(Outlook::of(with_home(session, &planned), &planned))
+}
+
+impl Outlook {
+    fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
+        Self {
+            poses,
+            expected: planned.expected.indices,
+            random: planned.random.indices,
+            after_m: (0..=planned.poses.len())
+                .map(|count| planned.after(count).indices.mean_m)
+                .collect(),
+            way_m: planned.order.travel_m,
+        }
+    }
+}
+
+/// Computes what to expect of the plan that the session has.
+pub(super) fn expect_stored(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    if state.link.is_measuring() || state.tasks.runs(PLANNING) || state.tasks.runs(EXPECTING) {
+        return;
+    }
+    let (identity, session) = (document.identity(), document.session().clone());
+    state.tasks.start(EXPECTING, move |task| {
+        Outcome::Robot(RobotOutcome::Expected {
+            document: identity,
+            result: stored(&session, task).map(Box::new),
+        })
+    });
+}
+
+/// What the plan of a session promises, built on what was measured outside of it.
+fn stored(session: &Session, task: &TaskHandle) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
+    let measured = session.dataset().measurements;
+    let others: Vec<usize> = (0..measured.len())
+        .filter(|row| measured.labels[*row] == 0 || !is_planned(measured.labels[*row]))
+        .collect();
+    let measured = measured.select(&others);
+    let poses: Vec<Pose> = (session.plan.iter())
+        .filter(|pose| pose.label != 0)
+        .map(PlannedPose::pose)
+        .collect();
+    let options = options(session, &effects, &measured, poses.len());
+    let mut observe = |progress: &PlanProgress| tell(task, progress, poses.len());
+    let planned = expect(&session.robot, &poses, &options, &mut observe);
+    let planned = planned.map_err(|error| error.to_string())?;
+    Ok(Outlook::of(session.plan.clone(), &planned))
+}
+
+/// Takes what to expect of a stored plan, if it still is the plan.
+pub(super) fn expected(state: &mut State, identity: u64, result: Result<Box<Outlook>, String>) {
+    let Some(document) = of_identity(state.document.as_mut(), identity) else {
+        return;
+    };
+    state.screens.measuring.outlook = match result {
+        Ok(outlook) if outlook.poses == document.session().plan => Ok(*outlook),
+        Ok(_) => return,
+        Err(error) => Err(error),
+    }
+    .into();
 }
 
 fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
@@ -139,7 +213,7 @@ pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<Outlo
     document.edit(Edit::SetPlan(plan, format!("plan {poses}")));
     document.log(Phase::Poses, format!("Planned {poses}."));
     state.messages.info(format!("Planned {poses}."));
-    state.screens.measuring.outlook = Some(*outlook);
+    state.screens.measuring.outlook = Some(Ok(*outlook));
 }
 
 fn of_identity(document: Option<&mut Document>, identity: u64) -> Option<&mut Document> {

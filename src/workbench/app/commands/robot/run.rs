@@ -217,7 +217,13 @@ pub(super) fn draw(state: &mut State) {
         return;
     }
     let drawn = &mut state.views.robot_3d.live;
+    let follows = &mut state.views.timeline.follows;
     if !state.link.is_busy() && !state.link.watches {
+        *drawn = None;
+        *follows = true;
+        return;
+    }
+    if !*follows {
         *drawn = None;
         return;
     }
