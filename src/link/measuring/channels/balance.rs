@@ -140,7 +140,7 @@ fn words(robot: &Robot, cause: Cause) -> Option<Finding> {
             what: What::ForceFactor,
             cable: Some(cable),
             text: format!(
-                "{}: its force sensor shows about {} times the tension that holds the platform in balance. Are its sign and unit right?",
+                "{}: its force sensor shows about {} times the tension that holds the platform in balance. Are its zero, sign and unit right?",
                 name(cable),
                 rounded(factor)
             ),
