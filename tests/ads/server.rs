@@ -105,7 +105,8 @@ impl Server {
     }
 
     /// The connection ends at the request of a kind that comes as number `number`, from 1: "before" it is treated,
-    /// "after" that, or "half" way through the answer; "stray" changes the number of the answer instead.
+    /// "after" that, or "half" way through the answer; "stray" changes the number of the answer instead,
+    /// and "late" treats the request after three seconds.
     pub fn fault(&self, kind: &str, number: u64, action: &str) {
         self.order(json!({"fault": {"kind": kind, "number": number, "action": action}}));
     }
