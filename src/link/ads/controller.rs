@@ -134,13 +134,6 @@ impl AdsController {
             ))
         })?;
         self.status = status;
-        if self.armed && !self.status.released {
-            // Whatever is told now is not done: a command that is under way must not pass for one that has ended.
-            self.armed = false;
-            self.pending = None;
-            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
-            self.complaint = Some(text.to_owned());
-        }
         self.follow_command();
         Ok(Sample {
             time_s: if self.layout.readings.time.is_some() {
@@ -150,6 +143,17 @@ impl AdsController {
             },
             ..sample
         })
+    }
+
+    /// Whether the controller still obeys. Where it does not, nothing is done of what is told: a command that is under
+    /// way must not pass for one that has ended.
+    fn heed_release(&mut self) {
+        if self.armed && !self.status.released {
+            self.armed = false;
+            self.pending = None;
+            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
+            self.complaint = Some(text.to_owned());
+        }
     }
 
     /// Whether the controller has taken the last command.
@@ -327,6 +331,7 @@ impl Controller for AdsController {
 
     fn sample(&mut self) -> Result<Sample, LinkError> {
         let sample = self.listen()?;
+        self.heed_release();
         if self.armed {
             self.count_sample()?;
         }
