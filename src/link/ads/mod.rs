@@ -17,6 +17,7 @@ mod live;
 mod options;
 mod pose;
 mod probe;
+mod reading;
 mod symbols;
 
 pub use address::AdsAddress;
