@@ -1,9 +1,7 @@
 //! Poses to measure.
 
-use tautline_core::effect::BoundEffect;
-use tautline_core::estimation::{Control, Method};
-use tautline_core::planning::{Indices, Plan, PlanError, PlanOptions, PlanProgress, plan};
-use tautline_core::simulation::TensionRange;
+use tautline_core::estimation::Control;
+use tautline_core::planning::PlanProgress;
 use tautline_session::{Phase, PlannedPose, Session};
 
 use super::RobotOutcome;
@@ -12,31 +10,11 @@ use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::controllers::bounds;
+use crate::planning::{Outlook, SEED, outlook};
 use crate::wording;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
-
-/// Part of the range of tensions at each end that planned poses leave free where they can.
-const MARGIN: f64 = 0.1;
-/// Seed of the poses among which is chosen.
-const SEED: u64 = 1;
-
-/// A plan and what to expect of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outlook {
-    /// The poses in their order, the home pose first where it is to be measured.
-    pub poses: Vec<PlannedPose>,
-    /// What all poses together tell.
-    pub expected: Indices,
-    /// What as many poses drawn at random would tell.
-    pub random: Indices,
-    /// Standard deviation of the entry points after so many of the poses, home not counted (m).
-    pub after_m: Vec<Option<f64>>,
-    /// Length of the way (m).
-    pub way_m: f64,
-}
 
 pub(super) fn start(state: &mut State, poses: usize) {
     let Some(document) = &state.document else {
@@ -49,63 +27,14 @@ pub(super) fn start(state: &mut State, poses: usize) {
     state.tasks.start(PLANNING, move |task| {
         Outcome::Robot(RobotOutcome::Planned {
             document: identity,
-            result: outlook(&session, poses, task).map(Box::new),
+            result: foresee(&session, poses, task).map(Box::new),
         })
     });
 }
 
-fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
-    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
-        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
-        .collect();
-    let effects = effects.map_err(|error| error.to_string())?;
-    let dataset = session.dataset();
-    let (workspace, tension) = bounds(&session.robot);
-    let options = PlanOptions {
-        workspace: Some(workspace),
-        tension: Some(tension),
-        effects: &effects,
-        // Before more poses than the home pose are measured there is nothing to build on.
-        existing: (dataset.measurements.len() > 1).then_some(&dataset.measurements),
-        method: match session.settings.identification.method {
-            tautline_session::Method::Simple => Method::Simple,
-            _ => Method::Joint,
-        },
-        ..PlanOptions::new(poses, SEED)
-    };
-    let cautious = PlanOptions {
-        tension: Some(inner(tension)),
-        ..options.clone()
-    };
+fn foresee(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
     let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-    let planned = match plan(&session.robot, &cautious, &mut observe) {
-        Err(PlanError::TooFewPoses { .. } | PlanError::Simulation(_)) => {
-            plan(&session.robot, &options, &mut observe)
-        }
-        planned => planned,
-    };
-    let planned = planned.map_err(|error| error.to_string())?;
-    task.tell(None, "what to expect");
-    Ok(Outlook {
-        poses: with_home(session, &planned),
-        expected: planned.expected.indices,
-        random: planned.random.indices,
-        after_m: (0..=planned.poses.len())
-            .map(|count| planned.after(count).indices.mean_m)
-            .collect(),
-        way_m: planned.order.travel_m,
-    })
-}
-
-/// The range without its ends: the real robot differs from its description, and poses that only just can be held may
-/// not be held by it.
-fn inner(tension: TensionRange) -> TensionRange {
-    let margin_n = MARGIN * (tension.upper_n - tension.lower_n);
-    TensionRange {
-        lower_n: (tension.lower_n + margin_n).min(tension.reference_n),
-        upper_n: (tension.upper_n - margin_n).max(tension.reference_n),
-        ..tension
-    }
+    outlook(session, (poses, SEED), &mut observe)
 }
 
 fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
@@ -127,18 +56,6 @@ fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
     } else {
         Control::Continue
     }
-}
-
-/// The poses with labels of their own, after the home pose where that is not measured yet.
-fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
-    let measured = &session.measurements.labels;
-    let first = measured.iter().copied().fold(0, i64::max).saturating_add(1);
-    let home = session.robot.home.filter(|_| !measured.contains(&0));
-    let home = home.map(|home| PlannedPose::new(0, &home.pose()));
-    let poses = planned.poses.iter().zip(first..);
-    home.into_iter()
-        .chain(poses.map(|(planned, label)| PlannedPose::new(label, &planned.pose)))
-        .collect()
 }
 
 pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<Outlook>, String>) {

@@ -1,0 +1,67 @@
+//! An external instrument whose readings somebody types.
+
+use std::io::{BufRead, stdin};
+
+use tautline_link::{Instrument, LinkError};
+use tautline_session::CheckPose;
+
+/// How often a line that is no reading is asked for again.
+const TRIES: usize = 3;
+
+/// Reads `x y z` in millimetres from standard input.
+pub struct Typed;
+
+impl Instrument for Typed {
+    fn identity(&self) -> String {
+        "Typed readings".to_owned()
+    }
+
+    fn measure(&mut self) -> Result<CheckPose, LinkError> {
+        for _ in 0..TRIES {
+            let mut line = String::new();
+            let read = stdin().lock().read_line(&mut line);
+            if !matches!(read, Ok(1..)) {
+                let text = "no reading was typed for the last target";
+                return Err(LinkError::Refused(text.to_owned()));
+            }
+            match position_m(&line) {
+                Some(position_m) => {
+                    return Ok(CheckPose {
+                        position_m,
+                        orientation_wxyz: None,
+                    });
+                }
+                None => eprintln!(
+                    "found \"{}\", expected three numbers: x y z in mm",
+                    line.trim()
+                ),
+            }
+        }
+        let text = "no reading was typed for the last target";
+        Err(LinkError::Refused(text.to_owned()))
+    }
+}
+
+/// Three numbers in millimetres, with spaces, semicolons or tabs between them.
+fn position_m(line: &str) -> Option<[f64; 3]> {
+    let parts = line.split(|c: char| c.is_whitespace() || c == ';');
+    let numbers = parts.filter(|part| !part.is_empty());
+    let numbers: Result<Vec<f64>, _> = numbers.map(str::parse).collect();
+    let numbers: [f64; 3] = numbers.ok()?.try_into().ok()?;
+    let finite = numbers.iter().all(|number| number.is_finite());
+    finite.then(|| numbers.map(|number| number * 1e-3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_numbers_are_a_position() {
+        assert_eq!(position_m("1 -2.5\t3e1\n"), Some([1e-3, -2.5e-3, 0.03]));
+        assert_eq!(position_m(" 0;1;2 "), Some([0.0, 1e-3, 2e-3]));
+        for text in ["", "1 2", "1 2 3 4", "1 2 x", "1 2 nan", "1,5 2 3"] {
+            assert_eq!(position_m(text), None, "{text}");
+        }
+    }
+}
