@@ -1,6 +1,7 @@
 //! What is to be written: the identified robot.
 
 use anyhow::{Result, anyhow};
+use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Solution};
 use tautline_core::robot::Robot;
 use tautline_session::{Method, ResultRecord, Session};
@@ -68,11 +69,16 @@ impl Identified {
         let place = |error: String| BadInput::new(format!("{}: {error}", session.name));
         let order = FitOrder::of(session).map_err(|error| place(error.to_string()))?;
         let compared = compare_published(&order.dataset).map_err(place)?;
-        if !compared.fit.converged() {
-            return Err(anyhow!(
-                "{}: the published method did not converge",
-                session.name
-            ));
+        match compared.fit.result.stop {
+            PublishedStop::SmallStep | PublishedStop::SmallError => {}
+            // As in the publication, whose steps are counted, not awaited.
+            PublishedStop::IterationLimit => eprintln!(
+                "The published method was still moving when its {} steps were used up.",
+                compared.fit.result.iterations
+            ),
+            PublishedStop::Diverged => {
+                return Err(anyhow!("{}: the published method diverged", session.name));
+            }
         }
         Ok(Self {
             model: compared.fit.applied_to(&order.dataset).robot,

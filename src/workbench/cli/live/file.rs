@@ -64,6 +64,7 @@ impl SessionFile {
             lock,
         };
         file.take_over(left)?;
+        file.tidy()?;
         let last = file.session.adjustments().last();
         if last.is_none_or(|last| last.outcome != Outcome::Begun) {
             // The session has its values, and may have got others since.
@@ -109,6 +110,22 @@ impl SessionFile {
         });
     }
 
+    /// Removes what was taken over, which is in the file now, and the locks of folders that a killed program had made
+    /// but not used, or had removed already.
+    fn tidy(&self) -> Result<()> {
+        let failed = || format!("{} cannot be read", self.folder.display());
+        for entry in fs::read_dir(&self.folder).with_context(failed)? {
+            let path = entry.with_context(failed)?.path();
+            let removed = match path.file_name() {
+                Some(name) if name == DISCARDED => fs::remove_dir_all(&path),
+                Some(name) if name != LOCK && path.is_file() => fs::remove_file(&path),
+                _ => Ok(()),
+            };
+            removed.with_context(|| format!("{} cannot be removed", path.display()))?;
+        }
+        Ok(())
+    }
+
     /// Takes over poses that were measured by a program that was killed, and writes them to the file.
     fn take_over(&mut self, left: Vec<LeftBehind>) -> Result<()> {
         for left in left {
@@ -135,9 +152,6 @@ impl SessionFile {
             }
             self.save()?;
             left.discard()?;
-            // They are in the file now.
-            fs::remove_dir_all(self.folder.join(DISCARDED))
-                .with_context(|| format!("{place} cannot be removed"))?;
         }
         Ok(())
     }

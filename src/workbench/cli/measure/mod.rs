@@ -75,10 +75,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     check(&file, arguments, &choice)?;
     plan::complete(&mut file.session, arguments, &choice)?;
-    file.save()?;
     let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
     let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
+    file.save()?;
     connection
         .controller
         .arm()
