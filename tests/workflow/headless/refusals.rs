@@ -33,7 +33,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
     let bad = folder.write("bad.csv", &text.replacen("\n2,", "\n2,x", 1));
     let recording = folder.join("recording");
     tautline(&[
-        "simulate", "--robot", "planar", "--poses", "6", "--out", &recording,
+        "simulate", "--robot", "planar", "--poses", "25", "--out", &recording,
     ])
     .succeeded();
     let other = format!("replay:{recording}");

@@ -177,3 +177,87 @@ fn a_run_ends_when_it_is_good_enough() {
     let poses = measured["measured"].as_array().map_or(0, Vec::len);
     assert!((7..26).contains(&poses), "{poses}");
 }
+
+#[test]
+fn a_pose_that_cannot_be_measured_is_left_out_and_told() {
+    let folder = Folder::new();
+    let table = plan(&folder, 10);
+    let text = std::fs::read_to_string(&table).expect("a plan");
+    let far = folder.write("far.csv", &format!("{text}99,0.45,0,0,1,0,0,0\n"));
+    let file = folder.join("mini.json");
+    let sim = [
+        "--controller",
+        "sim",
+        "--robot",
+        "mini",
+        "--arm",
+        "--json",
+        "-",
+    ];
+    let answer = tautline(&[&["measure", &file, "--plan", &far], sim.as_slice()].concat());
+    let measured = answer.json();
+    assert_eq!(answer.code, Some(0), "{}", answer.stderr);
+    assert_eq!(measured["skipped"][0]["pose"], 99);
+    assert_eq!(measured["missing"], serde_json::json!([99]));
+    assert!(answer.stderr.contains("tried again") && answer.stderr.contains("left out"));
+    // A few poses do not determine the robot.
+    let few: Vec<&str> = text.lines().take(4).collect();
+    let few = folder.write("few.csv", &few.join("\n"));
+    let file = folder.join("few.json");
+    let answer = tautline(&[&["measure", &file, "--plan", &few], sim.as_slice()].concat());
+    assert_eq!(
+        (answer.code, &answer.json()["enough"]),
+        (Some(1), &false.into())
+    );
+    assert!(
+        answer.stderr.contains("not enough to identify"),
+        "{}",
+        answer.stderr
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_keeps_its_poses_and_goes_on() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+
+    let folder = Folder::new();
+    let table = plan(&folder, 8);
+    let file = folder.join("mini.json");
+    let words = [
+        "measure",
+        &file,
+        "--controller",
+        "sim",
+        "--robot",
+        "mini",
+        "--arm",
+    ];
+    let words = [words.as_slice(), &["--plan", &table]].concat();
+    // Slowly enough that the interrupt comes before the end.
+    let mut child = Command::new(tautline_validation::program::program())
+        .args(&words)
+        .args(["--speed", "5"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
+    let first = lines.next().expect("a line").expect("text");
+    assert!(first.starts_with("pose 0 is on disk"), "{first}");
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args(["-INT", &id]).status();
+    assert!(sent.expect("kill starts").success());
+    let told: Vec<String> = lines.map(|line| line.expect("text")).collect();
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+    let last = told.last().expect("a sentence");
+    assert!(
+        last.contains("Stopped by the operator") && last.contains("goes on"),
+        "{last}"
+    );
+    let poses = session(&file).measurements.len();
+    assert!((1..9).contains(&poses), "{poses}");
+    tautline(&words);
+    assert_eq!(session(&file).measurements.len(), 9);
+}

@@ -5,6 +5,7 @@ mod document;
 mod drive;
 mod plan;
 
+use std::cell::Cell;
 use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
@@ -13,6 +14,7 @@ use tautline_session::{Outcome, Phase, Session};
 use super::BadInput;
 use super::live::{Connection, RobotArguments, SessionFile, interrupt};
 use super::output::{is_readable, write_json};
+use crate::app::fit::Fit;
 use crate::comparison::identify;
 use crate::controllers::{ControllerChoice, Rig};
 use crate::wording::count;
@@ -70,9 +72,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .robot_arguments
         .require_arm("The robot was not moved")?;
+    let is_new = Cell::new(false);
     let mut file = SessionFile::open(&arguments.session, || {
+        is_new.set(true);
         begin::session(arguments, &choice).map(Some)
     })?;
+    if !is_new.get() && !arguments.effects.is_empty() {
+        let place = arguments.session.display();
+        eprintln!(
+            "{place}: goes on with the simulated robot that it has, --effect changes nothing"
+        );
+    }
     check(&file, arguments, &choice)?;
     plan::complete(&mut file.session, arguments, &choice)?;
     let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
@@ -110,9 +120,6 @@ fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -
             )));
         }
     }
-    if !arguments.effects.is_empty() && !file.session.measurements.is_empty() {
-        eprintln!("{place}: exists already, so --effect changes nothing");
-    }
     Ok(())
 }
 
@@ -137,10 +144,14 @@ pub fn refuse_interrupted(session: &Session, place: &str) -> Result<()> {
     Ok(())
 }
 
-/// Whether the poses measured so far determine the robot.
+/// Whether the poses measured so far determine the robot: without the drawings, each of which counts as one reading of
+/// one parameter, there are still more readings than unknowns, and they leave nothing open.
 fn is_enough(session: &Session) -> bool {
     let quiet = &mut |_: &_| tautline_core::estimation::Control::Continue;
-    identify(session, quiet).is_ok_and(|fit| fit.solution.converged() && fit.open.is_empty())
+    identify(session, quiet).is_ok_and(|Fit { solution, open, .. }| {
+        let parameters = solution.parameters.len() as f64;
+        solution.converged() && open.is_empty() && solution.degrees_of_freedom > parameters
+    })
 }
 
 fn result(document: &MeasuringDocument, ended: &drive::Ended, arguments: &Arguments) -> Result<()> {

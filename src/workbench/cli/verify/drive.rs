@@ -5,7 +5,7 @@ use tautline_link::Instrument;
 use tautline_link::verifying::{CheckTarget, VerifyingEvent, VerifyingOptions, VerifyingRun};
 use tautline_session::{CheckKind, CheckRow};
 
-use super::typed::Typed;
+use super::typed::{Target, Typed};
 use crate::cli::live::{Connection, interrupt};
 use crate::wording::sentence;
 
@@ -19,9 +19,10 @@ pub fn drive(
     cycles: usize,
 ) -> Result<Vec<CheckRow>> {
     let typed = connection.instrument.is_none();
+    let target = Target::default();
     let mut instrument: Box<dyn Instrument> = match connection.instrument.take() {
         Some(instrument) => instrument,
-        None => Box::new(Typed),
+        None => Box::new(Typed(target.clone())),
     };
     let mut options = VerifyingOptions {
         cycles,
@@ -45,7 +46,9 @@ pub fn drive(
         connection.step();
         match run.tick(&mut *connection.controller, instrument.as_mut()) {
             Some(VerifyingEvent::Commanded { done, of }) => {
-                eprintln!("{}", told(&targets, done, of, typed));
+                let name = name(&targets, done);
+                eprintln!("target {done} of {of}: {name}");
+                target.set(name);
             }
             Some(VerifyingEvent::Attained(row)) => rows.push(row),
             Some(VerifyingEvent::Finished) => return Ok(rows),
@@ -62,17 +65,11 @@ fn interrupted() -> anyhow::Error {
     anyhow!("Stopped by the operator: nothing of this verification is kept")
 }
 
-/// Where the platform is going; what is to be typed there.
-fn told(targets: &[CheckTarget], done: usize, of: usize, typed: bool) -> String {
-    let count = targets.len().max(1);
-    let target = &targets[done.saturating_sub(1) % count];
-    let point = match target.kind {
-        CheckKind::Pose => String::new(),
-        CheckKind::Path => format!(", point {}", target.sample),
-    };
-    let ask = match typed {
-        true => ": x y z [mm]",
-        false => "",
-    };
-    format!("target {done} of {of}: {}{point}{ask}", target.target)
+/// What the target number `done`, from 1, is called.
+fn name(targets: &[CheckTarget], done: usize) -> String {
+    let target = &targets[done.saturating_sub(1) % targets.len()];
+    match target.kind {
+        CheckKind::Pose => target.target.clone(),
+        CheckKind::Path => format!("{}, point {}", target.target, target.sample),
+    }
 }

@@ -1,6 +1,7 @@
 //! An external instrument whose readings somebody types.
 
 use std::io::{BufRead, stdin};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use tautline_link::{Instrument, LinkError};
 use tautline_session::CheckPose;
@@ -8,8 +9,24 @@ use tautline_session::CheckPose;
 /// How often a line that is no reading is asked for again.
 const TRIES: usize = 3;
 
-/// Reads `x y z` in millimetres from standard input.
-pub struct Typed;
+/// Where the platform is going, for the question.
+#[derive(Debug, Clone, Default)]
+pub struct Target(Arc<Mutex<String>>);
+
+impl Target {
+    /// The next readings are asked for at this target.
+    pub fn set(&self, name: String) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = name;
+    }
+
+    fn get(&self) -> String {
+        let name = self.0.lock();
+        name.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// Asks for a position when the platform is there, and reads `x y z` in millimetres from standard input.
+pub struct Typed(pub Target);
 
 impl Instrument for Typed {
     fn identity(&self) -> String {
@@ -17,12 +34,12 @@ impl Instrument for Typed {
     }
 
     fn measure(&mut self) -> Result<CheckPose, LinkError> {
+        eprintln!("{}: x y z [mm]?", self.0.get());
         for _ in 0..TRIES {
             let mut line = String::new();
             let read = stdin().lock().read_line(&mut line);
             if !matches!(read, Ok(1..)) {
-                let text = "no reading was typed for the last target";
-                return Err(LinkError::Refused(text.to_owned()));
+                break;
             }
             match position_m(&line) {
                 Some(position_m) => {
@@ -37,8 +54,8 @@ impl Instrument for Typed {
                 ),
             }
         }
-        let text = "no reading was typed for the last target";
-        Err(LinkError::Refused(text.to_owned()))
+        let text = format!("no reading was typed for {}", self.0.get());
+        Err(LinkError::Setup(text))
     }
 }
 
