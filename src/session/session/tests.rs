@@ -280,3 +280,24 @@ fn a_session_that_cannot_be_read_is_not_written() {
         .collect();
     assert_eq!(left.len(), 1, "no temporary file stays");
 }
+
+#[test]
+fn only_an_adjustment_that_was_begun_is_concluded() {
+    let mut session = with_the_later_steps(session());
+    let now = Timestamp::from_unix_seconds(1_532_336_900);
+    assert!(!session.conclude_adjustment(Outcome::Written, now));
+    let begun = Adjustment {
+        outcome: Outcome::Begun,
+        ..session.adjustments()[0].clone()
+    };
+    session.add_adjustment(begun);
+    let document = serde_json::to_value(SessionDocument::of(&session)).expect("JSON");
+    assert_eq!(document["adjustments"][1]["outcome"], "begun");
+    assert!(session.conclude_adjustment(Outcome::Written, now));
+    assert_eq!(session.adjustments()[1].outcome, Outcome::Written);
+    assert!(matches!(
+        session.adjustments()[0].outcome,
+        Outcome::Failed(_)
+    ));
+    assert_eq!(session.modified, now);
+}
