@@ -30,7 +30,7 @@ fn main() -> Result<()> {
             screenshots::write_all(argument.map_or(screenshots::folder(), Path::new))?;
         }
         _ => bail!(
-            "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write], write [FOLDER], \
+            "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], write [FOLDER], \
              sessions [FOLDER], screenshots [FOLDER]"
         ),
     }
@@ -57,10 +57,14 @@ fn hangprinter_table(folder: Option<&str>) -> Result<String> {
 }
 
 /// How quick the window is; written down only when nothing else runs on the machine, so not with the rest.
-fn workbench(write: Option<&str>) -> Result<()> {
+fn workbench(what: Option<&str>) -> Result<()> {
+    if let Some(part) = what.filter(|what| *what != "write") {
+        println!("{}", window::speed::part(part)?);
+        return Ok(());
+    }
     let table = window::speed::measure()?;
     println!("{table}");
-    if write == Some("write") {
+    if what == Some("write") {
         let path = document();
         let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
         replace(&mut text, "workbench", &table)?;

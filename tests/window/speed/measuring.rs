@@ -85,11 +85,11 @@ pub fn scene(folder: &Path) -> Result<Scene> {
     window.text("Identified from")?;
     window.rest()?;
     begin(&mut window, "Continue measuring")?;
-    let (turning_s, still_s) = frames(&mut window)?;
+    let (turning, still) = frames(&mut window)?;
     Ok(Scene {
         name: format!("measuring after {MEASURED} poses"),
-        turning_s,
-        still_s,
+        turning,
+        still,
         idle: None,
         memory_mib: memory_mib(window.id())?,
     })
