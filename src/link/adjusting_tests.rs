@@ -3,9 +3,9 @@
 use super::*;
 use crate::simulated::{Fault, SimulatedRobot};
 use crate::testing::{armed, identified, measured, preset};
-use crate::{Limited, ManualClock};
+use crate::{ManualClock, Station};
 
-fn robot(faults: Vec<Fault>) -> (Limited<SimulatedRobot>, ManualClock) {
+fn robot(faults: Vec<Fault>) -> (Station<SimulatedRobot>, ManualClock) {
     let (mut robot, clock) = armed(&preset("mini"), |_| ());
     robot.inner_mut().set_faults(faults);
     (robot, clock)
@@ -16,14 +16,14 @@ fn new_values() -> Vec<(String, f64)> {
     names.into_iter().zip([-0.49, -0.37, -0.45]).collect()
 }
 
-fn held(robot: &mut Limited<SimulatedRobot>) -> Vec<f64> {
+fn held(robot: &mut Station<SimulatedRobot>) -> Vec<f64> {
     let names: Vec<String> = new_values().into_iter().map(|(name, _)| name).collect();
     robot.read(&names).unwrap()
 }
 
 const OLD: [f64; 3] = [-0.5, -0.378, -0.4415];
 
-fn attempt(faults: Vec<Fault>) -> (Adjustment, Limited<SimulatedRobot>) {
+fn attempt(faults: Vec<Fault>) -> (Adjustment, Station<SimulatedRobot>) {
     let (mut robot, _) = robot(faults);
     let adjustment = write_adjustment(&mut robot, &new_values()).unwrap();
     let old: Vec<f64> = adjustment.old.iter().map(|(_, value)| *value).collect();

@@ -3,6 +3,7 @@
 pub mod app;
 pub mod cli;
 mod comparison;
+pub mod controllers;
 pub mod documents;
 mod fonts;
 pub mod offscreen;

@@ -8,7 +8,7 @@ use tautline_link::verifying::CheckTarget;
 use tautline_link::{ControllerState, ParameterInfo, Sample};
 use tautline_session::{CheckRow, Stage};
 
-use super::rig::Rig;
+use crate::controllers::Rig;
 
 /// What the thread is to do.
 pub(super) enum Order {

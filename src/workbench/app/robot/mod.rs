@@ -2,11 +2,8 @@
 //!
 //! The thread sleeps unless something goes on, and wakes the window at most 20 times a second.
 
-mod clock;
 mod message;
-mod rig;
 mod run;
-mod watched;
 mod whereabouts;
 mod work;
 mod worker;
@@ -21,11 +18,11 @@ use tautline_link::ParameterInfo;
 use tautline_link::verifying::CheckTarget;
 use tautline_session::Stage;
 
+use crate::controllers::Rig;
 use message::{MeasuringOrder, Order};
 use worker::{Teller, serve};
 
 pub use message::{Doing, Live, Purpose, Report, Surprise};
-pub use rig::{Kind, Rig, bounds};
 pub use run::{Pending, RunLog};
 
 /// The connection as the window knows it.

@@ -7,16 +7,13 @@ use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::write_adjustment;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
-use tautline_link::simulated::SimulatedRobot;
 use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
-use tautline_link::{Activity, Clock, Controller, Instrument, Limited, LinkError};
+use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
 
-use super::clock::FastClock;
 use super::message::{Doing, Live, MeasuringOrder, Order, Purpose, Report};
-use super::rig::Rig;
-use super::watched::Watched;
 use super::whereabouts::Whereabouts;
 use super::work::{Measuring, Verifying, Work};
+use crate::controllers::{FastClock, OpenError, Rig};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
@@ -28,8 +25,6 @@ const LONGEST_STEP_S: f64 = 0.2;
 const PICTURE: Duration = Duration::from_millis(50);
 /// Why something ends if nothing is wrong.
 const BY_OPERATOR: &str = "it was stopped by the operator";
-/// Noise of the simulated tracker (m, rad).
-const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 
 /// Tells the window; wakes it no more often than it can show.
 pub(super) struct Teller {
@@ -64,8 +59,8 @@ impl Teller {
 
 /// A controller with what belongs to its connection.
 struct Connection {
-    controller: Watched,
-    instrument: Box<dyn Instrument>,
+    controller: Station<Box<dyn Controller>>,
+    instrument: Option<Box<dyn Instrument>>,
     clock: FastClock,
     rig: Box<Rig>,
     whereabouts: Option<Whereabouts>,
@@ -158,7 +153,9 @@ impl Worker {
             Order::Watch(watches) => self.watches = watches,
             Order::Speed(speed) => {
                 self.speed = speed;
-                if let Some(connection) = &self.connection {
+                if let Some(connection) = &self.connection
+                    && !connection.rig.runs_in_real_time()
+                {
                     connection.clock.set_speed(speed);
                 }
             }
@@ -185,6 +182,11 @@ impl Worker {
             }
             Order::Measure(order) => {
                 self.work = Work::Measuring(Box::new(measuring(connection, *order)));
+            }
+            Order::Verify(_, stage) if connection.instrument.is_none() => {
+                let text = "No external instrument is connected: import a check.csv instead.";
+                let report = Report::Verified(stage, Err(text.to_owned()));
+                self.tell.report(report);
             }
             Order::Verify(targets, stage) => {
                 if let Err(error) = controller.home() {
@@ -217,19 +219,18 @@ impl Worker {
 
     fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
         self.close(BY_OPERATOR);
-        let clock = FastClock::start(self.speed);
-        let robot = SimulatedRobot::new(rig.setup.clone(), Arc::new(clock.clone()))?;
-        let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
-        let seed = rig.setup.seed.wrapping_add(1);
-        let instrument = robot.tracker(position_sd_m, orientation_sd_rad, seed);
-        let mut controller = Watched::new(Box::new(Limited::new(robot, rig.limits.clone())));
+        let opened = rig.open(self.speed).map_err(|error| match error {
+            OpenError::Link(error) => error,
+            OpenError::Read(error) => LinkError::Setup(error.to_string()),
+        })?;
+        let mut controller = opened.controller;
         controller.connect()?;
         let parameters = controller.parameters()?;
         let identity = controller.identity();
         self.connection = Some(Connection {
             controller,
-            instrument: Box::new(instrument),
-            clock,
+            instrument: opened.instrument,
+            clock: opened.clock,
             whereabouts: Whereabouts::of(rig.robot()),
             rig: rig.clone(),
         });
@@ -291,9 +292,10 @@ impl Worker {
                 Vec::new()
             }
             Work::Measuring(measuring) => measuring.tick(controller, connection.clock.now_s()),
-            Work::Verifying(verifying) => {
-                verifying.tick(controller, connection.instrument.as_mut())
-            }
+            Work::Verifying(verifying) => match &mut connection.instrument {
+                Some(instrument) => verifying.tick(controller, instrument.as_mut()),
+                None => Vec::new(),
+            },
         };
         if self.work.has_ended() {
             self.work = Work::None;
@@ -314,7 +316,7 @@ impl Worker {
         let live = match &mut self.connection {
             None => Live::default(),
             Some(connection) => {
-                let sample = connection.controller.last.clone();
+                let sample = connection.controller.last().cloned();
                 let whereabouts = connection.whereabouts.as_mut();
                 let pose = whereabouts
                     .zip(sample.as_ref())

@@ -16,10 +16,10 @@ use self::figures::Figures;
 use super::measuring::{Next, controller, step_button};
 use crate::app::commands::robot::{self, Export, revertible};
 use crate::app::commands::{ModelCommand, RobotCommand, ViewCommand};
-use crate::app::robot::Kind;
 use crate::app::screen::{Screen, Step};
 use crate::app::theme::GRID;
 use crate::app::{Memo, State};
+use crate::controllers::Kind;
 use crate::documents::identification::Explains;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 

@@ -7,8 +7,8 @@ use tautline_link::Activity;
 use super::{Next, step_button};
 use crate::app::State;
 use crate::app::commands::RobotCommand;
-use crate::app::robot::Kind;
 use crate::app::theme;
+use crate::controllers::Kind;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 
 /// Speeds that are offered for simulated robots.

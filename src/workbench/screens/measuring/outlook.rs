@@ -135,6 +135,13 @@ fn details(ui: &mut Ui, outlook: &Outlook) {
         &format!("{worst} / {worst_random}"),
         "mm",
     );
+    let [platform, platform_random] = metres(|indices| indices.platform_m);
+    value(
+        ui,
+        "I: position of the platform, adjusted",
+        &format!("{platform} / {platform_random}"),
+        "mm",
+    );
     let det = |indices: &Indices| format!("{:.1}", indices.log_det);
     let numbers = format!("{} / {}", det(&outlook.expected), det(&outlook.random));
     value(ui, "D: logarithm of the information", &numbers, "");

@@ -9,8 +9,9 @@ use std::path::PathBuf;
 
 use tautline_session::Stage;
 
-use crate::app::robot::{Connected, Kind, Report, Rig};
+use crate::app::robot::{Connected, Report};
 use crate::app::state::State;
+use crate::controllers::{Kind, Rig};
 use crate::wording;
 
 pub use adjust::{differences, revertible, title};
@@ -220,5 +221,5 @@ pub fn follow(state: &mut State) {
 #[must_use]
 pub fn is_true_to_session(state: &State) -> bool {
     let connected = state.link.connected.as_ref();
-    connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
+    connected.is_none_or(|connected| connected.rig.kind != Kind::OfDescription)
 }

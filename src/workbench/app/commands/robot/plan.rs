@@ -4,17 +4,16 @@ use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Control, Method};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
-use tautline_core::planning::{Indices, Plan, PlanError, PlanOptions, PlanProgress, expect, plan};
-use tautline_core::simulation::TensionRange;
+use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
 use tautline_session::{Phase, PlannedPose, Session};
 
 use super::RobotOutcome;
 use crate::app::Document;
 use crate::app::command::Outcome;
 use crate::app::edit::Edit;
-use crate::app::robot::bounds;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
+use crate::controllers::bounds;
 use crate::wording;
 
 /// Title of the task that plans.
@@ -22,8 +21,6 @@ pub const PLANNING: &str = "Planning poses";
 /// Title of the task that computes what to expect of a plan.
 pub const EXPECTING: &str = "Looking at the plan";
 
-/// Part of the range of tensions at each end that planned poses leave free where they can.
-const MARGIN: f64 = 0.1;
 /// Seed of the poses among which is chosen.
 const SEED: u64 = 1;
 
@@ -87,31 +84,12 @@ fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
     effects.map_err(|error| error.to_string())
 }
 
-/// Plans with tensions that stay off their limits, or if that is not possible, with all of them.
-fn cautiously(
-    options: &PlanOptions<'_>,
-    mut plan: impl FnMut(&PlanOptions<'_>) -> Result<Plan, PlanError>,
-) -> Result<Plan, PlanError> {
-    let cautious = PlanOptions {
-        tension: options.tension.map(inner),
-        ..options.clone()
-    };
-    match plan(&cautious) {
-        Err(
-            PlanError::TooFewPoses { .. } | PlanError::NotHeld { .. } | PlanError::Simulation(_),
-        ) => plan(options),
-        planned => planned,
-    }
-}
-
 fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
     let effects = effects(session)?;
     let measured = session.dataset().measurements;
     let options = options(session, &effects, &measured, poses);
-    let planned = cautiously(&options, |options| {
-        let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-        plan(&session.robot, options, &mut observe)
-    });
+    let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
+    let planned = plan(&session.robot, &options, &mut observe);
     let planned = planned.map_err(|error| error.to_string())?;
     task.tell(None, "what to expect");
     Ok(Outlook::of(with_home(session, &planned), &planned))
@@ -162,10 +140,8 @@ fn stored(session: &Session, task: &TaskHandle) -> Result<Outlook, String> {
         .map(PlannedPose::pose)
         .collect();
     let options = options(session, &effects, &measured, poses.len());
-    let planned = cautiously(&options, |options| {
-        let mut observe = |progress: &PlanProgress| tell(task, progress, poses.len());
-        expect(&session.robot, &poses, options, &mut observe)
-    });
+    let mut observe = |progress: &PlanProgress| tell(task, progress, poses.len());
+    let planned = expect(&session.robot, &poses, &options, &mut observe);
     let planned = planned.map_err(|error| error.to_string())?;
     Ok(Outlook::of(session.plan.clone(), &planned))
 }
@@ -181,17 +157,6 @@ pub(super) fn expected(state: &mut State, identity: u64, result: Result<Box<Outl
         Err(error) => Err(error),
     }
     .into();
-}
-
-/// The range without its ends: the real robot differs from its description, and poses that only just can be held may
-/// not be held by it.
-fn inner(tension: TensionRange) -> TensionRange {
-    let margin_n = MARGIN * (tension.upper_n - tension.lower_n);
-    TensionRange {
-        lower_n: (tension.lower_n + margin_n).min(tension.reference_n),
-        upper_n: (tension.upper_n - margin_n).max(tension.reference_n),
-        ..tension
-    }
 }
 
 fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {

@@ -1,11 +1,15 @@
 //! Which controllers a session offers, and what one is made of.
 
+use std::path::{Path, PathBuf};
+
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::Limits;
 use tautline_link::simulated::SimulatedSetup;
 use tautline_session::Session;
+
+use super::choice::{AdsAddress, ControllerChoice};
 
 /// A kind of controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +18,10 @@ pub enum Kind {
     OfSession,
     /// A robot simulated from the description alone: its readings say nothing about a real robot.
     OfDescription,
+    /// A recording that is played back.
+    Recording,
+    /// A real robot.
+    Real,
 }
 
 impl Kind {
@@ -33,8 +41,18 @@ impl Kind {
 pub struct Rig {
     /// What it is.
     pub kind: Kind,
-    pub(super) setup: SimulatedSetup,
+    pub(super) source: Source,
+    /// File for the values that a simulated controller holds while they are written.
+    pub(super) stores_at: Option<PathBuf>,
     pub(super) limits: Limits,
+}
+
+/// What answers.
+#[derive(Debug, Clone)]
+pub(super) enum Source {
+    Simulated(Box<SimulatedSetup>),
+    Replay(PathBuf),
+    Ads(AdsAddress),
 }
 
 /// Seed of the noise of a robot that is simulated from its description.
@@ -44,49 +62,53 @@ impl Rig {
     /// The controller that a session offers; it can correct its robot's effects, those of the model and `identified` ones.
     #[must_use]
     pub fn of(session: &Session, identified: &[EffectSetting]) -> Self {
+        Self::chosen(session, identified, &ControllerChoice::Simulated, None)
+    }
+
+    /// The controller that was chosen for a session. A simulated one corrects the effects that [`Rig::of`] says, and
+    /// holds values in the file `stores_at` from the first that is written.
+    #[must_use]
+    pub fn chosen(
+        session: &Session,
+        identified: &[EffectSetting],
+        choice: &ControllerChoice,
+        stores_at: Option<&Path>,
+    ) -> Self {
         let (workspace, tension) = bounds(&session.robot);
-        let parameters: Vec<(String, f64)> = session
-            .controller
-            .iter()
-            .map(|held| (held.name.clone(), held.value))
-            .collect();
-        let mut nominal = session.robot.clone();
-        let held = parameters.iter().filter_map(|(name, _)| effect_of(name));
-        let model = session.settings.identification.effects.iter();
-        let wanted: Vec<EffectSetting> = held.chain(model.chain(identified).map(neutral)).collect();
-        for setting in wanted {
-            let is_it = |known: &EffectSetting| same(known, &setting);
-            if !nominal.effects.iter().any(is_it) {
-                nominal.effects.push(setting);
-            }
-        }
-        let (kind, truth, seed) = match &session.simulator {
-            Some(simulator) => (Kind::OfSession, simulator.truth.clone(), simulator.seed),
-            None => (Kind::OfDescription, session.robot.clone(), SEED),
+        let limits = Limits {
+            robot: session.robot.clone(),
+            workspace,
+            tension,
         };
-        let reach_m = workspace.half_extent_m.into_iter().fold(0.0, f64::max);
-        let velocity_m_s = reach_m.clamp(0.1, 2.0);
+        let (kind, source) = match choice {
+            ControllerChoice::Simulated => {
+                let setup = setup_of(session, identified, &limits);
+                (Kind::offered(session), Source::Simulated(Box::new(setup)))
+            }
+            ControllerChoice::Replay(folder) => (Kind::Recording, Source::Replay(folder.clone())),
+            ControllerChoice::Ads(address) => (Kind::Real, Source::Ads(address.clone())),
+        };
         Self {
             kind,
-            limits: Limits {
-                robot: session.robot.clone(),
-                workspace,
-                tension,
-            },
-            setup: SimulatedSetup {
-                parameters,
-                tension,
-                velocity_m_s,
-                acceleration_m_s2: 5.0 * velocity_m_s,
-                ..SimulatedSetup::new(nominal, truth, seed)
-            },
+            source,
+            stores_at: stores_at.map(Path::to_owned),
+            limits,
         }
+    }
+
+    /// Whether its time cannot run faster than that of the wall.
+    #[must_use]
+    pub fn runs_in_real_time(&self) -> bool {
+        self.kind == Kind::Real
     }
 
     /// Whether the controller can correct an effect.
     #[must_use]
     pub fn corrects(&self, setting: &EffectSetting) -> bool {
-        let mut known = self.setup.nominal.effects.iter();
+        let Source::Simulated(setup) = &self.source else {
+            return false;
+        };
+        let mut known = setup.nominal.effects.iter();
         known.any(|known| same(known, setting))
     }
 
@@ -107,6 +129,45 @@ impl Rig {
     pub fn workspace(&self) -> &Workspace {
         &self.limits.workspace
     }
+}
+
+fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) -> SimulatedSetup {
+    let parameters: Vec<(String, f64)> = session
+        .controller
+        .iter()
+        .map(|held| (held.name.clone(), held.value))
+        .collect();
+    let mut nominal = session.robot.clone();
+    let held = parameters.iter().filter_map(|(name, _)| effect_of(name));
+    let model = session.settings.identification.effects.iter();
+    let wanted: Vec<EffectSetting> = held.chain(model.chain(identified).map(neutral)).collect();
+    for setting in wanted {
+        let is_it = |known: &EffectSetting| same(known, &setting);
+        if !nominal.effects.iter().any(is_it) {
+            nominal.effects.push(setting);
+        }
+    }
+    let (truth, seed) = match &session.simulator {
+        Some(simulator) => (simulator.truth.clone(), simulator.seed),
+        None => (session.robot.clone(), SEED),
+    };
+    let half_extents_m = limits.workspace.half_extent_m;
+    let velocity_m_s = half_extents_m.into_iter().fold(0.0, f64::max);
+    let velocity_m_s = velocity_m_s.clamp(0.1, 2.0);
+    SimulatedSetup {
+        parameters,
+        tension: limits.tension,
+        velocity_m_s,
+        acceleration_m_s2: 5.0 * velocity_m_s,
+        // Another run is another noise, as that of a run that goes on after a break is.
+        ..SimulatedSetup::new(nominal, truth, seed_after(seed, session.measurements.len()))
+    }
+}
+
+/// The seed of a run after so many measured poses.
+fn seed_after(seed: u64, poses: usize) -> u64 {
+    // An odd number, so that no two counts share a seed; its bits are those of the golden ratio.
+    seed.wrapping_add((poses as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
 /// Where a robot moves and how its cables are tensioned: as published for a known robot, else as suits its description.
@@ -182,6 +243,9 @@ mod tests {
         assert!(rig.corrects(&setting("winch_scale", &["cable-3"])));
         assert!(rig.corrects(&setting("laser_scale", &[])));
         assert!(!rig.corrects(&setting("winch_scale", &["cable-4"])));
-        assert!(rig.setup.nominal.check().is_ok());
+        let Source::Simulated(setup) = &rig.source else {
+            panic!("a session offers a simulated robot");
+        };
+        assert!(setup.nominal.check().is_ok());
     }
 }

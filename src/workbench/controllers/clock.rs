@@ -9,7 +9,7 @@ use tautline_link::Clock;
 ///
 /// While something goes on it never jumps: a busy computer makes the simulated robot slower, not its samples fewer.
 #[derive(Debug, Clone)]
-pub(super) struct FastClock {
+pub struct FastClock {
     hands: Arc<Mutex<Hands>>,
 }
 
@@ -22,6 +22,7 @@ struct Hands {
 
 impl FastClock {
     /// A clock that shows 0.
+    #[must_use]
     pub fn start(speed: f64) -> Self {
         Self {
             hands: Arc::new(Mutex::new(Hands {
@@ -45,12 +46,18 @@ impl FastClock {
         hands.pass(passed, longest_s);
     }
 
+    /// Goes on by a time (s) of its own, whatever the wall's clock says.
+    pub fn advance(&self, seconds: f64) {
+        self.hands().shown_s += seconds.max(0.0);
+    }
+
     /// Runs so many times faster than real from now on.
     pub fn set_speed(&self, speed: f64) {
         self.hands().speed = speed;
     }
 
     /// How many times faster than real it runs.
+    #[must_use]
     pub fn speed(&self) -> f64 {
         self.hands().speed
     }
@@ -89,5 +96,7 @@ mod tests {
         clock.set_speed(2.0);
         clock.go_on(Some(0.0));
         assert_eq!((clock.now_s(), clock.speed()), (0.0, 2.0));
+        clock.clone().advance(0.5);
+        assert_eq!(clock.now_s(), 0.5);
     }
 }

@@ -1,0 +1,148 @@
+//! A connection, made.
+
+use std::sync::Arc;
+
+use tautline_core::robot::Robot;
+use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
+use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station};
+use tautline_session::{ReadError, read_dataset};
+
+use super::clock::FastClock;
+use super::rig::{Rig, Source};
+use super::stored::{Stored, stored_at};
+
+/// Noise of the simulated tracker (m, rad).
+const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
+
+/// A controller with what belongs to its connection; not connected yet.
+pub struct Opened {
+    /// The controller, behind its limits.
+    pub controller: Station<Box<dyn Controller>>,
+    /// The external instrument that watches a simulated robot.
+    pub instrument: Option<Box<dyn Instrument>>,
+    /// Where its time comes from.
+    pub clock: FastClock,
+}
+
+/// Why a controller cannot be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// A file that it is made of cannot be used.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// It cannot be set up.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+}
+
+type Parts = (Box<dyn Controller>, Option<Box<dyn Instrument>>);
+
+impl Rig {
+    /// Makes the connection; the time of simulated and recorded robots runs `speed` times faster than real.
+    ///
+    /// # Errors
+    /// If a file is missing or wrong, or such a controller cannot be.
+    pub fn open(&self, speed: f64) -> Result<Opened, OpenError> {
+        let clock = FastClock::start(if self.runs_in_real_time() { 1.0 } else { speed });
+        let (controller, instrument) = match &self.source {
+            Source::Simulated(setup) => self.simulated(setup, &clock)?,
+            Source::Replay(folder) => {
+                let dataset = read_dataset(folder)?.dataset;
+                let place = folder.display().to_string();
+                check_robot(&place, &dataset.robot, self.robot())?;
+                let replay = ReplayController::new(dataset, Arc::new(clock.clone()));
+                let replay = replay.map_err(|e| LinkError::Setup(format!("{place}: {e}")))?;
+                (Box::new(replay) as Box<dyn Controller>, None)
+            }
+            Source::Ads(address) => {
+                let text = format!(
+                    "ads:{}: controllers of this kind are not available in this version",
+                    address.host
+                );
+                return Err(LinkError::Setup(text).into());
+            }
+        };
+        Ok(Opened {
+            controller: Station::new(controller, self.limits.clone()),
+            instrument,
+            clock,
+        })
+    }
+
+    fn simulated(&self, setup: &SimulatedSetup, clock: &FastClock) -> Result<Parts, OpenError> {
+        let mut setup = setup.clone();
+        if let Some(path) = &self.stores_at
+            && let Some(held) = stored_at(path)?
+        {
+            let values = held.into_iter().map(|held| (held.name, held.value));
+            setup.parameters = values.collect();
+        }
+        let seed = setup.seed.wrapping_add(1);
+        let robot = SimulatedRobot::new(setup, Arc::new(clock.clone()))?;
+        let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
+        let tracker = robot.tracker(position_sd_m, orientation_sd_rad, seed);
+        let controller: Box<dyn Controller> = match &self.stores_at {
+            Some(path) => Box::new(Stored {
+                inner: robot,
+                path: path.clone(),
+            }),
+            None => Box::new(robot),
+        };
+        Ok((controller, Some(Box::new(tracker))))
+    }
+}
+
+/// A recording belongs to the robot of the session.
+fn check_robot(place: &str, recorded: &Robot, expected: &Robot) -> Result<(), LinkError> {
+    let names = |robot: &Robot| -> Vec<String> {
+        let cables = robot.cables.iter();
+        cables.map(|cable| cable.name.clone()).collect()
+    };
+    let refuse = |text: String| Err(LinkError::Setup(format!("{place}: {text}")));
+    if recorded.name != expected.name {
+        return refuse(format!(
+            "found a recording of the robot \"{}\", expected one of \"{}\", the robot of the session",
+            recorded.name, expected.name
+        ));
+    }
+    if names(recorded) != names(expected) {
+        return refuse("found cables of other names than those of the session's robot".to_owned());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::robot::presets;
+    use tautline_session::{Session, Timestamp};
+
+    use super::*;
+    use crate::controllers::ControllerChoice;
+
+    fn open(choice: &str, session: &Session) -> Result<Opened, OpenError> {
+        let choice: ControllerChoice = choice.parse().expect("a choice");
+        Rig::chosen(session, &[], &choice, None).open(1.0)
+    }
+
+    fn session(name: &str) -> Session {
+        let robot = presets::find(name).expect("a preset").robot;
+        Session::new("test", robot, Timestamp::from_unix_seconds(0))
+    }
+
+    #[test]
+    fn a_simulated_robot_comes_with_an_instrument() {
+        let mut opened = open("sim", &session("mini")).expect("opened");
+        assert!(opened.instrument.is_some());
+        opened.controller.connect().expect("connected");
+        assert_eq!(opened.controller.identity(), "Simulated mini");
+    }
+
+    #[test]
+    fn what_is_not_there_is_said_in_a_sentence() {
+        let told = |choice: &str| open(choice, &session("mini")).err().map(|e| e.to_string());
+        let missing = told("replay:no/such/folder").expect("an error");
+        assert!(missing.contains("no/such/folder: not found"), "{missing}");
+        let ads = told("ads:robot/1.2.3.4.1.1").expect("an error");
+        assert!(ads.contains("not available"), "{ads}");
+    }
+}

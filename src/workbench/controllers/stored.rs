@@ -1,0 +1,156 @@
+//! A simulated controller whose values survive the program, as those of a real one do.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::geometry::Pose;
+use tautline_core::robot::FieldError;
+use tautline_link::{Controller, ControllerState, LinkError, ParameterInfo, Sample};
+use tautline_session::{Document, NamedValue, ReadError, read_document, write_document};
+
+/// What a simulated controller holds while values are written to it; the session has it before and afterwards.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct HeldValues {
+    /// All its parameters.
+    values: Vec<NamedValue>,
+}
+
+impl Document for HeldValues {
+    const FORMAT: &'static str = "tautline-controller";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 16 << 20;
+
+    fn check(&self) -> Result<(), FieldError> {
+        Ok(())
+    }
+}
+
+/// The path of what belongs to a session file and lies beside it: its name with an ending.
+#[must_use]
+pub fn beside(session: &Path, ending: &str) -> PathBuf {
+    let mut name = OsString::from(session);
+    name.push(ending);
+    name.into()
+}
+
+/// The values that a simulated controller was left with, if it was left in the middle of writing.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn stored_at(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let read = read_document::<HeldValues>(path)?;
+    Ok(Some(read.value.values))
+}
+
+/// A controller that puts its values into a file, one after the other as they are written.
+pub(super) struct Stored<C> {
+    pub inner: C,
+    pub path: PathBuf,
+}
+
+impl<C: Controller> Stored<C> {
+    fn store(&mut self) -> Result<(), LinkError> {
+        let values = self.inner.parameters()?.into_iter();
+        let held = HeldValues {
+            values: values
+                .map(|parameter| NamedValue {
+                    name: parameter.name,
+                    value: parameter.value,
+                })
+                .collect(),
+        };
+        let written = write_document(&self.path, &held);
+        written.map_err(|error| LinkError::Refused(error.to_string()))
+    }
+}
+
+impl<C: Controller> Controller for Stored<C> {
+    fn identity(&self) -> String {
+        self.inner.identity()
+    }
+    fn connect(&mut self) -> Result<(), LinkError> {
+        self.inner.connect()
+    }
+    fn disconnect(&mut self) {
+        self.inner.disconnect();
+    }
+    fn state(&self) -> ControllerState {
+        self.inner.state()
+    }
+    fn arm(&mut self) -> Result<(), LinkError> {
+        self.inner.arm()
+    }
+    fn disarm(&mut self) {
+        self.inner.disarm();
+    }
+    fn sample(&mut self) -> Result<Sample, LinkError> {
+        self.inner.sample()
+    }
+    fn home(&mut self) -> Result<(), LinkError> {
+        self.inner.home()
+    }
+    fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
+        self.inner.command(pose)
+    }
+    fn stop(&mut self) -> Result<(), LinkError> {
+        self.inner.stop()
+    }
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
+        self.inner.parameters()
+    }
+    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
+        self.inner.read(names)
+    }
+    fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
+        for value in values {
+            self.inner.write(std::slice::from_ref(value))?;
+            self.store()?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use tautline_core::robot::presets;
+    use tautline_link::ManualClock;
+    use tautline_link::simulated::{Fault, SimulatedRobot, SimulatedSetup};
+
+    use super::*;
+
+    #[test]
+    fn values_are_in_the_file_as_far_as_they_were_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = beside(&folder.path().join("s.json"), ".controller");
+        assert!(path.ends_with("s.json.controller"));
+        assert_eq!(stored_at(&path), Ok(None));
+        let preset = presets::find("mini").expect("a preset");
+        let setup = SimulatedSetup::of_preset(&preset, 1);
+        let clock = Arc::new(ManualClock::default());
+        let mut robot = SimulatedRobot::new(setup, clock).expect("a robot");
+        robot.connect().expect("connected");
+        robot.arm().expect("armed");
+        let before = robot.parameters().expect("values");
+        let differs = Fault::WriteDiffers {
+            name: before[1].name.clone(),
+            by: f64::NAN,
+            times: 1,
+        };
+        robot.set_faults(vec![differs]);
+        let mut stored = Stored { inner: robot, path };
+        let values = before[..2].iter();
+        let values: Vec<(String, f64)> = values.map(|p| (p.name.clone(), p.value + 1e-3)).collect();
+        assert!(stored.write(&values).is_err());
+        let held = stored_at(&stored.path).expect("readable").expect("a file");
+        assert_eq!(held.len(), before.len());
+        assert_eq!(held[0].value, before[0].value + 1e-3);
+        assert_eq!(held[1].value, before[1].value);
+    }
+}
