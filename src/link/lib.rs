@@ -1,10 +1,11 @@
 //! Controllers and instruments: what is told to a robot and what is read from it.
 //!
-//! Everything here is driven by its caller: nothing waits or draws. Time comes from the samples of a controller and
-//! from the caller. What a device sends when it likes is read by a thread of its own, which a connection starts
-//! and ends.
+//! Everything here is driven by its caller: nothing draws, and nothing waits but for the answer of a real controller,
+//! for a bounded time. Time comes from the samples of a controller and from the caller. What a device sends when it
+//! likes is read by a thread of its own, which a connection starts and ends.
 
 pub mod adjusting;
+pub mod ads;
 pub mod clock;
 pub mod controller;
 pub mod export;
@@ -12,6 +13,7 @@ pub mod laser;
 pub mod limits;
 pub mod measuring;
 pub mod parameters;
+pub mod reconnecting;
 pub mod replay;
 pub mod simulated;
 pub mod station;

@@ -198,20 +198,23 @@ impl<C: Controller> Controller for Station<C> {
         self.inner.disarm();
     }
 
-    /// As that of the controller; where a cable begins to pull too hard the platform is stopped and the
+    /// As that of the controller, unless its clock went back: then it is disarmed. Where a cable begins to pull too hard the platform is stopped and the
     /// error returned, once.
     fn sample(&mut self) -> Result<Sample, LinkError> {
         let sample = self.inner.sample();
         let mut sample = self.noted(sample)?;
         self.check_channels(&sample)?;
-        // A clock that goes back is that of a controller which was started anew.
-        if (self.last.as_ref()).is_some_and(|last| sample.time_s < last.time_s) {
-            self.disarm();
-        }
         if let Some(laser) = &self.laser {
             sample.laser_m = laser.distance_m();
         }
+        // A clock that goes back is that of a controller which was started anew.
+        let back = (self.last.as_ref()).is_some_and(|last| sample.time_s < last.time_s);
         self.last = Some(sample.clone());
+        if back {
+            self.disarm();
+            let text = "its clock went back, so it was started anew: arm it again";
+            return Err(LinkError::Refused(text.to_owned()));
+        }
         let checked = self.limits.check_forces(&sample.force_n);
         let was = std::mem::replace(&mut self.overloaded, checked.is_err());
         if let (Err(limit), false) = (checked, was) {

@@ -203,7 +203,7 @@ pub fn plan(
     options: &PlanOptions<'_>,
     observer: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Plan, PlanError> {
-    cautiously(robot, options, |range| {
+    cautiously(robot, options, |options, range| {
         let pool = Pool::draw(robot, options, range, observer)?;
         let chosen = design::choose(&pool.information, options.poses, observer)?;
         let poses: Vec<Pose> = (chosen.iter())
@@ -232,8 +232,8 @@ pub fn expect(
         poses: poses.len(),
         ..options.clone()
     };
-    cautiously(robot, &options, |range| {
-        let pool = Pool::draw(robot, &options, range, observer)?;
+    cautiously(robot, &options, |options, range| {
+        let pool = Pool::draw(robot, options, range, observer)?;
         let given: Result<Vec<Candidate>, PlanError> = (1..)
             .zip(poses)
             .map(|(number, pose)| {
@@ -249,16 +249,13 @@ pub fn expect(
 fn cautiously(
     robot: &Robot,
     options: &PlanOptions<'_>,
-    mut plan: impl FnMut(TensionRange) -> Result<Plan, PlanError>,
+    mut plan: impl FnMut(&PlanOptions<'_>, TensionRange) -> Result<Plan, PlanError>,
 ) -> Result<Plan, PlanError> {
-    if options.poses == 0 {
-        return Err(PlanError::NoPoses);
-    }
     let range = options.tension.unwrap_or_else(|| TensionRange::of(robot));
-    match plan(range.inner(options.tension_margin)) {
+    match plan(options, range.inner(options.tension_margin)) {
         Err(
             PlanError::TooFewPoses { .. } | PlanError::NotHeld { .. } | PlanError::Simulation(_),
-        ) => plan(range),
+        ) => plan(options, range),
         planned => planned,
     }
 }
@@ -279,6 +276,9 @@ impl<'a> Pool<'a> {
         range: TensionRange,
         observer: &mut dyn FnMut(&PlanProgress) -> Control,
     ) -> Result<Self, PlanError> {
+        if options.poses == 0 {
+            return Err(PlanError::NoPoses);
+        }
         let outlook = Outlook::new(robot, options, range)?;
         let (candidates, refused) = draw(&outlook, options, observer)?;
         let labels = outlook.scattered(candidates.len());
@@ -297,14 +297,17 @@ impl<'a> Pool<'a> {
 
     /// The plan that visits these poses one after the other.
     fn plan(&self, ordered: &[Candidate], order: Order) -> Result<Plan, PlanError> {
-        let (outlook, options, pool) = (&self.outlook, self.options, &self.information);
-        let platform =
-            platform::error_weights(&outlook.robot, &outlook.workspace, &pool.parameters);
-        let weighted = (pool, platform.as_ref());
-        let random = expectation::random_sets(weighted, options.poses, options.seed);
+        let options = self.options;
+        let Outlook {
+            robot, workspace, ..
+        } = &self.outlook;
+        let parameters = &self.information.parameters;
+        let platform = platform::error_weights(robot, workspace, parameters);
+        let known = (&self.information, platform.as_ref());
+        let random = expectation::random_sets(known, options.poses, options.seed);
         // Once more, now that time and direction of travel are known.
-        let labels = outlook.labels();
-        let information = outlook.information(labels.clone().zip(ordered))?;
+        let labels = self.outlook.labels();
+        let information = self.outlook.information(labels.clone().zip(ordered))?;
         Ok(Plan {
             poses: labels
                 .zip(ordered)

@@ -182,6 +182,8 @@ fn a_connection_that_comes_back_by_itself_is_not_armed() {
             station.inner.sample.time_s = 100.0;
             station.sample().unwrap();
             station.inner.sample.time_s = 1.0;
+            let told = station.sample().unwrap_err().to_string();
+            assert!(told.contains("its clock went back"), "{told}");
             station.sample().unwrap();
             station.inner.armed = true;
         },

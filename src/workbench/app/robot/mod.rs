@@ -227,6 +227,11 @@ impl Link {
         self.tell(Order::Stored(label));
     }
 
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    pub fn laser_distance(&mut self, label: i64, distance_m: Option<f64>) {
+        self.tell(Order::LaserDistance(label, distance_m));
+    }
+
     /// Verifies.
     pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
         self.verifying = Some(stage);

@@ -105,6 +105,10 @@ impl Measuring {
                 self.doing = Doing::Sampling { taken, of };
                 return None;
             }
+            MeasuringEvent::LaserWanted { label } => {
+                self.doing = Doing::Asking { label };
+                return None;
+            }
             MeasuringEvent::Measured(accepted) => {
                 let surprise = self.surprise(&accepted);
                 Report::Measured(accepted, surprise)

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::write_adjustment;
+use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
 use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
@@ -60,6 +61,8 @@ impl Teller {
 /// A controller with what belongs to its connection.
 struct Connection {
     controller: Station<Box<dyn Controller>>,
+    /// The laser to which the operator answers.
+    asked: Option<ManualLaser>,
     instrument: Option<Box<dyn Instrument>>,
     clock: FastClock,
     rig: Box<Rig>,
@@ -211,6 +214,11 @@ impl Worker {
             Order::Repeat(label) => self.work.measuring(|m| {
                 m.run.repeat(label);
             }),
+            Order::LaserDistance(label, distance_m) => {
+                if let Some(laser) = &connection.asked {
+                    laser.answer(label, distance_m)?;
+                }
+            }
             Order::Stored(label) => self.work.measuring(|m| m.run.confirm_stored(label)),
             Order::Connect(..) | Order::Disconnect | Order::Watch(_) | Order::Speed(_) => {}
         }
@@ -229,6 +237,7 @@ impl Worker {
         let identity = controller.identity();
         self.connection = Some(Connection {
             controller,
+            asked: opened.asked,
             instrument: opened.instrument,
             clock: opened.clock,
             whereabouts: Whereabouts::of(rig.robot()),
@@ -345,6 +354,7 @@ fn measuring(connection: &Connection, order: MeasuringOrder) -> Measuring {
     options.tension = rig.tension();
     let run = MeasuringRun::new(order.plan, rig.robot(), options)
         .predicting(predict_by(&order.model, rig.tension()))
+        .asking(connection.asked.clone())
         .continuing(&order.measured);
     let per_revolution = rig.robot().cables.iter();
     Measuring {

@@ -7,6 +7,8 @@ mod readings;
 mod run;
 mod table;
 
+use std::collections::HashSet;
+
 use egui::{DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_session::PlannedPose;
@@ -131,7 +133,7 @@ fn show_planned(state: &mut State) {
     }
     state.screens.measuring.shown = Some(key);
     let session = document.session();
-    let measured = &session.measurements.labels;
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
     let planned = session.plan.iter();
     state.views.robot_3d.planned = planned
         .filter(|pose| !measured.contains(&pose.label))

@@ -1,6 +1,6 @@
 //! A figure that can be zoomed, moved, clicked and measured with two cursors.
 
-use egui::{Align2, Key, Popup, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Align2, Key, Popup, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 use super::POSE;
 use super::canvas::{Canvas, Screen};
@@ -24,6 +24,8 @@ pub struct Panel {
     /// Places of the cursors A and B along x as shares of the width, while they are shown.
     pub cursors: Option<[f64; 2]>,
     grabbed: Option<usize>,
+    /// The view that shows everything.
+    whole: Memo<u64, [[f64; 2]; 2]>,
     seen: Memo<SeenOf, Seen>,
     /// What was drawn last, for files.
     pub drawn: Option<(Layout, Scale)>,
@@ -98,11 +100,17 @@ impl Panel {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, shown.name));
         let whole = outer.shrink2(vec2(GRID, 0.5 * GRID));
         let painter = ui.painter_at(outer);
-        let (layout, scale) = self.arrange(shown.figure, whole, &painter);
+        let everything = *self.whole.get(shown.generation, || shown.figure.whole());
+        let arrange = |view: [[f64; 2]; 2]| {
+            let layout = arrange(shown.figure, view, whole, &text_width(&painter));
+            let rect = layout.plot;
+            (layout, Scale { view, rect })
+        };
+        let (layout, scale) = arrange(self.view.unwrap_or(everything));
         self.navigate(ui, &response, &scale);
         // Again: the view may have moved.
         let (layout, scale) = match self.view {
-            Some(view) if view != scale.view => self.arrange(shown.figure, whole, &painter),
+            Some(view) if view != scale.view => arrange(view),
             _ => (layout, scale),
         };
         let key = SeenOf {
@@ -125,7 +133,7 @@ impl Panel {
             (shown.selection, theme::of(ui)),
         );
         let under = response.hover_pos();
-        let hit = under.and_then(|at| nearest(shown.figure, seen, &scale, at, shown.selection));
+        let hit = under.and_then(|at| nearest(shown.figure, &scale, at, shown.selection));
         if let Some(hit) = hit {
             let point = shown.figure.series[hit.series].points()[hit.point];
             canvas.ring(
@@ -140,13 +148,6 @@ impl Panel {
         let frame = self.respond(ui, &response, shown, (&layout, &scale), hit);
         self.drawn = Some((layout, scale));
         frame
-    }
-
-    fn arrange(&self, figure: &Figure, whole: Rect, painter: &egui::Painter) -> (Layout, Scale) {
-        let view = self.view.unwrap_or_else(|| figure.whole());
-        let layout = arrange(figure, view, whole, &text_width(painter));
-        let rect = layout.plot;
-        (layout, Scale { view, rect })
     }
 
     /// Points in the view, as drawn last.

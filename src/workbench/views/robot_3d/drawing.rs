@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
 
 use super::mesh::{Triangles, circle, rgba, single};
-use super::scene::{CableView, Displacement, Scene, Wheel};
+use super::scene::{CableView, Displacement, MeasuredPose, Scene, Wheel};
 use crate::app::Selection;
 use crate::app::theme::{self, Palette};
 
@@ -15,6 +15,9 @@ use crate::app::theme::{self, Palette};
 const GHOST: f32 = 0.3;
 /// Opacity of ellipsoids.
 const ELLIPSOID: f32 = 0.28;
+
+/// Most poses that are drawn while the camera moves.
+const COARSE: usize = 8000;
 
 /// By what cables are coloured.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -142,6 +145,8 @@ pub struct Points {
     /// Diameter and width of the ring, 0 for a disc (points of the screen); radius (m) that replaces the point once it
     /// is seen larger, 0 for none.
     pub looks: Vec<[f32; 3]>,
+    /// Number of points, from the first, that are drawn while the camera moves.
+    pub coarse: usize,
 }
 
 impl Points {
@@ -207,6 +212,7 @@ impl Drawing {
             drawing.pulley(cable, options, size, palette);
         }
         drawing.instruments(scene, palette);
+        drawing.points.coarse = drawing.points.centres.len();
         if options.poses {
             drawing.poses(scene, selection, palette);
         }
@@ -328,20 +334,48 @@ impl Drawing {
         }
     }
 
+    /// Poses; those that are drawn while the camera moves come first.
     fn poses(&mut self, scene: &Scene, selection: Selection, palette: &Palette) {
-        let size = pose_size(scene.measured.len());
-        for pose in &scene.measured {
-            let colour = pose.residual.map_or(palette.ghost, |r| palette.residual(r));
-            self.points.push(&pose.position, colour, [size, 0.0, 0.0]);
-            if selection.pose == Some(pose.label) {
-                let ring = [size + 8.0, 2.0, 0.0];
-                self.points.push(&pose.position, palette.accent, ring);
-            }
-        }
         for position in &scene.planned {
             self.points.push(position, palette.accent, [8.0, 1.5, 0.0]);
         }
+        let size = pose_size(scene.measured.len());
+        let selected = selection
+            .pose
+            .and_then(|label| scene.measured.iter().find(|pose| pose.label == label));
+        if let Some(pose) = selected {
+            let ring = [size + 8.0, 2.0, 0.0];
+            self.points.push(&pose.position, palette.accent, ring);
+        }
+        let is_coarse = coarse(&scene.measured);
+        for wanted in [true, false] {
+            let poses = scene.measured.iter().zip(&is_coarse);
+            for (pose, _) in poses.filter(|(_, is)| **is == wanted) {
+                let colour = pose.residual.map_or(palette.ghost, |r| palette.residual(r));
+                self.points.push(&pose.position, colour, [size, 0.0, 0.0]);
+            }
+            if wanted {
+                self.points.coarse = self.points.centres.len();
+            }
+        }
     }
+}
+
+/// Which poses are drawn while the camera moves: all if they are few, else those with the largest residuals and every
+/// so many of the others.
+fn coarse(poses: &[MeasuredPose]) -> Vec<bool> {
+    if poses.len() <= COARSE {
+        return vec![true; poses.len()];
+    }
+    let size = |pose: &MeasuredPose| pose.residual.map_or(0.0, f64::abs);
+    let mut sizes: Vec<f64> = poses.iter().map(size).collect();
+    let place = sizes.len() - COARSE / 2;
+    let (_, least, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
+    let (least, stride) = (*least, poses.len().div_ceil(COARSE / 2));
+    let poses = poses.iter().enumerate();
+    poses
+        .map(|(k, pose)| k % stride == 0 || (size(pose) > 0.0 && size(pose) >= least))
+        .collect()
 }
 
 /// Colour of a cable.
@@ -429,5 +463,61 @@ mod tests {
         let largest = (0..3).map(|k| flat.column(k).norm()).fold(0.0, f64::max);
         assert!((largest - 1e-3 * 5.991_f64.sqrt()).abs() < 1e-12);
         assert!(ellipsoid(&moved(Vec3::zeros()), 1.0).is_none());
+    }
+
+    fn poses(count: i64) -> Vec<MeasuredPose> {
+        let pose = |label: i64| MeasuredPose {
+            label,
+            position: Vec3::new(label as f64 * 1e-6, 0.0, 0.0),
+            residual: Some((label as f64 * 0.7).sin()),
+        };
+        (0..count).map(pose).collect()
+    }
+
+    #[test]
+    fn while_the_camera_moves_few_poses_are_drawn_and_every_outlier() {
+        let mut many = poses(100_000);
+        many[43_211].residual = Some(-40.0);
+        let is_coarse = coarse(&many);
+        let count = is_coarse.iter().filter(|is| **is).count();
+        assert!(count <= COARSE && count > COARSE / 2, "{count}");
+        assert!(is_coarse[43_211]);
+        let size = |pose: &MeasuredPose| pose.residual.map_or(0.0, f64::abs);
+        let left_out = many.iter().zip(&is_coarse).filter(|(_, is)| !**is);
+        let largest_left_out = left_out.map(|(pose, _)| size(pose)).fold(0.0, f64::max);
+        let larger = many.iter().filter(|pose| size(pose) > largest_left_out);
+        assert!(larger.count() >= COARSE / 2 - 1, "the largest are there");
+        let few = poses(COARSE as i64);
+        assert!(coarse(&few).iter().all(|is| *is));
+    }
+
+    #[test]
+    fn once_the_camera_rests_every_pose_is_drawn() {
+        let robot = tautline_core::robot::presets::find("mini").unwrap().robot;
+        let nothing = tautline_core::measurement::Measurements::default();
+        let mut scene = super::super::scene::Subject::new(&robot, &nothing).scene();
+        let draw = |scene: &Scene| {
+            let drawing = Drawing::new(
+                scene,
+                &Options::default(),
+                Selection::pose(20_000),
+                Theme::Dark,
+            );
+            drawing.points
+        };
+        let bare = draw(&scene);
+        assert_eq!(bare.coarse, bare.centres.len());
+        scene.measured = poses(50_000);
+        let points = draw(&scene);
+        let ring = 1;
+        assert_eq!(points.centres.len(), bare.centres.len() + ring + 50_000);
+        assert!(points.coarse <= bare.coarse + ring + COARSE);
+        let mut places: Vec<f32> = points.centres[bare.centres.len() + ring..]
+            .iter()
+            .map(|centre| centre[0])
+            .collect();
+        places.sort_by(f32::total_cmp);
+        places.dedup();
+        assert_eq!(places.len(), 50_000, "each once");
     }
 }

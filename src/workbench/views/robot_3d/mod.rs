@@ -19,6 +19,7 @@ mod words;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::{Frame, Margin, Theme, Ui};
 use tautline_core::geometry::{Pose, Vec3};
@@ -38,6 +39,9 @@ use crate::app::fit::Fit;
 use crate::app::theme::GRID;
 use crate::app::{Document, Selection, State};
 use crate::widgets::empty;
+
+/// How long the camera rests before everything is drawn again (s).
+const REST_S: f64 = 0.1;
 
 /// Where the platform is now and what its sensors say, while it is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,6 +69,8 @@ pub struct Robot3d {
     drawings: u64,
     canvas: Canvas,
     hovers: bool,
+    /// When the camera moved last, in time of the window (s).
+    moved_s: Option<f64>,
 }
 
 /// What a scene depends on.
@@ -284,8 +290,20 @@ impl Robot3d {
         let camera = self.camera.get_or_insert_with(start);
         let before = *camera;
         canvas::steer(ui, &response, camera, &extent);
-        if *camera != before && !response.double_clicked() {
-            self.framed = None;
+        // Few points are drawn while the camera moves, all once it rests.
+        let has_more = drawing.points.coarse < drawing.points.centres.len();
+        let now_s = ui.input(|input| input.time);
+        if *camera != before {
+            self.moved_s = Some(now_s);
+            if !response.double_clicked() {
+                self.framed = None;
+            }
+        }
+        let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
+        let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0);
+        if let Some(left_s) = left_s {
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f64(left_s));
         }
         let picture = picking::Picture {
             scene,
@@ -294,8 +312,14 @@ impl Robot3d {
             size: [rect.width(), rect.height()].map(f64::from),
         };
         let thing = canvas::under_pointer(&response, &picture);
-        self.canvas
-            .paint(ui, rect, &drawing, self.drawings, &picture, *hovered);
+        self.canvas.paint(
+            ui,
+            rect,
+            &drawing,
+            (self.drawings, left_s.is_some()),
+            &picture,
+            *hovered,
+        );
         if let Some(thing) = thing {
             response
                 .clone()
