@@ -9,5 +9,6 @@ pub mod program;
 pub mod screenshots;
 pub mod sessions;
 pub mod table1;
+pub mod tables;
 pub mod truth;
 pub mod window;

@@ -1,18 +1,22 @@
 //! Writing identified values to a controller, so that it holds either all old or all new ones.
 //!
 //! There is no transaction in a controller. So the old values are read first, the new ones are written and read back,
-//! and if any did not arrive the old ones are written and read back.
+//! and if any did not arrive the old ones are written and read back. Where the connection breaks meanwhile, it is made
+//! anew and what the controller holds is settled: all new, all old, or the old ones are brought back.
 
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::robot::Robot;
 
 use crate::controller::{Controller, LinkError};
 use crate::parameters::{ParameterInfo, parameters_of};
+use crate::reconnecting::ReconnectPolicy;
 
 /// A value has arrived if it differs by less than this (m, rad, 1): rounding to single precision is arriving.
 const ARRIVED: f64 = 1e-9;
 /// See above, relative to the value.
 const ARRIVED_RELATIVE: f64 = 2e-7;
+/// So often a connection may break while values are settled.
+const SETTLINGS: usize = 8;
 
 /// One parameter at the controller and as identified.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,6 +126,9 @@ pub enum Holds {
     Unknown,
 }
 
+const OLD_VALUES: &str =
+    "The controller holds its old values: look for the cause, then write again.";
+
 /// Outcome of an attempt to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjustment {
@@ -171,6 +178,69 @@ pub fn write_adjustment(
     Ok(roll_back(controller, old, problem))
 }
 
+/// As [`write_adjustment`]; where the connection breaks, it is made anew and [`settle_adjustment`] settles what the
+/// controller holds.
+///
+/// # Errors
+/// As those of [`write_adjustment`]: nothing was written.
+pub fn write_adjustment_reconnecting(
+    controller: &mut dyn Controller,
+    new: &[(String, f64)],
+    policy: &mut dyn ReconnectPolicy,
+) -> Result<Adjustment, LinkError> {
+    let mut adjustment = write_adjustment(controller, new)?;
+    for _ in 0..SETTLINGS {
+        if adjustment.holds != Holds::Unknown {
+            break;
+        }
+        let settled = policy
+            .bring_back(controller)
+            .map(|()| settle_adjustment(controller, &adjustment.old, new));
+        match settled {
+            Ok(Ok(settled)) => {
+                adjustment.holds = settled.holds;
+                adjustment.advice = settled.advice;
+            }
+            // Lost again before anything could be read.
+            Ok(Err(_)) => {}
+            Err(error) => {
+                let problem = adjustment.problem.unwrap_or_default();
+                let problem = format!("{problem} The connection could not be made anew: {error}.");
+                adjustment.problem = Some(problem.trim().to_owned());
+                break;
+            }
+        }
+    }
+    Ok(adjustment)
+}
+
+/// Settles what a controller holds after the connection was lost while `new` values were written over `old` ones: all
+/// new and all old values are left as they are, of a mixture the old ones are written. That needs arming.
+///
+/// # Errors
+/// If the values cannot be read.
+pub fn settle_adjustment(
+    controller: &mut dyn Controller,
+    old: &[(String, f64)],
+    new: &[(String, f64)],
+) -> Result<Adjustment, LinkError> {
+    let problem = "The connection was lost while values were written.".to_owned();
+    let settled = |holds, advice: &str| Adjustment {
+        holds,
+        old: old.to_vec(),
+        problem: Some(problem.clone()),
+        advice: advice.to_owned(),
+    };
+    if differing(controller, new)?.is_empty() {
+        let advice = "All new values arrived before the connection was lost: verify them with a verification run.";
+        return Ok(settled(Holds::New, advice));
+    }
+    if differing(controller, old)?.is_empty() {
+        return Ok(settled(Holds::Old, OLD_VALUES));
+    }
+    Ok(roll_back(controller, old.to_vec(), problem))
+}
+
 /// Brings back the old values.
 fn roll_back(
     controller: &mut dyn Controller,
@@ -178,10 +248,7 @@ fn roll_back(
     problem: String,
 ) -> Adjustment {
     let (holds, advice) = match write_and_compare(controller, &old) {
-        Ok(wrong) if wrong.is_empty() => (
-            Holds::Old,
-            "The controller holds its old values: look for the cause, then write again.".to_owned(),
-        ),
+        Ok(wrong) if wrong.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
         Ok(wrong) => {
             let list = wrong.join(", ");
             let advice = format!(
@@ -208,7 +275,7 @@ fn what_is_left(
     match differing(controller, old) {
         Ok(wrong) if wrong.is_empty() => (
             Holds::Old,
-            "The controller holds its old values: look for the cause, then write again.".to_owned(),
+            OLD_VALUES.to_owned(),
         ),
         Ok(wrong) => {
             let advice = format!(

@@ -1,11 +1,12 @@
 //! Tests of writing to a simulated controller that fails in every way.
 
 use super::*;
+use crate::reconnecting::{Attempts, BackOff};
 use crate::simulated::{Fault, SimulatedRobot};
 use crate::testing::{armed, identified, measured, preset};
-use crate::{Limited, ManualClock};
+use crate::{ManualClock, Station};
 
-fn robot(faults: Vec<Fault>) -> (Limited<SimulatedRobot>, ManualClock) {
+fn robot(faults: Vec<Fault>) -> (Station<SimulatedRobot>, ManualClock) {
     let (mut robot, clock) = armed(&preset("mini"), |_| ());
     robot.inner_mut().set_faults(faults);
     (robot, clock)
@@ -16,14 +17,14 @@ fn new_values() -> Vec<(String, f64)> {
     names.into_iter().zip([-0.49, -0.37, -0.45]).collect()
 }
 
-fn held(robot: &mut Limited<SimulatedRobot>) -> Vec<f64> {
+fn held(robot: &mut Station<SimulatedRobot>) -> Vec<f64> {
     let names: Vec<String> = new_values().into_iter().map(|(name, _)| name).collect();
     robot.read(&names).unwrap()
 }
 
 const OLD: [f64; 3] = [-0.5, -0.378, -0.4415];
 
-fn attempt(faults: Vec<Fault>) -> (Adjustment, Limited<SimulatedRobot>) {
+fn attempt(faults: Vec<Fault>) -> (Adjustment, Station<SimulatedRobot>) {
     let (mut robot, _) = robot(faults);
     let adjustment = write_adjustment(&mut robot, &new_values()).unwrap();
     let old: Vec<f64> = adjustment.old.iter().map(|(_, value)| *value).collect();
@@ -126,4 +127,68 @@ fn differences_have_the_deviations_of_what_was_estimated() {
     );
     let without = plan_adjustment(&held[..3], &model, None);
     assert!(without[3..].iter().all(|d| !d.is_writable_change()));
+}
+
+fn attempts(attempts: u32, waited: &mut Vec<f64>) -> Attempts<impl FnMut(f64)> {
+    Attempts {
+        back_off: BackOff::default(),
+        attempts,
+        wait: |pause_s| waited.push(pause_s),
+    }
+}
+
+#[test]
+fn a_lost_connection_is_made_anew_and_settled() {
+    // The fault stays, so writing the old values breaks the connection again, until too few values are left to write.
+    let (mut robot, _) = robot(vec![Fault::WriteDisconnects { after: 1 }]);
+    let mut waited = Vec::new();
+    let mut policy = attempts(2, &mut waited);
+    let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut policy).unwrap();
+    // The first value was written back before the connection broke again.
+    assert_eq!(adjustment.holds, Holds::Old);
+    let problem = adjustment.problem.unwrap();
+    assert!(problem.contains("connection"), "{problem}");
+    assert_eq!(held(&mut robot), OLD);
+    drop(policy);
+    assert!(!waited.is_empty() && waited.iter().all(|pause| *pause == 0.0));
+}
+
+#[test]
+fn a_controller_that_does_not_come_back_is_told_so() {
+    let (mut robot, _) = robot(vec![Fault::WriteDisconnects { after: 1 }]);
+    struct Never;
+    impl ReconnectPolicy for Never {
+        fn bring_back(&mut self, _: &mut dyn Controller) -> Result<(), LinkError> {
+            Err(LinkError::Timeout(1.0))
+        }
+    }
+    let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut Never).unwrap();
+    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert!(
+        adjustment
+            .problem
+            .unwrap()
+            .contains("could not be made anew")
+    );
+}
+
+#[test]
+fn what_a_controller_holds_is_settled() {
+    let new = new_values();
+    let names = new.iter().map(|(name, _)| name.clone());
+    let old: Vec<(String, f64)> = names.zip(OLD).collect();
+    let (mut robot, _) = robot(Vec::new());
+    let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
+    assert_eq!(settled.holds, Holds::Old);
+    robot.write(&new).unwrap();
+    let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
+    assert_eq!(settled.holds, Holds::New);
+    robot.write(&old[..2]).unwrap();
+    robot.disarm();
+    let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
+    assert_eq!(settled.holds, Holds::Mixed(vec![old[2].0.clone()]));
+    robot.arm().unwrap();
+    let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
+    assert_eq!(settled.holds, Holds::Old);
+    assert_eq!(held(&mut robot), OLD);
 }

@@ -39,6 +39,9 @@ pub enum LinkError {
         /// Why not.
         reason: String,
     },
+    /// A laser distance sensor of its own cannot be used.
+    #[error("the laser distance sensor: {0}")]
+    Laser(String),
     /// A controller or run cannot be set up.
     #[error("{0}")]
     Setup(String),
@@ -167,6 +170,11 @@ pub trait Controller: Send {
     /// # Errors
     /// If not armed, moving, the connection is lost, there is no such parameter or it cannot have the value.
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError>;
+
+    /// Why there is no laser distance at present, where more is known than that there is none.
+    fn laser_trouble(&self) -> Option<String> {
+        None
+    }
 }
 
 /// An external instrument that measures where the platform is, in the base frame.
@@ -220,5 +228,8 @@ impl<C: Controller + ?Sized> Controller for Box<C> {
     }
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
         (**self).write(values)
+    }
+    fn laser_trouble(&self) -> Option<String> {
+        (**self).laser_trouble()
     }
 }

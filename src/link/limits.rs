@@ -4,11 +4,12 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{TensionRange, Workspace};
 
-use crate::controller::{Controller, ControllerState, LinkError, Sample};
-use crate::parameters::ParameterInfo;
+use crate::controller::LinkError;
 
 /// A reading may exceed the limit of the tension by this many of its standard deviations: that is noise.
 const NOISE: f64 = 6.0;
+/// By how much the length of an orientation's quaternion may differ from 1.
+const UNIT: f64 = 1e-6;
 
 /// Where a robot may move and how hard its cables may pull.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +38,10 @@ impl Limits {
     /// # Errors
     /// [`LinkError::Limit`] if not.
     pub fn check_pose(&self, pose: &Pose) -> Result<(), LinkError> {
+        if !is_pose(pose) {
+            let text = "the commanded pose is not made of finite numbers";
+            return Err(LinkError::Limit(text.to_owned()));
+        }
         let at = || {
             let [x, y, z] = (pose.position * 1e3).into();
             format!("position ({x:.1}, {y:.1}, {z:.1}) mm")
@@ -81,95 +86,17 @@ impl Limits {
     }
 }
 
-/// A controller that keeps the limits.
-#[derive(Debug)]
-pub struct Limited<C> {
-    inner: C,
-    limits: Limits,
-    /// Whether a cable pulled too hard when last sampled: said once, so that the operator can still see and move.
-    overloaded: bool,
-}
-
-impl<C: Controller> Limited<C> {
-    /// Guards a controller.
-    #[must_use]
-    pub fn new(inner: C, limits: Limits) -> Self {
-        Self {
-            inner,
-            limits,
-            overloaded: false,
-        }
-    }
-
-    /// The limits.
-    #[must_use]
-    pub fn limits(&self) -> &Limits {
-        &self.limits
-    }
-
-    /// The guarded controller.
-    pub fn inner_mut(&mut self) -> &mut C {
-        &mut self.inner
-    }
-}
-
-impl<C: Controller> Controller for Limited<C> {
-    fn identity(&self) -> String {
-        self.inner.identity()
-    }
-    fn connect(&mut self) -> Result<(), LinkError> {
-        self.inner.connect()
-    }
-    fn disconnect(&mut self) {
-        self.inner.disconnect();
-    }
-    fn state(&self) -> ControllerState {
-        self.inner.state()
-    }
-    fn arm(&mut self) -> Result<(), LinkError> {
-        self.inner.arm()
-    }
-    fn disarm(&mut self) {
-        self.inner.disarm();
-    }
-    /// As that of the controller; where a cable begins to pull too hard the platform is stopped and the
-    /// error returned, once.
-    fn sample(&mut self) -> Result<Sample, LinkError> {
-        let sample = self.inner.sample()?;
-        let checked = self.limits.check_forces(&sample.force_n);
-        let was = std::mem::replace(&mut self.overloaded, checked.is_err());
-        if let (Err(limit), false) = (checked, was) {
-            self.inner.stop()?;
-            return Err(limit);
-        }
-        Ok(sample)
-    }
-    fn home(&mut self) -> Result<(), LinkError> {
-        self.inner.home()
-    }
-    fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
-        self.limits.check_pose(pose)?;
-        self.inner.command(pose)
-    }
-    fn stop(&mut self) -> Result<(), LinkError> {
-        self.inner.stop()
-    }
-    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
-        self.inner.parameters()
-    }
-    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
-        self.inner.read(names)
-    }
-    fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
-        self.inner.write(values)
-    }
+/// Whether all numbers of a pose are finite and its orientation is one.
+fn is_pose(pose: &Pose) -> bool {
+    let wxyz = pose.orientation_wxyz();
+    let length = wxyz.iter().map(|q| q * q).sum::<f64>().sqrt();
+    // A length that is not a number fails, too.
+    pose.position.iter().all(|value| value.is_finite()) && (length - 1.0).abs() < UNIT
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::simulated::Fault;
-    use crate::testing::{armed, limits, preset};
+    use crate::testing::{limits, preset};
 
     #[test]
     fn poses_that_cannot_be_held_are_refused() {
@@ -183,28 +110,11 @@ mod tests {
         assert!(held.contains("no tensions between 10 N and 11 N"), "{held}");
         let mut nowhere = centre;
         nowhere.position.x = f64::NAN;
-        assert!(limits.check_pose(&nowhere).is_err());
-    }
-
-    #[test]
-    fn an_overloaded_cable_stops_the_motion_and_is_told_once() {
-        let preset = preset("mini");
-        let (mut robot, clock) = armed(&preset, |_| ());
-        let mut target = preset.workspace.centre;
-        target.position.x += 0.15;
-        robot.command(&target).unwrap();
-        clock.advance(0.5);
-        let overload = Fault::Tension {
-            cable: 1,
-            reading_n: 400.0,
-        };
-        robot.inner_mut().set_faults(vec![overload]);
-        let told = robot.sample().unwrap_err().to_string();
-        assert!(
-            told.contains("cable-2 pulls with 200 N, at most 150 N"),
-            "{told}"
-        );
-        assert_eq!(robot.state().activity, crate::Activity::Still);
-        assert!(robot.sample().is_ok());
+        let told = limits.check_pose(&nowhere).unwrap_err().to_string();
+        assert!(told.contains("not made of finite numbers"), "{told}");
+        let mut turned = centre;
+        let unknown = nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0);
+        turned.orientation = nalgebra::UnitQuaternion::new_unchecked(unknown);
+        assert!(limits.check_pose(&turned).is_err());
     }
 }

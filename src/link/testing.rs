@@ -14,7 +14,7 @@ use crate::clock::{Clock, ManualClock};
 use crate::controller::Controller;
 use crate::measuring::{Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, measurements_of};
 use crate::simulated::{SimulatedRobot, SimulatedSetup};
-use crate::{Limited, Limits};
+use crate::{Limits, Station};
 
 pub(crate) fn preset(name: &str) -> Preset {
     presets::find(name).unwrap()
@@ -28,16 +28,16 @@ pub(crate) fn limits(preset: &Preset) -> Limits {
     }
 }
 
-/// An armed robot behind its limits, and its clock.
+/// An armed robot in its station, and its clock.
 pub(crate) fn armed(
     preset: &Preset,
     change: impl FnOnce(&mut SimulatedSetup),
-) -> (Limited<SimulatedRobot>, ManualClock) {
+) -> (Station<SimulatedRobot>, ManualClock) {
     let mut setup = SimulatedSetup::of_preset(preset, 4);
     change(&mut setup);
     let clock = ManualClock::default();
     let robot = SimulatedRobot::new(setup, Arc::new(clock.clone())).unwrap();
-    let mut robot = Limited::new(robot, limits(preset));
+    let mut robot = Station::new(robot, limits(preset));
     robot.connect().unwrap();
     robot.arm().unwrap();
     (robot, clock)

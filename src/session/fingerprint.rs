@@ -1,5 +1,9 @@
 //! Fingerprints that stay the same from one version of the program to the next.
 
+use std::fs::File;
+use std::io::{BufRead, BufReader, Result as IoResult};
+use std::path::Path;
+
 use serde_json::Value;
 
 /// FNV-1a of 64 bits (Fowler, Noll and Vo): recognises accidents, not forgeries.
@@ -15,6 +19,21 @@ impl Fingerprint {
     /// The fingerprint of bytes.
     pub fn of(bytes: &[u8]) -> Self {
         Self::new().and(bytes)
+    }
+
+    /// The fingerprint of what is in a file.
+    pub fn of_file(path: &Path) -> IoResult<Self> {
+        let mut reader = BufReader::with_capacity(1 << 16, File::open(path)?);
+        let mut hash = Self::new();
+        loop {
+            let bytes = reader.fill_buf()?;
+            if bytes.is_empty() {
+                return Ok(hash);
+            }
+            hash = hash.and(bytes);
+            let read = bytes.len();
+            reader.consume(read);
+        }
     }
 
     /// Takes more bytes in.

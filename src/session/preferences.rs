@@ -25,7 +25,13 @@ pub struct Preferences {
     pub interface_scale: f64,
     /// Width and height of the window when it was last closed, in points.
     pub window_size: Option<[f64; 2]>,
-    /// Name of the operator, for the log of adjustments.
+    /// Sizes of the parts of the window.
+    pub layout: Layout,
+    /// Which plots are shown beside each other.
+    pub plots: Plots,
+    /// What reports have and say.
+    pub report: Report,
+    /// Name of the operator, for the log of adjustments and the report.
     pub operator: String,
     recent: Vec<RecentSession>,
 }
@@ -41,6 +47,51 @@ pub enum Theme {
     Dark,
     /// Light.
     Light,
+}
+
+/// Sizes of the parts of the window, where they were chosen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Layout {
+    /// Width of the panel of the phases (points).
+    pub panel_width: Option<f64>,
+    /// Height of the plots (points).
+    pub plots_height: Option<f64>,
+}
+
+/// Which plots are shown beside each other.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Plots {
+    /// How many, and how they stand.
+    pub arrangement: Arrangement,
+    /// Name of the plot in each place, from the upper left one row by row; one that is not known is ignored.
+    pub panes: Vec<String>,
+}
+
+/// How plots stand beside each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arrangement {
+    /// One alone.
+    #[default]
+    One,
+    /// Two side by side.
+    SideBySide,
+    /// Two rows of two.
+    Grid,
+}
+
+/// What reports have and say.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Report {
+    /// For whom measurements are made.
+    pub company: String,
+    /// A line above the title.
+    pub header: String,
+    /// Names of parts that are left out; one that is not known is ignored.
+    pub without: Vec<String>,
 }
 
 /// A session that was open.
@@ -74,6 +125,9 @@ impl Default for Preferences {
             theme: Theme::default(),
             interface_scale: 1.0,
             window_size: None,
+            layout: Layout::default(),
+            plots: Plots::default(),
+            report: Report::default(),
             operator: String::new(),
             recent: Vec::new(),
         }
@@ -97,6 +151,14 @@ impl Document for Preferences {
             return fail("/interface_scale", message);
         }
         let is_size = |length: &f64| length.is_finite() && *length > 0.0;
+        for (pointer, length) in [
+            ("/layout/panel_width", self.layout.panel_width),
+            ("/layout/plots_height", self.layout.plots_height),
+        ] {
+            if let Some(length) = length.filter(|length| !is_size(length)) {
+                return fail(pointer, format!("found {length}, expected a length"));
+            }
+        }
         match self.window_size {
             Some(size) if !size.iter().all(is_size) => {
                 let message = format!("found {size:?}, expected a width and a height");
@@ -186,6 +248,14 @@ mod tests {
             theme: Theme::Dark,
             interface_scale: 1.5,
             window_size: Some([1280.0, 800.0]),
+            layout: Layout {
+                panel_width: Some(500.0),
+                plots_height: None,
+            },
+            plots: Plots {
+                arrangement: Arrangement::SideBySide,
+                panes: vec!["laser".into()],
+            },
             operator: "B. Smith".into(),
             ..Preferences::default()
         };
@@ -217,6 +287,10 @@ mod tests {
             (
                 &format!("{head}1, \"window_size\": [0, 1]}}"),
                 "/window_size",
+            ),
+            (
+                &format!("{head}1, \"layout\": {{\"plots_height\": -1}}}}"),
+                "/layout/plots_height",
             ),
         ] {
             std::fs::write(&path, text).expect("written");

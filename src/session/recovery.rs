@@ -7,12 +7,19 @@
 //! session-a1b2c3/
 //!   snapshot.json         the session as it was at some time
 //!   journal.jsonl         poses measured since, one per line
+//!   changes.json          the session without its poses as it was later, if it was changed
 //!   origin.json           the file that the session belongs to
 //! ```
 //!
+//! A measured pose is a line of the journal and nothing else; an edit replaces the changes, which hold no
+//! poses; only where measurements come otherwise, as from a file, is there a new snapshot. So what is
+//! written grows as what is measured and edited, not as its square.
+//!
 //! A snapshot is complete before the journal is shortened, so that at any moment both together hold
-//! every measured pose. A pose that is in both is recognised by its label.
+//! every measured pose. A pose that is in both is recognised by its label. Changes name the snapshot that
+//! they follow by its fingerprint: those of an older one count no more.
 
+mod changes;
 mod journal;
 mod keeper;
 mod left_behind;
@@ -25,11 +32,13 @@ use tautline_core::robot::FieldError;
 
 use crate::error::WriteError;
 use crate::json::{Document, write_document};
+pub use changes::Changes;
 pub use keeper::Keeper;
 pub use left_behind::{LeftBehind, Recovered, left_behind};
 
 const SNAPSHOT: &str = "snapshot.json";
 const JOURNAL: &str = "journal.jsonl";
+const CHANGES: &str = "changes.json";
 const ORIGIN: &str = "origin.json";
 /// Beginning of the names of the folders of sessions.
 const PREFIX: &str = "session-";

@@ -3,7 +3,9 @@
 mod adjustment;
 mod basis;
 mod check;
+mod connection;
 mod document;
+mod laser_settings;
 mod log;
 mod measured_pose;
 mod measurement_table;
@@ -24,7 +26,12 @@ use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
+pub use connection::{
+    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation, AdsStatus,
+    AdsSymbol, AdsSymbols, Connection, is_per_cable, name_of_cable,
+};
 pub(crate) use document::SessionDocument;
+pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 pub use log::{LogEntry, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
 pub(crate) use measurement_table::MeasurementTable;
@@ -60,6 +67,10 @@ pub struct Session {
     pub simulator: Option<Simulator>,
     /// The parameters that the controller holds, so that a simulated one goes on where it was.
     pub controller: Vec<NamedValue>,
+    /// Where the laser distance comes from.
+    pub laser_source: LaserSettings,
+    /// How the robot's own controller is reached.
+    pub connection: Connection,
     excluded: BTreeSet<i64>,
     results: Vec<ResultRecord>,
     adjustments: Vec<Adjustment>,
@@ -82,6 +93,8 @@ impl Session {
             settings: Settings::default(),
             simulator: None,
             controller: Vec::new(),
+            laser_source: LaserSettings::default(),
+            connection: Connection::default(),
             excluded: BTreeSet::new(),
             results: Vec::new(),
             adjustments: Vec::new(),
@@ -247,15 +260,13 @@ pub(crate) fn from_document(
 /// # Errors
 /// If the session could not be read again or the file cannot be written.
 pub fn write_session(path: &Path, session: &Session) -> Result<(), WriteError> {
-    let document = SessionDocument::of(session);
-    document
-        .clone()
-        .into_session()
-        .map_err(|error| WriteError::Content {
-            path: path.into(),
-            message: error.to_string(),
-        })?;
-    write_document(path, &document)
+    // Made twice instead of copied: two large documents need not be there at once.
+    let read_again = SessionDocument::of(session).into_session();
+    read_again.map_err(|error| WriteError::Content {
+        path: path.into(),
+        message: error.to_string(),
+    })?;
+    write_document(path, &SessionDocument::of(session))
 }
 
 fn below(parent: &str, error: FieldError) -> FieldError {

@@ -217,7 +217,7 @@ pub fn render_scene(
     let mut output = FullOutput::default();
     for _ in 0..2 {
         output = context.run_ui(input.clone(), |ui| {
-            canvas.paint(ui, rect, &drawing, 1, &picture, selection);
+            canvas.paint(ui, rect, &drawing, (1, false), &picture, selection);
         });
         painter.take_textures(&mut output.textures_delta)?;
     }

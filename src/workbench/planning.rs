@@ -1,9 +1,10 @@
-//! Poses to measure, for the window and the commands.
+//! Poses to measure and what to expect of them, for the window and the commands.
 
 use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Control, Method};
-use tautline_core::planning::{Indices, Plan, PlanError, PlanOptions, PlanProgress, plan};
-use tautline_core::simulation::TensionRange;
+use tautline_core::geometry::Pose;
+use tautline_core::measurement::Measurements;
+use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
 use tautline_session::{PlannedPose, Session};
 
 use crate::controllers::bounds;
@@ -11,8 +12,6 @@ use crate::controllers::bounds;
 /// Seed of the poses among which is chosen.
 pub const SEED: u64 = 1;
 
-/// Part of the range of tensions at each end that planned poses leave free where they can.
-const MARGIN: f64 = 0.1;
 /// A plan and what to expect of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlook {
@@ -28,64 +27,89 @@ pub struct Outlook {
     pub way_m: f64,
 }
 
+/// What is planned: the options that depend on the session alone.
+fn options<'a>(
+    session: &Session,
+    effects: &'a [BoundEffect],
+    existing: &'a Measurements,
+    (poses, seed): (usize, u64),
+) -> PlanOptions<'a> {
+    let (workspace, tension) = bounds(&session.robot);
+    PlanOptions {
+        workspace: Some(workspace),
+        tension: Some(tension),
+        effects,
+        // Before more poses than the home pose are measured there is nothing to build on.
+        existing: (existing.len() > 1).then_some(existing),
+        method: match session.settings.identification.method {
+            tautline_session::Method::Simple => Method::Simple,
+            _ => Method::Joint,
+        },
+        ..PlanOptions::new(poses, seed)
+    }
+}
+
+fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
+    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
+        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
+        .collect();
+    effects.map_err(|error| error.to_string())
+}
+
 /// Chooses so many poses with a seed, after those that are measured already.
 ///
 /// # Errors
 /// One sentence, if there is no such plan or the observer cancelled it.
 pub fn outlook(
     session: &Session,
-    (poses, seed): (usize, u64),
+    wanted: (usize, u64),
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Outlook, String> {
-    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
-        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
-        .collect();
-    let effects = effects.map_err(|error| error.to_string())?;
-    let dataset = session.dataset();
-    let (workspace, tension) = bounds(&session.robot);
-    let options = PlanOptions {
-        workspace: Some(workspace),
-        tension: Some(tension),
-        effects: &effects,
-        // Before more poses than the home pose are measured there is nothing to build on.
-        existing: (dataset.measurements.len() > 1).then_some(&dataset.measurements),
-        method: match session.settings.identification.method {
-            tautline_session::Method::Simple => Method::Simple,
-            _ => Method::Joint,
-        },
-        ..PlanOptions::new(poses, seed)
-    };
-    let cautious = PlanOptions {
-        tension: Some(inner(tension)),
-        ..options.clone()
-    };
-    let planned = match plan(&session.robot, &cautious, observe) {
-        Err(PlanError::TooFewPoses { .. } | PlanError::Simulation(_)) => {
-            plan(&session.robot, &options, observe)
-        }
-        planned => planned,
-    };
+    let effects = effects(session)?;
+    let measured = session.dataset().measurements;
+    let options = options(session, &effects, &measured, wanted);
+    let planned = plan(&session.robot, &options, observe);
     let planned = planned.map_err(|error| error.to_string())?;
-    Ok(Outlook {
-        poses: with_home(session, &planned),
-        expected: planned.expected.indices,
-        random: planned.random.indices,
-        after_m: (0..=planned.poses.len())
-            .map(|count| planned.after(count).indices.mean_m)
-            .collect(),
-        way_m: planned.order.travel_m,
-    })
+    Ok(Outlook::of(with_home(session, &planned), &planned))
 }
 
-/// The range without its ends: the real robot differs from its description, and poses that only just can be held may
-/// not be held by it.
-fn inner(tension: TensionRange) -> TensionRange {
-    let margin_n = MARGIN * (tension.upper_n - tension.lower_n);
-    TensionRange {
-        lower_n: (tension.lower_n + margin_n).min(tension.reference_n),
-        upper_n: (tension.upper_n - margin_n).max(tension.reference_n),
-        ..tension
+impl Outlook {
+    fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
+        Self {
+            poses,
+            expected: planned.expected.indices,
+            random: planned.random.indices,
+            after_m: (0..=planned.poses.len())
+                .map(|count| planned.after(count).indices.mean_m)
+                .collect(),
+            way_m: planned.order.travel_m,
+        }
     }
+}
+
+/// What the plan of a session promises, built on what was measured outside of it.
+///
+/// # Errors
+/// One sentence, if nothing can be said or the observer cancelled it.
+pub fn stored(
+    session: &Session,
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
+    let measured = session.dataset().measurements;
+    let others: Vec<usize> = (0..measured.len())
+        .filter(|row| measured.labels[*row] == 0 || !is_planned(measured.labels[*row]))
+        .collect();
+    let measured = measured.select(&others);
+    let poses: Vec<Pose> = (session.plan.iter())
+        .filter(|pose| pose.label != 0)
+        .map(PlannedPose::pose)
+        .collect();
+    let options = options(session, &effects, &measured, (poses.len(), SEED));
+    let planned = expect(&session.robot, &poses, &options, observe);
+    let planned = planned.map_err(|error| error.to_string())?;
+    Ok(Outlook::of(session.plan.clone(), &planned))
 }
 
 /// The poses with labels of their own, after the home pose where that is not measured yet.

@@ -29,9 +29,13 @@ fn main() -> Result<()> {
         Some("screenshots") => {
             screenshots::write_all(argument.map_or(screenshots::folder(), Path::new))?;
         }
+        Some("looks") => {
+            let folder = argument.context("looks: the folder to write to is missing")?;
+            screenshots::looks::write_all(Path::new(folder))?;
+        }
         _ => bail!(
             "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write], write [FOLDER], \
-             sessions [FOLDER], screenshots [FOLDER]"
+             sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
         ),
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! Pictures of the program for the README, taken from the real thing without a window.
 
 mod files;
+pub mod looks;
 mod stage;
 mod tour;
 

@@ -1,8 +1,9 @@
 //! A workbench to take pictures of.
 
 use anyhow::Result;
+use egui::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbImage;
 use tautline_session::Folders;
 use tautline_workbench::app::command::Command;
@@ -68,6 +69,41 @@ impl Stage {
         found.expect("one at least").click_accesskit();
         self.harness.step();
         settle(&mut self.harness);
+    }
+
+    /// Presses the last that has this name and can be pressed, and waits until all is done.
+    pub fn press_named(&mut self, name: &str) {
+        let mut found: Vec<_> = self.harness.query_all_by_label(name).collect();
+        found.retain(|node| node.accesskit_node().role() != Role::Label);
+        let last = found.pop();
+        last.unwrap_or_else(|| panic!("no {name:?}"))
+            .click_accesskit();
+        self.harness.step();
+        settle(&mut self.harness);
+    }
+
+    /// Presses keys and waits until all is done.
+    pub fn key(&mut self, modifiers: egui::Modifiers, key: egui::Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.step();
+        settle(&mut self.harness);
+    }
+
+    /// Makes the window so large (pixels), at a scale.
+    pub fn resize(&mut self, size: [f32; 2], scale: f32) {
+        self.harness.set_pixels_per_point(scale);
+        // The scale changes with the next frame, and the size with it.
+        self.harness.step();
+        self.harness.set_size(egui::Vec2::from(size) / scale);
+        settle(&mut self.harness);
+    }
+
+    /// Scrolls to the first that has a name beginning like this, if there is one.
+    pub fn shows(&mut self, beginning: &str) -> bool {
+        let found = self.harness.query_all_by_label_contains(beginning).next();
+        let is_there = found.map(|found| found.scroll_to_me()).is_some();
+        settle(&mut self.harness);
+        is_there
     }
 
     /// Scrolls to the first that has a name beginning like this.

@@ -103,8 +103,7 @@ impl Running {
     }
 
     fn append(&mut self, pose: &MeasuredPose) {
-        self.document()
-            .append(|session| session.append_pose(pose).expect("it fits"));
+        self.document().append_pose(pose).expect("it fits");
         self.harness.step();
     }
 

@@ -26,7 +26,7 @@ fn clean_data_have_no_cards() {
     let mut harness = measured.opened();
     press(&mut harness, "Identify");
     press(&mut harness, ASK);
-    harness.get_by_label("mini: the model explains the readings of 26 poses.");
+    harness.get_by_label("The model explains the readings of 26 poses.");
     assert!(harness.query_by_label_contains("Add to model").is_none());
     harness.get_by_label_contains("Nothing found does not mean that nothing is there");
     press(&mut harness, "What these poses cannot show");
@@ -91,7 +91,7 @@ fn a_cause_is_named_added_removed_and_undone() {
     harness.get_by_label("The model explains the data.");
     press(&mut harness, ASK);
     harness.get_by_label_contains("are held at the values identified");
-    harness.get_by_label("mini: the model explains the readings of 41 poses.");
+    harness.get_by_label("The model explains the readings of 41 poses.");
 }
 
 #[test]

@@ -3,11 +3,18 @@
 use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
+use tautline_session::{Arrangement, Plots};
+use tautline_workbench::app::Answer;
 use tautline_workbench::app::App;
-use tautline_workbench::app::commands::{CompareCommand, ModelCommand, ViewCommand};
+use tautline_workbench::app::commands::{
+    CompareCommand, FileCommand, ModelCommand, ReportCommand, ViewCommand,
+};
+use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::report::ReportFormat;
+use tautline_workbench::views::plots::Panes;
 
-use crate::measured::Measured;
+use crate::measured::{Measured, give};
 use crate::support::settle;
 
 /// Sizes of the window in pixels.
@@ -69,10 +76,12 @@ fn is_part(role: Role) -> bool {
 
 /// What is wrong with what is seen between the bars at the top and at the bottom.
 fn faults(harness: &Harness<'_, App>) -> Vec<String> {
-    let window = harness.ctx.content_rect();
-    let all = seen(harness);
+    faults_of(harness.ctx.content_rect(), &seen(harness))
+}
+
+fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
     let mut faults = Vec::new();
-    for part in &all {
+    for part in all {
         if part.rect.min.x < window.min.x - 0.5 || part.rect.max.x > window.max.x + 0.5 {
             faults.push(format!(
                 "{:?} \"{}\" leaves the window: {:?}",
@@ -107,6 +116,52 @@ fn faults(harness: &Harness<'_, App>) -> Vec<String> {
 
 /// Looks at the present screen in both themes, all sizes and scales.
 fn check(harness: &mut Harness<'_, App>, what: &str) {
+    check_with(harness, what, &mut |harness| {
+        harness.run_ok();
+        faults(harness)
+    });
+}
+
+/// What is wrong with a window that is opened over the screen and closed again: it is looked at alone, and all of it
+/// has to be in the window of the program.
+fn check_dialog(
+    harness: &mut Harness<'_, App>,
+    what: &str,
+    [open, close]: [&mut dyn FnMut(&mut Harness<'_, App>); 2],
+) {
+    check_with(harness, what, &mut |harness| {
+        harness.run_ok();
+        let behind = seen(harness);
+        open(harness);
+        settle(harness);
+        let mut parts = seen(harness);
+        let same = |a: &Seen, b: &Seen| {
+            a.name == b.name && (a.rect.min - b.rect.min).length() < 1.0 && a.role == b.role
+        };
+        parts.retain(|part| !behind.iter().any(|other| same(part, other)));
+        let window = harness.ctx.content_rect();
+        let mut found = faults_of(window, &parts);
+        if parts.is_empty() {
+            found.push("nothing is opened".to_owned());
+        }
+        let outside = parts.iter().filter(|part| {
+            part.rect.min.y < window.min.y - 0.5 || part.rect.max.y > window.max.y + 0.5
+        });
+        found.extend(
+            outside.map(|part| format!("\"{}\" leaves the window: {:?}", part.name, part.rect)),
+        );
+        close(harness);
+        settle(harness);
+        found
+    });
+}
+
+/// Finds faults in both themes, all sizes and scales.
+fn check_with(
+    harness: &mut Harness<'_, App>,
+    what: &str,
+    find: &mut dyn FnMut(&mut Harness<'_, App>) -> Vec<String>,
+) {
     let mut faults_of_all = Vec::new();
     for theme in [ThemePreference::Dark, ThemePreference::Light] {
         harness.ctx.set_theme(theme);
@@ -119,7 +174,7 @@ fn check(harness: &mut Harness<'_, App>, what: &str) {
                 harness.run_ok();
                 let now = harness.ctx.content_rect().size() * scale;
                 assert!((now - size).length() < 1.0, "{now:?} instead of {size:?}");
-                let found = faults(harness).into_iter();
+                let found = find(harness).into_iter();
                 faults_of_all.extend(
                     found.map(|fault| format!("{what}, {theme:?}, {size:?} at {scale}: {fault}")),
                 );
@@ -156,4 +211,84 @@ fn every_phase_fits() {
     harness.state_mut().state.outbox.send(CompareCommand::Show);
     settle(&mut harness);
     check(&mut harness, "compare");
+}
+
+/// A command that opens a window, and one that closes it.
+fn by_commands(
+    harness: &mut Harness<'_, App>,
+    what: &str,
+    [open, close]: [tautline_workbench::app::command::Command; 2],
+) {
+    let send = |command: &tautline_workbench::app::command::Command| {
+        let command = command.clone();
+        move |harness: &mut Harness<'_, App>| {
+            harness.state_mut().state.outbox.send(command.clone());
+            harness.step();
+        }
+    };
+    let (mut open, mut close) = (send(&open), send(&close));
+    check_dialog(harness, what, [&mut open, &mut close]);
+}
+
+#[test]
+fn every_window_above_the_screen_fits() {
+    let measured = Measured::mini(8, &[]);
+    let mut harness = measured.opened();
+    give(&mut harness, ModelCommand::Identify);
+    give(&mut harness, Edit::Rename("Another name".into()));
+    for (what, open, close) in [
+        (
+            "command palette",
+            ViewCommand::Palette(true).into(),
+            ViewCommand::Palette(false).into(),
+        ),
+        (
+            "log",
+            ViewCommand::Log(true).into(),
+            ViewCommand::Log(false).into(),
+        ),
+        (
+            "report",
+            ReportCommand::AskSave(ReportFormat::Pdf).into(),
+            ReportCommand::Cancel.into(),
+        ),
+        (
+            "unsaved changes",
+            FileCommand::Close.into(),
+            FileCommand::Answer(Answer::Cancel).into(),
+        ),
+    ] {
+        by_commands(&mut harness, what, [open, close]);
+    }
+    let mut open = |harness: &mut Harness<'_, App>| {
+        harness
+            .state_mut()
+            .state
+            .outbox
+            .send(FileCommand::AskSaveAs);
+        harness.step();
+    };
+    let mut close = |harness: &mut Harness<'_, App>| {
+        harness.state_mut().state.windows.save_as = None;
+        harness.step();
+    };
+    check_dialog(&mut harness, "save as", [&mut open, &mut close]);
+}
+
+#[test]
+fn plots_beside_each_other_fit() {
+    let measured = Measured::mini(12, &[]);
+    let mut harness = measured.opened();
+    give(&mut harness, ModelCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Step::Identification));
+    give(&mut harness, go);
+    for arrangement in [Arrangement::SideBySide, Arrangement::Grid] {
+        let plots = Plots {
+            arrangement,
+            panes: Vec::new(),
+        };
+        harness.state_mut().state.views.plots = Panes::of(&plots);
+        settle(&mut harness);
+        check(&mut harness, &format!("{arrangement:?}"));
+    }
 }

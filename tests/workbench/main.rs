@@ -2,6 +2,7 @@
 
 mod adjustment;
 mod compare;
+mod controller;
 mod crash;
 mod demo;
 mod doctor;
@@ -18,4 +19,6 @@ mod robot_3d;
 mod start;
 mod support;
 mod tables;
+mod timeline;
+mod undo;
 mod walk;

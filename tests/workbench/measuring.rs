@@ -167,3 +167,29 @@ fn a_closed_session_takes_its_robot_along() {
     });
     assert!(bench.state().link.connected.is_none());
 }
+
+#[test]
+fn what_a_stored_plan_promises_is_computed_when_it_is_looked_at() {
+    let mut bench = Bench::demo(3);
+    bench.go(Step::Measuring);
+    bench.give(RobotCommand::Plan(8));
+    bench.settle("a plan");
+    let expected = bench.state().screens.measuring.outlook.clone();
+    let expected = expected.expect("it was planned").expect("it is known");
+    let session = bench.session().clone();
+    drop(bench);
+    let mut bench = Bench::of_session(&session);
+    bench.go(Step::Measuring);
+    bench.settle("what to expect");
+    bench.harness.step();
+    bench
+        .harness
+        .get_by_label_contains("The pulleys will be known to");
+    let again = bench.state().screens.measuring.outlook.clone();
+    let again = again.expect("it was asked").expect("it is known");
+    assert_eq!(again.poses, expected.poses);
+    let sd_m = again.expected.mean_m.expect("determined");
+    let planned_m = expected.expected.mean_m.expect("determined");
+    // A file has the poses to so many digits.
+    assert!((sd_m / planned_m - 1.0).abs() < 1e-6, "{sd_m} {planned_m}");
+}

@@ -5,7 +5,9 @@ use tautline_workbench::app::commands::{FileCommand, ViewCommand};
 use tautline_workbench::app::screen::{Screen, Step};
 
 use crate::support::settle;
-use crate::tables::{Bench, elongation_table};
+use tautline_validation::tables::elongation_table;
+
+use crate::tables::Bench;
 
 fn modeling() -> Bench {
     let mut bench = Bench::new();

@@ -55,6 +55,10 @@ fn identified() -> Harness<'static, App> {
 }
 
 fn open(harness: &mut Harness<'_, App>, tab: &str) {
+    if harness.query_by_role_and_label(Role::Button, tab).is_none() {
+        harness.get_by_label("More plots").click();
+        harness.run_ok();
+    }
     harness.get_by_role_and_label(Role::Button, tab).click();
     harness.step();
     settle(harness);
@@ -82,6 +86,8 @@ fn every_plot_of_an_identification_is_drawn() {
         let rect = harness.get_by_label(&name).rect();
         assert!(rect.height() > 60.0, "{tab}: {rect:?}");
     }
+    harness.get_by_label("More plots").click();
+    harness.run_ok();
     let before = harness.get_by_role_and_label(Role::Button, "Before and after");
     assert!(
         before.accesskit_node().is_disabled(),

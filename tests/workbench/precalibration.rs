@@ -2,7 +2,11 @@
 
 use egui::Role;
 
-use crate::tables::{Bench, force_table, home_platform, home_table, per_revolution, winch_table};
+use tautline_validation::tables::{
+    force_table, home_platform, home_table, per_revolution, winch_table,
+};
+
+use crate::tables::Bench;
 
 fn robot_has(bench: &Bench, cable: usize) -> f64 {
     bench.session().robot.cables[cable - 1]

@@ -149,8 +149,7 @@ fn keys_and_buttons_turn_the_view() {
         "Front",
         "Side",
         "Top",
-        "Tension",
-        "Residual",
+        "Colour: Cable",
         "Show",
     ] {
         assert!(harness.query_by_label(name).is_some(), "{name}");

@@ -1,8 +1,12 @@
 //! The whole demonstration, from the start screen to the verified controller, by the names that a newcomer sees.
 
+use std::path::Path;
+
 use egui::Role;
 use egui_kittest::kittest::Queryable;
 use tautline_session::Stage;
+use tautline_validation::harness::words;
+use tautline_workbench::app::commands::CompareCommand;
 
 use crate::demo::Bench;
 
@@ -85,6 +89,24 @@ fn a_newcomer_walks_through_all_phases() {
     assert_eq!(stages, [Stage::Before, Stage::After]);
 
     save_and_open_again(&mut bench);
+    compare_with_a_clean_session(&mut bench);
+}
+
+/// The session beside one of a robot without a fault: what was put into the model is what differs.
+fn compare_with_a_clean_session(bench: &mut Bench) {
+    let clean = Path::new(env!("CARGO_MANIFEST_DIR")).join("../sessions/clean-mini/session.json");
+    bench.give(CompareCommand::Show);
+    bench.settle("the comparison");
+    bench.give(CompareCommand::Drop(clean));
+    bench.settle("the comparison");
+    bench.harness.run_ok();
+    let plot = "Plot: residuals of both sessions";
+    assert!(bench.harness.query_by_label(plot).is_some(), "comparable");
+    let said = words(&bench.harness);
+    assert!(
+        said.iter().any(|text| text.contains("Winch scale")),
+        "{said:?}"
+    );
 }
 
 fn verified(state: &tautline_workbench::app::State) -> usize {

@@ -43,6 +43,18 @@ pub(super) struct Candidate {
     pub laser_m: Option<f64>,
 }
 
+impl Candidate {
+    /// A pose that somebody has chosen; `None` if no tensions hold the platform there.
+    pub fn chosen(outlook: &Outlook<'_>, pose: Pose) -> Option<Self> {
+        let laser = outlook.robot.laser.as_ref();
+        Some(Self {
+            pose,
+            tensions_n: outlook.tensions(&pose)?,
+            laser_m: laser.and_then(|laser| laser_distance(laser, &pose)),
+        })
+    }
+}
+
 /// Draws candidates until there are enough or too many were refused.
 pub(super) fn draw(
     outlook: &Outlook<'_>,

@@ -20,6 +20,10 @@ pub struct Indices {
     pub worst_m: Option<f64>,
     /// A: root mean square standard deviation of the entry points' coordinates (m).
     pub mean_m: Option<f64>,
+    /// I: root mean square position error of the platform over the workspace that the standard deviations lead to
+    /// once the values are written to a controller (m), at the orientation of its centre; what changes of the
+    /// tensions add is left out. `None` also for robots without a home pose.
+    pub platform_m: Option<f64>,
 }
 
 /// What to expect of a set of poses.
@@ -35,6 +39,7 @@ impl Expectation {
     /// What to expect of the poses picked, together with all that is common.
     pub(super) fn of(
         information: &ExpectedInformation,
+        platform: Option<&DMatrix<f64>>,
         picked: impl IntoIterator<Item = usize>,
     ) -> Self {
         let total = information.of(picked);
@@ -52,6 +57,8 @@ impl Expectation {
                     eigen.eigenvalues.max().max(0.0).sqrt()
                 }),
                 mean_m: entry.map(|c| (c.trace() / c.nrows() as f64).sqrt()),
+                platform_m: (platform.zip(covariance.as_ref()))
+                    .map(|(weights, covariance)| weights.dot(covariance).max(0.0).sqrt()),
             },
         }
     }
@@ -93,7 +100,7 @@ pub(super) struct RandomSets {
 
 /// Expectations of sets of `count` poses drawn from all candidates.
 pub(super) fn random_sets(
-    information: &ExpectedInformation,
+    (information, platform): (&ExpectedInformation, Option<&DMatrix<f64>>),
     count: usize,
     seed: u64,
 ) -> RandomSets {
@@ -101,7 +108,7 @@ pub(super) fn random_sets(
     let sets: Vec<Expectation> = (0..SETS)
         .map(|_| {
             let picked = sample(&mut rng, information.poses.len(), count);
-            Expectation::of(information, picked)
+            Expectation::of(information, platform, picked)
         })
         .collect();
     let mean_square = |values: &mut dyn Iterator<Item = Option<f64>>| {
@@ -118,6 +125,7 @@ pub(super) fn random_sets(
                 log_det: log_dets().sum::<f64>() / SETS as f64,
                 worst_m: mean_square(&mut sets.iter().map(|set| set.indices.worst_m)),
                 mean_m: mean_square(&mut sets.iter().map(|set| set.indices.mean_m)),
+                platform_m: mean_square(&mut sets.iter().map(|set| set.indices.platform_m)),
             },
         },
         best_log_det: log_dets().fold(f64::NEG_INFINITY, f64::max),

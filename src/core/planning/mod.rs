@@ -9,12 +9,15 @@ mod design;
 mod expectation;
 mod order;
 mod outlook;
+mod platform;
 #[cfg(test)]
 mod tests;
 
 pub use candidates::Refused;
 pub use expectation::{Expectation, Indices};
 pub use order::Order;
+
+use nalgebra::DMatrix;
 
 use crate::effect::BoundEffect;
 use crate::estimation::{Control, EstimationError, ExpectedInformation, Method, Parameter};
@@ -39,6 +42,9 @@ pub struct PlanOptions<'a> {
     pub workspace: Option<Workspace>,
     /// How cables are tensioned; by default as suits the weight.
     pub tension: Option<TensionRange>,
+    /// Part of the range of tensions at each end that poses leave free where enough of them can: the real robot
+    /// differs from its description, and may not be able to hold poses that the description only just holds.
+    pub tension_margin: f64,
     /// Effects that are to be estimated as well.
     pub effects: &'a [BoundEffect],
     /// What was measured already, counted from the same home pose; the plan completes it.
@@ -61,6 +67,7 @@ impl PlanOptions<'_> {
             seed,
             workspace: None,
             tension: None,
+            tension_margin: 0.1,
             effects: &[],
             existing: None,
             method: Method::Joint,
@@ -117,6 +124,12 @@ pub enum PlanError {
         /// Why the others were refused.
         refused: Refused,
     },
+    /// No tensions within the limits hold the platform at a pose that was given.
+    #[error("no tensions within the limits hold the platform at pose {number} of the plan")]
+    NotHeld {
+        /// Its number in the plan, from 1.
+        number: usize,
+    },
     /// The measured poses cannot be used.
     #[error("the poses already measured do not lead to a solution on which a plan could build")]
     Existing,
@@ -162,6 +175,7 @@ pub struct Plan {
     /// Largest `ln det` of the information among those sets.
     pub best_random_log_det: f64,
     information: ExpectedInformation,
+    platform: Option<DMatrix<f64>>,
 }
 
 impl Plan {
@@ -175,7 +189,7 @@ impl Plan {
     #[must_use]
     pub fn after(&self, count: usize) -> Expectation {
         let count = count.min(self.poses.len());
-        Expectation::of(&self.information, 0..count)
+        Expectation::of(&self.information, self.platform.as_ref(), 0..count)
     }
 }
 
@@ -189,42 +203,129 @@ pub fn plan(
     options: &PlanOptions<'_>,
     observer: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Plan, PlanError> {
-    if options.poses == 0 {
-        return Err(PlanError::NoPoses);
-    }
-    let outlook = Outlook::new(robot, options)?;
-    let (candidates, refused) = draw(&outlook, options, observer)?;
-    let labels = outlook.scattered(candidates.len());
-    let pool = outlook.information(labels.zip(&candidates))?;
-    if pool.parameters.is_empty() {
-        return Err(PlanError::NothingToEstimate);
-    }
-    let chosen = design::choose(&pool, options.poses, observer)?;
-    let random = expectation::random_sets(&pool, options.poses, options.seed);
-    let poses: Vec<Pose> = chosen.iter().map(|index| candidates[*index].pose).collect();
-    let order = Order::of(&outlook.robot, outlook.start(), &poses);
-    let ordered: Vec<&Candidate> = (order.sequence.iter())
-        .map(|place| &candidates[chosen[*place]])
-        .collect();
-    // Once more, now that time and direction of travel are known.
-    let labels = outlook.labels();
-    let information = outlook.information(labels.clone().zip(ordered.iter().copied()))?;
-    Ok(Plan {
-        poses: labels
-            .zip(&ordered)
-            .map(|(label, candidate)| PlannedPose {
-                label,
-                pose: candidate.pose,
-                tensions_n: candidate.tensions_n.clone(),
-                laser_m: candidate.laser_m,
-            })
-            .collect(),
-        refused,
-        candidates: candidates.len(),
-        order,
-        expected: Expectation::of(&information, 0..ordered.len()),
-        random: random.typical,
-        best_random_log_det: random.best_log_det,
-        information,
+    cautiously(robot, options, |options, range| {
+        let pool = Pool::draw(robot, options, range, observer)?;
+        let chosen = design::choose(&pool.information, options.poses, observer)?;
+        let poses: Vec<Pose> = (chosen.iter())
+            .map(|index| pool.candidates[*index].pose)
+            .collect();
+        let order = Order::of(&pool.outlook.robot, pool.outlook.start(), &poses);
+        let ordered: Vec<Candidate> = (order.sequence.iter())
+            .map(|place| pool.candidates[chosen[*place]].clone())
+            .collect();
+        pool.plan(&ordered, order)
     })
+}
+
+/// What to expect of `poses` in the order given, as [`plan`] says it of the poses that it chooses; `options.poses`
+/// does not matter.
+///
+/// # Errors
+/// As [`plan`], and if the platform cannot be held at one of the poses.
+pub fn expect(
+    robot: &Robot,
+    poses: &[Pose],
+    options: &PlanOptions<'_>,
+    observer: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Plan, PlanError> {
+    let options = PlanOptions {
+        poses: poses.len(),
+        ..options.clone()
+    };
+    cautiously(robot, &options, |options, range| {
+        let pool = Pool::draw(robot, options, range, observer)?;
+        let given: Result<Vec<Candidate>, PlanError> = (1..)
+            .zip(poses)
+            .map(|(number, pose)| {
+                Candidate::chosen(&pool.outlook, *pose).ok_or(PlanError::NotHeld { number })
+            })
+            .collect();
+        let order = Order::given(&pool.outlook.robot, pool.outlook.start(), poses);
+        pool.plan(&given?, order)
+    })
+}
+
+/// Plans with tensions that stay off their limits, or if that is not possible, with all of them.
+fn cautiously(
+    robot: &Robot,
+    options: &PlanOptions<'_>,
+    mut plan: impl FnMut(&PlanOptions<'_>, TensionRange) -> Result<Plan, PlanError>,
+) -> Result<Plan, PlanError> {
+    let range = options.tension.unwrap_or_else(|| TensionRange::of(robot));
+    match plan(options, range.inner(options.tension_margin)) {
+        Err(
+            PlanError::TooFewPoses { .. } | PlanError::NotHeld { .. } | PlanError::Simulation(_),
+        ) => plan(options, range),
+        planned => planned,
+    }
+}
+
+/// Poses among which is chosen, with what they would tell.
+struct Pool<'a> {
+    outlook: Outlook<'a>,
+    options: &'a PlanOptions<'a>,
+    candidates: Vec<Candidate>,
+    refused: Refused,
+    information: ExpectedInformation,
+}
+
+impl<'a> Pool<'a> {
+    fn draw(
+        robot: &Robot,
+        options: &'a PlanOptions<'a>,
+        range: TensionRange,
+        observer: &mut dyn FnMut(&PlanProgress) -> Control,
+    ) -> Result<Self, PlanError> {
+        if options.poses == 0 {
+            return Err(PlanError::NoPoses);
+        }
+        let outlook = Outlook::new(robot, options, range)?;
+        let (candidates, refused) = draw(&outlook, options, observer)?;
+        let labels = outlook.scattered(candidates.len());
+        let information = outlook.information(labels.zip(&candidates))?;
+        if information.parameters.is_empty() {
+            return Err(PlanError::NothingToEstimate);
+        }
+        Ok(Self {
+            outlook,
+            options,
+            candidates,
+            refused,
+            information,
+        })
+    }
+
+    /// The plan that visits these poses one after the other.
+    fn plan(&self, ordered: &[Candidate], order: Order) -> Result<Plan, PlanError> {
+        let options = self.options;
+        let Outlook {
+            robot, workspace, ..
+        } = &self.outlook;
+        let parameters = &self.information.parameters;
+        let platform = platform::error_weights(robot, workspace, parameters);
+        let known = (&self.information, platform.as_ref());
+        let random = expectation::random_sets(known, options.poses, options.seed);
+        // Once more, now that time and direction of travel are known.
+        let labels = self.outlook.labels();
+        let information = self.outlook.information(labels.clone().zip(ordered))?;
+        Ok(Plan {
+            poses: labels
+                .zip(ordered)
+                .map(|(label, candidate)| PlannedPose {
+                    label,
+                    pose: candidate.pose,
+                    tensions_n: candidate.tensions_n.clone(),
+                    laser_m: candidate.laser_m,
+                })
+                .collect(),
+            refused: self.refused,
+            candidates: self.candidates.len(),
+            order,
+            expected: Expectation::of(&information, platform.as_ref(), 0..ordered.len()),
+            random: random.typical,
+            best_random_log_det: random.best_log_det,
+            information,
+            platform,
+        })
+    }
 }

@@ -48,6 +48,23 @@ impl Order {
         }
     }
 
+    /// `poses` in the order in which they are given.
+    pub(super) fn given(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
+        let tour = Tour::new(robot, start, poses);
+        let sequence: Vec<usize> = (0..poses.len()).collect();
+        let travel_m = tour.length(&sequence);
+        let coordinates = robot.platform.freedom().coordinates().to_vec();
+        Self {
+            travel_m,
+            unordered_travel_m: travel_m,
+            time_correlation: coordinates
+                .into_iter()
+                .zip(tour.correlations(&sequence))
+                .collect(),
+            sequence,
+        }
+    }
+
     /// Largest correlation of a coordinate with the place in the order.
     #[must_use]
     pub fn worst_correlation(&self) -> f64 {

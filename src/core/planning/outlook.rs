@@ -29,11 +29,15 @@ pub(super) struct Outlook<'a> {
 }
 
 impl<'a> Outlook<'a> {
-    pub fn new(robot: &Robot, options: &'a PlanOptions<'a>) -> Result<Self, PlanError> {
+    pub fn new(
+        robot: &Robot,
+        options: &'a PlanOptions<'a>,
+        tension: TensionRange,
+    ) -> Result<Self, PlanError> {
         let mut outlook = Self {
             robot: robot.clone(),
             workspace: options.workspace.unwrap_or_else(|| Workspace::of(robot)),
-            tension: options.tension.unwrap_or_else(|| TensionRange::of(robot)),
+            tension,
             acting: Vec::new(),
             free: options.effects.to_vec(),
             known: None,

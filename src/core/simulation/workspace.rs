@@ -129,6 +129,17 @@ impl TensionRange {
         }
     }
 
+    /// The range without a part of it at each end; the reference stays inside.
+    #[must_use]
+    pub fn inner(self, part: f64) -> Self {
+        let margin_n = part * (self.upper_n - self.lower_n);
+        Self {
+            lower_n: (self.lower_n + margin_n).min(self.reference_n),
+            upper_n: (self.upper_n - margin_n).max(self.reference_n),
+            ..self
+        }
+    }
+
     /// Tensions that balance the platform at `pose`, if there are any.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use tautline_core::robot::Robot;
 
 use super::accepted::Accepted;
+use super::channels::{encoder_factor, laser_factor};
 use super::options::{MeasuringOptions, Prediction};
 use crate::controller::Sample;
 
@@ -12,11 +13,12 @@ const TENSION_NOISE: f64 = 3.0;
 const JUMP: f64 = 15.0;
 /// A winch that should turn by more than this many standard deviations of its length must show something else.
 const TURNS: f64 = 20.0;
-/// Poses after which channels are compared with the predictions of other cables.
-const COMPARED_POSES: usize = 4;
-/// Correlation with the own prediction below which, and with each other's above which, two channels are exchanged.
-const OWN: f64 = 0.9;
-const OTHERS: f64 = 0.98;
+
+/// From this multiple of what was expected a reading has another unit.
+const MULTIPLE: f64 = 10.0;
+
+/// Part of its standard deviation below which a force sensor shows no noise.
+const SILENT: f64 = 1e-3;
 
 /// Something that the operator should look at.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,25 +38,68 @@ pub struct Warning {
 pub(super) struct Journey {
     first: Sample,
     expected: Option<Prediction>,
-    changed: Vec<bool>,
+    revolutions_changed: Vec<bool>,
+    forces_changed: Vec<bool>,
+    laser_changed: bool,
+}
+
+/// Whether a reading is another one; one that is missing says nothing.
+fn differs(now: f64, then: f64) -> bool {
+    now.is_finite() && now.to_bits() != then.to_bits()
 }
 
 impl Journey {
     /// From a sample; `expected` at the pose that was commanded before.
     pub fn from(first: Sample, expected: Option<Prediction>) -> Self {
         Self {
-            changed: vec![false; first.revolutions.len()],
+            revolutions_changed: vec![false; first.revolutions.len()],
+            forces_changed: vec![false; first.force_n.len()],
+            laser_changed: false,
             first,
             expected,
         }
     }
 
-    /// Follows the readings on the way.
+    /// Follows the readings on the way and at its end.
     pub fn follow(&mut self, sample: &Sample) {
-        let pairs = sample.revolutions.iter().zip(&self.first.revolutions);
-        for (changed, (now, then)) in self.changed.iter_mut().zip(pairs) {
-            *changed |= now.to_bits() != then.to_bits();
+        let first = &self.first;
+        for (changed, now, then) in [
+            (
+                &mut self.revolutions_changed,
+                &sample.revolutions,
+                &first.revolutions,
+            ),
+            (&mut self.forces_changed, &sample.force_n, &first.force_n),
+        ] {
+            for (changed, (now, then)) in changed.iter_mut().zip(now.iter().zip(then)) {
+                *changed |= differs(*now, *then);
+            }
         }
+        let laser = sample.laser_m.zip(first.laser_m);
+        self.laser_changed |= laser.is_none_or(|(now, then)| differs(now, then));
+    }
+
+    /// That the encoder of a cable or the laser has changed by a multiple of what was expected; the noise of such a
+    /// channel is a multiple, too, so that it never seems to be at rest.
+    pub fn multiple(
+        &self,
+        robot: &Robot,
+        cable: Option<usize>,
+        (now, expected): (&Sample, &Prediction),
+    ) -> Option<String> {
+        let before = self.expected.as_ref()?;
+        let Some(index) = cable else {
+            // Unlike an encoder a laser shows a whole distance.
+            let factor = now.laser_m? / expected.laser_m?;
+            return (factor > MULTIPLE).then(|| laser_factor(factor));
+        };
+        let cable = robot.cables.get(index)?;
+        let did = now.revolutions.get(index)? - self.first.revolutions.get(index)?;
+        let should = expected.revolutions.get(index)? - before.revolutions.get(index)?;
+        let per_revolution = cable.winch.cable_per_revolution_m();
+        let large = should.abs() * per_revolution > TURNS * cable.winch.length_sd_m;
+        let factor = did / should;
+        (large && factor > MULTIPLE).then(|| encoder_factor(&cable.name, factor))
     }
 }
 
@@ -63,6 +108,8 @@ pub(super) struct Checks<'a> {
     pub robot: &'a Robot,
     pub options: &'a MeasuringOptions,
     pub at: &'a Accepted,
+    /// Why there is no laser distance, where that is known.
+    pub laser_trouble: Option<String>,
 }
 
 impl Checks<'_> {
@@ -85,11 +132,12 @@ impl Checks<'_> {
     pub fn all(&self, journey: Option<&Journey>, expected: Option<&Prediction>) -> Vec<Warning> {
         let mut found = self.missing();
         found.extend(self.tensions());
+        found.extend(journey.into_iter().flat_map(|j| self.frozen_forces(j)));
         if let Some(expected) = expected {
             for index in 0..self.robot.cable_count() {
                 found.extend(self.winch(index, journey, expected));
             }
-            found.extend(self.laser(expected));
+            found.extend(self.laser(journey, expected));
         }
         found
     }
@@ -109,9 +157,13 @@ impl Checks<'_> {
             }
         }
         if self.at.laser_m.is_nan() && self.robot.laser.is_some() {
-            let text =
+            let usual =
                 "the laser has no return: is something in the beam, or the target out of reach?";
-            found.push(self.warning(None, self.options.laser_required, text));
+            let text = match &self.laser_trouble {
+                Some(known) => format!("there is no laser distance, {known}"),
+                None => usual.to_owned(),
+            };
+            found.push(self.warning(None, self.options.laser_required, &text));
         }
         found
     }
@@ -126,7 +178,12 @@ impl Checks<'_> {
             };
             let tension = sensor.tension_n(reading);
             let noise = TENSION_NOISE * sensor.tension_sd_n;
-            if tension < range.lower_n - noise {
+            if tension < -noise {
+                let text = format!(
+                    "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
+                );
+                found.push(self.warning(Some(index), false, &text));
+            } else if tension < range.lower_n - noise {
                 let least = range.lower_n;
                 let text = format!("it is slack: {tension:.1} N, at least {least:.1} N are needed");
                 found.push(self.warning(Some(index), false, &text));
@@ -138,6 +195,30 @@ impl Checks<'_> {
             }
         }
         found
+    }
+
+    /// Force sensors that did not change by a single bit, while most others show noise even at rest: without noise a cable
+    /// that is kept at the lowest tension shows the same everywhere.
+    fn frozen_forces(&self, journey: &Journey) -> Vec<Warning> {
+        let changed = &journey.forces_changed;
+        let sds = self.robot.cables.iter().zip(&self.at.force_sd_n);
+        let noisy = sds.filter(|(cable, sd)| {
+            let sensor = cable.force_sensor;
+            sensor.is_some_and(|s| **sd > SILENT * s.tension_sd_n * s.tension_gain.abs())
+        });
+        let noisy = noisy.count();
+        if 2 * noisy <= changed.len() {
+            return Vec::new();
+        }
+        let text =
+            "its force sensor shows exactly the same before and after the motion: is it connected?";
+        let cables = changed.iter().enumerate();
+        let frozen = cables.filter(|(index, changed)| {
+            !**changed && self.at.force_n.get(*index).is_some_and(|f| f.is_finite())
+        });
+        frozen
+            .map(|(index, _)| self.warning(Some(index), false, text))
+            .collect()
     }
 
     /// The most telling of what is wrong with a winch's reading.
@@ -154,7 +235,8 @@ impl Checks<'_> {
         if let Some((journey, before)) = journey.and_then(|j| Some((j, j.expected.as_ref()?))) {
             let should_m = (expected_now - before.revolutions.get(index)?) * per_revolution;
             let did_m = (now - journey.first.revolutions.get(index)?) * per_revolution;
-            let changed = journey.changed.get(index).copied().unwrap_or(true);
+            let changed = journey.revolutions_changed.get(index).copied();
+            let changed = changed.unwrap_or(true);
             if !changed && should_m.abs() > TURNS * winch.length_sd_m {
                 let text = "its encoder shows exactly the same before and after the motion: is it connected?";
                 return Some(self.warning(Some(index), false, text));
@@ -176,7 +258,15 @@ impl Checks<'_> {
         (off_m.abs() > self.options.plausible_m).then(|| self.warning(Some(index), false, &text))
     }
 
-    fn laser(&self, expected: &Prediction) -> Option<Warning> {
+    fn laser(&self, journey: Option<&Journey>, expected: &Prediction) -> Option<Warning> {
+        let before = journey.filter(|journey| !journey.laser_changed);
+        if let (Some(before), Some(laser)) = (before, self.robot.laser) {
+            let then_m = before.expected.as_ref()?.laser_m?;
+            if (expected.laser_m? - then_m).abs() > TURNS * laser.sd_m {
+                let text = "the laser shows exactly the same distance before and after the motion: does it still measure?";
+                return Some(self.warning(None, false, text));
+            }
+        }
         let off_m = self.at.laser_m - expected.laser_m?;
         let text = format!(
             "the laser distance is {:.1} mm off what is expected, more than {:.0} mm are not plausible",
@@ -208,38 +298,4 @@ pub(super) fn jump(
         jump_m * 1e3
     );
     (jump_m.abs() > limit * robot.laser?.sd_m).then_some((None, text))
-}
-
-/// Pairs of cables whose encoders follow each other's prediction instead of their own.
-pub(super) fn exchanged(rows: &[(Vec<f64>, Vec<f64>)]) -> Vec<[usize; 2]> {
-    let cables = rows.iter().map(|(m, p)| m.len().min(p.len())).min();
-    let cables = cables.filter(|_| rows.len() >= COMPARED_POSES).unwrap_or(0);
-    let follows = |measured: usize, predicted: usize| {
-        let pairs = rows.iter().map(|(m, p)| (m[measured], p[predicted]));
-        correlation(&pairs.collect::<Vec<_>>())
-    };
-    let strangers: Vec<usize> = (0..cables).filter(|i| follows(*i, *i) < OWN).collect();
-    let mut pairs = Vec::new();
-    for (k, a) in strangers.iter().enumerate() {
-        for b in &strangers[k + 1..] {
-            if follows(*a, *b) > OTHERS && follows(*b, *a) > OTHERS {
-                pairs.push([*a, *b]);
-            }
-        }
-    }
-    pairs
-}
-
-/// Pearson's; NaN without variation.
-fn correlation(pairs: &[(f64, f64)]) -> f64 {
-    let n = pairs.len() as f64;
-    let mean_a = pairs.iter().map(|p| p.0).sum::<f64>() / n;
-    let mean_b = pairs.iter().map(|p| p.1).sum::<f64>() / n;
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        ab += (a - mean_a) * (b - mean_b);
-        aa += (a - mean_a).powi(2);
-        bb += (b - mean_b).powi(2);
-    }
-    ab / (aa * bb).sqrt()
 }

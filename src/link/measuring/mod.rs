@@ -6,7 +6,11 @@
 //! is told to go home, where its encoders are zeroed; put it first in the plan.
 
 mod accepted;
+mod at_pose;
+mod channels;
 mod checks;
+#[cfg(test)]
+mod fault_tests;
 mod options;
 mod precision;
 mod settling;
@@ -24,7 +28,9 @@ pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
 
 use crate::controller::{Activity, Controller, LinkError, Sample};
-use checks::{Checks, Journey, exchanged, jump};
+use crate::laser::ManualLaser;
+use channels::Channels;
+use checks::Journey;
 use settling::Window;
 
 /// Answers that may be missing one after the other before the run gives up.
@@ -54,6 +60,12 @@ pub enum MeasuringEvent {
         /// Samples wanted.
         of: usize,
     },
+    /// The platform stands still: the operator is to read the laser distance there and to answer the
+    /// [`ManualLaser`] of the run. Nothing moves until then.
+    LaserWanted {
+        /// Label of the pose.
+        label: i64,
+    },
     /// A pose was measured: store it and call [`MeasuringRun::confirm_stored`].
     Measured(Box<Accepted>),
     /// Something does not look right.
@@ -81,6 +93,8 @@ pub enum Stage {
     Ready,
     /// On the way or settling.
     Approaching,
+    /// The platform stands still and waits for the laser distance that the operator types.
+    Asking,
     /// Samples are taken.
     Sampling,
     /// The measured pose waits to be stored.
@@ -95,6 +109,8 @@ pub struct MeasuringRun {
     plan: Vec<(i64, Pose)>,
     options: MeasuringOptions,
     predictor: Predictor,
+    /// The laser to which the operator answers, if there is one.
+    asked: Option<ManualLaser>,
     queue: VecDeque<(i64, Pose)>,
     current: Option<(i64, Pose)>,
     stage: Stage,
@@ -102,15 +118,15 @@ pub struct MeasuringRun {
     window: Window,
     samples: Vec<Sample>,
     journey: Option<Journey>,
+    /// Cables whose encoders jumped on the way to the present pose; `None` is the laser.
+    jumped: Vec<Option<usize>>,
     /// Pose commanded before the present one.
     before: Option<Pose>,
     commanded_at_s: Option<f64>,
     /// Caller's time of the last new sample, and the controller's time in it.
     heard: Option<(f64, f64)>,
     lost_answers: usize,
-    /// Measured and predicted revolutions of the poses so far.
-    compared: Vec<(Vec<f64>, Vec<f64>)>,
-    reported_pairs: Vec<[usize; 2]>,
+    channels: Channels,
     pending: Vec<MeasuringEvent>,
 }
 
@@ -125,18 +141,19 @@ impl MeasuringRun {
             queue: plan.iter().copied().collect(),
             plan,
             options,
+            asked: None,
             current: None,
             stage: Stage::Ready,
             paused: false,
             window: Window::default(),
             samples: Vec::new(),
             journey: None,
+            jumped: Vec::new(),
             before: None,
             commanded_at_s: None,
             heard: None,
             lost_answers: 0,
-            compared: Vec::new(),
-            reported_pairs: Vec::new(),
+            channels: Channels::default(),
             pending: Vec::new(),
         }
     }
@@ -145,6 +162,13 @@ impl MeasuringRun {
     #[must_use]
     pub fn predicting(mut self, predictor: Predictor) -> Self {
         self.predictor = predictor;
+        self
+    }
+
+    /// The same run with a laser distance that the operator types; `laser` is a clone of that in the station.
+    #[must_use]
+    pub fn asking(mut self, laser: Option<ManualLaser>) -> Self {
+        self.asked = laser;
         self
     }
 
@@ -215,7 +239,8 @@ impl MeasuringRun {
     }
 
     fn approach_anew(&mut self) {
-        if matches!(self.stage, Stage::Approaching | Stage::Sampling) {
+        let approaches = [Stage::Approaching, Stage::Asking, Stage::Sampling];
+        if approaches.contains(&self.stage) {
             self.queue.extend(self.current.take());
             self.queue.rotate_right(1);
             self.stage = Stage::Ready;
@@ -311,7 +336,8 @@ impl MeasuringRun {
                 let moving = state.activity == Activity::Moving;
                 self.approach(sample, moving);
             }
-            Stage::Sampling => self.collect(sample),
+            Stage::Asking => self.wait_for_answer(&sample),
+            Stage::Sampling => self.collect(sample, controller.laser_trouble()),
             Stage::Storing | Stage::Ended => {}
         }
     }
@@ -366,125 +392,11 @@ impl MeasuringRun {
         self.stage = Stage::Approaching;
         self.window.clear();
         self.samples.clear();
+        self.jumped.clear();
         self.commanded_at_s = Some(sample.time_s);
         let expected = self.before.and_then(|before| (self.predictor)(&before));
         // At home the encoders are set to zero: nothing can be told from how they change.
         self.journey = (label != 0).then(|| Journey::from(sample, expected));
         self.pending.push(MeasuringEvent::Commanded { label });
-    }
-
-    fn approach(&mut self, sample: Sample, moving: bool) {
-        if let Some(journey) = &mut self.journey {
-            journey.follow(&sample);
-        }
-        let since_s = sample.time_s - self.commanded_at_s.unwrap_or(sample.time_s);
-        let late = since_s > self.options.timeout_s;
-        let label = self.current().unwrap_or(0);
-        if moving {
-            self.window.clear();
-            if late {
-                self.hold(format!(
-                    "the platform has not arrived at pose {label} after {since_s:.0} s"
-                ));
-            }
-            return;
-        }
-        if self.note_jump(&sample) {
-            self.window.clear();
-        }
-        let span_s = self.options.settle_time_s;
-        self.window.push(sample, span_s);
-        let limits = self.options.still;
-        let settled = self.window.settled(&self.robot, &limits, span_s);
-        let still = settled.as_ref().is_some_and(|s| s.still);
-        if still {
-            self.stage = Stage::Sampling;
-        } else if late {
-            let restless = settled.as_ref().and_then(|s| s.restless.clone());
-            let restless = restless.unwrap_or_else(|| "too few readings arrive".to_owned());
-            self.hold(format!(
-                "the platform does not come to rest at pose {label} within {:.0} s: {restless}",
-                self.options.timeout_s
-            ));
-        }
-        self.pending.push(MeasuringEvent::Settling {
-            rates: settled.map(|s| s.rates),
-            limits,
-            remaining_s: self.window.missing_s(span_s),
-        });
-    }
-
-    /// Warns of a jump since the sample before.
-    fn note_jump(&mut self, sample: &Sample) -> bool {
-        let averaged = self.options.samples;
-        let before = self.samples.last().or(self.window.last());
-        let found = before.and_then(|before| jump(&self.robot, averaged, (before, sample)));
-        let jumped = found.is_some();
-        if let Some((cable, text)) = found {
-            self.warn(cable, format!("{text}: the pose is settled anew."));
-        }
-        jumped
-    }
-
-    fn collect(&mut self, sample: Sample) {
-        if self.note_jump(&sample) {
-            self.samples.clear();
-            self.window.clear();
-            self.stage = Stage::Approaching;
-            return;
-        }
-        self.samples.push(sample);
-        self.pending.push(MeasuringEvent::Sampling {
-            taken: self.samples.len(),
-            of: self.options.samples,
-        });
-        if self.samples.len() >= self.options.samples {
-            self.accept();
-        }
-    }
-
-    /// Checks the mean of the samples, and hands it to the caller unless it cannot be used.
-    fn accept(&mut self) {
-        let Some((label, pose)) = self.current else {
-            return;
-        };
-        let mut accepted = Accepted::mean_of(label, pose, &self.samples);
-        let expected = (self.predictor)(&pose);
-        let checks = Checks {
-            robot: &self.robot,
-            options: &self.options,
-            at: &accepted,
-        };
-        let warnings = checks.all(self.journey.as_ref(), expected.as_ref());
-        let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());
-        accepted.notes = warnings.iter().map(|w| w.text.clone()).collect();
-        let told = warnings.into_iter().map(MeasuringEvent::Warning);
-        self.pending.extend(told);
-        if let Some(text) = refusal {
-            self.hold(format!("pose {label} cannot be used: {text}"));
-            return;
-        }
-        if let Some(expected) = expected.filter(|_| label != 0) {
-            let measured = accepted.revolutions.clone();
-            self.compared.push((measured, expected.revolutions));
-            self.compare_channels();
-        }
-        self.stage = Stage::Storing;
-        self.pending
-            .push(MeasuringEvent::Measured(Box::new(accepted)));
-    }
-
-    fn compare_channels(&mut self) {
-        for pair in exchanged(&self.compared) {
-            if self.reported_pairs.contains(&pair) {
-                continue;
-            }
-            self.reported_pairs.push(pair);
-            let [a, b] = pair.map(|index| self.robot.cables[index].name.clone());
-            self.warn(
-                Some(pair[0]),
-                format!("{a} and {b}: each encoder follows the motion of the other cable. Are their plugs exchanged?"),
-            );
-        }
     }
 }

@@ -347,3 +347,77 @@ fn more_poses_leave_less_open_until_it_is_good_enough() {
     open.covariance = None;
     assert_eq!(largest_sd_m(&open), None);
 }
+
+#[test]
+fn a_typed_distance_is_that_of_the_pose_at_which_it_was_asked_for() {
+    let preset = preset("mini");
+    let (robot, clock) = armed(&preset, |_| ());
+    let laser = ManualLaser::default();
+    let mut robot = robot.with_laser(Some(Box::new(laser.clone())));
+    robot.connect().unwrap();
+    robot.arm().unwrap();
+    let mut run = run_of(&preset, 3, 1).asking(Some(laser.clone()));
+    let mut tick = |run: &mut MeasuringRun| {
+        clock.advance(0.05);
+        run.tick(&mut robot, clock.now_s())
+    };
+    for label in 0..=3 {
+        let wanted = std::iter::repeat_with(|| tick(&mut run)).take(10_000);
+        let wanted = wanted.flatten().find_map(|event| match event {
+            MeasuringEvent::LaserWanted { label } => Some(label),
+            _ => None,
+        });
+        assert_eq!((wanted, laser.wanted()), (Some(label), Some(label)));
+        // However long it takes, nothing moves and nothing is measured.
+        for _ in 0..2000 {
+            assert_eq!(tick(&mut run), Vec::new());
+        }
+        assert_eq!(run.stage(), Stage::Asking);
+        assert!(laser.answer(label - 1, Some(0.4)).is_err());
+        let typed_m = 0.4 + 0.01 * label as f64;
+        laser.answer(label, Some(typed_m)).unwrap();
+        while run.stage() != Stage::Storing {
+            for event in tick(&mut run) {
+                if let MeasuringEvent::Measured(accepted) = event {
+                    assert_eq!((accepted.label, accepted.laser_m), (label, typed_m));
+                }
+            }
+        }
+        run.confirm_stored(label);
+    }
+}
+
+#[test]
+fn a_pose_that_is_left_needs_another_typed_distance() {
+    let preset = preset("mini");
+    let (robot, clock) = armed(&preset, |_| ());
+    let laser = ManualLaser::default();
+    let mut robot = robot.with_laser(Some(Box::new(laser.clone())));
+    robot.connect().unwrap();
+    robot.arm().unwrap();
+    let mut run = run_of(&preset, 1, 1).asking(Some(laser.clone()));
+    let mut until = |run: &mut MeasuringRun, stage: Stage| {
+        let mut events = Vec::new();
+        for _ in 0..10_000 {
+            clock.advance(0.05);
+            events.extend(run.tick(&mut robot, clock.now_s()));
+            if run.stage() == stage || run.is_paused() {
+                return events;
+            }
+        }
+        panic!("it never comes to {stage:?}");
+    };
+    until(&mut run, Stage::Asking);
+    run.pause();
+    run.resume();
+    until(&mut run, Stage::Approaching);
+    assert!(laser.answer(0, Some(0.5)).is_err(), "it moves again");
+    until(&mut run, Stage::Asking);
+    // The operator says that there is no return: the pose cannot be used.
+    laser.answer(0, None).unwrap();
+    let events = until(&mut run, Stage::Storing);
+    assert!(
+        reason(&events).contains("the laser has no return"),
+        "{events:?}"
+    );
+}

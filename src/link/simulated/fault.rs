@@ -50,6 +50,42 @@ pub enum Fault {
         /// Raw reading (N).
         reading_n: f64,
     },
+    /// The force sensors of two cables are connected to each other's channel.
+    ForcesExchanged {
+        /// The two cables.
+        cables: [usize; 2],
+    },
+    /// A force sensor shows a multiple, a negative one where its sign is reversed.
+    ForceFactor {
+        /// Cable.
+        cable: usize,
+        /// Factor.
+        factor: f64,
+    },
+    /// An encoder counts a multiple.
+    EncoderFactor {
+        /// Cable.
+        cable: usize,
+        /// Factor.
+        factor: f64,
+    },
+    /// The laser shows this and nothing else.
+    LaserStuck {
+        /// What it shows (m).
+        distance_m: f64,
+    },
+    /// The laser shows a multiple and something more.
+    LaserOff {
+        /// Factor.
+        factor: f64,
+        /// What is added (m).
+        by_m: f64,
+    },
+    /// The time of the readings stands still.
+    ClockStands {
+        /// What it shows (s).
+        time_s: f64,
+    },
     /// There is no connection.
     ConnectionLost,
     /// A drive has stopped.
@@ -106,6 +142,22 @@ impl Fault {
             Self::Tension { cable, reading_n } => {
                 set(&mut sample.force_n, *cable, |_| *reading_n);
             }
+            Self::ForcesExchanged { cables: [a, b] } => {
+                if *a < sample.force_n.len() && *b < sample.force_n.len() {
+                    sample.force_n.swap(*a, *b);
+                }
+            }
+            Self::ForceFactor { cable, factor } => {
+                set(&mut sample.force_n, *cable, |value| value * factor);
+            }
+            Self::EncoderFactor { cable, factor } => {
+                set(revolutions, *cable, |value| value * factor);
+            }
+            Self::LaserStuck { distance_m } => sample.laser_m = Some(*distance_m),
+            Self::LaserOff { factor, by_m } => {
+                sample.laser_m = sample.laser_m.map(|value| value * factor + by_m);
+            }
+            Self::ClockStands { time_s } => sample.time_s = *time_s,
             Self::ConnectionLost
             | Self::Drive(_)
             | Self::WriteFails { .. }

@@ -83,10 +83,10 @@ impl Journal {
 }
 
 /// Replaces a journal, atomically.
-pub(super) fn write(path: &Path, lines: impl Iterator<Item = String>) -> Result<(), WriteError> {
+pub(super) fn write(path: &Path, entries: &[Entry]) -> Result<(), WriteError> {
     write_atomically(path, |out| {
-        let mut lines = lines;
-        lines.try_for_each(|line| out.write_all(line.as_bytes()))
+        let mut lines = entries.iter().map(Entry::line);
+        lines.try_for_each(|line| out.write_all(line?.as_bytes()))
     })
 }
 

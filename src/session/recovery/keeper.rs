@@ -4,10 +4,13 @@ use std::fs::{self, File};
 use std::io::{Error as IoError, Result as IoResult};
 use std::path::{Path, PathBuf};
 
-use super::journal::{self, Entry};
-use super::{FINISHED, JOURNAL, LOCK, PREFIX, SNAPSHOT, write_origin};
+use super::changes::Changes;
+use super::journal::{self, Entry, Journal};
+use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, SNAPSHOT, write_origin};
 use crate::atomic::sync_folder;
 use crate::error::WriteError;
+use crate::fingerprint::Fingerprint;
+use crate::json::write_document;
 use crate::session::{MeasuredPose, Session, write_session};
 
 /// Holds on disk what an open session has and its file has not.
@@ -18,8 +21,8 @@ use crate::session::{MeasuredPose, Session, write_session};
 pub struct Keeper {
     folder: PathBuf,
     lock: Lock,
-    /// Poses of the journal.
-    entries: Vec<Entry>,
+    /// Fingerprint of the snapshot; `None` after one that failed.
+    snapshot: Option<String>,
 }
 
 /// A locked file; the operating system unlocks it when the program ends in whatever way.
@@ -39,10 +42,10 @@ impl Keeper {
         origin: Option<&Path>,
         session: &Session,
     ) -> Result<Self, WriteError> {
-        let keeper = Self::start(folder).map_err(|error| WriteError::io(folder, error))?;
+        let mut keeper = Self::start(folder).map_err(|error| WriteError::io(folder, error))?;
         write_origin(&keeper.folder, origin)?;
-        journal::write(&keeper.folder.join(JOURNAL), std::iter::empty())?;
-        write_session(&keeper.folder.join(SNAPSHOT), session)?;
+        journal::write(&keeper.folder.join(JOURNAL), &[])?;
+        keeper.write_snapshot(session)?;
         Ok(keeper)
     }
 
@@ -61,25 +64,47 @@ impl Keeper {
         Ok(Self {
             folder: own,
             lock: Lock { file, path },
-            entries: Vec::new(),
+            snapshot: None,
         })
     }
 
-    /// Keeps the session as it is now. Poses in the journal that it does not have stay there.
+    fn write_snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
+        let path = self.folder.join(SNAPSHOT);
+        self.snapshot = None;
+        write_session(&path, session)?;
+        let found = Fingerprint::of_file(&path).map_err(|error| WriteError::io(&path, error))?;
+        self.snapshot = Some(found.to_hex());
+        Ok(())
+    }
+
+    /// Keeps the whole session as it is now. Poses in the journal that it does not have stay there.
     ///
     /// # Errors
     /// If the files cannot be written; what was kept before is still kept then.
     pub fn snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
-        write_session(&self.folder.join(SNAPSHOT), session)?;
-        let has = |label: &i64| session.measurements.labels.contains(label);
-        let mut entries = self.entries.clone();
-        entries.retain(|entry| !entry.table.labels().iter().all(has));
+        self.write_snapshot(session)?;
+        // Those of an older snapshot; ignored where this fails.
+        let _ = fs::remove_file(self.folder.join(CHANGES));
         let path = self.folder.join(JOURNAL);
-        let lines: IoResult<Vec<String>> = entries.iter().map(Entry::line).collect();
-        let lines = lines.map_err(|error| WriteError::io(&path, error))?;
-        journal::write(&path, lines.into_iter())?;
-        self.entries = entries;
-        Ok(())
+        let bytes = fs::read(&path).map_err(|error| WriteError::io(&path, error))?;
+        let has = |label: &i64| session.measurements.labels.contains(label);
+        let mut entries = Journal::parse(&bytes).entries;
+        entries.retain(|entry| !entry.table.labels().iter().all(has));
+        journal::write(&path, &entries)
+    }
+
+    /// Keeps the session as it is now, whose measured poses are those of the last snapshot and of the
+    /// journal.
+    ///
+    /// # Errors
+    /// If the last snapshot could not be written, or this cannot; what was kept before is still kept then.
+    pub fn changed(&mut self, changes: Changes) -> Result<(), WriteError> {
+        let path = self.folder.join(CHANGES);
+        let Some(snapshot) = self.snapshot.clone() else {
+            let message = "the session before this change could not be kept".into();
+            return Err(WriteError::Content { path, message });
+        };
+        write_document(&path, &changes.since(snapshot))
     }
 
     /// Keeps one more measured pose; it is on disk when this returns.
@@ -95,9 +120,7 @@ impl Keeper {
         })?;
         let line = entry.line();
         let line = line.map_err(|error| WriteError::io(&path, error))?;
-        journal::append(&path, &line)?;
-        self.entries.push(entry);
-        Ok(())
+        journal::append(&path, &line)
     }
 
     /// The session belongs to the file `path` from now on.

@@ -1,15 +1,18 @@
 //! What programs that ended without saving have left behind.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
+use super::changes::ChangesDocument;
 use super::journal::{Entry, Journal};
 use super::keeper::Lock;
-use super::{DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, Origin, PREFIX, SNAPSHOT};
+use super::{CHANGES, DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, Origin, PREFIX, SNAPSHOT};
 use crate::atomic::sync_folder;
 use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::fingerprint::Fingerprint;
 use crate::json::read_document;
 use crate::session::{MeasurementTable, Session, Timestamp, read_session};
 
@@ -143,15 +146,12 @@ impl LeftBehind {
     pub fn recover(&self) -> Result<Loaded<Recovered>, ReadError> {
         let Loaded { value, mut notices } = read_session(&self.folder.join(SNAPSHOT))?;
         let mut session = value;
-        let path = self.folder.join(JOURNAL);
-        let file = path.display().to_string();
-        match fs::read(&path) {
-            Ok(bytes) => notices.extend(replay(&mut session, Journal::parse(&bytes), &file)),
-            Err(error) => {
-                let error = ReadError::io(&file, Place::File, &error);
-                notices.push(format!("{error}; poses measured last may be missing"));
-            }
+        let journal = self.journal(&mut notices);
+        if let Some(changes) = self.changes(&mut notices) {
+            session = changed(session, changes, &journal, &mut notices);
         }
+        let file = self.folder.join(JOURNAL).display().to_string();
+        notices.extend(replay(&mut session, journal, &file));
         let origin = match read_document::<Origin>(&self.folder.join(ORIGIN)) {
             Ok(loaded) => loaded.value.path.map(PathBuf::from),
             Err(error) => {
@@ -163,6 +163,37 @@ impl LeftBehind {
             value: Recovered { session, origin },
             notices,
         })
+    }
+
+    fn journal(&self, notices: &mut Vec<String>) -> Journal {
+        let path = self.folder.join(JOURNAL);
+        match fs::read(&path) {
+            Ok(bytes) => Journal::parse(&bytes),
+            Err(error) => {
+                let error = ReadError::io(&path.display().to_string(), Place::File, &error);
+                notices.push(format!("{error}; poses measured last may be missing"));
+                Journal::default()
+            }
+        }
+    }
+
+    /// The changes that follow the snapshot, if there are any.
+    fn changes(&self, notices: &mut Vec<String>) -> Option<ChangesDocument> {
+        let path = self.folder.join(CHANGES);
+        if !path.exists() {
+            return None;
+        }
+        match read_document::<ChangesDocument>(&path) {
+            Ok(loaded) => {
+                let snapshot = Fingerprint::of_file(&self.folder.join(SNAPSHOT)).ok()?;
+                let changes = Some(loaded.value);
+                changes.filter(|changes| changes.snapshot == snapshot.to_hex())
+            }
+            Err(error) => {
+                notices.push(format!("{error}; what was edited last is missing"));
+                None
+            }
+        }
     }
 
     /// Moves the files aside, into the folder `discarded` of the recovery folder, which it returns:
@@ -182,6 +213,44 @@ impl LeftBehind {
             .map_err(|error| WriteError::io(&self.folder, error))?;
         Ok(target)
     }
+}
+
+/// The snapshot with what was changed after it; poses of the journal that the session did not have then
+/// are still to come.
+fn changed(
+    snapshot: Session,
+    changes: ChangesDocument,
+    journal: &Journal,
+    notices: &mut Vec<String>,
+) -> Session {
+    let ChangesDocument {
+        session, measured, ..
+    } = changes;
+    let mut session = match session.into_session_with(&snapshot.measurements) {
+        Ok(session) => session,
+        Err(error) => {
+            notices.push(format!(
+                "What was edited last does not fit the measured poses and is missing: {error}"
+            ));
+            return snapshot;
+        }
+    };
+    let excluded = session.excluded().clone();
+    let measured: BTreeSet<i64> = measured.into_iter().collect();
+    for entry in &journal.entries {
+        if entry.table.labels().iter().all(|l| measured.contains(l)) {
+            // What does not fit is told when the journal is replayed.
+            let _ = session.append_table(entry.table.clone(), None);
+        }
+    }
+    for label in &excluded {
+        session.include(*label);
+    }
+    for label in excluded {
+        // A pose whose line is damaged cannot be left out, and need not.
+        let _ = session.exclude(label);
+    }
+    session
 }
 
 /// Adds the poses of the journal that the session does not have yet.
@@ -223,9 +292,9 @@ fn known_row(session: &Session, entry: &Entry) -> Option<bool> {
     Some(entry.table.is_contained_in(&known))
 }
 
-/// When a snapshot or journal was last written.
+/// When anything of the session was last written.
 fn last_change(folder: &Path) -> Timestamp {
-    let seconds = [SNAPSHOT, JOURNAL].iter().filter_map(|name| {
+    let seconds = [SNAPSHOT, JOURNAL, CHANGES].iter().filter_map(|name| {
         let changed = fs::metadata(folder.join(name)).ok()?.modified().ok()?;
         i64::try_from(changed.duration_since(UNIX_EPOCH).ok()?.as_secs()).ok()
     });

@@ -3,9 +3,12 @@
 use std::fs;
 use std::path::PathBuf;
 
+use tautline_core::measurement::Measurements;
+
 use super::*;
+use crate::phases::PhaseData;
 use crate::session::tests::session;
-use crate::session::{MeasuredPose, Session};
+use crate::session::{MeasuredPose, Session, Settings};
 
 fn pose(label: i64) -> MeasuredPose {
     MeasuredPose {
@@ -21,6 +24,17 @@ fn with_poses(labels: impl IntoIterator<Item = i64>) -> Session {
     let mut session = session();
     for label in labels {
         session.append_pose(&pose(label)).expect("a pose");
+    }
+    session
+}
+
+fn session_without_poses() -> Session {
+    let mut session = session();
+    session.measurements = Measurements::default();
+    session.phases = PhaseData::default();
+    session.settings = Settings::default();
+    for label in [1, 3] {
+        session.include(label);
     }
     session
 }
@@ -221,6 +235,132 @@ fn a_snapshot_of_an_older_state_keeps_the_poses_measured_since() {
 }
 
 #[test]
+fn changes_leave_the_poses_where_they_are() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    let rows = session().measurements.len();
+    keeper.measured(&pose(5)).expect("on disk");
+    keeper.measured(&pose(6)).expect("on disk");
+    let mut now = with_poses(5..6);
+    now.exclude(5).expect("a pose");
+    now.name = "Tuesday".into();
+    // Pose 6 is on its way into the session.
+    let changes = Changes::of(&now, rows);
+    keeper.changed(changes).expect("kept");
+    let again = MeasuredPose {
+        repeats: Some(6),
+        ..pose(7)
+    };
+    keeper.measured(&again).expect("on disk");
+    drop(keeper);
+    now.append_pose(&pose(6)).expect("a pose");
+    now.append_pose(&again).expect("a pose");
+    assert_eq!(now.excluded().len(), 3);
+    bench.assert_recovers(&now);
+}
+
+#[test]
+fn a_pose_that_was_taken_back_in_after_it_was_repeated_stays_in() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    let rows = session().measurements.len();
+    let again = MeasuredPose {
+        repeats: Some(1),
+        ..pose(5)
+    };
+    keeper.measured(&again).expect("on disk");
+    let mut now = session();
+    now.append_pose(&again).expect("a pose");
+    now.include(1);
+    keeper.changed(Changes::of(&now, rows)).expect("kept");
+    drop(keeper);
+    bench.assert_recovers(&now);
+}
+
+#[test]
+fn a_robot_that_was_changed_before_its_poses_were_measured() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session_without_poses());
+    let mut now = session_without_poses();
+    now.robot.cables.pop();
+    keeper.changed(Changes::of(&now, 0)).expect("kept");
+    let mut one_cable = pose(0);
+    one_cable.length_m.pop();
+    keeper.measured(&one_cable).expect("on disk");
+    now.append_pose(&one_cable).expect("a pose");
+    now.name = "Tuesday".into();
+    keeper.changed(Changes::of(&now, 0)).expect("kept");
+    drop(keeper);
+    bench.assert_recovers(&now);
+}
+
+#[test]
+fn changes_of_an_older_snapshot_count_no_more() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    let mut now = session();
+    now.name = "Tuesday".into();
+    keeper.changed(Changes::of(&now, 2)).expect("kept");
+    let before = fs::read(bench.file(CHANGES)).expect("changes");
+    now.name = "Wednesday".into();
+    keeper.snapshot(&now).expect("kept");
+    assert!(!bench.file(CHANGES).exists());
+    drop(keeper);
+    bench.assert_recovers(&now);
+    // Killed before they were removed.
+    fs::write(bench.file(CHANGES), before).expect("written");
+    bench.assert_recovers(&now);
+}
+
+#[test]
+fn changes_that_cannot_be_read_lose_no_pose() {
+    let bench = Bench::new();
+    let mut keeper = bench.begin(&session());
+    keeper.measured(&pose(5)).expect("on disk");
+    let changes = Changes::of(&with_poses(5..6), 2);
+    keeper.changed(changes).expect("kept");
+    drop(keeper);
+    fs::write(bench.file(CHANGES), "{").expect("written");
+    let (session, notices) = bench.recovered();
+    assert_eq!(session.measurements.labels, [3, 1, 5]);
+    assert!(notices[0].contains("edited last"), "{notices:?}");
+}
+
+#[test]
+fn a_long_run_writes_what_is_measured_and_not_its_square() {
+    let bench = Bench::new();
+    let pose = |label: i64| MeasuredPose {
+        length_m: vec![1.0, 0.5 + 1e-4 * label as f64],
+        ..pose(label)
+    };
+    let mut keeper = bench.begin(&session());
+    let begun = fs::metadata(bench.file(SNAPSHOT)).expect("a file").len();
+    let (mut now, mut edits) = (session(), 0_u64);
+    for label in 5..1005 {
+        keeper.measured(&pose(label)).expect("on disk");
+        now.append_pose(&pose(label)).expect("a pose");
+        if label % 100 == 0 {
+            now.exclude(label).expect("a pose");
+            keeper.changed(Changes::of(&now, 2)).expect("kept");
+            edits += fs::metadata(bench.file(CHANGES)).expect("a file").len();
+        }
+    }
+    let journal = fs::metadata(bench.file(JOURNAL)).expect("a file").len();
+    assert_eq!(
+        fs::metadata(bench.file(SNAPSHOT)).expect("a file").len(),
+        begun,
+        "the snapshot is as it was"
+    );
+    drop(keeper);
+    let entry = |label| journal::Entry::of(&pose(label)).line().expect("a line");
+    let poses: u64 = (5..1005).map(|label| entry(label).len() as u64).sum();
+    assert_eq!(journal, poses, "each pose once");
+    let written = begun + journal + edits;
+    assert!(written < 3 * poses, "{written} bytes for {poses}");
+    bench.assert_recovers(&now);
+}
+
+#[test]
 fn a_failed_snapshot_loses_nothing() {
     let bench = Bench::new();
     let mut keeper = bench.begin(&session());
@@ -228,6 +368,11 @@ fn a_failed_snapshot_loses_nothing() {
     let mut broken = with_poses(5..6);
     broken.name.clear();
     assert!(keeper.snapshot(&broken).is_err());
+    let changes = Changes::of(&with_poses(5..6), 3);
+    assert!(
+        keeper.changed(changes).is_err(),
+        "the snapshot that it follows is not there"
+    );
     drop(keeper);
     bench.assert_recovers(&with_poses(5..6));
 }

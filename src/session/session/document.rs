@@ -4,11 +4,13 @@ use std::collections::BTreeSet;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::{FieldError, Robot};
 
 use super::{
-    Adjustment, LogEntry, MeasurementTable, NamedValue, PlannedPose, ResultRecord, Session,
-    Settings, Simulator, Timestamp, Verification, below, check, fail,
+    Adjustment, Connection, LaserSettings, LogEntry, MeasurementTable, NamedValue, PlannedPose,
+    ResultRecord, Session, Settings, Simulator, Timestamp, Verification, below, check, connection,
+    fail,
 };
 use crate::json::Document;
 use crate::phases::PhaseData;
@@ -49,6 +51,12 @@ pub(crate) struct SessionDocument {
     /// The parameters that the controller holds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     controller: Vec<NamedValue>,
+    /// Where the laser distance comes from.
+    #[serde(default, skip_serializing_if = "LaserSettings::is_controller")]
+    laser_source: LaserSettings,
+    /// How the robot's own controller is reached.
+    #[serde(default, skip_serializing_if = "Connection::is_empty")]
+    connection: Connection,
     /// Adjustments of the controller, the oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     adjustments: Vec<Adjustment>,
@@ -96,6 +104,9 @@ impl Document for SessionDocument {
             truth.map_err(|error| below("/simulator/truth", error))?;
         }
         check::controller(&self.controller)?;
+        let laser = self.laser_source.check();
+        laser.map_err(|error| below("/laser_source", error))?;
+        connection::check(&self.connection, &self.robot)?;
         check::adjustments(&self.adjustments)?;
         check::verifications(&self.verifications)
     }
@@ -105,11 +116,19 @@ impl SessionDocument {
     /// The document of a session.
     pub fn of(session: &Session) -> Self {
         Self {
+            measurements: MeasurementTable::of(&session.measurements),
+            ..Self::without_measurements(session)
+        }
+    }
+
+    /// The document of a session, its measured poses left out.
+    pub fn without_measurements(session: &Session) -> Self {
+        Self {
             name: session.name.clone(),
             created: session.created,
             modified: session.modified,
             robot: session.robot.clone(),
-            measurements: MeasurementTable::of(&session.measurements),
+            measurements: MeasurementTable::default(),
             excluded: session.excluded.clone(),
             plan: session.plan.clone(),
             phases: session.phases.clone(),
@@ -117,10 +136,22 @@ impl SessionDocument {
             results: session.results.clone(),
             simulator: session.simulator.clone(),
             controller: session.controller.clone(),
+            laser_source: session.laser_source.clone(),
+            connection: session.connection.clone(),
             adjustments: session.adjustments.clone(),
             verifications: session.verifications.clone(),
             log: session.log.clone(),
         }
+    }
+
+    /// The session of a document that passed its check, with these measurements instead of its own.
+    pub fn into_session_with(self, measurements: &Measurements) -> Result<Session, FieldError> {
+        let measurements = MeasurementTable::of(measurements);
+        Self {
+            measurements,
+            ..self
+        }
+        .into_session()
     }
 
     /// The session of a document that passed its check.
@@ -142,6 +173,8 @@ impl SessionDocument {
             results: self.results,
             simulator: self.simulator,
             controller: self.controller,
+            laser_source: self.laser_source,
+            connection: self.connection,
             adjustments: self.adjustments,
             verifications: self.verifications,
             log: self.log,

@@ -53,6 +53,8 @@ fn with_the_later_steps(mut session: Session) -> Session {
         position_m: [0.1, 0.2, 0.0],
         orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
     }];
+    let laser = r"serial:COM3:19200?pattern=^D(?<distance>\d+)$&no_return=E255&scale=0.1";
+    session.laser_source = laser.parse().expect("settings");
     session.simulator = Some(Simulator {
         truth: session.robot.clone(),
         seed: u64::MAX,
@@ -224,6 +226,16 @@ fn broken_sessions_are_refused_with_a_pointer() {
     );
     let truth = error(|s| s["simulator"]["truth"]["name"] = json!(""));
     assert!(truth.contains("s.json, /simulator/truth/name"), "{truth}");
+    let baud = error(|s| s["laser_source"]["port"]["serial"]["baud"] = json!(7));
+    let at = "/laser_source/port/serial/baud: found 7, expected 50";
+    assert!(baud.contains(at), "{baud}");
+    let kind = error(|s| s["laser_source"]["kind"] = json!("radar"));
+    assert!(kind.contains("/laser_source"), "{kind}");
+    let key = error(|s| s["laser_source"]["units"] = json!("m"));
+    assert!(
+        key.contains("/laser_source") && key.contains("expected one of \"port\""),
+        "{key}"
+    );
     let outcome = error(|s| s["adjustments"][0]["outcome"] = json!("lost"));
     assert!(outcome.contains("/adjustments/0/outcome"), "{outcome}");
     let attained = "/verifications/0/rows/0/attained/orientation_wxyz";
@@ -249,10 +261,15 @@ fn a_session_that_cannot_be_read_is_not_written() {
     unknown.controller[0].value = f64::NAN;
     let mut without_length = session();
     without_length.phases.winch[0].length_m = f64::NAN;
+    let mut unclear = session();
+    if let LaserSettings::Line(line) = &mut unclear.laser_source {
+        line.pattern = Some("[0-9]+".into());
+    }
     for (broken, pointer) in [
         (infinite, "/measurements/columns/time_s"),
         (unknown, "/controller/0/value"),
         (without_length, "/phases/winch/0/length_m"),
+        (unclear, "/laser_source/pattern"),
     ] {
         let error = write_session(&path, &broken).expect_err("cannot be read again");
         assert!(error.to_string().contains(pointer), "{error}");

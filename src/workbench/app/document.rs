@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use tautline_session::{Document as _, LogEntry, Phase, ResultRecord, Session};
+use tautline_core::robot::FieldError;
+use tautline_session::{Document as _, LogEntry, MeasuredPose, Phase, ResultRecord, Session};
 
 use super::clock;
 use super::edit::{Edit, History, Inputs};
@@ -61,6 +62,8 @@ pub struct Document {
     path: Option<PathBuf>,
     history: History,
     revision: u64,
+    measured: u64,
+    replaced: u64,
     inputs: u64,
     saved: Option<u64>,
     stored: Stored,
@@ -82,6 +85,8 @@ impl Document {
             path,
             history: History::default(),
             revision: 0,
+            measured: 0,
+            replaced: 0,
             inputs,
             saved,
             fit: None,
@@ -121,6 +126,18 @@ impl Document {
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Counts the changes that are no measured poses.
+    #[must_use]
+    pub fn edits(&self) -> u64 {
+        self.revision - self.measured
+    }
+
+    /// Counts how often measurements came otherwise than pose by pose.
+    #[must_use]
+    pub fn replaced(&self) -> u64 {
+        self.replaced
     }
 
     /// The number of what results depend on; no two documents share one.
@@ -173,9 +190,22 @@ impl Document {
         Some(name)
     }
 
-    /// Adds what cannot be undone, such as a measurement; results depend on it.
+    /// Adds a pose that was measured.
+    ///
+    /// # Errors
+    /// If it does not fit the session; nothing changes then.
+    pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), FieldError> {
+        self.session.append_pose(pose)?;
+        self.measured += 1;
+        self.history.forget_inputs();
+        self.touch(&Inputs::New);
+        Ok(())
+    }
+
+    /// Adds measurements that came otherwise than pose by pose, which cannot be undone; results depend on them.
     pub fn append(&mut self, change: impl FnOnce(&mut Session)) {
         change(&mut self.session);
+        self.replaced += 1;
         self.history.forget_inputs();
         self.touch(&Inputs::New);
     }

@@ -1,19 +1,20 @@
 //! Identification as the screens use it.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use tautline_core::effect::{BoundEffect, EffectError, measurements_as_modelled};
 use tautline_core::estimation::{
     Analysis, Control, Deficiency, EstimationError, Geometry, Method, Options, Problem, Progress,
-    Solution, deficiencies, solve,
+    Reading, Solution, deficiencies, solve,
 };
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_session::Session;
 
 use crate::documents::identification::{
-    Identification, PublishedFit, Solved, fit_published, identified,
+    Identification, PublishedFit, SUSPECT_LEVEL, Solved, fit_published, identified,
 };
 
 /// A solution with what it is a solution of.
@@ -29,6 +30,8 @@ pub struct Fit {
     pub solution: Solution,
     /// Readings with what the solution predicts for them.
     pub analysis: Analysis,
+    /// Readings that do not fit, together by pose, the worst pose first.
+    pub suspects: Vec<Vec<Reading>>,
     /// What the readings leave open.
     pub open: Vec<Deficiency>,
     /// The robot with the values identified; standard deviations are those of the solution.
@@ -151,6 +154,7 @@ pub fn fit(
         method,
         held,
         solution,
+        suspects: by_pose(analysis.suspects(SUSPECT_LEVEL)),
         analysis,
         open,
         steps,
@@ -158,6 +162,20 @@ pub fn fit(
         published: None,
         dataset: Arc::clone(&dataset),
     })
+}
+
+/// Readings together by pose, in the order of the first of each.
+fn by_pose(readings: Vec<Reading>) -> Vec<Vec<Reading>> {
+    let mut places: HashMap<usize, usize> = HashMap::new();
+    let mut poses: Vec<Vec<Reading>> = Vec::new();
+    for reading in readings {
+        let place = *places.entry(reading.row).or_insert_with(|| {
+            poses.push(Vec::new());
+            poses.len() - 1
+        });
+        poses[place].push(reading);
+    }
+    poses
 }
 
 /// The published method on the same data, in one sentence where it cannot be applied.

@@ -4,17 +4,19 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread::{self, JoinHandle};
 
-use tautline_session::{Keeper, LeftBehind, MeasuredPose, Session, WriteError};
+use tautline_session::{Changes, Keeper, LeftBehind, MeasuredPose, Session, WriteError};
 
 use super::document::Document;
 
 /// What the thread is to do.
 enum Job {
-    /// Keep the session as it is now.
+    /// Keep the whole session as it is now.
     Snapshot {
         session: Box<Session>,
         origin: Option<PathBuf>,
     },
+    /// Keep the session as it is now; its measured poses are kept already.
+    Changed(Box<Changes>),
     /// Keep one more measured pose.
     Measured(Box<MeasuredPose>),
     /// Set aside what an earlier crash has left behind.
@@ -32,13 +34,39 @@ pub enum Kept {
     Failed(String),
 }
 
+/// What of a document was handed over.
+#[derive(Debug, Clone, Copy)]
+struct Followed {
+    identity: u64,
+    revision: u64,
+    edits: u64,
+    replaced: u64,
+    /// Poses that it has, all kept.
+    poses: usize,
+    /// Poses of the last snapshot; `None` after something that could not be kept.
+    snapshot: Option<usize>,
+}
+
+impl Followed {
+    fn new(document: &Document, snapshot: usize) -> Self {
+        Self {
+            identity: document.identity(),
+            revision: document.revision(),
+            edits: document.edits(),
+            replaced: document.replaced(),
+            poses: document.session().measurements.len(),
+            snapshot: Some(snapshot),
+        }
+    }
+}
+
 /// Keeps the open session.
 pub struct Keeping {
     jobs: Option<mpsc::Sender<Job>>,
     kept: mpsc::Receiver<Kept>,
     thread: Option<JoinHandle<()>>,
-    /// Identity and revision of the document that was handed over last; `None` while nothing is kept.
-    followed: Option<(u64, u64)>,
+    /// What was handed over last; `None` while nothing is kept.
+    followed: Option<Followed>,
     /// Labels of measured poses that were handed over and that the document does not have yet.
     ahead: Vec<i64>,
 }
@@ -72,31 +100,58 @@ impl Keeping {
     /// Hands the document over if it has changes that neither its file nor the recovery folder has.
     pub fn follow(&mut self, document: Option<&Document>) {
         let now = document.map(|document| (document.identity(), document.revision()));
+        let before = self.followed;
         // Saving changes no revision, but then there is nothing to keep any more.
-        if now == self.followed && document.is_none_or(Document::is_unsaved) {
+        if now == before.map(|f| (f.identity, f.revision))
+            && document.is_none_or(Document::is_unsaved)
+        {
             return;
         }
-        let other =
-            now.map(|(identity, _)| identity) != self.followed.map(|(identity, _)| identity);
+        let other = now.map(|(identity, _)| identity) != before.map(|f| f.identity);
         let unsaved = document.filter(|document| document.is_unsaved());
+        let ahead = std::mem::take(&mut self.ahead);
         let has = |label: &i64| {
             document.is_some_and(|document| document.session().measurements.labels.contains(label))
         };
-        self.ahead.retain(|label| !other && !has(label));
+        let still_ahead = ahead.iter().filter(|label| !other && !has(label));
+        self.ahead = still_ahead.copied().collect();
         // A file that was saved while a pose was on its way does not have it.
         let is_done = unsaved.is_none() && self.ahead.is_empty();
-        if self.followed.is_some() && (other || is_done) {
+        if before.is_some() && (other || is_done) {
             self.send(Job::Finish);
             self.followed = None;
         }
         if let Some(document) = unsaved {
-            let origin = document.path().map(Path::to_owned);
-            self.send(Job::Snapshot {
-                session: Box::new(document.session().clone()),
-                origin,
-            });
-            self.followed = now;
+            self.hand_over(document, &ahead);
         }
+    }
+
+    /// Hands over what is not kept yet; poses with the labels of `ahead` are.
+    fn hand_over(&mut self, document: &Document, ahead: &[i64]) {
+        let session = document.session();
+        let is_kept = |before: &Followed| {
+            let new = session.measurements.labels.get(before.poses..);
+            let new = new.is_some_and(|new| new.iter().all(|label| ahead.contains(label)));
+            (new && before.replaced == document.replaced())
+                .then_some(before.snapshot)
+                .flatten()
+        };
+        let poses = match self.followed.as_ref().map(|f| (f, is_kept(f))) {
+            Some((before, Some(snapshot))) => {
+                if before.edits != document.edits() {
+                    self.send(Job::Changed(Box::new(Changes::of(session, snapshot))));
+                }
+                snapshot
+            }
+            _ => {
+                self.send(Job::Snapshot {
+                    session: Box::new(session.clone()),
+                    origin: document.path().map(Path::to_owned),
+                });
+                session.measurements.len()
+            }
+        };
+        self.followed = Some(Followed::new(document, poses));
     }
 
     /// Keeps a measured pose at once; [`Kept::Measured`] tells when it is on disk.
@@ -111,8 +166,13 @@ impl Keeping {
     }
 
     /// What happened since the last call.
-    pub fn kept(&self) -> Vec<Kept> {
-        self.kept.try_iter().collect()
+    pub fn kept(&mut self) -> Vec<Kept> {
+        let kept: Vec<Kept> = self.kept.try_iter().collect();
+        let has_failed = kept.iter().any(|kept| matches!(kept, Kept::Failed(_)));
+        if let Some(followed) = self.followed.as_mut().filter(|_| has_failed) {
+            followed.snapshot = None;
+        }
+        kept
     }
 
     /// Waits until everything that was handed over is on disk; nothing is kept afterwards.
@@ -151,14 +211,19 @@ fn work(folder: &Path, orders: &mpsc::Receiver<Job>, tell: impl Fn(Kept)) {
     }
 }
 
-/// Leaves out snapshots that a later one makes needless.
+/// Leaves out snapshots and changes that a later one makes needless.
 fn newest(jobs: Vec<Job>) -> Vec<Job> {
     let mut wanted: Vec<Job> = Vec::new();
     for job in jobs {
-        if matches!(
-            (&job, wanted.last()),
-            (Job::Snapshot { .. }, Some(Job::Snapshot { .. }))
-        ) {
+        while let Some(before) = wanted.last() {
+            let is_needless = match job {
+                Job::Snapshot { .. } => matches!(before, Job::Snapshot { .. } | Job::Changed(_)),
+                Job::Changed(_) => matches!(before, Job::Changed(_)),
+                _ => false,
+            };
+            if !is_needless {
+                break;
+            }
             wanted.pop();
         }
         wanted.push(job);
@@ -181,6 +246,12 @@ fn perform(
                 Ok(())
             }
         },
+        Job::Changed(changes) => {
+            let keeper = keeper
+                .as_mut()
+                .ok_or("A change could not be kept for recovery: nothing is being kept.")?;
+            keeper.changed(*changes).map_err(failed)
+        }
         Job::Measured(pose) => {
             let keeper = keeper
                 .as_mut()
@@ -203,6 +274,7 @@ mod tests {
 
     use super::*;
     use crate::app::clock;
+    use crate::app::edit::Edit;
 
     fn pose(label: i64) -> MeasuredPose {
         MeasuredPose {
@@ -250,11 +322,57 @@ mod tests {
         keeping.follow(Some(&document));
         keeping.measured(pose(0));
         assert_eq!(told(&keeping), 0);
-        document.append(|session| session.append_pose(&pose(0)).expect("it fits"));
+        document.append_pose(&pose(0)).expect("it fits");
         keeping.follow(Some(&document));
         document.saved_as(folder.path().join("saved.json"), document.revision());
         keeping.follow(Some(&document));
         keeping.flush();
         assert!(left_behind(folder.path()).expect("readable").is_empty());
+    }
+
+    #[test]
+    fn measured_poses_are_lines_of_the_journal_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut document = Document::new(Session::new("MINI", robot, clock::now()), None);
+        let mut keeping = Keeping::new(folder.path().into(), egui::Context::default());
+        keeping.follow(Some(&document));
+        let measure = |keeping: &mut Keeping, document: &mut Document, label| {
+            keeping.follow(Some(document));
+            keeping.measured(pose(label));
+            assert_eq!(told(keeping), label);
+            document.append_pose(&pose(label)).expect("it fits");
+            keeping.follow(Some(document));
+        };
+        for label in 0..30 {
+            measure(&mut keeping, &mut document, label);
+        }
+        let size = |name: &str| {
+            let own = std::fs::read_dir(folder.path()).expect("a folder");
+            let own = own.map(|entry| entry.expect("an entry").path());
+            let own = own.filter(|path| path.is_dir());
+            let file = own.last().expect("a session").join(name);
+            file.metadata().map_or(0, |metadata| metadata.len())
+        };
+        let empty = size("snapshot.json");
+        assert!(size("journal.jsonl") > 30 * 300);
+        assert_eq!(size("changes.json"), 0, "nothing was edited");
+        document.edit(Edit::Exclude(7));
+        measure(&mut keeping, &mut document, 30);
+        assert_eq!(
+            size("snapshot.json"),
+            empty,
+            "an edit does not write the poses"
+        );
+        assert!(size("changes.json") < empty + 500);
+        // Measurements that came otherwise are kept as a whole.
+        document.append(|session| session.measurements.laser_m[3] = 2.0);
+        measure(&mut keeping, &mut document, 31);
+        assert!(size("snapshot.json") > empty + 31 * 50);
+        keeping.flush();
+        let left = left_behind(folder.path()).expect("readable");
+        let recovered = left[0].recover().expect("a session").value.session;
+        assert_eq!(recovered.measurements, document.session().measurements);
+        assert_eq!(recovered.excluded(), document.session().excluded());
     }
 }

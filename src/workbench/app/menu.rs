@@ -4,7 +4,8 @@ use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 
 use super::command::Command;
 use super::commands::{
-    CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, ReportCommand, ViewCommand,
+    CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, PoseStep, ReportCommand,
+    ViewCommand,
 };
 use super::screen::{Screen, Step};
 use super::state::State;
@@ -202,7 +203,25 @@ fn view(state: &State) -> Vec<Item> {
         })
         .collect();
     let scale = state.context.zoom_factor();
+    let measured = state
+        .document
+        .as_ref()
+        .is_some_and(|d| !d.session().measurements.is_empty());
     items.extend([
+        item(
+            Menu::View,
+            "Show the next pose",
+            keys(Modifiers::ALT, Key::ArrowRight),
+            measured,
+            ViewCommand::Pose(PoseStep::Next),
+        ),
+        item(
+            Menu::View,
+            "Show the previous pose",
+            keys(Modifiers::ALT, Key::ArrowLeft),
+            measured,
+            ViewCommand::Pose(PoseStep::Previous),
+        ),
         item(
             Menu::View,
             "Command palette",

@@ -23,6 +23,7 @@ pub mod theme;
 
 pub use breakdown::Breakdown;
 pub use document::Document;
+pub use frame::Answer;
 pub use memo::Memo;
 pub use messages::{Message, Messages, Severity};
 pub use selection::Selection;

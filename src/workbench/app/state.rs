@@ -17,6 +17,7 @@ use super::selection::Selection;
 use super::tasks::Tasks;
 use crate::screens::Screens;
 use crate::views::Views;
+use crate::views::plots::Panes;
 
 /// How the program was started.
 #[derive(Debug, Clone, Default)]
@@ -115,6 +116,10 @@ impl State {
             messages.error(error.to_string());
             Vec::new()
         });
+        let views = Views {
+            plots: Panes::of(&preferences.value.plots),
+            ..Views::default()
+        };
         Self {
             keeping: Keeping::new(recovery, context.clone()),
             folders,
@@ -133,7 +138,7 @@ impl State {
             outbox: Outbox::default(),
             windows: Windows::default(),
             screens: Screens::default(),
-            views: Views::default(),
+            views,
         }
     }
 }

@@ -245,7 +245,8 @@ fn visuals(palette: &Palette) -> egui::Visuals {
     visuals.error_fg_color = palette.bad;
     visuals.hyperlink_color = palette.accent;
     visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
-    visuals.selection.stroke = Stroke::new(1.0, palette.accent);
+    // Also the colour of text that is selected: the accent on itself could not be read.
+    visuals.selection.stroke = Stroke::new(1.0, palette.text);
     visuals.striped = false;
     let states = [
         (
@@ -299,6 +300,9 @@ mod tests {
                 }
             }
             assert!(contrast(p.on_accent, p.accent) >= 4.5);
+            let selected = visuals(p).selection;
+            let ground = p.panel.blend(selected.bg_fill);
+            assert!(contrast(selected.stroke.color, ground) >= 4.5, "{theme:?}");
             for cable in p.cables {
                 assert!(contrast(cable, p.ground) >= 3.0, "{theme:?}: {cable:?}");
             }

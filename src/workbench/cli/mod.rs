@@ -42,6 +42,9 @@ struct Arguments {
     /// File that describes what the window shows after every frame, for programs that drive it
     #[arg(long, value_name = "FILE", hide = true)]
     observed: Option<PathBuf>,
+    /// How many times faster than real the simulated robot moves, for programs that measure the window.
+    #[arg(long, value_name = "TIMES", hide = true)]
+    robot_speed: Option<f64>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -101,7 +104,12 @@ impl BadInput {
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let Some(command) = arguments.command else {
-        return finish(workbench(arguments.path, arguments.observed));
+        return finish(workbench(crate::app::Options {
+            path: arguments.path,
+            observed: arguments.observed,
+            robot_speed: arguments.robot_speed,
+            ..Default::default()
+        }));
     };
     finish(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -124,19 +132,14 @@ pub fn run() -> ExitCode {
     })
 }
 
-fn workbench(path: Option<PathBuf>, observed: Option<PathBuf>) -> anyhow::Result<()> {
-    if let Some(missing) = path.as_deref().filter(|path| !path.exists()) {
+fn workbench(options: crate::app::Options) -> anyhow::Result<()> {
+    if let Some(missing) = options.path.as_deref().filter(|path| !path.exists()) {
         let message = format!(
             "{}: is neither a command nor a file or folder",
             missing.display()
         );
         return Err(BadInput::new(message));
     }
-    let options = crate::app::Options {
-        path,
-        observed,
-        ..Default::default()
-    };
     crate::app::run(options).map_err(|error| anyhow::anyhow!("cannot open a window: {error}"))
 }
 

@@ -1,5 +1,6 @@
 //! `tautline report`.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -15,7 +16,7 @@ use crate::app::clock;
 use crate::app::fit::Fit;
 use crate::comparison::identify;
 use crate::documents::diagnosis::Diagnosed;
-use crate::report::{ReportFormat, ReportInput, report_picture, write_report};
+use crate::report::{Part, ReportChoice, ReportFormat, ReportInput, report_picture, write_report};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -25,6 +26,45 @@ pub struct Arguments {
     /// File to write; its name ends with .html or .pdf
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Parts that are wanted, separated by commas; all by default
+    #[arg(
+        long,
+        value_name = "PART",
+        value_delimiter = ',',
+        conflicts_with = "without"
+    )]
+    sections: Vec<Part>,
+    /// Parts that are left out, separated by commas
+    #[arg(long, value_name = "PART", value_delimiter = ',')]
+    without: Vec<Part>,
+    /// Title instead of the name of the session
+    #[arg(long, default_value = "")]
+    title: String,
+    /// A line above the title
+    #[arg(long, default_value = "")]
+    header: String,
+    /// Who made the measurements
+    #[arg(long, default_value = "")]
+    operator: String,
+    /// For whom they were made
+    #[arg(long, default_value = "")]
+    company: String,
+}
+
+impl Arguments {
+    fn choice(&self) -> ReportChoice {
+        let is_out = |part: &Part| match self.sections.is_empty() {
+            true => self.without.contains(part),
+            false => !self.sections.contains(part),
+        };
+        ReportChoice {
+            without: Part::all().iter().copied().filter(is_out).collect(),
+            title: self.title.clone(),
+            header: self.header.clone(),
+            operator: self.operator.clone(),
+            company: self.company.clone(),
+        }
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -44,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_err(|error| error.context(arguments.subject.display().to_string()))?;
         (Some(fit), Some(diagnosis))
     };
-    let picture = report_picture(&session, fit.as_ref());
+    let picture = report_picture(&session, fit.as_ref(), &BTreeSet::new());
     if let Err(error) = &picture {
         eprintln!("the report has no picture of the robot: {error}");
     }
@@ -54,6 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         diagnosis: diagnosis.as_ref(),
         outdated: false,
         picture: picture.as_deref().ok(),
+        choice: &arguments.choice(),
         now: clock::now(),
     };
     write_report(&arguments.out, &input)?;

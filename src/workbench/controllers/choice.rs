@@ -4,12 +4,14 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use tautline_link::ads::AdsAddress;
+
 /// What can be asked for.
-const KNOWN: &str = "expected sim, replay:DIR or ads:HOST[:PORT]/NETID";
+const KNOWN: &str = "expected sim, replay:DIR or ads:HOST[:PORT]/NETID[:AMSPORT]";
 const REPLAY: &str = "replay:";
 const ADS: &str = "ads:";
 
-/// A controller: `sim`, `replay:DIR` or `ads:HOST[:PORT]/NETID`.
+/// A controller: `sim`, `replay:DIR` or `ads:HOST[:PORT]/NETID[:AMSPORT]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ControllerChoice {
     /// The simulated robot of the session.
@@ -20,35 +22,16 @@ pub enum ControllerChoice {
     Ads(AdsAddress),
 }
 
-/// Where a Beckhoff controller is.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AdsAddress {
-    /// Name or address of its computer.
-    pub host: String,
-    /// TCP port, where it is not the usual one.
-    pub port: Option<u16>,
-    /// AMS Net ID: six numbers with dots between.
-    pub net_id: String,
-}
-
-/// A word that names no controller.
+/// A word that names no controller; the text says why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("found \"{found}\", {expected}")]
-pub struct NoChoice {
-    found: String,
-    expected: &'static str,
-}
+#[error("{0}")]
+pub struct NoChoice(String);
 
 impl FromStr for ControllerChoice {
     type Err = NoChoice;
 
     fn from_str(text: &str) -> Result<Self, NoChoice> {
-        let refuse = |expected| {
-            Err(NoChoice {
-                found: text.to_owned(),
-                expected,
-            })
-        };
+        let refuse = |expected| Err(NoChoice(format!("found \"{text}\", {expected}")));
         if text == "sim" {
             return Ok(Self::Simulated);
         }
@@ -61,28 +44,11 @@ impl FromStr for ControllerChoice {
         let Some(address) = text.strip_prefix(ADS) else {
             return refuse(KNOWN);
         };
-        match ads_address(address) {
-            Some(address) => Ok(Self::Ads(address)),
-            None => refuse("expected ads:HOST[:PORT]/NETID with a Net ID such as 5.24.120.30.1.1"),
-        }
+        let address: Result<AdsAddress, _> = address.parse();
+        address
+            .map(Self::Ads)
+            .map_err(|error| NoChoice(error.to_string()))
     }
-}
-
-fn ads_address(text: &str) -> Option<AdsAddress> {
-    let (place, net_id) = text.rsplit_once('/')?;
-    let numbers: Result<Vec<u8>, _> = net_id.split('.').map(str::parse).collect();
-    if numbers.ok()?.len() != 6 {
-        return None;
-    }
-    let (host, port) = match place.rsplit_once(':') {
-        Some((host, port)) => (host, Some(port.parse().ok()?)),
-        None => (place, None),
-    };
-    (!host.is_empty()).then(|| AdsAddress {
-        host: host.to_owned(),
-        port,
-        net_id: net_id.to_owned(),
-    })
 }
 
 impl fmt::Display for ControllerChoice {
@@ -90,10 +56,7 @@ impl fmt::Display for ControllerChoice {
         match self {
             Self::Simulated => f.write_str("sim"),
             Self::Replay(folder) => write!(f, "{REPLAY}{}", folder.display()),
-            Self::Ads(AdsAddress { host, port, net_id }) => {
-                let port = port.map_or(String::new(), |port| format!(":{port}"));
-                write!(f, "{ADS}{host}{port}/{net_id}")
-            }
+            Self::Ads(address) => write!(f, "{ADS}{address}"),
         }
     }
 }
@@ -109,7 +72,7 @@ mod tests {
             "replay:runs/one",
             "replay:/a:b/c",
             "ads:192.168.0.5/5.24.120.30.1.1",
-            "ads:robot.local:48898/5.24.120.30.1.1",
+            "ads:robot.local:48897/5.24.120.30.1.1:852",
         ] {
             let choice: ControllerChoice = text.parse().expect(text);
             assert_eq!(choice.to_string(), text);
@@ -117,8 +80,9 @@ mod tests {
         let choice = "ads:robot:851/1.2.3.4.1.1".parse();
         let expected = AdsAddress {
             host: "robot".into(),
-            port: Some(851),
-            net_id: "1.2.3.4.1.1".into(),
+            port: 851,
+            net_id: [1, 2, 3, 4, 1, 1],
+            ams_port: 851,
         };
         assert_eq!(choice, Ok(ControllerChoice::Ads(expected)));
     }
@@ -129,11 +93,11 @@ mod tests {
             ("", "expected sim, replay:DIR"),
             ("simulated", "found \"simulated\", expected sim"),
             ("replay:", "the dataset folder"),
-            ("ads:robot", "a Net ID"),
-            ("ads:/1.2.3.4.1.1", "a Net ID"),
-            ("ads:robot/1.2.3.4.1", "a Net ID"),
-            ("ads:robot/1.2.3.4.1.256", "a Net ID"),
-            ("ads:robot:many/1.2.3.4.1.1", "a Net ID"),
+            ("ads:robot", "has no Net ID"),
+            ("ads:/1.2.3.4.1.1", "has no host"),
+            ("ads:robot/1.2.3.4.1", "a Net ID that"),
+            ("ads:robot/1.2.3.4.1.256", "a Net ID that"),
+            ("ads:robot:many/1.2.3.4.1.1", "a port that is none"),
         ] {
             let error = text.parse::<ControllerChoice>().expect_err(text);
             assert!(error.to_string().contains(expected), "{text}: {error}");

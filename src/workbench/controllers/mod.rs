@@ -9,7 +9,7 @@ mod opened;
 mod rig;
 mod stored;
 
-pub use choice::{AdsAddress, ControllerChoice, NoChoice};
+pub use choice::{ControllerChoice, NoChoice};
 pub use clock::FastClock;
 pub use opened::{OpenError, Opened};
 pub use rig::{Kind, Rig, bounds};

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use tautline_core::robot::Robot;
+use tautline_link::ads::{AdsController, AdsOptions};
+use tautline_link::laser::{self, ManualLaser};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
-use tautline_link::{Controller, Instrument, Limited, LinkError, ReplayController};
+use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station, SystemClock};
 use tautline_session::{ReadError, read_dataset};
 
 use super::clock::FastClock;
@@ -17,7 +19,9 @@ const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 /// A controller with what belongs to its connection; not connected yet.
 pub struct Opened {
     /// The controller, behind its limits.
-    pub controller: Limited<Box<dyn Controller>>,
+    pub controller: Station<Box<dyn Controller>>,
+    /// The laser to which the operator answers.
+    pub asked: Option<ManualLaser>,
     /// The external instrument that watches a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
     /// Where its time comes from.
@@ -54,16 +58,20 @@ impl Rig {
                 let replay = replay.map_err(|e| LinkError::Setup(format!("{place}: {e}")))?;
                 (Box::new(replay) as Box<dyn Controller>, None)
             }
-            Source::Ads(address) => {
-                let text = format!(
-                    "ads:{}: controllers of this kind are not available in this version",
-                    address.host
-                );
-                return Err(LinkError::Setup(text).into());
+            Source::Ads(address, mapping) => {
+                let clock = Arc::new(SystemClock::start());
+                let options = AdsOptions::default();
+                let ads =
+                    AdsController::new(address.clone(), mapping, self.robot(), options, clock);
+                (Box::new(ads?) as Box<dyn Controller>, None)
             }
         };
+        let laser = laser::chosen(&self.laser, Arc::new(SystemClock::start()));
+        let asked = laser.as_ref().and_then(laser::Chosen::asked);
         Ok(Opened {
-            controller: Limited::new(controller, self.limits.clone()),
+            controller: Station::new(controller, self.limits.clone())
+                .with_laser(laser.map(laser::Chosen::into_source)),
+            asked,
             instrument,
             clock,
         })

@@ -6,10 +6,12 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::Limits;
+use tautline_link::ads::AdsAddress;
+use tautline_link::laser::LaserChoice;
 use tautline_link::simulated::SimulatedSetup;
-use tautline_session::Session;
+use tautline_session::{AdsMapping, Session};
 
-use super::choice::{AdsAddress, ControllerChoice};
+use super::choice::ControllerChoice;
 
 /// A kind of controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +47,7 @@ pub struct Rig {
     /// File for the values that a simulated controller holds while they are written.
     pub(super) stores_at: Option<PathBuf>,
     pub(super) limits: Limits,
+    pub(super) laser: LaserChoice,
 }
 
 /// What answers.
@@ -52,7 +55,7 @@ pub struct Rig {
 pub(super) enum Source {
     Simulated(Box<SimulatedSetup>),
     Replay(PathBuf),
-    Ads(AdsAddress),
+    Ads(AdsAddress, Box<AdsMapping>),
 }
 
 /// Seed of the noise of a robot that is simulated from its description.
@@ -86,13 +89,18 @@ impl Rig {
                 (Kind::offered(session), Source::Simulated(Box::new(setup)))
             }
             ControllerChoice::Replay(folder) => (Kind::Recording, Source::Replay(folder.clone())),
-            ControllerChoice::Ads(address) => (Kind::Real, Source::Ads(address.clone())),
+            ControllerChoice::Ads(address) => {
+                let own = session.connection.ads.clone();
+                let mapping = own.unwrap_or_else(|| AdsMapping::default_for(&session.robot));
+                (Kind::Real, Source::Ads(address.clone(), Box::new(mapping)))
+            }
         };
         Self {
             kind,
             source,
             stores_at: stores_at.map(Path::to_owned),
             limits,
+            laser: session.laser_source.clone(),
         }
     }
 

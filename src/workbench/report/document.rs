@@ -5,6 +5,8 @@ use super::drawing::Drawing;
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
+    /// A line above the title; may be empty.
+    pub header: String,
     /// What it is about.
     pub title: String,
     /// Lines below the title.

@@ -20,6 +20,7 @@ pub fn render(document: &Document) -> String {
             }
             body {
                 main {
+                    @if !document.header.is_empty() { p.subtitle { (document.header) } }
                     h1 { (document.title) }
                     p.subtitle {
                         @for line in &document.subtitle { span { (line) } " " }

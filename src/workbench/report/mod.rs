@@ -3,6 +3,7 @@
 //! `content` makes one document of plain data; `html` and `pdf` render it, `picture` draws the robot. Nothing
 //! here reads a clock or asks the window for anything, so a report is the same wherever it is made.
 
+mod choice;
 mod content;
 mod document;
 mod drawing;
@@ -19,6 +20,7 @@ use tautline_session::{Session, Timestamp, WriteError, write_bytes};
 
 use crate::app::fit::Fit;
 use crate::documents::diagnosis::Diagnosed;
+pub use choice::{Part, ReportChoice};
 pub use pdf::PdfError;
 pub use picture::report_picture;
 
@@ -38,6 +40,8 @@ pub struct ReportInput<'a> {
     pub outdated: bool,
     /// A picture of the robot (PNG), if there is one.
     pub picture: Option<&'a [u8]>,
+    /// What of it is wanted, and its head.
+    pub choice: &'a ReportChoice,
     /// When the report is made.
     pub now: Timestamp,
 }

@@ -22,6 +22,7 @@ use crate::documents::diagnosis::samples::{dataset, diagnosed};
 const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";
 
 struct Sample {
+    choice: ReportChoice,
     session: Session,
     fit: Fit,
     diagnosis: Diagnosed,
@@ -81,7 +82,7 @@ fn sample(verdicts: &[Verdict]) -> Sample {
         operator: "Ann".to_owned(),
         controller: "simulated".to_owned(),
         changes: vec![ValueChange {
-            name: "cable-2 entry point x".to_owned(),
+            name: "cable-2.entry_point.x_m".to_owned(),
             unit: "m".to_owned(),
             before: 1.0,
             after: 1.0123,
@@ -89,6 +90,7 @@ fn sample(verdicts: &[Verdict]) -> Sample {
         outcome: Outcome::Written,
     });
     Sample {
+        choice: ReportChoice::default(),
         diagnosis: diagnosed(&data, verdicts),
         session,
         fit,
@@ -103,6 +105,7 @@ impl Sample {
             diagnosis: Some(&self.diagnosis),
             outdated: false,
             picture: None,
+            choice: &self.choice,
             now: time(60),
         }
     }
@@ -281,6 +284,35 @@ fn a_report_is_the_same_every_time() {
 }
 
 #[test]
+fn parts_can_be_left_out_and_the_head_is_ones_own() {
+    let mut sample = sample(&[]);
+    let whole = sample.html();
+    assert!(whole.contains("Calibration report: Trial"));
+    assert!(whole.contains("2 entry point x") && !whole.contains("entry_point"));
+    sample.choice = ReportChoice {
+        without: [Part::Adjustments, Part::Log].into(),
+        title: "Acceptance <test>".to_owned(),
+        header: "Form 7".to_owned(),
+        operator: "B. Smith".to_owned(),
+        company: "Cables & Co".to_owned(),
+    };
+    let html = sample.html();
+    for text in [
+        "Acceptance &lt;test&gt;",
+        "Form 7",
+        "Operator: B. Smith",
+        "Company: Cables &amp; Co",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+    assert!(!html.contains("2 entry point x") && !html.contains("Appendix"));
+    assert!(html.contains("About this report"));
+    assert!(render_report(&sample.input(), ReportFormat::Pdf).is_ok());
+    sample.choice.without = Part::all().iter().copied().collect();
+    assert!(content::document(&sample.input()).sections.is_empty());
+}
+
+#[test]
 fn a_session_without_measurements_has_a_report() {
     let robot = dataset().robot;
     let session = Session::new("Empty", robot, time(0));
@@ -290,6 +322,7 @@ fn a_session_without_measurements_has_a_report() {
         diagnosis: None,
         outdated: false,
         picture: None,
+        choice: &ReportChoice::default(),
         now: time(1),
     };
     let html = render_report(&input, ReportFormat::Html).expect("HTML");

@@ -2,6 +2,12 @@
 
 pub mod plots;
 pub mod robot_3d;
+pub mod timeline;
+
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+
+use crate::app::State;
+use crate::app::theme::{self, GRID};
 
 /// What the views remember.
 #[derive(Default)]
@@ -10,8 +16,10 @@ pub struct Views {
     pub robot_3d: robot_3d::Robot3d,
     /// Of the two robots in 3D that are compared.
     pub compared_3d: robot_3d::Robot3d,
+    /// Of the time line.
+    pub timeline: timeline::Remembered,
     /// Of the plots.
-    pub plots: plots::Remembered,
+    pub plots: plots::Panes,
 }
 
 impl Views {
@@ -20,4 +28,26 @@ impl Views {
         self.robot_3d.destroy();
         self.compared_3d.destroy();
     }
+}
+
+/// Draws the robot in 3D, and below it the time line of what was measured.
+pub fn robot(ui: &mut Ui, state: &mut State) {
+    let palette = theme::of(ui);
+    let measured = state
+        .document
+        .as_ref()
+        .is_some_and(|document| !document.session().measurements.is_empty());
+    if measured {
+        let frame = Frame::new()
+            .fill(palette.panel)
+            .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
+        Panel::bottom("time line")
+            .frame(frame)
+            .resizable(false)
+            .exact_size(timeline::HEIGHT)
+            .show(ui, |ui| timeline::show(ui, state));
+    }
+    CentralPanel::no_frame()
+        .frame(Frame::new().fill(palette.ground))
+        .show(ui, |ui| robot_3d::show(ui, state));
 }

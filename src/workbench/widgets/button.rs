@@ -31,7 +31,12 @@ pub fn icon_only(ui: &mut Ui, icon: MaterialIcon, name: &str, enabled: bool) -> 
     let button = Button::new(icon.rich_text().size(18.0))
         .frame_when_inactive(false)
         .min_size(egui::vec2(28.0, 24.0));
-    let response = ui.add_enabled(enabled, button);
+    // As high as other buttons, so that it stands in one line with them.
+    let response = ui.scope(|ui| {
+        ui.spacing_mut().button_padding.y = 0.0;
+        ui.add_enabled(enabled, button)
+    });
+    let response = response.inner;
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
     response.on_hover_text(name).on_disabled_hover_text(name)
 }

@@ -3,15 +3,17 @@
 mod button;
 mod import_row;
 mod number;
-mod part_row;
+mod parts;
 mod rows;
+mod tab_row;
 mod table;
 mod text;
 
 pub use button::{icon_button, icon_only, primary};
 pub use import_row::{Import, import_row};
 pub use number::{Entered, Number, number};
-pub use part_row::part_row;
+pub use parts::parts;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
+pub use tab_row::{TabOf, tab_row};
 pub use table::{Cell, Column, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

@@ -1,5 +1,6 @@
 //! Lists, numbers, readings and probabilities in words, the same for reports, screens and the terminal.
 
+pub mod parameters;
 pub mod units;
 
 use tautline_core::diagnosis::Quantity;

@@ -15,7 +15,7 @@ pub fn people(unit: &str) -> (f64, &str) {
 }
 
 /// Unit of a parameter: coefficients of friction are ratios, but no percentages.
-pub fn unit_of(parameter: &str, unit: &'static str) -> &'static str {
+pub fn unit_of<'a>(parameter: &str, unit: &'a str) -> &'a str {
     match parameter {
         "mu" => "",
         _ => unit,

@@ -1,86 +1,12 @@
 //! precalibrate: tables made from known values.
 
-use std::fmt::Write;
-
-use serde_json::{Value, json};
+use serde_json::json;
 use tautline_session::read_robot;
+use tautline_validation::tables::{
+    elongation_table, force_table, home_platform, home_table, per_revolution, winch_table,
+};
 
 use super::program::{Folder, assert_number, assert_valid, number, tautline};
-
-/// Cable per revolution and its error pattern: sums to zero and is orthogonal to the revolutions, so that
-/// the fit is exact and the largest residual is its amplitude.
-fn winch_table() -> String {
-    let mut text = "cable,rev,length_m\n".to_owned();
-    for cable in 1..=8 {
-        let amplitude = if cable == 3 { 3e-4 } else { 2e-5 };
-        for (rev, sign) in [(-3.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (3.0, 1.0)] {
-            let length = per_revolution(cable) * rev + 0.5 + amplitude * sign;
-            writeln!(text, "cable-{cable},{rev},{length}").expect("written");
-        }
-    }
-    text
-}
-
-fn per_revolution(cable: usize) -> f64 {
-    0.125 + 1e-4 * cable as f64
-}
-
-/// Gain 2.02 and bias 1.5 N; readings 0.2 N off in the same pattern.
-fn force_table() -> String {
-    let mut text = "cable,reading_n,load_n\n".to_owned();
-    for (load, sign) in [(10.0, 1.0), (30.0, -1.0), (50.0, -1.0), (70.0, 1.0)] {
-        let reading = 2.02 * load + 1.5 + 0.2 * sign;
-        writeln!(text, "1,{reading},{load}").expect("written");
-        writeln!(text, "cable-2,{reading},{load}").expect("written");
-    }
-    text
-}
-
-/// Three sensors look up at the bottom, two and one at the sides; the reference frame lies 0.3 m below
-/// the base frame. The platform stands at (1, 2, 3) mm in the base frame, not turned; in the two
-/// repeats it is 0.1 mm above and below.
-fn home_platform() -> (Value, String) {
-    let sensor = |origin: [f64; 3], direction: [f64; 3], plane: usize| {
-        json!({"origin_m": origin, "direction": direction,
-            "plane": plane, "sd_m": 2e-4})
-    };
-    let (up, along_x, along_y) = ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-    let platform = json!({
-        "base_from_reference": {"position_m": [0, 0, -0.3], "orientation_wxyz": [1, 0, 0, 0]},
-        "sensors": [
-            sensor([0.05, 0.04, 0.05], up, 0), sensor([-0.05, 0.04, 0.05], up, 0),
-            sensor([0.0, -0.06, 0.05], up, 0), sensor([-0.2, 0.05, 0.3], along_x, 1),
-            sensor([-0.2, -0.05, 0.3], along_x, 1), sensor([0.01, -0.2, 0.3], along_y, 2)],
-        "planes": [
-            {"normal": [0, 0, -1], "offset_m": 0.06}, {"normal": [-1, 0, 0], "offset_m": 0.07},
-            {"normal": [0, -1, 0], "offset_m": 0.08}]});
-    let mut text = "sensor,reading\n".to_owned();
-    for up in [1e-4, -1e-4] {
-        let bottom = 0.003 + 0.3 - 0.06 - 0.05 + up;
-        let sides = [0.001 - 0.07 + 0.2, 0.002 - 0.08 + 0.2];
-        let distances = [bottom, bottom, bottom, sides[0], sides[0], sides[1]];
-        for (k, distance) in distances.iter().enumerate() {
-            writeln!(text, "{},{distance}", k + 1).expect("written");
-        }
-    }
-    (platform, text)
-}
-
-/// `length tension / EA` with EA = 4e4 N, so of degree 2; errors of 5 micrometres without a pattern.
-fn elongation_table() -> String {
-    let mut text = "length_m,tension_n,elongation_m\n".to_owned();
-    let mut state = 1_u32;
-    for step in 0..8 {
-        for tension in (10..=80).step_by(10) {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let error = 1e-5 * (f64::from(state) / f64::from(u32::MAX) - 0.5);
-            let length = 1.0 + 0.25 * f64::from(step);
-            let elongation = length * f64::from(tension) / 4e4 + error;
-            writeln!(text, "{length},{tension},{elongation}").expect("written");
-        }
-    }
-    text
-}
 
 /// A dataset without poses.
 fn dataset() -> Folder {
@@ -89,12 +15,11 @@ fn dataset() -> Folder {
     let made = folder.join("made");
     tautline(&[&arguments[..], &[&made]].concat()).succeeded();
     let mut robot = folder.json("made/robot.json");
-    let (platform, readings) = home_platform();
-    robot["home_platform"] = platform;
+    robot["home_platform"] = home_platform();
     folder.write("robot.json", &robot.to_string());
-    folder.write("winch.csv", &winch_table());
+    folder.write("winch.csv", &winch_table(Some(3)));
     folder.write("force.csv", &force_table());
-    folder.write("home.csv", &readings);
+    folder.write("home.csv", &home_table());
     folder.write("elongation.csv", &elongation_table());
     folder
 }

@@ -34,6 +34,29 @@ fn a_report_is_written_as_html_and_as_pdf() {
 }
 
 #[test]
+fn parts_of_a_report_are_chosen() {
+    let folder = Folder::new();
+    let data = folder.join("mini");
+    let arguments = [
+        "simulate", "--robot", "mini", "--poses", "1", "--out", &data,
+    ];
+    tautline(&arguments).succeeded();
+    let written = |more: &[&str]| {
+        let out = folder.join("report.html");
+        tautline(&[&["report", &data, "--out", &out], more].concat()).succeeded();
+        std::fs::read_to_string(&out).expect("the report")
+    };
+    let text = written(&["--sections", "robot,about", "--title", "Own title"]);
+    assert!(text.contains(">Robot</h2>") && !text.contains(">Result</h2>"));
+    assert!(text.contains("<h1>Own title</h1>"));
+    let text = written(&["--without", "robot"]);
+    assert!(text.contains(">Result</h2>") && !text.contains(">Robot</h2>"));
+    let out = folder.join("r.html");
+    let wrong = ["report", &data, "--out", &out, "--without", "nonsense"];
+    tautline(&wrong).refused(&["nonsense", "adjustments"]);
+}
+
+#[test]
 fn a_report_needs_a_name_that_says_its_format_and_something_to_report_on() {
     let folder = Folder::new();
     let data = folder.join("nothing");

@@ -18,7 +18,7 @@ pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
 pub use report::{ReportCommand, ReportOutcome, SavingReport};
 pub use robot::{RobotCommand, RobotOutcome};
-pub use view::{ViewCommand, restore};
+pub use view::{PoseStep, ViewCommand, restore};
 
 use super::command::{Command, Outcome};
 use super::keeping::Kept;

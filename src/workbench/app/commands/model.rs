@@ -1,6 +1,6 @@
 //! Identification and diagnosis.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -64,7 +64,7 @@ pub struct Examined {
     diagnosed: Diagnosed,
     /// The document for the session; none where the session has it already.
     record: Option<ResultRecord>,
-    figures: Vec<Figure>,
+    figures: BTreeMap<usize, Figure>,
 }
 
 pub(super) fn perform(state: &mut State, command: ModelCommand) {

@@ -112,8 +112,8 @@ fn save_part(path: &Path, image: &ColorImage, part: Rect, scale: f32) -> Result<
 
 pub(super) fn receive(state: &mut State, outcome: PlotOutcome) {
     match outcome {
-        PlotOutcome::Prepared(preparation) => state.views.plots.preparation = Some(*preparation),
-        PlotOutcome::Picked(Some(path)) => state.views.plots.picked(path),
+        PlotOutcome::Prepared(preparation) => state.views.plots.prepared(&preparation),
+        PlotOutcome::Picked(Some(path)) => state.views.plots.picked(&path),
         PlotOutcome::Picked(None) => {
             state
                 .messages

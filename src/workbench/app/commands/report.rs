@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::app::clock;
 use crate::app::command::Outcome;
 use crate::app::state::State;
-use crate::report::{ReportFormat, ReportInput, report_picture, write_report};
+use crate::report::{ReportChoice, ReportFormat, ReportInput, report_picture, write_report};
 
 /// Saves the report of the session.
 #[derive(Debug, Clone)]
@@ -28,6 +28,8 @@ pub struct SavingReport {
     pub format: ReportFormat,
     /// Where, as it is typed.
     pub path: String,
+    /// What of it is wanted, and its head.
+    pub choice: ReportChoice,
 }
 
 /// What a task with the report came to.
@@ -53,11 +55,12 @@ pub(super) fn perform(state: &mut State, command: ReportCommand) {
         ReportCommand::Cancel => state.windows.report = None,
         ReportCommand::Save(path) => {
             let saving = state.windows.report.take();
-            let path = match saving {
-                Some(saving) => whole(path, saving.format),
-                None => path,
+            let (path, choice) = match saving {
+                Some(saving) => (whole(path, saving.format), saving.choice),
+                None => (path, ReportChoice::of(&state.preferences)),
             };
-            save(state, path);
+            state.change_preferences(|preferences| choice.keep(preferences));
+            save(state, path, choice);
         }
     }
 }
@@ -75,6 +78,7 @@ fn ask(state: &mut State, format: ReportFormat) {
     state.windows.report = place(state, format).map(|path| SavingReport {
         format,
         path: path.display().to_string(),
+        choice: ReportChoice::of(&state.preferences),
     });
 }
 
@@ -103,7 +107,7 @@ fn whole(path: PathBuf, format: ReportFormat) -> PathBuf {
     name.into()
 }
 
-fn save(state: &mut State, path: PathBuf) {
+fn save(state: &mut State, path: PathBuf, choice: ReportChoice) {
     let Some(document) = &state.document else {
         return;
     };
@@ -112,14 +116,21 @@ fn save(state: &mut State, path: PathBuf) {
     let diagnosis = document.diagnosis().map(Arc::clone);
     let is_current = (fit.is_none() || document.fit_is_current())
         && (diagnosis.is_none() || document.diagnosis_is_current());
+    let options = &state.views.robot_3d.options;
+    let pinned = if options.callouts {
+        options.pinned.clone()
+    } else {
+        Default::default()
+    };
     state.tasks.start("Writing the report", move |_| {
-        let picture = report_picture(&session, fit.as_deref());
+        let picture = report_picture(&session, fit.as_deref(), &pinned);
         let input = ReportInput {
             session: &session,
             fit: fit.as_deref(),
             diagnosis: diagnosis.as_deref(),
             outdated: !is_current,
             picture: picture.as_deref().ok(),
+            choice: &choice,
             now: clock::now(),
         };
         let result = write_report(&path, &input).map_err(|error| error.to_string());
@@ -135,7 +146,7 @@ pub(super) fn receive(state: &mut State, outcome: ReportOutcome) {
     match outcome {
         ReportOutcome::Picked(Some(path)) => match &mut state.windows.report {
             Some(saving) => saving.path = path.display().to_string(),
-            None => save(state, path),
+            None => save(state, path, ReportChoice::of(&state.preferences)),
         },
         ReportOutcome::Picked(None) => state
             .messages

@@ -1,12 +1,13 @@
 //! Questions that have to be answered before the program goes on.
 
-use egui::{Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use crate::app::commands::{FileCommand, ReportCommand, SavingReport};
 use crate::app::state::State;
 use crate::app::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, muted, primary};
+use crate::report::{Part, ReportChoice};
+use crate::widgets::{heading, icon_button, muted, primary, section};
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -33,6 +34,10 @@ fn report(ui: &mut Ui, state: &mut State, mut saving: SavingReport) {
                 state.outbox.send(ReportCommand::Browse(format));
             }
         });
+        let height = (ui.ctx().content_rect().height() - 180.0).max(80.0);
+        egui::ScrollArea::vertical()
+            .max_height(height)
+            .show(ui, |ui| choice(ui, &mut saving.choice));
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
             let path = saving.path.trim();
@@ -48,6 +53,48 @@ fn report(ui: &mut Ui, state: &mut State, mut saving: SavingReport) {
         state.outbox.send(ReportCommand::Cancel);
     }
     state.windows.report = Some(saving);
+}
+
+/// What of a report is wanted, and what stands at its head.
+fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
+    section(ui, "Head");
+    Grid::new("head of the report")
+        .num_columns(2)
+        .spacing([3.0 * GRID, 1.5 * GRID])
+        .show(ui, |ui| {
+            for (name, text, hint) in [
+                ("Title", &mut choice.title, "That of the session"),
+                ("Line above it", &mut choice.header, "None"),
+                ("Company", &mut choice.company, "None"),
+                ("Operator", &mut choice.operator, "None"),
+            ] {
+                let label = ui.label(name);
+                let field = TextEdit::singleline(text)
+                    .hint_text(hint)
+                    .desired_width(320.0);
+                ui.add(field).labelled_by(label.id);
+                ui.end_row();
+            }
+        });
+    section(ui, "Parts");
+    Grid::new("parts of the report")
+        .num_columns(2)
+        .spacing([6.0 * GRID, GRID])
+        .show(ui, |ui| {
+            for (k, part) in Part::all().iter().enumerate() {
+                let mut wanted = !choice.without.contains(part);
+                if ui.checkbox(&mut wanted, part.title()).changed() {
+                    if wanted {
+                        choice.without.remove(part);
+                    } else {
+                        choice.without.insert(*part);
+                    }
+                }
+                if k % 2 == 1 {
+                    ui.end_row();
+                }
+            }
+        });
 }
 
 /// Save the changes first?

@@ -1,6 +1,7 @@
 //! The log window: all messages.
 
 use egui::{ScrollArea, Ui, Window};
+use tautline_session::Timestamp;
 
 use crate::app::messages::Severity;
 use crate::app::state::State;
@@ -28,11 +29,17 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                             Severity::Error => theme::of(ui).bad,
                         };
                         ui.horizontal_wrapped(|ui| {
-                            muted(ui, &message.time.to_string());
+                            muted(ui, &clock_time(&message.time));
                             ui.colored_label(colour, &message.text);
                         });
                     }
                 });
         });
     state.windows.log = open;
+}
+
+/// Time of day as people write it: `19:07:24 UTC`.
+fn clock_time(time: &Timestamp) -> String {
+    let text = time.to_string();
+    format!("{} UTC", text.get(11..19).unwrap_or(&text))
 }

@@ -5,13 +5,15 @@ mod log;
 mod palette;
 mod rail;
 mod save_as;
+mod sized;
 mod status;
 mod top;
 
-use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Rangef, Ui};
 
 pub use dialogs::{Answer, broken};
 
+use self::sized::{Size, sized};
 use super::screen::{Screen, Step};
 use super::state::State;
 use super::theme::{self, GRID};
@@ -21,6 +23,9 @@ use crate::{screens, views};
 const NARROW: f32 = 1120.0;
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
+
+/// Width of the panel of a phase (points), if nobody chose another.
+const PANEL: f32 = 440.0;
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -59,22 +64,29 @@ fn phase(ui: &mut Ui, state: &mut State, step: Step) {
     let rail = Panel::left("rail").frame(side).resizable(false);
     rail.exact_size(if narrow { rail::NARROW } else { 208.0 })
         .show(ui, |ui| rail::show(ui, state, narrow));
-    let panel = Panel::right("phase")
-        .frame(side)
-        .default_size(440.0)
-        .size_range(340.0..=640.0);
-    panel.show(ui, |ui| screens::phase(ui, state, step));
+    let layout = state.preferences.layout;
+    let width = Size {
+        wanted: layout.panel_width.map_or(PANEL, |width| width as f32),
+        range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
+    };
+    let panel = Panel::right("phase").frame(side);
+    let dragged = sized(ui, panel, (width, 0), |ui| screens::phase(ui, state, step));
+    if let Some(width) = dragged {
+        state.change_preferences(|p| p.layout.panel_width = Some(f64::from(width)));
+    }
     let height = ui.available_height();
-    let plots = Panel::bottom("plots")
-        .frame(side)
-        .default_size((0.38 * height).min(300.0));
-    plots
-        .size_range(140.0..=(0.7 * height).max(150.0))
-        .show(ui, |ui| views::plots::show(ui, state));
-    let ground = Frame::new().fill(theme::of(ui).ground);
-    CentralPanel::no_frame()
-        .frame(ground)
-        .show(ui, |ui| views::robot_3d::show(ui, state));
+    // A low window still has room for a plot below its lines of choices.
+    let usual = (0.38 * height).min(300.0).max((0.5 * height).min(240.0));
+    let size = Size {
+        wanted: layout.plots_height.map_or(usual, |height| height as f32),
+        range: Rangef::new(140.0, (0.7 * height).max(150.0)),
+    };
+    let plots = Panel::bottom("plots").frame(side);
+    let dragged = sized(ui, plots, (size, 1), |ui| views::plots::show(ui, state));
+    if let Some(height) = dragged {
+        state.change_preferences(|p| p.layout.plots_height = Some(f64::from(height)));
+    }
+    views::robot(ui, state);
 }
 
 /// One part at a time, where the window has no room for all of them.
@@ -96,7 +108,7 @@ fn compact(ui: &mut Ui, state: &mut State, step: Step) {
         .frame(side)
         .show(ui, |ui| match state.windows.part {
             Part::Panel => screens::phase(ui, state, step),
-            Part::Robot => views::robot_3d::show(ui, state),
+            Part::Robot => views::robot(ui, state),
             Part::Plots => views::plots::show(ui, state),
         });
 }

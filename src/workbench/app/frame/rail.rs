@@ -14,6 +14,14 @@ pub const NARROW: f32 = 68.0;
 /// Draws the rail; a `narrow` one has icons alone.
 pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
     ui.spacing_mut().item_spacing.y = GRID;
+    egui::ScrollArea::vertical()
+        .id_salt("rail")
+        .auto_shrink(false)
+        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
+        .show(ui, |ui| entries(ui, state, narrow));
+}
+
+fn entries(ui: &mut Ui, state: &mut State, narrow: bool) {
     for step in Step::ALL {
         let Some(document) = &state.document else {
             return;

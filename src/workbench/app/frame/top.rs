@@ -12,11 +12,19 @@ use crate::widgets::{icon_only, muted};
 
 /// Gives the commands whose keys were pressed.
 pub fn shortcuts(ui: &Ui, state: &mut State) {
-    for item in menu::items(state) {
+    let mut items = menu::items(state);
+    // Keys without Shift also match with it: those that need it come first.
+    items.sort_by_key(|item| item.shortcut.is_none_or(|keys| !keys.modifiers.shift));
+    for item in items {
         let Some(shortcut) = item.shortcut else {
             continue;
         };
-        if item.enabled && ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
+        // What cannot be done now is left to the field that is typed in, but never to the same keys without Shift.
+        if !item.enabled && !shortcut.modifiers.shift {
+            continue;
+        }
+        let is_pressed = ui.input_mut(|input| input.consume_shortcut(&shortcut));
+        if is_pressed && item.enabled {
             state.outbox.send(item.command);
         }
     }

@@ -30,6 +30,8 @@ pub(super) enum Order {
     Abort,
     /// The pose of this label is stored.
     Stored(i64),
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    LaserDistance(i64, Option<f64>),
     Verify(Vec<CheckTarget>, Stage),
     Parameters,
     Write(Vec<(String, f64)>, Purpose),
@@ -129,6 +131,11 @@ pub enum Doing {
         limits: Rates,
         /// At least this much time is left (s).
         remaining_s: f64,
+    },
+    /// Waiting for the laser distance that the operator types.
+    Asking {
+        /// Label of the pose.
+        label: i64,
     },
     /// Taking samples.
     Sampling {

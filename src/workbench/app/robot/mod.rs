@@ -4,7 +4,6 @@
 
 mod message;
 mod run;
-mod watched;
 mod whereabouts;
 mod work;
 mod worker;
@@ -226,6 +225,11 @@ impl Link {
     /// The pose of this label of the run is stored.
     pub fn stored(&mut self, label: i64) {
         self.tell(Order::Stored(label));
+    }
+
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    pub fn laser_distance(&mut self, label: i64, distance_m: Option<f64>) {
+        self.tell(Order::LaserDistance(label, distance_m));
     }
 
     /// Verifies.

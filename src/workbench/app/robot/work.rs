@@ -33,13 +33,12 @@ impl Work {
         }
     }
 
-    /// Ends it and says so.
-    pub fn abort(&mut self) -> Option<Report> {
-        let text = || Err("it was stopped by the operator".to_owned());
+    /// Ends it and says why.
+    pub fn abort(&mut self, why: &str) -> Option<Report> {
         match std::mem::replace(self, Self::None) {
             Self::None => None,
-            Self::Measuring(_) => Some(Report::RunEnded(text())),
-            Self::Verifying(v) => Some(Report::Verified(v.stage, Err("it was stopped".into()))),
+            Self::Measuring(_) => Some(Report::RunEnded(Err(why.to_owned()))),
+            Self::Verifying(v) => Some(Report::Verified(v.stage, Err(why.to_owned()))),
         }
     }
 
@@ -104,6 +103,10 @@ impl Measuring {
             }
             MeasuringEvent::Sampling { taken, of } => {
                 self.doing = Doing::Sampling { taken, of };
+                return None;
+            }
+            MeasuringEvent::LaserWanted { label } => {
+                self.doing = Doing::Asking { label };
                 return None;
             }
             MeasuringEvent::Measured(accepted) => {

@@ -6,12 +6,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::write_adjustment;
+use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
-use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
+use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
 
 use super::message::{Doing, Live, MeasuringOrder, Order, Purpose, Report};
-use super::watched::Watched;
 use super::whereabouts::Whereabouts;
 use super::work::{Measuring, Verifying, Work};
 use crate::controllers::{FastClock, OpenError, Rig};
@@ -24,6 +24,8 @@ const SHORTEST_TICK: Duration = Duration::from_millis(1);
 const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the window.
 const PICTURE: Duration = Duration::from_millis(50);
+/// Why something ends if nothing is wrong.
+const BY_OPERATOR: &str = "it was stopped by the operator";
 
 /// Tells the window; wakes it no more often than it can show.
 pub(super) struct Teller {
@@ -58,7 +60,9 @@ impl Teller {
 
 /// A controller with what belongs to its connection.
 struct Connection {
-    controller: Watched,
+    controller: Station<Box<dyn Controller>>,
+    /// The laser to which the operator answers.
+    asked: Option<ManualLaser>,
     instrument: Option<Box<dyn Instrument>>,
     clock: FastClock,
     rig: Box<Rig>,
@@ -175,7 +179,7 @@ impl Worker {
             Order::Disarm => controller.disarm(),
             Order::Abort => {
                 let stopped = controller.stop();
-                let report = self.work.abort();
+                let report = self.work.abort(BY_OPERATOR);
                 report.into_iter().for_each(|r| self.tell.report(r));
                 stopped?;
             }
@@ -210,6 +214,11 @@ impl Worker {
             Order::Repeat(label) => self.work.measuring(|m| {
                 m.run.repeat(label);
             }),
+            Order::LaserDistance(label, distance_m) => {
+                if let Some(laser) = &connection.asked {
+                    laser.answer(label, distance_m)?;
+                }
+            }
             Order::Stored(label) => self.work.measuring(|m| m.run.confirm_stored(label)),
             Order::Connect(..) | Order::Disconnect | Order::Watch(_) | Order::Speed(_) => {}
         }
@@ -217,17 +226,18 @@ impl Worker {
     }
 
     fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
-        self.close();
+        self.close(BY_OPERATOR);
         let opened = rig.open(self.speed).map_err(|error| match error {
             OpenError::Link(error) => error,
             OpenError::Read(error) => LinkError::Setup(error.to_string()),
         })?;
-        let mut controller = Watched::new(Box::new(opened.controller));
+        let mut controller = opened.controller;
         controller.connect()?;
         let parameters = controller.parameters()?;
         let identity = controller.identity();
         self.connection = Some(Connection {
             controller,
+            asked: opened.asked,
             instrument: opened.instrument,
             clock: opened.clock,
             whereabouts: Whereabouts::of(rig.robot()),
@@ -244,15 +254,15 @@ impl Worker {
 
     /// Stops the platform, ends the connection and says so.
     fn end(&mut self, why: Option<String>) {
-        if self.close() {
+        if self.close(why.as_deref().unwrap_or(BY_OPERATOR)) {
             self.show(true);
             self.tell.report(Report::Disconnected(why));
         }
     }
 
-    /// Stops the platform and ends the connection; whether there was one.
-    fn close(&mut self) -> bool {
-        let ended = self.work.abort();
+    /// Stops the platform and ends the connection; whether there was one. What goes on ends with the reason `why`.
+    fn close(&mut self, why: &str) -> bool {
+        let ended = self.work.abort(why);
         ended.into_iter().for_each(|r| self.tell.report(r));
         let connection = self.connection.take();
         connection.is_some_and(|mut connection| {
@@ -315,7 +325,7 @@ impl Worker {
         let live = match &mut self.connection {
             None => Live::default(),
             Some(connection) => {
-                let sample = connection.controller.last.clone();
+                let sample = connection.controller.last().cloned();
                 let whereabouts = connection.whereabouts.as_mut();
                 let pose = whereabouts
                     .zip(sample.as_ref())
@@ -344,6 +354,7 @@ fn measuring(connection: &Connection, order: MeasuringOrder) -> Measuring {
     options.tension = rig.tension();
     let run = MeasuringRun::new(order.plan, rig.robot(), options)
         .predicting(predict_by(&order.model, rig.tension()))
+        .asking(connection.asked.clone())
         .continuing(&order.measured);
     let per_revolution = rig.robot().cables.iter();
     Measuring {

@@ -4,6 +4,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Result, anyhow};
+use tautline_link::laser::ManualLaser;
 use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
 
 use crate::cli::BadInput;
@@ -37,6 +38,8 @@ pub struct Connection {
     pub controller: Box<dyn Controller>,
     /// The external instrument of a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
+    /// The laser whose distances the operator types.
+    pub asked: Option<ManualLaser>,
     clock: FastClock,
     pace: Pace,
 }
@@ -59,6 +62,7 @@ impl Connection {
         Ok(Self {
             controller,
             instrument: opened.instrument,
+            asked: opened.asked,
             clock: opened.clock,
             pace,
         })

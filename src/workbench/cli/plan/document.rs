@@ -69,6 +69,9 @@ pub struct ExpectedDocument {
     pub worst_m: Option<f64>,
     /// A-index: root mean square standard deviation of the entry points (m).
     pub mean_m: Option<f64>,
+    /// I-index: root mean square position error of the platform over the workspace to expect once the values are at
+    /// the controller (m); null also without a home pose.
+    pub platform_m: Option<f64>,
     /// Each parameter.
     pub parameters: Vec<ExpectedParameter>,
 }
@@ -102,6 +105,7 @@ impl PlanDocument {
             log_det: Some(expectation.indices.log_det).filter(|value| value.is_finite()),
             worst_m: expectation.indices.worst_m,
             mean_m: expectation.indices.mean_m,
+            platform_m: expectation.indices.platform_m,
             parameters: (plan.parameters().iter().zip(&expectation.sd))
                 .map(|(parameter, sd)| ExpectedParameter {
                     name: parameter.name.clone(),

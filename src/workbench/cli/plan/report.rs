@@ -54,4 +54,11 @@ pub fn print(plan: &PlanDocument) {
         metres(plan.random.mean_m),
         metres(plan.random.worst_m)
     );
+    if let (Some(expected), Some(random)) = (plan.expected.platform_m, plan.random.platform_m) {
+        say!(
+            "position of the platform once these values are at the controller: {} off on average (root mean square); at random poses {}",
+            quantity(expected, "m"),
+            quantity(random, "m")
+        );
+    }
 }

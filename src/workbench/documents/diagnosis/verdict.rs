@@ -36,23 +36,28 @@ impl Diagnosed {
     /// Whether the model explains the readings.
     #[must_use]
     pub fn headline(&self) -> String {
+        format!("{}: {}", self.robot().name, self.judgement("NOT"))
+    }
+
+    /// Whether the model explains the readings, without the robot's name; `not` is written if it does not.
+    #[must_use]
+    pub fn judgement(&self, not: &str) -> String {
         let diagnosis = &self.diagnosis;
         let poses = count(self.dataset.measurements.len(), "pose");
-        let name = &self.robot().name;
         let found = match diagnosis.findings.len() {
             1 => "the finding".to_owned(),
             several => format!("the {several} findings"),
         };
         let end = match diagnosis.findings.len() {
             _ if diagnosis.base.adequate => {
-                return format!("{name}: the model explains the readings of {poses}.");
+                return format!("the model explains the readings of {poses}.");
             }
             0 if diagnosis.noise.is_empty() => "No cause was found.".to_owned(),
             0 => "No cause was found, but their noise is not as robot.json says.".to_owned(),
             _ if diagnosis.extended.adequate => format!("With {found} below it does."),
             _ => format!("With {found} below it is closer, but not there yet."),
         };
-        format!("{name}: the model does NOT explain the readings of {poses}. {end}")
+        format!("the model does {not} explain the readings of {poses}. {end}")
     }
 
     /// How well the model fits, and what casts doubt on the whole.

@@ -1,9 +1,11 @@
 //! What was written to the controller.
 
+use tautline_core::robot::Cable;
 use tautline_session::{Adjustment, Outcome, Session};
 
 use super::{number, signed, when};
 use crate::report::document::{Section, Table};
+use crate::wording::parameters::{title, unit};
 use crate::wording::units::people;
 
 pub fn section(session: &Session) -> Option<Section> {
@@ -14,7 +16,7 @@ pub fn section(session: &Session) -> Option<Section> {
     for adjustment in session.adjustments() {
         section.heading(when(adjustment.time));
         section.paragraph(sentence(adjustment));
-        section.table(changes(adjustment));
+        section.table(changes(adjustment, &session.robot.cables));
     }
     Some(section)
 }
@@ -43,18 +45,20 @@ fn sentence(adjustment: &Adjustment) -> String {
     )
 }
 
-fn changes(adjustment: &Adjustment) -> Table {
+fn changes(adjustment: &Adjustment, cables: &[Cable]) -> Table {
     let mut table = Table::new(
         "Parameters of the controller",
         2,
         &["Parameter", "unit", "before", "written", "change"],
     );
     for change in &adjustment.changes {
-        let (factor, unit) = people(&change.unit);
-        let digits = 3;
+        let unit = unit(&change.name, &change.unit);
+        let (factor, shown) = unit.map_or((1.0, ""), people);
+        // What is counted has no decimals.
+        let digits = if unit.is_some() { 3 } else { 0 };
         table.push([
-            change.name.clone(),
-            unit.to_owned(),
+            title(&change.name, cables),
+            shown.to_owned(),
             number(factor * change.before, digits),
             number(factor * change.after, digits),
             signed(factor * (change.after - change.before), digits),

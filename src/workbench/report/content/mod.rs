@@ -14,8 +14,8 @@ mod robot;
 
 use tautline_session::Timestamp;
 
-use super::ReportInput;
 use super::document::Document;
+use super::{Part, ReportInput};
 use crate::wording::units;
 
 /// What stands where there is no number.
@@ -25,27 +25,54 @@ const NONE: &str = "–";
 pub fn document(input: &ReportInput<'_>) -> Document {
     let session = input.session;
     let sections = [
-        Some(result::section(input)),
-        Some(robot::section(&session.robot)),
-        Some(data::section(session)),
-        input.fit.map(|fit| method::section(session, fit)),
-        input.fit.map(geometry::section),
-        input.fit.map(|fit| fit::section(fit, input.diagnosis)),
-        input.diagnosis.map(causes::section),
-        accuracy::section(session),
-        adjustments::section(session),
-        Some(limits::section(input)),
-        Some(about::section(input)),
-        about::log(session),
+        (Part::Result, Some(result::section(input))),
+        (Part::Robot, Some(robot::section(&session.robot))),
+        (Part::Data, Some(data::section(session))),
+        (
+            Part::Method,
+            input.fit.map(|fit| method::section(session, fit)),
+        ),
+        (Part::Geometry, input.fit.map(geometry::section)),
+        (
+            Part::Fit,
+            input.fit.map(|fit| fit::section(fit, input.diagnosis)),
+        ),
+        (Part::Causes, input.diagnosis.map(causes::section)),
+        (Part::Accuracy, accuracy::section(session)),
+        (Part::Adjustments, adjustments::section(session)),
+        (Part::Limits, Some(limits::section(input))),
+        (Part::About, Some(about::section(input))),
+        (Part::Log, about::log(session)),
     ];
+    let choice = input.choice;
+    let wanted = sections
+        .into_iter()
+        .filter(|(part, _)| !choice.without.contains(part));
+    let title = match choice.title.trim() {
+        "" => format!("Calibration report: {}", session.name),
+        title => title.to_owned(),
+    };
     Document {
-        title: format!("Calibration report: {}", session.name),
-        subtitle: vec![
-            format!("Robot {}", session.robot.name),
-            format!("Made on {}", when(input.now)),
-        ],
-        sections: sections.into_iter().flatten().collect(),
+        header: choice.header.trim().to_owned(),
+        title,
+        subtitle: head(input),
+        sections: wanted.filter_map(|(_, section)| section).collect(),
     }
+}
+
+/// The lines below the title.
+fn head(input: &ReportInput<'_>) -> Vec<String> {
+    let mut lines = vec![format!("Robot {}", input.session.robot.name)];
+    for (what, who) in [
+        ("Company", &input.choice.company),
+        ("Operator", &input.choice.operator),
+    ] {
+        if !who.trim().is_empty() {
+            lines.push(format!("{what}: {}", who.trim()));
+        }
+    }
+    lines.push(format!("Made on {}", when(input.now)));
+    lines
 }
 
 /// A point in time as people write it: `2018-07-23, 09:05 UTC`.

@@ -108,6 +108,9 @@ impl<'a> Layout<'a> {
             marks: Vec::new(),
             y: TOP,
         };
+        if !document.header.is_empty() {
+            layout.text(&document.header, SUBTITLE, 0.0);
+        }
         layout.text(&document.title, TITLE, 0.0);
         layout.y += 2.0;
         for line in &document.subtitle {

@@ -1,6 +1,8 @@
 //! Where the model is wrong, and along what: residuals over the variable on which they depend, with the effects that
 //! explain them drawn through.
 
+use std::collections::BTreeMap;
+
 use egui::Ui;
 use tautline_core::diagnosis::{Discrepancy, Quantity};
 use tautline_core::effect::{Search, measurements_as_modelled};
@@ -13,23 +15,41 @@ use crate::app::{Selection, theme};
 use crate::documents::diagnosis::Diagnosed;
 use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::views::plots::small;
-use crate::widgets::section;
-use crate::wording::{ratio, readings, sentence};
+use crate::widgets::{muted, section};
+use crate::wording::{list, ratio, readings, sentence};
 
-/// Dependences that are shown, the strongest.
+/// Readings of which dependences are shown, the worst.
 const SHOWN: usize = 5;
 /// Height of a plot (points).
 const HEIGHT: f32 = 190.0;
 /// Part of the points over which the drawn curve is averaged, one of this many.
 const WINDOWS: usize = 10;
 
-/// The plots of the strongest dependences.
+/// Dependences of the same readings, by their places among all: what they depend on varies together, so that they are
+/// one discrepancy seen from several sides.
+fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (index, one) in found.iter().enumerate() {
+        let of = |k: &usize| (found[*k].quantity, found[*k].cable);
+        let same =
+            |group: &&mut Vec<usize>| group.first().map(of) == Some((one.quantity, one.cable));
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(index),
+            None => groups.push(vec![index]),
+        }
+    }
+    groups.truncate(SHOWN);
+    groups
+}
+
+/// The plots of the strongest dependences, by their places among all.
 #[must_use]
-pub fn figures(diagnosed: &Diagnosed) -> Vec<Figure> {
+pub fn figures(diagnosed: &Diagnosed) -> BTreeMap<usize, Figure> {
     let after = after(diagnosed);
-    let found = diagnosed.diagnosis.discrepancies.iter().take(SHOWN);
-    found
-        .map(|one| figure(diagnosed, one, after.as_ref()))
+    let found = &diagnosed.diagnosis.discrepancies;
+    let shown = groups(found).concat().into_iter();
+    shown
+        .map(|index| (index, figure(diagnosed, &found[index], after.as_ref())))
         .collect()
 }
 
@@ -158,48 +178,98 @@ fn unit(variable: Variable) -> (f64, &'static str) {
     }
 }
 
-/// Draws the list; the chosen one with its plot.
+/// Draws the list, readings by readings; the chosen one with its plot.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let found = &diagnosed.diagnosis.discrepancies;
     if found.is_empty() {
         return;
     }
     section(ui, "Where it shows, and along what");
-    for (index, one) in found.iter().take(SHOWN).enumerate() {
-        let is_open = panel.memory.open == Some(index);
-        let cable = diagnosed.cable(one.cable);
-        let text = format!(
-            "{} along {}: {} times their noise",
-            sentence(&readings(one.quantity, cable.as_deref())),
-            one.variable.name(),
-            ratio(one.rms_over_sd)
-        );
-        let colour = if is_open {
-            theme::of(ui).accent
-        } else {
-            theme::of(ui).text
+    for group in groups(found) {
+        let Some(first) = group.first().copied() else {
+            continue;
         };
-        let label = egui::Label::new(egui::RichText::new(text).color(colour)).wrap();
-        let line = ui.add(label.sense(egui::Sense::click()));
-        let tip = format!(
-            "Probability of this by chance {:.1e}, all questions counted. Click for the plot.",
-            one.p_value
-        );
-        if line.on_hover_text(tip).clicked() {
-            panel.memory.open = (!is_open).then_some(index);
-            let selection = one.cable.map(Selection::cable);
+        let open = panel.memory.open.filter(|open| group.contains(open));
+        if line(ui, diagnosed, found, &group, open.is_some()) {
+            panel.memory.open = open.is_none().then_some(first);
+            let selection = found[first].cable.map(Selection::cable);
             panel
                 .outbox
                 .send(ViewCommand::Select(selection.unwrap_or_default()));
         }
-        let figure = panel.memory.figures.get(index).filter(|_| is_open);
-        if let Some(figure) = figure {
-            let name = format!("Residuals along {}", one.variable.name());
-            let clicked = small::show(ui, &name, figure, HEIGHT, panel.selection);
-            if let Some(selection) = clicked {
-                panel.outbox.send(ViewCommand::Select(selection));
-            }
+        if let Some(open) = open {
+            plot(ui, panel, found, (&group, open));
         }
+    }
+}
+
+/// What is missed and by how much, and below it along what; says whether it was clicked.
+fn line(
+    ui: &mut Ui,
+    diagnosed: &Diagnosed,
+    found: &[Discrepancy],
+    group: &[usize],
+    is_open: bool,
+) -> bool {
+    let Some(first) = group.first().map(|index| &found[*index]) else {
+        return false;
+    };
+    let palette = theme::of(ui);
+    let cable = diagnosed.cable(first.cable);
+    let text = format!(
+        "{}: {} times their noise",
+        sentence(&readings(first.quantity, cable.as_deref())),
+        ratio(first.rms_over_sd)
+    );
+    let colour = if is_open {
+        palette.accent
+    } else {
+        palette.text
+    };
+    let label = egui::Label::new(egui::RichText::new(text).color(colour)).wrap();
+    let line = ui.add(label.sense(egui::Sense::click()));
+    muted(ui, &along(found, group));
+    let tip = format!(
+        "Probability of this by chance {:.1e}, all questions counted. Click for the plot.",
+        first.p_value
+    );
+    line.on_hover_text(tip).clicked()
+}
+
+/// Along what, in words.
+fn along(found: &[Discrepancy], group: &[usize]) -> String {
+    let names: Vec<String> = group
+        .iter()
+        .map(|index| found[*index].variable.name().to_owned())
+        .collect();
+    match names.len() {
+        0 | 1 => format!("Along {}", list(&names)),
+        _ => format!("Along {}, which vary together here", list(&names)),
+    }
+}
+
+/// The plot along one of the variables, and which.
+fn plot(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    found: &[Discrepancy],
+    (group, open): (&[usize], usize),
+) {
+    if group.len() > 1 {
+        ui.horizontal_wrapped(|ui| {
+            for index in group {
+                let name = sentence(found[*index].variable.name());
+                ui.selectable_value(&mut panel.memory.open, Some(*index), name);
+            }
+        });
+    }
+    let Some(figure) = panel.memory.figures.get(&open) else {
+        return;
+    };
+    let name = format!("Residuals along {}", found[open].variable.name());
+    let clicked = small::show(ui, &name, figure, HEIGHT, panel.selection);
+    if let Some(selection) = clicked {
+        panel.outbox.send(ViewCommand::Select(selection));
     }
 }
 

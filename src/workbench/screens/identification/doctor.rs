@@ -8,6 +8,7 @@ use crate::app::commands::{DIAGNOSING, ModelCommand};
 use crate::app::theme::GRID;
 use crate::documents::diagnosis::{Diagnosed, adequacy};
 use crate::widgets::{Verdict, muted, primary, section, verdict};
+use crate::wording::sentence;
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -42,7 +43,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     if let Some(task) = task {
         ui.horizontal(|ui| {
             ui.spinner();
-            let text = crate::wording::sentence(&task.progress().text);
+            let text = sentence(&task.progress().text);
             ui.add(egui::Label::new(format!("{text} …")).wrap());
         });
         if ui.button("Cancel diagnosis").clicked() {
@@ -93,7 +94,7 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
         (false, true) if !diagnosis.findings.is_empty() => Verdict::Doubtful,
         _ => Verdict::Bad,
     };
-    verdict(ui, kind, &diagnosed.headline());
+    verdict(ui, kind, &sentence(&diagnosed.judgement("not")));
     for (index, line) in diagnosed.fit().iter().enumerate() {
         let test = diagnosis.base.global;
         let tip = format!(

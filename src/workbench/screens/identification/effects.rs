@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     if described.is_empty() && added.is_empty() {
         muted(
             ui,
-            "None besides the geometry. The search below proposes what to add.",
+            "None besides the geometry. The model doctor proposes what to add.",
         );
         return;
     }

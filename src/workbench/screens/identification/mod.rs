@@ -12,6 +12,8 @@ mod results;
 mod rows;
 mod suspects;
 
+use std::collections::BTreeMap;
+
 use egui::Ui;
 
 use crate::app::command::Outbox;
@@ -46,7 +48,7 @@ pub struct Remembered {
     /// The model before the last change.
     pub before: Option<Before>,
     /// Plots of the dependences that the last diagnosis found.
-    figures: Vec<Figure>,
+    figures: BTreeMap<usize, Figure>,
     /// Which of them is open.
     open: Option<usize>,
     /// Whether it is said in full what the data cannot show.
@@ -55,7 +57,7 @@ pub struct Remembered {
 
 impl Remembered {
     /// Takes the plots of a new diagnosis.
-    pub fn examined(&mut self, figures: Vec<Figure>) {
+    pub fn examined(&mut self, figures: BTreeMap<usize, Figure>) {
         self.figures = figures;
         self.open = Some(0);
         self.before = None;

@@ -173,10 +173,10 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Fit>) {
         _ => None,
     };
     let mut shares = vec![5.0, 4.0, 4.0];
-    let mut titles = vec!["Cable", "Moved mm", "± mm"];
+    let mut titles = vec!["Cable", "Moved (mm)", "± (mm)"];
     if compared.is_some() {
         shares.push(5.0);
-        titles.push("Published mm");
+        titles.push("Published (mm)");
     }
     heads(ui, &shares, &titles);
     for (index, cable) in panel.document.session().robot.cables.iter().enumerate() {

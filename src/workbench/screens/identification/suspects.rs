@@ -8,7 +8,6 @@ use crate::app::commands::ViewCommand;
 use crate::app::edit::Edit;
 use crate::app::fit::Fit;
 use crate::app::{Selection, theme};
-use crate::documents::identification::SUSPECT_LEVEL;
 use crate::widgets::{muted, section};
 use crate::wording::count;
 
@@ -17,14 +16,7 @@ const SHOWN: usize = 5;
 
 /// Draws both lists.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit) {
-    let suspects = fit.analysis.suspects(SUSPECT_LEVEL);
-    let mut poses: Vec<Vec<Reading>> = Vec::new();
-    for reading in suspects {
-        match poses.iter_mut().find(|pose| pose[0].row == reading.row) {
-            Some(pose) => pose.push(reading),
-            None => poses.push(vec![reading]),
-        }
-    }
+    let poses = &fit.suspects;
     if !poses.is_empty() {
         section(ui, "Suspicious readings");
         muted(

@@ -7,6 +7,8 @@ mod readings;
 mod run;
 mod table;
 
+use std::collections::HashSet;
+
 use egui::{DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_session::PlannedPose;
@@ -25,10 +27,14 @@ pub struct Remembered {
     poses: usize,
     /// Standard deviation of the entry points that is good enough (mm).
     target_mm: f64,
-    /// What to expect of the plan that was made last.
-    pub outlook: Option<Outlook>,
+    /// What to expect of the plan, once it was asked, or why that cannot be said.
+    pub outlook: Option<Result<Outlook, String>>,
+    /// The plan of which it was asked, and of which document.
+    asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, of a document and its revision.
     rows: Memo<(u64, u64), Vec<poses::Row>>,
+    /// The pose that the table was scrolled to last.
+    scrolled_to: Option<i64>,
     /// Planned poses that the 3D view shows, of a document and its revision.
     shown: Option<(u64, u64)>,
 }
@@ -39,7 +45,9 @@ impl Default for Remembered {
             poses: 25,
             target_mm: 1.0,
             outlook: None,
+            asked: None,
             rows: Memo::default(),
+            scrolled_to: None,
             shown: None,
         }
     }
@@ -98,6 +106,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         "The robot drives to poses that tell as much as possible about its pulleys; at each it stands still and is read.",
     );
     show_planned(state);
+    ask(state);
     instruments(ui, state);
     let next = next(state);
     plan(ui, state, next);
@@ -124,7 +133,7 @@ fn show_planned(state: &mut State) {
     }
     state.screens.measuring.shown = Some(key);
     let session = document.session();
-    let measured = &session.measurements.labels;
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
     let planned = session.plan.iter();
     state.views.robot_3d.planned = planned
         .filter(|pose| !measured.contains(&pose.label))
@@ -132,8 +141,32 @@ fn show_planned(state: &mut State) {
         .collect();
     // What is expected is of the plan that was made; another plan has other poses.
     let is_of = |outlook: &Outlook| outlook.poses.iter().all(|p| session.plan.contains(p));
-    if !state.screens.measuring.outlook.as_ref().is_some_and(is_of) {
-        state.screens.measuring.outlook = None;
+    let memory = &mut state.screens.measuring;
+    let asked = memory.asked.as_ref();
+    let is_known = match &memory.outlook {
+        Some(Ok(outlook)) => is_of(outlook),
+        Some(Err(_)) | None => {
+            asked.is_some_and(|(of, plan)| *of == document.identity() && *plan == session.plan)
+        }
+    };
+    if !is_known {
+        memory.outlook = None;
+        memory.asked = None;
+    }
+}
+
+/// Has it computed, once, what to expect of a plan that was not made in this run of the program.
+fn ask(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let memory = &mut state.screens.measuring;
+    let is_busy = state.link.is_busy() || state.tasks.runs(PLANNING);
+    let plan = &document.session().plan;
+    let has_poses = plan.iter().any(|pose| pose.label != 0);
+    if memory.outlook.is_none() && memory.asked.is_none() && has_poses && !is_busy {
+        memory.asked = Some((document.identity(), plan.clone()));
+        state.outbox.send(RobotCommand::Expect);
     }
 }
 

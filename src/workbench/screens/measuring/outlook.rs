@@ -5,7 +5,7 @@ use tautline_core::planning::Indices;
 
 use super::Remembered;
 use crate::app::State;
-use crate::app::commands::robot::Outlook;
+use crate::app::commands::robot::{EXPECTING, Outlook};
 use crate::widgets::{Verdict, muted, value, verdict};
 
 /// Draws what is expected, and whether enough is measured.
@@ -24,12 +24,24 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         }
         return;
     }
-    let Some(outlook) = &remembered.outlook else {
-        muted(
-            ui,
-            "How exactly the pulleys will be known is computed with a plan that is made here.",
-        );
-        return;
+    let outlook = match &remembered.outlook {
+        Some(Ok(outlook)) => outlook,
+        Some(Err(why)) => {
+            let text = format!("What this plan will tell cannot be said beforehand: {why}.");
+            verdict(ui, Verdict::Neutral, &text);
+            return;
+        }
+        None if state.tasks.runs(EXPECTING) => {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                muted(
+                    ui,
+                    "How exactly the pulleys will be known is being computed.",
+                );
+            });
+            return;
+        }
+        None => return,
     };
     let measured = &session.measurements.labels;
     let poses = outlook.poses.iter().filter(|pose| pose.label != 0);
@@ -45,7 +57,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     verdict(ui, kind, &words);
     target(ui, &mut remembered.target_mm);
     enough(ui, remembered, done);
-    if let Some(outlook) = &remembered.outlook {
+    if let Some(Ok(outlook)) = &remembered.outlook {
         CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
     }
 }
@@ -77,7 +89,7 @@ fn target(ui: &mut Ui, target_mm: &mut f64) {
 
 /// Once the target is reached one may stop.
 fn enough(ui: &mut Ui, remembered: &Remembered, done: usize) {
-    let Some(outlook) = &remembered.outlook else {
+    let Some(Ok(outlook)) = &remembered.outlook else {
         return;
     };
     let sd_m = outlook.after_m.get(done).copied().flatten();
@@ -121,6 +133,13 @@ fn details(ui: &mut Ui, outlook: &Outlook) {
         ui,
         "E: along the worst direction",
         &format!("{worst} / {worst_random}"),
+        "mm",
+    );
+    let [platform, platform_random] = metres(|indices| indices.platform_m);
+    value(
+        ui,
+        "I: position of the platform, adjusted",
+        &format!("{platform} / {platform_random}"),
         "mm",
     );
     let det = |indices: &Indices| format!("{:.1}", indices.log_det);

@@ -139,6 +139,12 @@ fn progress(ui: &mut Ui, state: &State) {
             muted(ui, &format!("On the way to {place}."));
         }
         Doing::Settling { rates, limits, .. } => readings::settling(ui, &place, rates, limits),
+        Doing::Asking { .. } => {
+            muted(
+                ui,
+                &format!("Standing still at {place}: read the laser distance and enter it."),
+            );
+        }
         Doing::Sampling { taken, of } => {
             muted(ui, &format!("Reading at {place}: sample {taken} of {of}."));
         }

@@ -28,8 +28,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         selected: state.selection.pose,
         current: run.and_then(|run| run.current),
         skipped: &|label| run.is_some_and(|run| run.skipped.contains(&label)),
+        is_new: state.screens.measuring.scrolled_to != state.selection.pose,
     };
     let clicked = table(ui, rows, &shown);
+    state.screens.measuring.scrolled_to = state.selection.pose;
     let selected = rows
         .iter()
         .find(|row| Some(row.label) == state.selection.pose)
@@ -57,13 +59,22 @@ struct Shown<'a> {
     selected: Option<i64>,
     current: Option<i64>,
     skipped: &'a dyn Fn(i64) -> bool,
+    /// Whether it was selected since the last frame.
+    is_new: bool,
 }
 
 fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
     let mut clicked = None;
     let height = 6.0 * GRID;
     ui.spacing_mut().item_spacing.y = 0.0;
-    TableBuilder::new(ui)
+    let place = rows
+        .iter()
+        .position(|row| Some(row.label) == shown.selected);
+    let mut table = TableBuilder::new(ui);
+    if let Some(place) = place.filter(|_| shown.is_new) {
+        table = table.scroll_to_row(place, None);
+    }
+    table
         .id_salt("poses")
         .cell_layout(Layout::right_to_left(Align::Center))
         .auto_shrink([false, true])
@@ -72,7 +83,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .columns(Column::exact(13.0 * GRID), 4)
         .column(Column::remainder().at_least(20.0 * GRID).clip(true))
         .header(height, |mut header| {
-            for head in ["Pose", "x, mm", "y, mm", "z, mm", "Turn, °", "State"] {
+            for head in ["Pose", "x (mm)", "y (mm)", "z (mm)", "Turn (°)", "State"] {
                 header.col(|ui| {
                     muted(ui, head);
                 });

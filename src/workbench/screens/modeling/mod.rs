@@ -15,8 +15,7 @@ use super::precalibration::Typed;
 use crate::app::State;
 use crate::app::screen::{Progress, Standing};
 use crate::app::standing;
-use crate::app::theme::GRID;
-use crate::widgets::{heading, muted, part_row};
+use crate::widgets::{heading, muted, parts};
 
 /// Part of the phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -50,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     let calibration = Arc::clone(document.calibration());
     muted(ui, "What happens to a cable between drum and platform.");
     let remembered = &mut state.screens.modeling;
-    let parts = [
+    let rows = [
         (
             Part::Elongation,
             "Elongation",
@@ -63,15 +62,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             Standing::new(Progress::Done, "span, wrap, elongation, sag"),
         ),
     ];
-    ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
-        for (part, title, standing) in parts {
-            if part_row(ui, title, &standing, remembered.part == part) {
-                remembered.part = part;
-            }
-        }
-    });
-    ui.add_space(2.0 * GRID);
+    parts(ui, rows, &mut remembered.part);
     let mut desk = Desk {
         document,
         calibration: &calibration,

@@ -44,8 +44,13 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     cables(ui, &view, rect, wrap, palette.cable(index));
     let font = TextStyle::Small.resolve(ui.style());
     let text = |place: Pos2, align: Align2, text: String| {
-        ui.painter()
-            .text(place, align, text, font.clone(), palette.muted);
+        let galley = ui
+            .painter()
+            .layout_no_wrap(text, font.clone(), palette.muted);
+        // It can be read where the cable runs behind it, too.
+        let rect = align.anchor_size(place, galley.size());
+        ui.painter().rect_filled(rect, 0.0, palette.ground);
+        ui.painter().galley(rect.min, galley, palette.muted);
     };
     let corner = rect.left_top() + Vec2::splat(2.0 * GRID);
     let wrapped_mm = radius_mm * state.wrap_rad;

@@ -4,13 +4,10 @@ use egui::Ui;
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, ForceSensorCalibration};
 use tautline_session::{ForcePair, PhaseData};
 
-use super::Typed;
-use crate::precalibration::{PerCable, Table};
-use crate::screens::desk::{Desk, Residuals, decimals_for, or_dash, verdict_cell};
-use crate::views::plots::figure::{Axis, Point};
-use crate::widgets::{
-    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
-};
+use super::pairs::{ByPairs, Pair, Quality, Words};
+use crate::precalibration::{Calibration, PerCable, Table};
+use crate::screens::desk::{Desk, decimals_for, or_dash};
+use crate::widgets::{Cell, Column, Numbers, RowField, section, table};
 
 const FIELDS: [RowField; 2] = [
     RowField {
@@ -33,100 +30,72 @@ const FIELDS: [RowField; 2] = [
     },
 ];
 
-type Fit = PerCable<ForceSensorCalibration>;
+/// The force sensors.
+pub struct ForceSensors;
 
-/// Draws the part.
-pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
-    desk.import(ui, Table::Force, &mut typed.path);
-    let calibration = desk.calibration;
-    let chosen = desk.chosen_cable(&calibration.force_sensors, |fit| fit.passed);
-    if calibration.force_sensors.is_empty() {
-        muted(
-            ui,
-            "Residuals and verdicts appear here. Hang known weights on a cable, note what its force sensor reads, and import the pairs or type them below. At least three pairs of a sensor are needed.",
-        );
-    } else {
-        judge(ui, desk);
-        fits(ui, desk, chosen);
-        residuals(ui, desk);
-        values(ui, desk);
-    }
-    pairs(ui, desk, chosen, typed);
-}
+impl ByPairs for ForceSensors {
+    type Pair = ForcePair;
+    type Fit = ForceSensorCalibration;
 
-fn judge(ui: &mut Ui, desk: &Desk<'_>) {
-    let fits = &desk.calibration.force_sensors;
-    let limit = FORCE_RESIDUAL_LIMIT_N;
-    let passed = |one: &&Fit| one.fit.as_ref().is_ok_and(|fit| fit.passed);
-    let good = fits.iter().filter(passed).count();
-    if good == fits.len() {
-        let text = format!("All {good} force sensors that were measured stay within {limit} N.");
-        verdict(ui, Verdict::Good, &text);
+    const WORDS: Words = Words {
+        table: Table::Force,
+        one: "Sensor",
+        several: "force sensors",
+        instruction: "Residuals and verdicts appear here. Hang known weights on a cable, note what its force sensor reads, and import the pairs or type them below. At least three pairs of a sensor are needed.",
+        advice: "Look for a wrong pair, a cable that rubs, or a sensor that is overloaded.",
+        along: ("Load", "N"),
+        fields: &FIELDS,
+        unit: ("N", 1.0),
+        limit: FORCE_RESIDUAL_LIMIT_N,
+        decimals: 2,
+    };
+
+    fn fits(calibration: &Calibration) -> &[PerCable<ForceSensorCalibration>] {
+        &calibration.force_sensors
     }
-    for Fit { cable, fit } in fits {
-        match fit {
-            Ok(fit) if !fit.passed => {
-                let (name, worst) = (desk.cable_name(*cable), fit.largest_residual_n);
-                let text = format!(
-                    "{name} is {worst:.2} N off at its worst pair, more than {limit} N. Look for a wrong pair, a cable that rubs, or a sensor that is overloaded."
-                );
-                verdict(ui, Verdict::Bad, &text);
-            }
-            Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
-            Ok(_) => {}
+
+    fn quality(fit: &ForceSensorCalibration) -> Quality<'_> {
+        Quality {
+            passed: fit.passed,
+            spread: fit.residual_sd_n,
+            largest: fit.largest_residual_n,
+            residuals: &fit.residuals_n,
         }
     }
-}
 
-fn fits(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
-    let columns = [
-        Column::words("Sensor"),
-        Column::number("Pairs", ""),
-        Column::number("Spread", "N"),
-        Column::number("Largest residual", "N"),
-        Column::words("Verdict"),
-    ];
-    let sensors = &desk.calibration.force_sensors;
-    let rows: Vec<Vec<Cell>> = sensors
-        .iter()
-        .map(|Fit { cable, fit }| {
-            let pairs = desk.session().phases.force.iter();
-            let count = pairs.filter(|pair| pair.cable == *cable).count();
-            let fit = fit.as_ref().ok();
-            vec![
-                desk.cable_cell(ui, *cable),
-                Cell::new(count.to_string()),
-                or_dash(fit.map(|fit| fit.residual_sd_n), 3),
-                or_dash(fit.map(|fit| fit.largest_residual_n), 3),
-                verdict_cell(ui, fit.is_some_and(|fit| fit.passed)),
-            ]
-        })
-        .collect();
-    let selected = sensors.iter().position(|one| one.cable == chosen);
-    let touched = table(ui, &columns, &rows, selected);
-    if let Some(row) = touched.clicked.and_then(|row| sensors.get(row)) {
-        desk.select_cable(row.cable);
+    fn pairs(phases: &PhaseData) -> &[ForcePair] {
+        &phases.force
+    }
+
+    fn pairs_mut(phases: &mut PhaseData) -> &mut Vec<ForcePair> {
+        &mut phases.force
+    }
+
+    fn place(pair: &ForcePair) -> f64 {
+        pair.load_n
+    }
+
+    fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
+        values(ui, desk);
     }
 }
 
-fn residuals(ui: &mut Ui, desk: &mut Desk<'_>) {
-    let fits = desk.calibration.force_sensors.iter();
-    let of_sensor = |one: &Fit| {
-        let pairs = desk.session().phases.force.iter();
-        let pairs = pairs.filter(|pair| pair.cable == one.cable);
-        let residuals = one.fit.as_ref().ok()?.residuals_n.iter();
-        let points = pairs.zip(residuals);
-        let points = points.map(|(pair, residual)| Point::new(pair.load_n, *residual));
-        Some((one.cable, points.collect()))
-    };
-    let plot = Residuals {
-        name: "Residuals of the force sensors",
-        x: Axis::new("Load", "N"),
-        unit: "N",
-        limit: FORCE_RESIDUAL_LIMIT_N,
-        points: fits.filter_map(of_sensor).collect(),
-    };
-    desk.residuals(ui, plot);
+impl Pair for ForcePair {
+    fn cable(&self) -> usize {
+        self.cable
+    }
+
+    fn numbers(&self) -> Numbers {
+        [Some(self.reading_n), Some(self.load_n), None]
+    }
+
+    fn of(cable: usize, [reading_n, load_n, _]: Numbers) -> Option<Self> {
+        Some(Self {
+            cable,
+            reading_n: reading_n?,
+            load_n: load_n?,
+        })
+    }
 }
 
 fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
@@ -144,7 +113,7 @@ fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
     let rows: Vec<Vec<Cell>> = calibration
         .force_sensors
         .iter()
-        .filter_map(|Fit { cable, fit }| {
+        .filter_map(|PerCable { cable, fit }| {
             let fit = fit.as_ref().ok()?;
             let now = desk.robot().cables.get(*cable)?.force_sensor;
             let gain = decimals_for(fit.gain_sd, 2, 3);
@@ -164,67 +133,4 @@ fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
     let proposal = &calibration.with_force_sensors;
     let what = "use measured force sensors";
     desk.propose(ui, proposal, "Use these values", what);
-}
-
-fn pairs(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, typed: &mut Typed) {
-    section(ui, &format!("Pairs of {}", desk.cable_name(chosen)));
-    desk.choose_cable(ui, chosen);
-    let pairs = desk.session().phases.force.iter();
-    let pairs: Vec<Numbers> = pairs
-        .filter(|pair| pair.cable == chosen)
-        .map(|pair| [Some(pair.reading_n), Some(pair.load_n), None])
-        .collect();
-    let fit = desk
-        .calibration
-        .force_sensors
-        .iter()
-        .find(|one| one.cable == chosen);
-    let residuals = fit
-        .and_then(|one| one.fit.as_ref().ok())
-        .map(|fit| &fit.residuals_n);
-    let remarks: Vec<String> = residuals
-        .into_iter()
-        .flatten()
-        .map(|residual| format!("{residual:+.2}"))
-        .collect();
-    let editor = Rows {
-        noun: "Pair",
-        fields: &FIELDS,
-        rows: &pairs,
-        remarks: ("Residual", "N"),
-        remark: &remarks,
-    };
-    if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
-        desk.edit_rows("pair", edit, |phases, edit| change(phases, chosen, edit));
-    }
-}
-
-fn change(phases: &mut PhaseData, cable: usize, edit: RowsEdit) {
-    let pairs = &mut phases.force;
-    let mut places = (0..pairs.len()).filter(|k| pairs[*k].cable == cable);
-    match edit {
-        RowsEdit::Set(row, column, value) => {
-            let Some(pair) = places.nth(row).and_then(|k| pairs.get_mut(k)) else {
-                return;
-            };
-            match (column, value) {
-                (0, Some(value)) => pair.reading_n = value,
-                (1, Some(value)) => pair.load_n = value,
-                _ => {}
-            }
-        }
-        RowsEdit::Add(rows) => pairs.extend(rows.into_iter().filter_map(|row| {
-            Some(ForcePair {
-                cable,
-                reading_n: row[0]?,
-                load_n: row[1]?,
-            })
-        })),
-        RowsEdit::Remove(row) => {
-            if let Some(k) = places.nth(row) {
-                pairs.remove(k);
-            }
-        }
-        RowsEdit::Wrong(_) => {}
-    }
 }

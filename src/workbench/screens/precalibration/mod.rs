@@ -3,17 +3,19 @@
 mod force_sensors;
 mod home;
 mod home_picture;
+mod pairs;
 mod winches;
 
 use std::sync::Arc;
 
 use egui::Ui;
 
+use self::force_sensors::ForceSensors;
+use self::winches::Winches;
 use super::desk::Desk;
 use crate::app::State;
 use crate::app::standing;
-use crate::app::theme::GRID;
-use crate::widgets::{heading, muted, part_row};
+use crate::widgets::{heading, muted, parts};
 
 /// Part of the phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -55,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     let calibration = Arc::clone(document.calibration());
     muted(ui, "Parts without a table keep the values of the drawing.");
     let remembered = &mut state.screens.precalibration;
-    let parts = [
+    let rows = [
         (Part::Winches, "Winches", standing::winches(&calibration)),
         (
             Part::ForceSensors,
@@ -64,15 +66,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ),
         (Part::Home, "Home platform", standing::home(&calibration)),
     ];
-    ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
-        for (part, title, standing) in parts {
-            if part_row(ui, title, &standing, remembered.part == part) {
-                remembered.part = part;
-            }
-        }
-    });
-    ui.add_space(2.0 * GRID);
+    parts(ui, rows, &mut remembered.part);
     let mut desk = Desk {
         document,
         calibration: &calibration,
@@ -81,8 +75,10 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         messages: &mut state.messages,
     };
     match remembered.part {
-        Part::Winches => winches::show(ui, &mut desk, &mut remembered.winches),
-        Part::ForceSensors => force_sensors::show(ui, &mut desk, &mut remembered.force_sensors),
+        Part::Winches => pairs::show::<Winches>(ui, &mut desk, &mut remembered.winches),
+        Part::ForceSensors => {
+            pairs::show::<ForceSensors>(ui, &mut desk, &mut remembered.force_sensors)
+        }
         Part::Home => home::show(ui, &mut desk, &mut remembered.home),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
@@ -14,63 +14,63 @@ use super::sources::variable::{Choice, capitalised};
 use super::{Prepared, Remembered, Saving, Tab};
 use crate::app::commands::PlotCommand;
 use crate::app::{Document, State};
-use crate::widgets::{icon_button, icon_only, muted};
+use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
+
+/// Width (points) below which choices are menus.
+const NARROW: f32 = 420.0;
 
 /// The tabs; those that have nothing to show say why.
-pub fn tabs(ui: &mut Ui, document: &Document, plots: &mut Remembered) {
-    ui.horizontal_wrapped(|ui| {
-        for tab in Tab::ALL {
-            let missing = tab.missing(document);
-            let button = Button::selectable(plots.tab == tab, tab.title());
-            let response = ui.add_enabled(missing.is_none(), button);
-            if response.clicked() {
-                plots.tab = tab;
-            }
-            if let Some(why) = missing {
-                response.on_disabled_hover_text(why);
-            }
-        }
+pub fn tabs(ui: &mut Ui, document: &Document, tab: &mut Tab) {
+    let tabs = Tab::ALL.map(|tab| TabOf {
+        value: tab,
+        title: tab.title(),
+        missing: tab.missing(document),
     });
+    tab_row(ui, "More plots", &tabs, tab);
 }
 
 /// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
 pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+    let is_narrow = ui.available_width() < NARROW;
+    let own_row = is_narrow && plots.tab == Tab::Variable && plots.saving.is_none();
+    if own_row {
+        ui.horizontal_wrapped(|ui| choices(ui, state, plots, is_narrow));
+    }
     ui.horizontal(|ui| {
         if plots.saving.is_some() {
             saving(ui, state, plots, figure);
             return;
         }
-        choices(ui, state, plots);
+        if !own_row {
+            choices(ui, state, plots, is_narrow);
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             buttons(ui, plots);
-            let panel = plots.panels.get(&plots.tab);
-            if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.selection)) {
-                ui.add(egui::Label::new(&text).truncate())
-                    .on_hover_text(&text);
-            }
         });
     });
+    // A line of its own: it is too long to stand beside anything.
+    let panel = plots.panels.get(&plots.tab);
+    if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.selection)) {
+        ui.add(egui::Label::new(text).wrap());
+    }
 }
 
-fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {
+fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered, is_narrow: bool) {
     match plots.tab {
         Tab::Residuals | Tab::Laser => {
             let units = [
                 (Unit::Deviations, "Standard deviations"),
                 (Unit::Millimetres, "Millimetres"),
             ];
-            for (unit, title) in units {
-                ui.selectable_value(&mut plots.unit, unit, title);
-            }
+            choose(ui, ("Unit", is_narrow), &units, &mut plots.unit);
         }
         Tab::Tensions => {
             let shown = [
                 (Tensions::Measured, "Measured"),
                 (Tensions::Errors, "Estimated errors"),
             ];
-            for (tensions, title) in shown {
-                ui.selectable_value(&mut plots.tensions, tensions, title);
-            }
+            let name = "Which tensions";
+            choose(ui, (name, is_narrow), &shown, &mut plots.tensions);
         }
         Tab::Variable => {
             if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.choice) {
@@ -100,6 +100,27 @@ fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered) {
         }
         Tab::Convergence | Tab::Correlation | Tab::BeforeAfter => {}
     }
+}
+
+/// One of several: beside each other, or in a menu where there is no room.
+fn choose<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    (name, is_narrow): (&str, bool),
+    all: &[(T, &str)],
+    chosen: &mut T,
+) {
+    let add = |ui: &mut Ui, chosen: &mut T| {
+        for (value, title) in all {
+            ui.selectable_value(chosen, *value, *title);
+        }
+    };
+    if !is_narrow {
+        add(ui, chosen);
+        return;
+    }
+    let selected = all.iter().find(|(value, _)| value == chosen);
+    let selected = selected.map_or("", |(_, title)| title);
+    combo(ui, name, selected, |ui| add(ui, chosen));
 }
 
 fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {

@@ -139,7 +139,17 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
         signs.push((Sign::Band, &band.name, None));
     }
     let line = TEXT + GRID;
-    let (mut x, mut y) = (left, 0.0);
+    let widest = signs
+        .iter()
+        .map(|(_, text, _)| width(text) + 5.0 * GRID)
+        .fold(0.0, f32::max);
+    // Beside the title, or below it where there is no room.
+    let (left, top) = if left + widest > whole.width() {
+        (0.0, line)
+    } else {
+        (left, 0.0)
+    };
+    let (mut x, mut y) = (left, top);
     let mut entries = Vec::new();
     for (sign, text, cable) in signs {
         let size = vec2(width(text) + 5.0 * GRID, line);

@@ -2,7 +2,6 @@
 
 use egui::Pos2;
 
-use super::draw::Seen;
 use super::figure::{Axis, Figure};
 use super::heat::limits;
 use super::scale::{Scale, readable};
@@ -20,26 +19,26 @@ pub struct Hit {
     pub point: usize,
 }
 
-/// The drawn point that is nearest to a place; of points that are equally near, that of the selected cable.
+/// The point that is nearest to a place, drawn or covered by others; of points that are equally near, that of the
+/// selected cable. Points stand in the order of x, so that only those within reach are looked at.
 #[must_use]
-pub fn nearest(
-    figure: &Figure,
-    seen: &Seen,
-    scale: &Scale,
-    place: Pos2,
-    selection: Selection,
-) -> Option<Hit> {
+pub fn nearest(figure: &Figure, scale: &Scale, place: Pos2, selection: Selection) -> Option<Hit> {
     let mut best: Option<(f32, Hit)> = None;
-    for (s, (series, thinned)) in figure.series.iter().zip(&seen.thinned).enumerate() {
+    let [from, to] =
+        [place.x - REACH, place.x + REACH].map(|x| scale.values(Pos2::new(x, place.y))[0]);
+    let [from, to] = [from.max(scale.view[0][0]), to.min(scale.view[0][1])];
+    for (s, series) in figure.series.iter().enumerate() {
         let is_selected = series.cable.is_some() && series.cable == selection.cable;
-        for index in &thinned.points {
-            let point = series.points()[*index];
+        let points = series.points();
+        let first = points.partition_point(|point| point.x < from);
+        let near = points.iter().enumerate().skip(first);
+        for (index, point) in near.take_while(|(_, point)| point.x <= to) {
             let away = scale.place(point.x, point.y).distance(place);
             let rank = if is_selected { away - 2.0 } else { away };
             if away <= REACH && best.is_none_or(|(least, _)| rank < least) {
                 let hit = Hit {
                     series: s,
-                    point: *index,
+                    point: index,
                 };
                 best = Some((rank, hit));
             }
@@ -113,4 +112,39 @@ pub fn cell_words(figure: &Figure, [x, y]: [f64; 2]) -> Option<String> {
             format!("{shown}\n{x}\n{y}")
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::Rect;
+
+    use super::*;
+    use crate::views::plots::draw::see;
+    use crate::views::plots::figure::{Point, Series};
+
+    #[test]
+    fn a_point_that_is_not_drawn_is_found_all_the_same() {
+        let rect = Rect::from_min_max(Pos2::ZERO, Pos2::new(200.0, 100.0));
+        let view = [[0.0, 1e5], [-5.0, 5.0]];
+        let scale = Scale { view, rect };
+        // 500 points in each column of pixels: one lies apart from the least and the greatest.
+        let point = |k: i32| Point {
+            pose: Some(i64::from(k)),
+            ..Point::new(f64::from(k), if k % 2 == 0 { 4.0 } else { -4.0 })
+        };
+        let mut points: Vec<Point> = (0..100_000).map(point).collect();
+        points[43_210].y = 0.1;
+        let figure = Figure {
+            series: vec![Series::of_cable(0, "cable-1", points)],
+            ..Figure::default()
+        };
+        let selection = Selection::default();
+        let seen = see(&figure, &scale, selection, 1.0);
+        assert!(!seen.thinned[0].points.contains(&43_210), "it is covered");
+        let place = scale.place(43_210.0, 0.1);
+        let hit = nearest(&figure, &scale, place, selection).expect("a point");
+        assert_eq!(selects(&figure, hit).pose, Some(43_210));
+        let aside = Pos2::new(place.x, place.y + 2.0 * REACH);
+        assert_eq!(nearest(&figure, &scale, aside, selection), None);
+    }
 }

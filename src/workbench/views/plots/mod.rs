@@ -9,6 +9,7 @@ pub mod figure;
 mod heat;
 mod hit;
 mod panel;
+mod panes;
 mod prepare;
 mod scale;
 pub mod small;
@@ -18,7 +19,6 @@ mod tab;
 mod thin;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{Spinner, Ui};
@@ -32,6 +32,7 @@ use crate::widgets::{Verdict, empty, verdict};
 pub use export::Format;
 use figure::Figure;
 use panel::{Done, Panel, Shown};
+pub use panes::{Panes, show};
 pub use prepare::{Preparation, Prepared};
 use sources::residuals::Unit;
 pub use sources::residuals::of_both as residuals_of_both;
@@ -49,7 +50,7 @@ struct Saving {
     path: String,
 }
 
-/// What the plots remember.
+/// What a plot among several remembers.
 #[derive(Debug, Default)]
 pub struct Remembered {
     tab: Tab,
@@ -64,15 +65,6 @@ pub struct Remembered {
     pub preparation: Option<Preparation>,
     saving: Option<Saving>,
     is_hovered: bool,
-}
-
-impl Remembered {
-    /// Takes the place that a file dialog gave.
-    pub fn picked(&mut self, path: PathBuf) {
-        if let Some(saving) = &mut self.saving {
-            saving.path = path.display().to_string();
-        }
-    }
 }
 
 /// What a figure depends on.
@@ -95,25 +87,20 @@ impl PartialEq for FigureOf {
     }
 }
 
-/// Draws the plots of the present screen.
-pub fn show(ui: &mut Ui, state: &mut State) {
+/// Draws one of the plots of a session, without its tabs.
+fn pane(ui: &mut Ui, state: &mut State, plots: &mut Remembered) {
     let Some(document) = &state.document else {
-        empty(ui, "Plots appear here once a session is open.");
         return;
     };
-    let mut plots = std::mem::take(&mut state.views.plots);
-    plots.settle(document);
-    bar::tabs(ui, document, &mut plots);
     match plots.figure(document) {
-        Ok(figure) => plot(ui, state, &mut plots, &figure),
+        Ok(figure) => plot(ui, state, plots, &figure),
         Err(Lack::Nothing(why)) => empty(ui, why),
-        Err(Lack::Failed(why)) => failed(ui, &mut plots, &why),
+        Err(Lack::Failed(why)) => failed(ui, plots, &why),
         Err(Lack::Prepared) => {
             state.outbox.send(PlotCommand::Prepare);
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
     }
-    state.views.plots = plots;
 }
 
 /// Why there is no figure.
@@ -170,6 +157,12 @@ fn toggled(document: Option<&Document>, pose: i64) -> Edit {
 }
 
 impl Remembered {
+    /// The panel of the present plot, and the axis along x of what it shows.
+    fn along(&mut self) -> Option<(String, &mut Panel)> {
+        let title = self.figure.as_ref().map(|(_, figure)| figure.x.title())?;
+        Some((title, self.panels.get_mut(&self.tab)?))
+    }
+
     /// What a task prepared, if it did.
     fn prepared(&self) -> Option<&Arc<Prepared>> {
         self.preparation.as_ref()?.result.as_ref().ok()

@@ -1,7 +1,8 @@
 //! A figure that can be zoomed, moved, clicked and measured with two cursors.
 
-use egui::{Align2, Key, Popup, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Align2, Key, Popup, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
+use super::POSE;
 use super::canvas::{Canvas, Screen};
 use super::draw::{Layout, Seen, TEXT, arrange, draw, see, text_width};
 use super::figure::Figure;
@@ -23,6 +24,8 @@ pub struct Panel {
     /// Places of the cursors A and B along x as shares of the width, while they are shown.
     pub cursors: Option<[f64; 2]>,
     grabbed: Option<usize>,
+    /// The view that shows everything.
+    whole: Memo<u64, [[f64; 2]; 2]>,
     seen: Memo<SeenOf, Seen>,
     /// What was drawn last, for files.
     pub drawn: Option<(Layout, Scale)>,
@@ -74,6 +77,22 @@ impl Panel {
         self.view = None;
     }
 
+    /// The range along x that is shown, if not everything.
+    #[must_use]
+    pub fn along(&self) -> Option<[f64; 2]> {
+        self.view.map(|view| view[0])
+    }
+
+    /// Shows this range along x, or everything.
+    pub fn follow(&mut self, range: Option<[f64; 2]>) {
+        self.view = range.and_then(|range| {
+            let y = self
+                .view
+                .or(self.drawn.as_ref().map(|(_, scale)| scale.view));
+            Some([range, y?[1]])
+        });
+    }
+
     /// Draws the plot in the space that is left.
     pub fn show(&mut self, ui: &mut Ui, shown: &Shown<'_>) -> Frame {
         let (outer, response) =
@@ -81,11 +100,17 @@ impl Panel {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, shown.name));
         let whole = outer.shrink2(vec2(GRID, 0.5 * GRID));
         let painter = ui.painter_at(outer);
-        let (layout, scale) = self.arrange(shown.figure, whole, &painter);
+        let everything = *self.whole.get(shown.generation, || shown.figure.whole());
+        let arrange = |view: [[f64; 2]; 2]| {
+            let layout = arrange(shown.figure, view, whole, &text_width(&painter));
+            let rect = layout.plot;
+            (layout, Scale { view, rect })
+        };
+        let (layout, scale) = arrange(self.view.unwrap_or(everything));
         self.navigate(ui, &response, &scale);
         // Again: the view may have moved.
         let (layout, scale) = match self.view {
-            Some(view) if view != scale.view => self.arrange(shown.figure, whole, &painter),
+            Some(view) if view != scale.view => arrange(view),
             _ => (layout, scale),
         };
         let key = SeenOf {
@@ -108,7 +133,7 @@ impl Panel {
             (shown.selection, theme::of(ui)),
         );
         let under = response.hover_pos();
-        let hit = under.and_then(|at| nearest(shown.figure, seen, &scale, at, shown.selection));
+        let hit = under.and_then(|at| nearest(shown.figure, &scale, at, shown.selection));
         if let Some(hit) = hit {
             let point = shown.figure.series[hit.series].points()[hit.point];
             canvas.ring(
@@ -117,18 +142,12 @@ impl Panel {
                 Stroke::new(1.5, theme::of(ui).text),
             );
         }
+        draw_pose(&mut canvas, shown, &scale, theme::of(ui));
         self.draw_cursors(&mut canvas, ui, &scale);
         drop(canvas);
         let frame = self.respond(ui, &response, shown, (&layout, &scale), hit);
         self.drawn = Some((layout, scale));
         frame
-    }
-
-    fn arrange(&self, figure: &Figure, whole: Rect, painter: &egui::Painter) -> (Layout, Scale) {
-        let view = self.view.unwrap_or_else(|| figure.whole());
-        let layout = arrange(figure, view, whole, &text_width(painter));
-        let rect = layout.plot;
-        (layout, Scale { view, rect })
     }
 
     /// Points in the view, as drawn last.
@@ -303,6 +322,25 @@ impl Panel {
             frame.done.push(Done::Excluded(pose));
         }
         frame
+    }
+}
+
+/// A line at the selected pose, where poses stand along x.
+fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &theme::Palette) {
+    let Some(pose) = shown.selection.pose else {
+        return;
+    };
+    let points = shown.figure.series.iter().flat_map(|s| s.points());
+    let mut of_pose = points.filter(|point| point.pose == Some(pose));
+    let [low, high] = scale.view[0];
+    let x = of_pose.next().map(|point| point.x);
+    if let Some(x) = x.filter(|x| shown.figure.x.label == POSE && (low..=high).contains(x)) {
+        let x = scale.x(x);
+        let ends = [
+            egui::pos2(x, scale.rect.min.y),
+            egui::pos2(x, scale.rect.max.y),
+        ];
+        canvas.line(&ends, Stroke::new(1.0, palette.muted), false);
     }
 }
 

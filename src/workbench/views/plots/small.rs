@@ -57,7 +57,7 @@ pub fn show(
         (selection, theme::of(ui)),
     );
     drop(canvas);
-    let hit = nearest(figure, &seen, &scale, response.hover_pos()?, selection)?;
+    let hit = nearest(figure, &scale, response.hover_pos()?, selection)?;
     let clicked = response.clicked();
     response.on_hover_text_at_pointer(words(figure, hit, &scale));
     clicked.then(|| selects(figure, hit))

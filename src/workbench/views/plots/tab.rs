@@ -37,6 +37,27 @@ impl Tab {
         Self::BeforeAfter,
     ];
 
+    /// What preferences call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Residuals => "residuals",
+            Self::Variable => "variable",
+            Self::Laser => "laser",
+            Self::Tensions => "tensions",
+            Self::Convergence => "convergence",
+            Self::Correlation => "correlation",
+            Self::Elongation => "elongation",
+            Self::BeforeAfter => "before-after",
+        }
+    }
+
+    /// The plot that preferences call so.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|tab| tab.name() == name)
+    }
+
     /// What the operator reads.
     #[must_use]
     pub fn title(self) -> &'static str {

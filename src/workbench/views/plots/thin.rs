@@ -15,12 +15,22 @@ pub struct Thinned {
     pub columns: Vec<(f32, Rangef)>,
 }
 
+/// Points that are all drawn: at few places along x, as lengths that were measured several times, columns would hide
+/// what lies between.
+const FEW: usize = 500;
+
 /// Points to draw of a series in a view; `pixels_per_point` is the resolution of the screen.
 #[must_use]
 pub fn thin(series: &Series, scale: &Scale, pixels_per_point: f32) -> Thinned {
     let points = series.points();
     let first = points.partition_point(|point| point.x < scale.view[0][0]);
     let end = points.partition_point(|point| point.x <= scale.view[0][1]);
+    if end.saturating_sub(first) <= FEW {
+        return Thinned {
+            points: (first..end).collect(),
+            columns: Vec::new(),
+        };
+    }
     let column = |index: usize| (scale.x(points[index].x) * pixels_per_point).floor();
     let mut thinned = Thinned::default();
     let mut start = first;

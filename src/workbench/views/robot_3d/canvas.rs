@@ -40,13 +40,13 @@ impl Canvas {
         self.gpu.lock().destroy();
     }
 
-    /// Paints drawing number `number` into `rect` and writes over it.
+    /// Paints drawing number `number` into `rect` and writes over it; `moves`: the camera does.
     pub fn paint(
         &self,
         ui: &Ui,
         rect: Rect,
         drawing: &Arc<Drawing>,
-        number: u64,
+        (number, moves): (u64, bool),
         picture: &Picture<'_>,
         hovered: Selection,
     ) {
@@ -60,7 +60,8 @@ impl Canvas {
             painter.galley(at, galley, palette.text);
             return;
         }
-        painter.add(self.callback(rect, drawing, number, picture.camera, ui.pixels_per_point()));
+        let scale = ui.pixels_per_point();
+        painter.add(self.callback(rect, drawing, (number, moves), picture.camera, scale));
         overlay::paint(&painter, rect, picture, hovered, palette);
     }
 
@@ -68,7 +69,7 @@ impl Canvas {
         &self,
         rect: Rect,
         drawing: &Arc<Drawing>,
-        number: u64,
+        (number, moves): (u64, bool),
         camera: &Camera,
         scale: f32,
     ) -> egui::PaintCallback {
@@ -89,6 +90,7 @@ impl Canvas {
                 camera,
                 size: [place.width, place.height].map(|side| side.max(1).unsigned_abs()),
                 scale,
+                moves,
             };
             gpu.lock().paint(painter.gl(), &drawing, key, [place, clip]);
         });

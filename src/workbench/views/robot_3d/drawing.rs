@@ -1,11 +1,13 @@
 //! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
 
+use std::collections::BTreeSet;
+
 use egui::{Color32, Theme};
 use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
 
 use super::mesh::{Triangles, circle, rgba, single};
-use super::scene::{CableView, Displacement, Scene, Wheel};
+use super::scene::{CableView, Displacement, MeasuredPose, Scene, Wheel};
 use crate::app::Selection;
 use crate::app::theme::{self, Palette};
 
@@ -13,6 +15,9 @@ use crate::app::theme::{self, Palette};
 const GHOST: f32 = 0.3;
 /// Opacity of ellipsoids.
 const ELLIPSOID: f32 = 0.28;
+
+/// Most poses that are drawn while the camera moves.
+const COARSE: usize = 8000;
 
 /// By what cables are coloured.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -42,12 +47,12 @@ impl CableColour {
 }
 
 /// What is drawn and how.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// By what cables are coloured.
     pub colour: CableColour,
-    /// How many times larger than they are displacements and ellipsoids are drawn.
-    pub exaggeration: f64,
+    /// How many times larger than they are displacements and ellipsoids are drawn; by default as suits the scene.
+    pub exaggeration: Option<f64>,
     /// Pulleys shown besides, of the drawing or another session.
     pub nominal: bool,
     /// How the two differ.
@@ -58,19 +63,53 @@ pub struct Options {
     pub poses: bool,
     /// Numbers of the cables.
     pub labels: bool,
+    /// Whether what is pinned is shown.
+    pub callouts: bool,
+    /// Pulleys, by the index of their cable, whose coordinates are written beside them.
+    pub pinned: BTreeSet<usize>,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self {
             colour: CableColour::Own,
-            exaggeration: 10.0,
+            exaggeration: None,
             nominal: true,
             arrows: true,
             ellipsoids: true,
             poses: true,
             labels: true,
+            callouts: true,
+            pinned: BTreeSet::new(),
         }
+    }
+}
+
+impl Options {
+    /// Pins the coordinates of a pulley, or takes them away.
+    pub fn pin(&mut self, cable: usize) {
+        if !self.pinned.remove(&cable) {
+            self.pinned.insert(cable);
+            self.callouts = true;
+        }
+    }
+
+    /// How many times larger than they are displacements and ellipsoids of a scene are drawn.
+    #[must_use]
+    pub fn exaggeration_of(&self, scene: &Scene) -> f64 {
+        self.exaggeration
+            .unwrap_or_else(|| scene.fitting_exaggeration())
+    }
+
+    /// Where the displacements of a scene end as they are drawn (m).
+    #[must_use]
+    pub fn tips(&self, scene: &Scene) -> Vec<Vec3> {
+        let exaggeration = self.exaggeration_of(scene);
+        let moved = scene.cables.iter().filter_map(|cable| cable.moved.as_ref());
+        moved
+            .filter(|_| self.arrows || self.ellipsoids)
+            .map(|moved| moved.from + moved.by * exaggeration)
+            .collect()
     }
 }
 
@@ -106,6 +145,8 @@ pub struct Points {
     /// Diameter and width of the ring, 0 for a disc (points of the screen); radius (m) that replaces the point once it
     /// is seen larger, 0 for none.
     pub looks: Vec<[f32; 3]>,
+    /// Number of points, from the first, that are drawn while the camera moves.
+    pub coarse: usize,
 }
 
 impl Points {
@@ -156,19 +197,22 @@ impl Drawing {
         let palette = theme::palette(theme);
         let mut drawing = Self {
             ground: palette.ground,
-            bounds: scene.bounds(),
+            bounds: scene.bounds(&options.tips(scene)),
             ..Self::default()
         };
         drawing.frame(scene, palette);
         drawing.platform(scene, palette);
         let range = tension_range(scene);
+        let exaggeration = options.exaggeration_of(scene);
         for (index, cable) in scene.cables.iter().enumerate() {
             let is_selected = selection.cable == Some(index);
             let colour = cable_colour(cable, index, options.colour, range, palette);
             drawing.cable(cable, colour, is_selected);
-            drawing.pulley(cable, options, scene.frame.size_m, palette);
+            let size = (scene.frame.size_m, exaggeration);
+            drawing.pulley(cable, options, size, palette);
         }
         drawing.instruments(scene, palette);
+        drawing.points.coarse = drawing.points.centres.len();
         if options.poses {
             drawing.poses(scene, selection, palette);
         }
@@ -222,7 +266,13 @@ impl Drawing {
             .push(&wheel.centre, colour, [9.0, 0.0, wheel.radius_m as f32]);
     }
 
-    fn pulley(&mut self, cable: &CableView, options: &Options, size_m: f64, palette: &Palette) {
+    fn pulley(
+        &mut self,
+        cable: &CableView,
+        options: &Options,
+        (size_m, exaggeration): (f64, f64),
+        palette: &Palette,
+    ) {
         if let Some(nominal) = cable.nominal.filter(|_| options.nominal) {
             if nominal.radius_m > 0.0 {
                 self.glass.wheel(&nominal, rgba(palette.ghost, GHOST));
@@ -236,7 +286,7 @@ impl Drawing {
         let Some(moved) = &cable.moved else {
             return;
         };
-        let tip = moved.from + moved.by * options.exaggeration;
+        let tip = moved.from + moved.by * exaggeration;
         let ink = if moved.is_noise {
             palette.muted
         } else {
@@ -246,7 +296,7 @@ impl Drawing {
             self.arrow(&moved.from, &tip, size_m, ink);
         }
         if options.ellipsoids
-            && let Some(shape) = ellipsoid(moved, options.exaggeration)
+            && let Some(shape) = ellipsoid(moved, exaggeration)
         {
             let colour = rgba(ink, ELLIPSOID);
             self.glass.ellipsoid(&tip, &shape, colour);
@@ -284,20 +334,48 @@ impl Drawing {
         }
     }
 
+    /// Poses; those that are drawn while the camera moves come first.
     fn poses(&mut self, scene: &Scene, selection: Selection, palette: &Palette) {
-        let size = pose_size(scene.measured.len());
-        for pose in &scene.measured {
-            let colour = pose.residual.map_or(palette.ghost, |r| palette.residual(r));
-            self.points.push(&pose.position, colour, [size, 0.0, 0.0]);
-            if selection.pose == Some(pose.label) {
-                let ring = [size + 8.0, 2.0, 0.0];
-                self.points.push(&pose.position, palette.accent, ring);
-            }
-        }
         for position in &scene.planned {
             self.points.push(position, palette.accent, [8.0, 1.5, 0.0]);
         }
+        let size = pose_size(scene.measured.len());
+        let selected = selection
+            .pose
+            .and_then(|label| scene.measured.iter().find(|pose| pose.label == label));
+        if let Some(pose) = selected {
+            let ring = [size + 8.0, 2.0, 0.0];
+            self.points.push(&pose.position, palette.accent, ring);
+        }
+        let is_coarse = coarse(&scene.measured);
+        for wanted in [true, false] {
+            let poses = scene.measured.iter().zip(&is_coarse);
+            for (pose, _) in poses.filter(|(_, is)| **is == wanted) {
+                let colour = pose.residual.map_or(palette.ghost, |r| palette.residual(r));
+                self.points.push(&pose.position, colour, [size, 0.0, 0.0]);
+            }
+            if wanted {
+                self.points.coarse = self.points.centres.len();
+            }
+        }
     }
+}
+
+/// Which poses are drawn while the camera moves: all if they are few, else those with the largest residuals and every
+/// so many of the others.
+fn coarse(poses: &[MeasuredPose]) -> Vec<bool> {
+    if poses.len() <= COARSE {
+        return vec![true; poses.len()];
+    }
+    let size = |pose: &MeasuredPose| pose.residual.map_or(0.0, f64::abs);
+    let mut sizes: Vec<f64> = poses.iter().map(size).collect();
+    let place = sizes.len() - COARSE / 2;
+    let (_, least, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
+    let (least, stride) = (*least, poses.len().div_ceil(COARSE / 2));
+    let poses = poses.iter().enumerate();
+    poses
+        .map(|(k, pose)| k % stride == 0 || (size(pose) > 0.0 && size(pose) >= least))
+        .collect()
 }
 
 /// Colour of a cable.
@@ -385,5 +463,61 @@ mod tests {
         let largest = (0..3).map(|k| flat.column(k).norm()).fold(0.0, f64::max);
         assert!((largest - 1e-3 * 5.991_f64.sqrt()).abs() < 1e-12);
         assert!(ellipsoid(&moved(Vec3::zeros()), 1.0).is_none());
+    }
+
+    fn poses(count: i64) -> Vec<MeasuredPose> {
+        let pose = |label: i64| MeasuredPose {
+            label,
+            position: Vec3::new(label as f64 * 1e-6, 0.0, 0.0),
+            residual: Some((label as f64 * 0.7).sin()),
+        };
+        (0..count).map(pose).collect()
+    }
+
+    #[test]
+    fn while_the_camera_moves_few_poses_are_drawn_and_every_outlier() {
+        let mut many = poses(100_000);
+        many[43_211].residual = Some(-40.0);
+        let is_coarse = coarse(&many);
+        let count = is_coarse.iter().filter(|is| **is).count();
+        assert!(count <= COARSE && count > COARSE / 2, "{count}");
+        assert!(is_coarse[43_211]);
+        let size = |pose: &MeasuredPose| pose.residual.map_or(0.0, f64::abs);
+        let left_out = many.iter().zip(&is_coarse).filter(|(_, is)| !**is);
+        let largest_left_out = left_out.map(|(pose, _)| size(pose)).fold(0.0, f64::max);
+        let larger = many.iter().filter(|pose| size(pose) > largest_left_out);
+        assert!(larger.count() >= COARSE / 2 - 1, "the largest are there");
+        let few = poses(COARSE as i64);
+        assert!(coarse(&few).iter().all(|is| *is));
+    }
+
+    #[test]
+    fn once_the_camera_rests_every_pose_is_drawn() {
+        let robot = tautline_core::robot::presets::find("mini").unwrap().robot;
+        let nothing = tautline_core::measurement::Measurements::default();
+        let mut scene = super::super::scene::Subject::new(&robot, &nothing).scene();
+        let draw = |scene: &Scene| {
+            let drawing = Drawing::new(
+                scene,
+                &Options::default(),
+                Selection::pose(20_000),
+                Theme::Dark,
+            );
+            drawing.points
+        };
+        let bare = draw(&scene);
+        assert_eq!(bare.coarse, bare.centres.len());
+        scene.measured = poses(50_000);
+        let points = draw(&scene);
+        let ring = 1;
+        assert_eq!(points.centres.len(), bare.centres.len() + ring + 50_000);
+        assert!(points.coarse <= bare.coarse + ring + COARSE);
+        let mut places: Vec<f32> = points.centres[bare.centres.len() + ring..]
+            .iter()
+            .map(|centre| centre[0])
+            .collect();
+        places.sort_by(f32::total_cmp);
+        places.dedup();
+        assert_eq!(places.len(), 50_000, "each once");
     }
 }

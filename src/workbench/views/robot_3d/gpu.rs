@@ -24,6 +24,8 @@ pub struct PictureKey {
     pub size: [u32; 2],
     /// Pixels per point of the screen.
     pub scale: f32,
+    /// Whether the camera moves: of very many poses some are left out.
+    pub moves: bool,
 }
 
 struct TriangleBuffers {
@@ -61,6 +63,7 @@ impl LineBuffers {
 }
 
 struct PointBuffers {
+    coarse: u32,
     centres: InstanceBuffer<[f32; 3]>,
     colours: InstanceBuffer<[f32; 4]>,
     looks: InstanceBuffer<[f32; 3]>,
@@ -69,6 +72,7 @@ struct PointBuffers {
 impl PointBuffers {
     fn new(context: &Context, points: &Points) -> Self {
         Self {
+            coarse: u32::try_from(points.coarse).unwrap_or(u32::MAX),
             centres: InstanceBuffer::new_with_data(context, &points.centres),
             colours: InstanceBuffer::new_with_data(context, &points.colours),
             looks: InstanceBuffer::new_with_data(context, &points.looks),
@@ -111,6 +115,7 @@ struct Look {
     light: Vec3,
     size: Vec2,
     scale: f32,
+    moves: bool,
     lift: f32,
     viewport: Viewport,
 }
@@ -131,6 +136,7 @@ impl Look {
             light: single(light),
             size: vec2(width as f32, height as f32),
             scale: key.scale,
+            moves: key.moves,
             lift: (1e-3 * key.camera.height_m()) as f32,
             viewport: Viewport::new_at_origo(width, height),
         }
@@ -251,7 +257,12 @@ impl Card {
     }
 
     fn draw_points(&self, buffers: &PointBuffers, look: &Look) {
-        let count = buffers.centres.instance_count();
+        let all = buffers.centres.instance_count();
+        let count = if look.moves {
+            all.min(buffers.coarse)
+        } else {
+            all
+        };
         if count == 0 {
             return;
         }
@@ -265,7 +276,7 @@ impl Card {
             blend: Blend::TRANSPARENCY,
             ..RenderStates::default()
         };
-        program.draw_arrays_instanced(states, look.viewport, 6, count);
+        program.draw_arrays_instanced(states, look.viewport, 3, count);
     }
 }
 

@@ -4,6 +4,7 @@
 //! [`Scene`] says what there is, in metres; a [`Drawing`] gives it colours; the graphics card makes a picture of it for
 //! a [`Camera`]; and every frame copies the picture and writes over it.
 
+mod callout;
 pub mod camera;
 mod canvas;
 pub mod drawing;
@@ -18,9 +19,10 @@ mod words;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::{Frame, Margin, Theme, Ui};
-use tautline_core::geometry::Pose;
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
@@ -37,6 +39,9 @@ use crate::app::fit::Fit;
 use crate::app::theme::GRID;
 use crate::app::{Document, Selection, State};
 use crate::widgets::empty;
+
+/// How long the camera rests before everything is drawn again (s).
+const REST_S: f64 = 0.1;
 
 /// Where the platform is now and what its sensors say, while it is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +62,15 @@ pub struct Robot3d {
     /// What is drawn and how.
     pub options: Options,
     camera: Option<Camera>,
+    /// What the camera shows all of, until the operator moves it: shape of the picture, and ends of displacements (m).
+    framed: Option<(f64, Vec<Vec3>)>,
     scene: Option<(SceneKey, Arc<Scene>)>,
     drawing: Option<(Arc<Scene>, DrawingKey, Arc<Drawing>)>,
     drawings: u64,
     canvas: Canvas,
     hovers: bool,
+    /// When the camera moved last, in time of the window (s).
+    moved_s: Option<f64>,
 }
 
 /// What a scene depends on.
@@ -195,7 +204,7 @@ impl Robot3d {
     ) -> Arc<Drawing> {
         let key = DrawingKey {
             theme,
-            options: self.options,
+            options: self.options.clone(),
             selection,
         };
         if let Some((of, with, drawing)) = &self.drawing
@@ -228,6 +237,28 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 }
 
 impl Robot3d {
+    /// Turns the camera as it was asked to; while nobody has moved it, it goes on showing everything. Gives what
+    /// everything is (m).
+    fn aim(&mut self, scene: &Scene, aim: Option<Aim>, aspect: f64) -> Vec<Vec3> {
+        let tips = self.options.tips(scene);
+        let mut extent = scene.extent();
+        extent.extend(&tips);
+        let Some(camera) = &mut self.camera else {
+            self.framed = Some((aspect, tips));
+            return extent;
+        };
+        if let Some(Aim::To(side)) = aim {
+            camera.turn_to(side);
+        }
+        let now = (aspect, tips);
+        let is_other = self.framed.as_ref().is_some_and(|framed| *framed != now);
+        if aim.is_some() || is_other {
+            camera.fit(&extent, aspect);
+            self.framed = Some(now);
+        }
+        extent
+    }
+
     /// Forgets from where it was looked at: the next scene is seen from where all of it is seen.
     pub fn look_anew(&mut self) {
         self.camera = None;
@@ -246,25 +277,34 @@ impl Robot3d {
         Frame::new()
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
-                aim = toolbar::show(ui, &mut self.options, scene.besides);
+                aim = toolbar::show(ui, &mut self.options, scene);
             });
         let drawing = self.drawing_of(scene, selection, ui.theme());
         let size = egui::vec2(width, ui.available_height()).max(egui::Vec2::splat(16.0));
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let aspect = f64::from(rect.aspect_ratio());
-        let extent = scene.extent();
+        let aim = aim.or_else(|| canvas::keys(ui, &response));
+        let extent = self.aim(scene, aim, aspect);
         let start = || Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
         let camera = self.camera.get_or_insert_with(start);
-        match aim.or_else(|| canvas::keys(ui, &response)) {
-            Some(Aim::Fit) => camera.fit(&extent, aspect),
-            Some(Aim::To(side)) => {
-                camera.turn_to(side);
-                camera.fit(&extent, aspect);
-            }
-            None => {}
-        }
+        let before = *camera;
         canvas::steer(ui, &response, camera, &extent);
+        // Few points are drawn while the camera moves, all once it rests.
+        let has_more = drawing.points.coarse < drawing.points.centres.len();
+        let now_s = ui.input(|input| input.time);
+        if *camera != before {
+            self.moved_s = Some(now_s);
+            if !response.double_clicked() {
+                self.framed = None;
+            }
+        }
+        let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
+        let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0);
+        if let Some(left_s) = left_s {
+            ui.ctx()
+                .request_repaint_after(Duration::from_secs_f64(left_s));
+        }
         let picture = picking::Picture {
             scene,
             options: &self.options,
@@ -272,8 +312,14 @@ impl Robot3d {
             size: [rect.width(), rect.height()].map(f64::from),
         };
         let thing = canvas::under_pointer(&response, &picture);
-        self.canvas
-            .paint(ui, rect, &drawing, self.drawings, &picture, *hovered);
+        self.canvas.paint(
+            ui,
+            rect,
+            &drawing,
+            (self.drawings, left_s.is_some()),
+            &picture,
+            *hovered,
+        );
         if let Some(thing) = thing {
             response
                 .clone()
@@ -284,6 +330,9 @@ impl Robot3d {
             // What another view hovers stays until the pointer is here.
             *hovered = picked;
             self.hovers = thing.is_some();
+        }
+        if let (Some(picking::Thing::Pulley(index)), true) = (thing, response.clicked()) {
+            self.options.pin(index);
         }
         response
             .clicked()

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
+use super::callout;
 use super::drawing::{CableColour, Options, tension_colour, tension_range};
 use super::picking::{OnScreen, Picture};
 use super::scene::{Besides, round_length};
@@ -20,21 +21,45 @@ pub fn paint(
     palette: &Palette,
 ) {
     highlight(painter, rect, picture, hovered, palette);
-    if picture.options.labels {
-        numbers(painter, rect, picture, hovered, palette);
+    let mut taken = captions(painter, rect, picture, palette);
+    taken.push(triad(painter, rect, picture, palette));
+    taken.push(scale(painter, rect, picture, palette));
+    taken.extend(legends(painter, rect, picture, palette));
+    if picture.options.callouts {
+        callout::paint(painter, rect, picture, &mut taken, palette);
     }
-    captions(painter, rect, picture, palette);
-    triad(painter, rect, picture, palette);
-    scale(painter, rect, picture, palette);
-    legends(painter, rect, picture, palette);
+    if picture.options.labels {
+        numbers(painter, rect, picture, (hovered, taken), palette);
+    }
 }
 
 fn place(rect: Rect, seen: &OnScreen) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
-fn text(painter: &Painter, at: Pos2, anchor: Align2, text: impl ToString, colour: Color32) -> Rect {
-    painter.text(at, anchor, text, FontId::proportional(SMALL), colour)
+/// Writes a text on a ground of its own, so that it can be read over the robot; gives where it is.
+fn text(
+    painter: &Painter,
+    at: Pos2,
+    anchor: Align2,
+    text: impl ToString,
+    (colour, ground): (Color32, Color32),
+) -> Rect {
+    let font = FontId::proportional(SMALL);
+    let galley = painter.layout_no_wrap(text.to_string(), font, colour);
+    let rect = anchor.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand2(vec2(2.0, 0.0)), 3.0, ground);
+    painter.galley(rect.min, galley, colour);
+    rect
+}
+
+/// Colours of what is less important, and of its ground.
+fn quiet(palette: &Palette) -> (Color32, Color32) {
+    (palette.muted, behind(palette))
+}
+
+fn behind(palette: &Palette) -> Color32 {
+    palette.ground.gamma_multiply(0.72)
 }
 
 /// The cable and the pose under the pointer, here or in another view.
@@ -65,15 +90,14 @@ fn highlight(
     }
 }
 
-/// Numbers of the cables beside their pulleys, where they hide each other least.
+/// Numbers of the cables beside their pulleys, where they hide neither each other nor what is written elsewhere.
 fn numbers(
     painter: &Painter,
     rect: Rect,
     picture: &Picture<'_>,
-    hovered: Selection,
+    (hovered, mut taken): (Selection, Vec<Rect>),
     palette: &Palette,
 ) {
-    let mut taken: Vec<Rect> = Vec::new();
     for (index, cable) in picture.scene.cables.iter().enumerate() {
         let Some(seen) = picture.on_screen(&cable.wheel.centre) else {
             continue;
@@ -98,8 +122,7 @@ fn numbers(
         });
         if let Some(found) = free_place(at, away, reach, galley.size(), rect, &taken) {
             taken.push(found);
-            let ground = palette.ground.gamma_multiply(0.72);
-            painter.rect_filled(found.expand2(vec2(2.0, 0.0)), 3.0, ground);
+            painter.rect_filled(found.expand2(vec2(2.0, 0.0)), 3.0, behind(palette));
             painter.galley(found.min, galley, colour);
         }
     }
@@ -133,27 +156,25 @@ fn free_place(
     all.into_iter().find(is_free)
 }
 
-/// Which pose is shown, and what is larger than it is.
-fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) {
+/// Which pose is shown, and what is larger than it is; gives where that is written.
+fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
     let at = rect.left_top() + vec2(3.0 * GRID, 2.0 * GRID);
     let Options {
-        exaggeration,
-        arrows,
-        ellipsoids,
-        ..
+        arrows, ellipsoids, ..
     } = *picture.options;
+    let exaggeration = picture.options.exaggeration_of(picture.scene);
     let first = text(
         painter,
         at,
         Align2::LEFT_TOP,
         words::shown(picture.scene),
-        palette.muted,
+        quiet(palette),
     );
     let parts = match (arrows, ellipsoids) {
         (true, true) => "Displacements and 95 % ellipsoids",
         (true, false) => "Displacements",
         (false, true) => "95 % ellipsoids",
-        (false, false) => return,
+        (false, false) => return vec![first],
     };
     if picture.scene.besides != Besides::Nothing {
         let size = if exaggeration > 1.0 {
@@ -162,12 +183,14 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
             format!("{parts} drawn as large as they are")
         };
         let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
-        text(painter, below, Align2::LEFT_TOP, size, palette.muted);
+        let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
+        return vec![first, second];
     }
+    vec![first]
 }
 
-/// Directions of the base frame.
-fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) {
+/// Directions of the base frame; gives where they are drawn.
+fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let centre = rect.left_bottom() + vec2(9.0 * GRID, -9.0 * GRID);
     let [right, up, forward] = picture.camera.axes();
     let mut axes = [0, 1, 2];
@@ -179,13 +202,15 @@ fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         if tip.length() > 5.0 {
             let name = ["x", "y", "z"][axis];
             let at = centre + tip + tip.normalized() * 7.0;
-            text(painter, at, Align2::CENTER_CENTER, name, palette.text);
+            let colours = (palette.text, Color32::TRANSPARENT);
+            text(painter, at, Align2::CENTER_CENTER, name, colours);
         }
     }
+    Rect::from_center_size(centre, Vec2::splat(64.0))
 }
 
-/// A length at the depth of the point that is orbited, and the distance of the floor's lines.
-fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) {
+/// A length at the depth of the point that is orbited, and the distance of the floor's lines; gives where they are.
+fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let per_metre = picture.size[1] / picture.camera.height_m();
     let length = round_length(110.0 / per_metre);
     let width = (length * per_metre) as f32;
@@ -197,16 +222,17 @@ fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         painter.line_segment([end - vec2(0.0, 3.0), end + vec2(0.0, 3.0)], stroke);
     }
     let above = pos2((left.x + right.x) / 2.0, left.y - 5.0);
-    text(
+    let number = text(
         painter,
         above,
         Align2::CENTER_BOTTOM,
         metres(length),
-        palette.muted,
+        quiet(palette),
     );
     let grid = format!("Grid {}", metres(picture.scene.frame.floor.spacing_m));
     let beside = right + vec2(4.0 * GRID, 4.0);
-    text(painter, beside, Align2::LEFT_BOTTOM, grid, palette.muted);
+    let grid = text(painter, beside, Align2::LEFT_BOTTOM, grid, quiet(palette));
+    number.union(grid).union(Rect::from_two_pos(left, right))
 }
 
 fn metres(length: f64) -> String {
@@ -219,9 +245,10 @@ fn metres(length: f64) -> String {
     }
 }
 
-/// What colours mean.
-fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) {
+/// What colours mean; gives where that is drawn.
+fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
     let scene = picture.scene;
+    let mut drawn = Vec::new();
     let mut at = rect.right_bottom() - vec2(4.0 * GRID, 5.0 * GRID);
     let has_residuals = scene.measured.iter().any(|pose| pose.residual.is_some());
     let of_poses = picture.options.poses && has_residuals;
@@ -233,23 +260,31 @@ fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palet
             _ => "Residuals of poses (standard deviations)",
         };
         let colour = |share: f32| palette.residual(f64::from(share) * 6.0 - 3.0);
-        ramp(painter, at, title, ["-3", "0", "+3"], colour, palette);
+        let marks = ["-3", "0", "+3"];
+        drawn.push(ramp(painter, at, title, marks, colour, palette));
         at.y -= 11.0 * GRID;
     }
     if picture.options.colour == CableColour::Tension {
         let Some([low, high]) = tension_range(scene) else {
             let nothing = "No tensions are known at this pose";
-            text(painter, at, Align2::RIGHT_BOTTOM, nothing, palette.muted);
-            return;
+            drawn.push(text(
+                painter,
+                at,
+                Align2::RIGHT_BOTTOM,
+                nothing,
+                quiet(palette),
+            ));
+            return drawn;
         };
         let marks = [low, (low + high) / 2.0, high].map(|t| format!("{t:.0}"));
         let marks = marks.each_ref().map(String::as_str);
         let colour = |share: f32| tension_colour(share, palette);
-        ramp(painter, at, "Tension (N)", marks, colour, palette);
+        drawn.push(ramp(painter, at, "Tension (N)", marks, colour, palette));
     }
+    drawn
 }
 
-/// A scale of colours whose lower right corner is at `at`.
+/// A scale of colours whose lower right corner is at `at`; gives where it and what is written at it are.
 fn ramp(
     painter: &Painter,
     at: Pos2,
@@ -257,7 +292,7 @@ fn ramp(
     marks: [&str; 3],
     colour: impl Fn(f32) -> Color32,
     palette: &Palette,
-) {
+) -> Rect {
     const WIDTH: f32 = 160.0;
     const STEPS: usize = 40;
     let left = at.x - WIDTH;
@@ -273,10 +308,14 @@ fn ramp(
     let anchors = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP];
     for (k, (mark, anchor)) in marks.into_iter().zip(anchors).enumerate() {
         let x = left + WIDTH * 0.5 * k as f32;
-        text(painter, pos2(x, at.y + 1.0), anchor, mark, palette.muted);
+        text(painter, pos2(x, at.y + 1.0), anchor, mark, quiet(palette));
     }
     let above = pos2(at.x, at.y - 9.0);
-    text(painter, above, Align2::RIGHT_BOTTOM, title, palette.muted);
+    let title = text(painter, above, Align2::RIGHT_BOTTOM, title, quiet(palette));
+    title.union(Rect::from_two_pos(
+        pos2(left, at.y - 6.0),
+        at + vec2(0.0, SMALL + 3.0),
+    ))
 }
 
 #[cfg(test)]

@@ -5,11 +5,11 @@ use egui_material_icons::icons;
 
 use super::camera::StandardView;
 use super::drawing::{CableColour, Options};
-use super::scene::Besides;
+use super::scene::{Besides, Scene};
 use crate::widgets::{icon_only, muted};
 
 /// Width of the slider with its number (points).
-const EXAGGERATION: f32 = 168.0;
+const EXAGGERATION: f32 = 240.0;
 
 /// What the row asks of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,41 +21,63 @@ pub enum Aim {
 }
 
 /// Width (points) from which on everything is in the row.
-const WIDE: f32 = 830.0;
+const WIDE: f32 = 900.0;
+/// Width (points) from which on colours stand beside each other.
+const MEDIUM: f32 = 660.0;
+/// Width (points) from which on the standard views do, too.
+const NARROW: f32 = 460.0;
 
 /// Draws the row.
-pub fn show(ui: &mut Ui, options: &mut Options, besides: Besides) -> Option<Aim> {
+pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
+    let besides = scene.besides;
     let mut aim = None;
-    let is_wide = ui.available_width() > WIDE;
+    let width = ui.available_width();
+    let is_wide = width > WIDE;
     ui.horizontal_wrapped(|ui| {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit to all (F)", true).clicked() {
             aim = Some(Aim::Fit);
         }
-        for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
-            let button = egui::Button::new(view.title()).frame_when_inactive(false);
-            let hint = format!("{} view, key {key}", view.title());
-            if ui.add(button).on_hover_text(hint).clicked() {
-                aim = Some(Aim::To(view));
-            }
+        if width > NARROW {
+            aim = views(ui).or(aim);
+        } else {
+            ui.menu_button("View", |ui| aim = views(ui).or(aim));
         }
         ui.separator();
-        colours(ui, options);
+        if width > MEDIUM {
+            muted(ui, "Colour");
+            colours(ui, options);
+        } else {
+            let text = format!("Colour: {}", options.colour.title());
+            ui.menu_button(text, |ui| colours(ui, options));
+        }
         ui.separator();
         ui.menu_button("Show", |ui| {
             parts(ui, options, besides);
             if besides != Besides::Nothing && !is_wide {
-                exaggeration(ui, options);
+                exaggeration(ui, options, scene);
             }
         });
         if besides != Besides::Nothing && is_wide {
-            exaggeration(ui, options);
+            exaggeration(ui, options, scene);
         }
     });
     aim
 }
 
+/// The standard views; gives the one that was asked for.
+fn views(ui: &mut Ui) -> Option<Aim> {
+    let mut aim = None;
+    for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
+        let button = egui::Button::new(view.title()).frame_when_inactive(false);
+        let hint = format!("{} view, key {key}", view.title());
+        if ui.add(button).on_hover_text(hint).clicked() {
+            aim = Some(Aim::To(view));
+        }
+    }
+    aim
+}
+
 fn colours(ui: &mut Ui, options: &mut Options) {
-    muted(ui, "Colour");
     for colour in CableColour::ALL {
         let hint = match colour {
             CableColour::Own => "Every cable in its own colour",
@@ -72,6 +94,18 @@ fn colours(ui: &mut Ui, options: &mut Options) {
 fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     ui.checkbox(&mut options.labels, "Numbers of cables");
     ui.checkbox(&mut options.poses, "Poses");
+    ui.checkbox(&mut options.callouts, "Pinned coordinates")
+        .on_hover_text(
+            "A click on a pulley pins its coordinates beside it, another takes them away",
+        );
+    let has_pins = !options.pinned.is_empty();
+    if ui
+        .add_enabled(has_pins, egui::Button::new("Take all coordinates away"))
+        .on_disabled_hover_text("Click a pulley to pin its coordinates")
+        .clicked()
+    {
+        options.pinned.clear();
+    }
     let pulleys = match besides {
         Besides::Other => "Pulleys of B",
         Besides::Drawing | Besides::Nothing => "Pulleys of the drawing",
@@ -88,21 +122,32 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     }
 }
 
-fn exaggeration(ui: &mut Ui, options: &mut Options) {
+fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     // A slider does not go to the next row by itself.
     if ui.available_size_before_wrap().x < EXAGGERATION {
         ui.end_row();
     }
-    let slider = Slider::new(&mut options.exaggeration, 1.0..=200.0)
+    let mut value = options.exaggeration_of(scene);
+    let slider = Slider::new(&mut value, 1.0..=200.0)
         .logarithmic(true)
         .step_by(1.0)
         .show_value(false);
     ui.spacing_mut().slider_width = 88.0;
     let response = ui.add(slider);
-    let value = options.exaggeration;
     response.widget_info(|| WidgetInfo::slider(true, value, "Exaggeration"));
+    if response.changed() {
+        options.exaggeration = Some(value);
+    }
     response.on_hover_text(
         "How many times larger than they are displacements and ellipsoids are drawn",
     );
     ui.add(egui::Label::new(format!("{value:.0} times")).extend());
+    let is_automatic = options.exaggeration.is_none();
+    if ui
+        .selectable_label(is_automatic, "Automatic")
+        .on_hover_text("As large as is well seen and stays in the picture")
+        .clicked()
+    {
+        options.exaggeration = if is_automatic { Some(value) } else { None };
+    }
 }

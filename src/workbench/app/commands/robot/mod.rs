@@ -17,7 +17,7 @@ use crate::wording;
 pub use crate::planning::Outlook;
 pub use adjust::{differences, revertible, title};
 pub use files::Export;
-pub use plan::PLANNING;
+pub use plan::{EXPECTING, PLANNING};
 pub use run::{kept, missing, not_kept, sentence};
 
 /// Concerns the robot: what to measure, its controller, what it is told.
@@ -25,6 +25,8 @@ pub use run::{kept, missing, not_kept, sentence};
 pub enum RobotCommand {
     /// Chooses so many poses to measure.
     Plan(usize),
+    /// Computes what to expect of the plan that there is.
+    Expect,
     /// Takes a pose from the plan.
     RemovePlanned(i64),
     /// Adds the pose that is commanded now to the plan.
@@ -83,6 +85,13 @@ pub enum RobotOutcome {
         /// The plan and what to expect of it, or one sentence.
         result: Result<Box<Outlook>, String>,
     },
+    /// Of looking at the plan of the document of this identity.
+    Expected {
+        /// Identity of the document.
+        document: u64,
+        /// What to expect of it, or one sentence.
+        result: Result<Box<Outlook>, String>,
+    },
     /// A place for a file was picked, or not.
     Picked(Export, Option<PathBuf>),
     /// A file was written.
@@ -92,6 +101,7 @@ pub enum RobotOutcome {
 pub(super) fn perform(state: &mut State, command: RobotCommand) {
     match command {
         RobotCommand::Plan(poses) => plan::start(state, poses),
+        RobotCommand::Expect => plan::expect_stored(state),
         RobotCommand::RemovePlanned(label) => plan::remove(state, label),
         RobotCommand::AddCurrent => plan::add_current(state),
         RobotCommand::Connect => connect(state),
@@ -121,6 +131,7 @@ pub(super) fn perform(state: &mut State, command: RobotCommand) {
 pub(super) fn receive(state: &mut State, outcome: RobotOutcome) {
     match outcome {
         RobotOutcome::Planned { document, result } => plan::planned(state, document, result),
+        RobotOutcome::Expected { document, result } => plan::expected(state, document, result),
         RobotOutcome::Picked(export, Some(path)) => files::write(state, export, path),
         RobotOutcome::Picked(_, None) => state.messages.info("No file was chosen."),
         RobotOutcome::Exported(path, Ok(())) => {

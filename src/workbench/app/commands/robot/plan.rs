@@ -2,7 +2,7 @@
 
 use tautline_core::estimation::Control;
 use tautline_core::planning::PlanProgress;
-use tautline_session::{Phase, PlannedPose, Session};
+use tautline_session::{Phase, PlannedPose};
 
 use super::RobotOutcome;
 use crate::app::Document;
@@ -10,11 +10,13 @@ use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::planning::{Outlook, SEED, outlook};
+use crate::planning::{Outlook, SEED, outlook, stored};
 use crate::wording;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
+/// Title of the task that computes what to expect of a plan.
+pub const EXPECTING: &str = "Looking at the plan";
 
 pub(super) fn start(state: &mut State, poses: usize) {
     let Some(document) = &state.document else {
@@ -27,14 +29,39 @@ pub(super) fn start(state: &mut State, poses: usize) {
     state.tasks.start(PLANNING, move |task| {
         Outcome::Robot(RobotOutcome::Planned {
             document: identity,
-            result: foresee(&session, poses, task).map(Box::new),
+            result: outlook(&session, (poses, SEED), &mut |p| tell(task, p, poses)).map(Box::new),
         })
     });
 }
 
-fn foresee(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
-    let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-    outlook(session, (poses, SEED), &mut observe)
+/// Computes what to expect of the plan that the session has.
+pub(super) fn expect_stored(state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    if state.link.is_measuring() || state.tasks.runs(PLANNING) || state.tasks.runs(EXPECTING) {
+        return;
+    }
+    let (identity, session) = (document.identity(), document.session().clone());
+    state.tasks.start(EXPECTING, move |task| {
+        Outcome::Robot(RobotOutcome::Expected {
+            document: identity,
+            result: stored(&session, &mut |p| tell(task, p, session.plan.len())).map(Box::new),
+        })
+    });
+}
+
+/// Takes what to expect of a stored plan, if it still is the plan.
+pub(super) fn expected(state: &mut State, identity: u64, result: Result<Box<Outlook>, String>) {
+    let Some(document) = of_identity(state.document.as_mut(), identity) else {
+        return;
+    };
+    state.screens.measuring.outlook = match result {
+        Ok(outlook) if outlook.poses == document.session().plan => Ok(*outlook),
+        Ok(_) => return,
+        Err(error) => Err(error),
+    }
+    .into();
 }
 
 fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
@@ -79,7 +106,7 @@ pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<Outlo
     document.edit(Edit::SetPlan(plan, format!("plan {poses}")));
     document.log(Phase::Poses, format!("Planned {poses}."));
     state.messages.info(format!("Planned {poses}."));
-    state.screens.measuring.outlook = Some(*outlook);
+    state.screens.measuring.outlook = Some(Ok(*outlook));
 }
 
 fn of_identity(document: Option<&mut Document>, identity: u64) -> Option<&mut Document> {

@@ -1,5 +1,7 @@
 //! The measuring run: a pose is kept on disk before it is in the session, and in the session before the next one begins.
 
+use std::collections::HashSet;
+
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::measuring::Accepted;
@@ -14,7 +16,10 @@ use crate::wording::{self, count};
 /// Number of poses of the plan that are not measured yet.
 #[must_use]
 pub fn missing(session: &Session) -> usize {
-    let measured = &session.measurements.labels;
+    if session.plan.is_empty() {
+        return 0;
+    }
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
     let planned = session.plan.iter();
     planned
         .filter(|pose| !measured.contains(&pose.label))
@@ -165,9 +170,7 @@ pub fn kept(state: &mut State, label: i64) {
     let Some(document) = &mut state.document else {
         return;
     };
-    let mut refused = None;
-    document.append(|session| refused = session.append_pose(&pending.pose).err());
-    if let Some(error) = refused {
+    if let Err(error) = document.append_pose(&pending.pose) {
         state.messages.error(format!(
             "Pose {} cannot be used: {error}.",
             pending.pose.label
@@ -198,7 +201,13 @@ pub(super) fn draw(state: &mut State) {
         return;
     }
     let drawn = &mut state.views.robot_3d.live;
+    let follows = &mut state.views.timeline.follows;
     if !state.link.is_busy() && !state.link.watches {
+        *drawn = None;
+        *follows = true;
+        return;
+    }
+    if !*follows {
         *drawn = None;
         return;
     }

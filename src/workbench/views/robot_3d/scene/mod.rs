@@ -18,6 +18,11 @@ pub use platform::PlatformBox;
 
 use super::camera::Directions;
 
+/// Part of the robot's size that the largest displacement spans as it is drawn, if nobody chose otherwise.
+const WELL_SEEN: f64 = 0.1;
+/// Exaggerations that are chosen by themselves.
+const EXAGGERATIONS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
+
 /// A pulley as it stands at a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheel {
@@ -42,6 +47,14 @@ pub struct Displacement {
     pub covariance: Option<Matrix3<f64>>,
     /// Whether it is known to be nothing but noise.
     pub is_noise: bool,
+}
+
+impl Displacement {
+    /// Its length with three standard deviations of its least certain coordinate (m).
+    fn reach_m(&self) -> f64 {
+        let variance = self.covariance.map_or(0.0, |c| c.diagonal().max());
+        self.by.norm() + 3.0 * variance.max(0.0).sqrt()
+    }
 }
 
 /// What the pulleys are that are shown besides the identified ones.
@@ -171,19 +184,33 @@ impl Scene {
         points
     }
 
-    /// Centre and radius of a sphere around everything that is drawn (m).
+    /// The exaggeration at which the largest displacement, with its ellipsoid, spans a part of the robot that is
+    /// well seen and does not hide it: 1, 2, 5, 10 and so on up to 200.
     #[must_use]
-    pub fn bounds(&self) -> (Vec3, f64) {
+    pub fn fitting_exaggeration(&self) -> f64 {
+        let moved = self.cables.iter().filter_map(|cable| cable.moved.as_ref());
+        let largest_m = moved.map(Displacement::reach_m).fold(0.0, f64::max);
+        let most = WELL_SEEN * self.frame.size_m / largest_m;
+        EXAGGERATIONS
+            .into_iter()
+            .rev()
+            .find(|one| *one <= most)
+            .unwrap_or(1.0)
+    }
+
+    /// Centre and radius of a sphere around everything that is drawn and `others` (m).
+    #[must_use]
+    pub fn bounds(&self, others: &[Vec3]) -> (Vec3, f64) {
         let frame = &self.frame;
         let points = frame.corners.iter().chain(&frame.floor.corners);
-        let points = points.chain(&self.planned);
+        let points = points.chain(&self.planned).chain(others);
         let points = points.chain(self.measured.iter().map(|pose| &pose.position));
         let infinite = Vec3::repeat(f64::INFINITY);
         let (low, high) = points.fold((infinite, -infinite), |(low, high), p| {
             (low.inf(p), high.sup(p))
         });
         let radius = (high - low).norm() / 2.0;
-        // Arrows and ellipsoids may reach out of it.
+        // Ellipsoids may reach out of it.
         ((low + high) / 2.0, 2.0 * radius + 1e-3)
     }
 }

@@ -90,7 +90,7 @@ fn the_frame_holds_the_pulleys_and_stands_on_the_floor() {
         assert!((local * target).z >= lowest - 1e-9, "{name}");
         let expected = if name == "planar" { 4 } else { 12 };
         assert_eq!(scene.frame.members.len(), expected, "{name}");
-        let (centre, radius) = scene.bounds();
+        let (centre, radius) = scene.bounds(&[]);
         let far = scene
             .extent()
             .iter()

@@ -13,8 +13,8 @@ flat out float radius;
 flat out float ring;
 
 void main() {
-    const int CORNERS[6] = int[6](0, 1, 2, 2, 1, 3);
-    int corner = CORNERS[gl_VertexID];
+    // A triangle around the disc: half as many corners as two triangles that make a square.
+    const vec2 CORNERS[3] = vec2[3](vec2(0.0, 2.0), vec2(-1.7320508, -1.0), vec2(1.7320508, -1.0));
     vec4 p = clip_from_base * vec4(centre + normalize(eye - centre) * lift, 1.0);
     radius = 0.5 * look.x * scale;
     ring = look.y * scale;
@@ -24,7 +24,7 @@ void main() {
         radius = 0.0;
     }
     float reach = radius > 0.0 ? radius + 1.0 : 0.0;
-    at = vec2(float(corner & 1), float(corner >> 1)) * 2.0 * reach - reach;
+    at = CORNERS[gl_VertexID] * reach;
     p.xy += at * 2.0 / size * p.w;
     gl_Position = p;
     tint = colour;

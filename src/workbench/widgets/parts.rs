@@ -1,12 +1,29 @@
-//! A row for a part of a phase: how far it is, its name, one line of result; a click opens it.
+//! The parts of a phase as rows: how far each is, its name, one line of result; a click opens it.
 
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo};
 
 use crate::app::screen::Standing;
 use crate::app::theme::{self, GRID};
 
-/// Draws the row; says whether it was clicked.
-pub fn part_row(ui: &mut Ui, title: &str, standing: &Standing, selected: bool) -> bool {
+/// Draws the parts with their titles below each other; a click on one chooses it.
+pub fn parts<P: Copy + PartialEq, const N: usize>(
+    ui: &mut Ui,
+    parts: [(P, &str, Standing); N],
+    chosen: &mut P,
+) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
+        for (part, title, standing) in parts {
+            if row(ui, title, &standing, *chosen == part) {
+                *chosen = part;
+            }
+        }
+    });
+    ui.add_space(2.0 * GRID);
+}
+
+/// Draws a row; says whether it was clicked.
+fn row(ui: &mut Ui, title: &str, standing: &Standing, selected: bool) -> bool {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), 8.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -22,9 +39,9 @@ pub fn part_row(ui: &mut Ui, title: &str, standing: &Standing, selected: bool) -
     let inside = rect.shrink2(Vec2::new(2.0 * GRID, GRID));
     let layout = Layout::left_to_right(Align::Center);
     let builder = UiBuilder::new().max_rect(inside).layout(layout);
-    let mut row = ui.new_child(builder);
+    let mut line = ui.new_child(builder);
     let colour = palette.progress(standing.progress);
-    row.label(
+    line.label(
         standing
             .progress
             .icon()
@@ -32,8 +49,8 @@ pub fn part_row(ui: &mut Ui, title: &str, standing: &Standing, selected: bool) -
             .size(16.0)
             .color(colour),
     );
-    row.label(RichText::new(title).font(theme::strong(13.0)));
-    row.with_layout(Layout::right_to_left(Align::Center), |ui| {
+    line.label(RichText::new(title).font(theme::strong(13.0)));
+    line.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let line = RichText::new(&standing.line).small().color(palette.muted);
         ui.add(Label::new(line).truncate());
     });

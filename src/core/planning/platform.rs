@@ -1,0 +1,144 @@
+//! What errors of the parameters do to the platform once a controller uses them.
+//!
+//! A controller whose encoders count from home commands `l(x; p) - l(x_home; p)`. With parameters that are `dp` off,
+//! and lengths that are reached, the platform misses its target by `dx = J^+ (dl/dp (x) - dl/dp (x_home)) dp`,
+//! `J = dl/dx`; where lengths contradict each other the least squares count. So the mean square of the position over
+//! targets is `dp^T M dp`, and with the covariance `C` of the parameters `tr(M C)` is expected (I-optimality; Atkinson,
+//! Donev, Tobias, Optimum Experimental Designs, 2007). Tensions are taken to stay as they are.
+
+use nalgebra::DMatrix;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use crate::estimation::{Parameter, ParameterId};
+use crate::geometry::Pose;
+use crate::kinematics::{KinematicsError, LengthGradient, length_gradients};
+use crate::robot::Robot;
+use crate::simulation::Workspace;
+
+/// Targets, drawn over the workspace.
+const TARGETS: usize = 100;
+/// Their seed: the same for every plan, so that plans can be compared.
+const SEED: u64 = 1;
+/// Directions that the cables hold less than this, per the best held, are left out.
+const HELD: f64 = 1e-9;
+
+/// The weights `M`; `None` for a robot without home pose or where no target has cable paths.
+pub(super) fn error_weights(
+    robot: &Robot,
+    workspace: &Workspace,
+    parameters: &[Parameter],
+) -> Option<DMatrix<f64>> {
+    let home = length_gradients(robot, &robot.home?.pose()).ok()?;
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let targets = (0..TARGETS).map(|_| Pose {
+        orientation: workspace.centre.orientation,
+        ..workspace.draw(robot, &mut rng)
+    });
+    let errors: Vec<DMatrix<f64>> = targets
+        .filter_map(|target| miss(robot, &home, &target, parameters).ok().flatten())
+        .collect();
+    let mut sum = DMatrix::zeros(parameters.len(), parameters.len());
+    for error in &errors {
+        sum.gemm_tr(1.0, error, error, 1.0);
+    }
+    (!errors.is_empty()).then(|| sum / errors.len() as f64)
+}
+
+/// Derivative of the position reached at a target by the parameters, 3 rows.
+fn miss(
+    robot: &Robot,
+    home: &[LengthGradient],
+    target: &Pose,
+    parameters: &[Parameter],
+) -> Result<Option<DMatrix<f64>>, KinematicsError> {
+    let there = length_gradients(robot, target)?;
+    let freedom = robot.platform.freedom();
+    let coordinates = freedom.coordinates();
+    let by_pose = DMatrix::from_fn(there.len(), coordinates.len(), |i, k| {
+        there[i].pose[coordinates[k].index()]
+    });
+    let by_parameter = DMatrix::from_fn(there.len(), parameters.len(), |i, k| {
+        match parameters[k].id {
+            ParameterId::EntryPoint { cable, axis } if cable == i => {
+                there[i].entry_point[axis] - home[i].entry_point[axis]
+            }
+            ParameterId::Home(coordinate) => -home[i].pose[coordinate.index()],
+            _ => 0.0,
+        }
+    });
+    let svd = by_pose.svd(true, true);
+    let cutoff = HELD * svd.singular_values.max();
+    let Ok(reached) = svd.solve(&by_parameter, cutoff) else {
+        return Ok(None);
+    };
+    let mut position = DMatrix::zeros(3, parameters.len());
+    for (k, coordinate) in coordinates.iter().enumerate() {
+        if coordinate.index() < 3 {
+            position
+                .row_mut(coordinate.index())
+                .copy_from(&reached.row(k));
+        }
+    }
+    Ok(Some(position))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::geometry::Coordinate;
+    use crate::robot::presets;
+    use crate::simulation::{Moment, StandingRobot};
+
+    /// The platform is sent to a target by a controller with wrong parameters, and rests where the cables put it.
+    #[test]
+    fn a_wrong_parameter_moves_the_platform_as_predicted() {
+        let preset = presets::find("mini").unwrap();
+        let mut robot = preset.robot;
+        for cable in &mut robot.cables {
+            // Lengths of elastic cables follow the tensions, which are not part of the prediction.
+            cable.cable.axial_stiffness_n = Some(1e12);
+        }
+        let robot = &robot;
+        let moment = |label| Moment {
+            label,
+            time_s: 0.0,
+            temperature_c: 20.0,
+        };
+        let target = Pose::from_parts([0.1, -0.06, 0.08], [1.0, 0.0, 0.0, 0.0]);
+        let home = length_gradients(robot, &robot.home.unwrap().pose()).unwrap();
+        let (off, z) = (1e-4, Coordinate::Z);
+        let entry = ParameterId::EntryPoint { cable: 4, axis: 0 };
+        for id in [entry, ParameterId::Home(z)] {
+            let mut believed = robot.clone();
+            match &id {
+                ParameterId::EntryPoint { cable, axis } => {
+                    believed.cables[*cable].pulley.entry_point_m[*axis] += off;
+                }
+                _ => believed.home.as_mut().unwrap().position_m[2] += off,
+            }
+            let parameter = Parameter {
+                id: id.clone(),
+                name: String::new(),
+                unit: "m",
+                prior_sd: None,
+            };
+            let expected = miss(robot, &home, &target, &[parameter]).unwrap().unwrap();
+            let real = StandingRobot::new(robot.clone(), preset.tension, moment(0)).unwrap();
+            let believed = StandingRobot::new(believed, preset.tension, moment(0)).unwrap();
+            let wanted = believed.at(moment(1), &target, &target).unwrap();
+            let revolutions = wanted.readings.revolutions.row(0);
+            let rest = real.at_revolutions(moment(1), &target, (revolutions, &target));
+            let moved = (rest.unwrap().pose.position - target.position) / off;
+            let moved = DVector::from_column_slice(moved.as_slice());
+            let difference = (&moved - expected.column(0)).norm();
+            // Tensions change a little with the geometry, and with them the elastic lengths.
+            assert!(
+                difference < 0.03 * moved.norm(),
+                "{id:?} {moved} {expected}"
+            );
+        }
+    }
+}

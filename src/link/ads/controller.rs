@@ -1,0 +1,473 @@
+//! The controller as everything else knows it.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use tautline_core::geometry::Pose;
+use tautline_core::robot::Robot;
+use tautline_session::AdsMapping;
+
+use super::address::AdsAddress;
+use super::layout::{Channel, CommandSlots, Layout, Slot};
+use super::live::{Failure, Live, Raw};
+use super::options::AdsOptions;
+use super::pose::{numbers_of, pose_of};
+use crate::clock::Clock;
+use crate::controller::{Activity, Controller, ControllerState, LinkError, Sample};
+use crate::parameters::ParameterInfo;
+
+/// How often it is asked whether the program runs (s).
+const STATE_EVERY_S: f64 = 1.0;
+
+const HOME: f64 = 1.0;
+const MOVE: f64 = 2.0;
+const STOP: f64 = 3.0;
+
+/// What the controller told of itself last.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Status {
+    moving: Option<bool>,
+    fault: Option<String>,
+    acknowledged: u32,
+    /// Whether motion and writing are still allowed, where that is told.
+    released: bool,
+}
+
+/// A command that is not acknowledged yet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pending {
+    number: u32,
+    since_s: f64,
+}
+
+/// A controller that speaks ADS.
+pub struct AdsController {
+    address: AdsAddress,
+    name: String,
+    layout: Layout,
+    /// Index of each parameter by its name.
+    known: HashMap<String, usize>,
+    options: AdsOptions,
+    clock: Arc<dyn Clock>,
+    live: Option<Live>,
+    armed: bool,
+    status: Status,
+    number: u32,
+    pending: Option<Pending>,
+    /// What we hold against it: shown as a fault until it is armed anew.
+    complaint: Option<String>,
+    watchdog: u32,
+    state_asked_s: f64,
+}
+
+impl AdsController {
+    /// A controller that is not connected. By the clock, which has to be a real one, a late answer is told from a lost
+    /// connection.
+    ///
+    /// # Errors
+    /// If the mapping does not fit the robot or names a parameter that it does not have.
+    pub fn new(
+        address: AdsAddress,
+        mapping: &AdsMapping,
+        robot: &Robot,
+        options: AdsOptions,
+        clock: Arc<dyn Clock>,
+    ) -> Result<Self, LinkError> {
+        let layout = Layout::of(mapping, robot)?;
+        let names = layout.parameters.iter().enumerate();
+        let known = names.map(|(k, p)| (p.name.clone(), k)).collect();
+        Ok(Self {
+            name: format!("{} at {address}", robot.name),
+            address,
+            layout,
+            known,
+            options,
+            clock,
+            live: None,
+            armed: false,
+            status: Status::default(),
+            number: 0,
+            pending: None,
+            complaint: None,
+            watchdog: 0,
+            state_asked_s: f64::NEG_INFINITY,
+        })
+    }
+
+    /// How it is spoken to.
+    #[must_use]
+    pub fn options(&self) -> &AdsOptions {
+        &self.options
+    }
+
+    /// Does something with the connection; a lost one ends here, and arming with it.
+    fn with<T>(
+        &mut self,
+        action: impl FnOnce(&mut Live, &Layout) -> Result<T, Failure>,
+    ) -> Result<T, LinkError> {
+        let Some(live) = &mut self.live else {
+            let text = "it is not connected";
+            return Err(LinkError::Disconnected(text.to_owned()));
+        };
+        action(live, &self.layout).map_err(|failure| match failure {
+            Failure::Refused(error) => error,
+            Failure::Lost(error) => {
+                self.forget();
+                error
+            }
+        })
+    }
+
+    fn forget(&mut self) {
+        self.live = None;
+        self.armed = false;
+        self.pending = None;
+        self.status = Status::default();
+    }
+
+    /// Readings and status of this moment.
+    fn listen(&mut self) -> Result<Sample, LinkError> {
+        let now_s = self.clock.now_s();
+        if now_s - self.state_asked_s >= STATE_EVERY_S {
+            self.state_asked_s = now_s;
+            if let Some(text) = self.with(|live, _| live.running())? {
+                self.complaint = Some(text.clone());
+                return Err(LinkError::Refused(text));
+            }
+        }
+        let (sample, status) = self.with(|live, layout| {
+            let raw = live.read(0..layout.sampled)?;
+            Ok((sample_of(&raw, layout), status_of(&raw, layout)))
+        })?;
+        self.status = status;
+        if self.armed && !self.status.released {
+            // Whatever is told now is not done: a command that is under way must not pass for one that has ended.
+            self.armed = false;
+            self.pending = None;
+            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
+            self.complaint = Some(text.to_owned());
+        }
+        self.follow_command();
+        Ok(Sample {
+            time_s: if self.layout.time.is_some() {
+                sample.time_s
+            } else {
+                self.clock.now_s()
+            },
+            ..sample
+        })
+    }
+
+    /// Whether the controller has taken the last command.
+    fn follow_command(&mut self) {
+        let Some(pending) = self.pending else { return };
+        if self.status.acknowledged == pending.number {
+            self.pending = None;
+        } else if self.clock.now_s() - pending.since_s > self.options.acknowledge_s {
+            self.pending = None;
+            self.complaint = Some(format!(
+                "it did not take command {} within {:.1} s",
+                pending.number, self.options.acknowledge_s
+            ));
+        }
+    }
+
+    fn fault(&self) -> Option<&String> {
+        self.status.fault.as_ref().or(self.complaint.as_ref())
+    }
+
+    fn moves(&self) -> bool {
+        self.pending.is_some() || self.status.moving == Some(true)
+    }
+
+    fn check_armed(&self) -> Result<(), LinkError> {
+        if self.live.is_none() {
+            let text = "it is not connected";
+            return Err(LinkError::Disconnected(text.to_owned()));
+        }
+        if let Some(text) = self.fault() {
+            return Err(LinkError::Fault(text.clone()));
+        }
+        match self.armed {
+            true => Ok(()),
+            false => Err(LinkError::NotArmed),
+        }
+    }
+
+    /// Tells what to do: target and kind first, the number in a request of its own.
+    fn tell(&mut self, kind: f64, target: Option<&Pose>) -> Result<(), LinkError> {
+        let number = self.number.wrapping_add(1);
+        self.with(|live, layout| {
+            let command = command_of(layout)?;
+            let slots = command.target.slots.iter().copied();
+            let numbers = target.map(|pose| numbers_of(pose, &command.target.written));
+            let mut values: Vec<(Slot, f64)> = slots.zip(numbers.into_iter().flatten()).collect();
+            values.push((command.kind, kind));
+            live.write(&values)?;
+            live.write_at_once(&[(command.number, f64::from(number))])
+        })?;
+        self.number = number;
+        self.pending = Some(Pending {
+            number,
+            since_s: self.clock.now_s(),
+        });
+        Ok(())
+    }
+
+    /// The number of the last command, which the controller has taken.
+    fn last_number(&mut self) -> Result<u32, LinkError> {
+        self.with(|live, layout| {
+            let Some(command) = &layout.command else {
+                return Ok(0);
+            };
+            let (number, taken) = (command.number, command.acknowledged);
+            let raw = live.read([number.symbol, taken.symbol].into_iter())?;
+            let (number, taken) = (raw.number(number), raw.number(taken));
+            if number != taken {
+                return Err(Failure::Refused(LinkError::Refused(format!(
+                    "command {number} waits, the last one taken is {taken}: does its program treat commands?"
+                ))));
+            }
+            Ok(number as u32)
+        })
+    }
+
+    /// The places of named parameters with their scales.
+    fn places(&self, names: &[String]) -> Result<Vec<(Slot, f64)>, LinkError> {
+        let place = |name: &String| {
+            let parameter = self
+                .known
+                .get(name)
+                .and_then(|k| self.layout.parameters.get(*k));
+            let unknown = || LinkError::UnknownParameter(name.clone());
+            parameter.map(|p| (p.slot, p.scale)).ok_or_else(unknown)
+        };
+        names.iter().map(place).collect()
+    }
+
+    fn release(&mut self, on: bool) -> Result<(), LinkError> {
+        self.with(|live, layout| match layout.release {
+            Some(slot) => live.write(&[(slot, f64::from(u8::from(on)))]),
+            None => Ok(()),
+        })
+    }
+
+    fn count_sample(&mut self) -> Result<(), LinkError> {
+        let next = self.watchdog.wrapping_add(1);
+        self.watchdog = next;
+        self.with(|live, layout| match layout.watchdog {
+            Some(slot) => live.write_at_once(&[(slot, f64::from(next))]),
+            None => Ok(()),
+        })
+    }
+}
+
+fn command_of(layout: &Layout) -> Result<&CommandSlots, Failure> {
+    let text = "no symbols for commands are known, so it can only be read";
+    let missing = || Failure::Refused(LinkError::Refused(text.to_owned()));
+    layout.command.as_ref().ok_or_else(missing)
+}
+
+fn values(raw: &Raw<'_>, channel: &Channel) -> Vec<f64> {
+    let slots = channel.slots.iter();
+    slots
+        .map(|slot| raw.number(*slot) * channel.scale + channel.offset)
+        .collect()
+}
+
+fn value(raw: &Raw<'_>, channel: &Option<Channel>) -> Option<f64> {
+    values(raw, channel.as_ref()?).first().copied()
+}
+
+fn sample_of(raw: &Raw<'_>, layout: &Layout) -> Sample {
+    let list = |channel: &Option<Channel>| channel.as_ref().map(|c| values(raw, c));
+    let laser_valid = layout
+        .laser_valid
+        .is_none_or(|slot| raw.number(slot) == 1.0);
+    Sample {
+        time_s: value(raw, &layout.time).unwrap_or(0.0),
+        revolutions: values(raw, &layout.revolutions),
+        force_n: list(&layout.force).unwrap_or_default(),
+        laser_m: value(raw, &layout.laser).filter(|metres| laser_valid && metres.is_finite()),
+        temperature_c: value(raw, &layout.temperature).filter(|degrees| degrees.is_finite()),
+        swivel_rad: list(&layout.swivel),
+        inclination_rad: list(&layout.inclination).and_then(|angles| angles.try_into().ok()),
+        commanded: layout.pose.as_ref().and_then(|pose| {
+            let numbers: Vec<f64> = pose.slots.iter().map(|slot| raw.number(*slot)).collect();
+            pose_of(&numbers, &pose.written)
+        }),
+    }
+}
+
+fn status_of(raw: &Raw<'_>, layout: &Layout) -> Status {
+    let fault = layout
+        .fault
+        .map(|slot| raw.number(slot))
+        .filter(|code| *code != 0.0);
+    let acknowledged = layout.command.as_ref().map(|c| raw.number(c.acknowledged));
+    Status {
+        moving: layout.moving.map(|slot| raw.number(slot) == 1.0),
+        fault: fault.map(|code| {
+            let text = layout.fault_text.map(|slot| raw.text(slot));
+            match text.filter(|text| !text.trim().is_empty()) {
+                Some(text) => format!("{} (number {code})", text.trim()),
+                None => format!("number {code}"),
+            }
+        }),
+        acknowledged: acknowledged.map_or(0, |number| number as u32),
+        released: layout.release.is_none_or(|slot| raw.number(slot) == 1.0),
+    }
+}
+
+impl Controller for AdsController {
+    fn identity(&self) -> String {
+        self.name.clone()
+    }
+
+    fn connect(&mut self) -> Result<(), LinkError> {
+        if self.live.is_some() {
+            return Ok(());
+        }
+        self.forget();
+        self.complaint = None;
+        let clock = Arc::clone(&self.clock);
+        let live = Live::connect(&self.address, &self.layout, &self.options, clock)?;
+        self.live = Some(live);
+        self.state_asked_s = self.clock.now_s();
+        self.listen().map(drop).inspect_err(|_| self.forget())
+    }
+
+    fn disconnect(&mut self) {
+        self.disarm();
+        self.forget();
+    }
+
+    fn state(&self) -> ControllerState {
+        let activity = match self.fault() {
+            _ if self.live.is_none() => Activity::Disconnected,
+            Some(text) => Activity::Fault(text.clone()),
+            None if self.moves() => Activity::Moving,
+            None if self.status.moving.is_none() => Activity::Connected,
+            None => Activity::Still,
+        };
+        ControllerState {
+            activity,
+            armed: self.armed,
+        }
+    }
+
+    fn arm(&mut self) -> Result<(), LinkError> {
+        self.state_asked_s = f64::NEG_INFINITY;
+        self.complaint = None;
+        self.listen()?;
+        if let Some(text) = self.fault() {
+            return Err(LinkError::Fault(text.clone()));
+        }
+        self.number = self.last_number()?;
+        self.pending = None;
+        self.release(true)?;
+        self.armed = true;
+        Ok(())
+    }
+
+    fn disarm(&mut self) {
+        if !self.armed {
+            return;
+        }
+        // Whatever fails here ends the connection or is the controller's own fault; it is disarmed on our side anyway.
+        if self.layout.command.is_some() && self.moves() {
+            let _ = self.tell(STOP, None);
+        }
+        let _ = self.release(false);
+        self.armed = false;
+    }
+
+    fn sample(&mut self) -> Result<Sample, LinkError> {
+        let sample = self.listen()?;
+        if self.armed {
+            self.count_sample()?;
+        }
+        Ok(sample)
+    }
+
+    fn home(&mut self) -> Result<(), LinkError> {
+        self.check_armed()?;
+        self.tell(HOME, None)
+    }
+
+    fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
+        self.check_armed()?;
+        self.tell(MOVE, Some(pose))
+    }
+
+    /// Stops the platform. Where the controller was not armed nothing is written: it moves by another's order.
+    fn stop(&mut self) -> Result<(), LinkError> {
+        if self.armed {
+            return self.tell(STOP, None);
+        }
+        if self.live.is_none() {
+            let text = "it is not connected";
+            return Err(LinkError::Disconnected(text.to_owned()));
+        }
+        if self.moves() {
+            let text = "it is not armed here, so it is told nothing: stop it where it was started";
+            return Err(LinkError::Refused(text.to_owned()));
+        }
+        Ok(())
+    }
+
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
+        let names: Vec<String> = self
+            .layout
+            .parameters
+            .iter()
+            .map(|p| p.name.clone())
+            .collect();
+        let values = self.read(&names)?;
+        let parameters = self.layout.parameters.iter().zip(values);
+        Ok(parameters
+            .map(|(parameter, value)| ParameterInfo {
+                name: parameter.name.clone(),
+                unit: parameter.unit,
+                value,
+            })
+            .collect())
+    }
+
+    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
+        let places = self.places(names)?;
+        self.with(|live, _| {
+            let raw = live.read(places.iter().map(|(slot, _)| slot.symbol))?;
+            let values = places.iter().map(|(slot, scale)| raw.number(*slot) * scale);
+            Ok(values.collect())
+        })
+    }
+
+    fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
+        self.check_armed()?;
+        if self.moves() {
+            let text = "values can be written only while the platform stands still";
+            return Err(LinkError::Refused(text.to_owned()));
+        }
+        if let Some((name, value)) = values.iter().find(|(_, value)| !value.is_finite()) {
+            return Err(LinkError::InvalidValue {
+                name: name.clone(),
+                value: *value,
+                reason: "it is not a finite number".to_owned(),
+            });
+        }
+        let names: Vec<String> = values.iter().map(|(name, _)| name.clone()).collect();
+        let places = self.places(&names)?;
+        let raw = places.iter().zip(values);
+        let raw: Vec<(Slot, f64)> = raw
+            .map(|((slot, scale), (_, value))| (*slot, value / scale))
+            .collect();
+        self.with(|live, _| live.write(&raw))
+    }
+}
+
+impl Drop for AdsController {
+    fn drop(&mut self) {
+        self.disconnect();
+    }
+}

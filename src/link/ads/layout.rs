@@ -1,0 +1,373 @@
+//! What a mapping means for one robot: which element of which symbol is what.
+
+use tautline_core::effect;
+use tautline_core::robot::Robot;
+use tautline_session::{
+    AdsMapping, AdsNames, AdsParameter, AdsPose, AdsSymbol, AdsSymbols, is_per_cable, name_of_cable,
+};
+
+use super::symbols::Expected;
+use crate::controller::LinkError;
+use crate::parameters::{EffectName, parameters_of};
+
+/// A symbol that the controller has to have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Wanted {
+    pub name: String,
+    pub expected: Expected,
+    /// Elements that it has to have: so many exactly, or more than so many.
+    pub count: Count,
+}
+
+/// How many elements a symbol has to have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Count {
+    Exactly(usize),
+    AtLeast(usize),
+}
+
+/// One number: an element of a symbol.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Slot {
+    /// Index of the symbol among those that are wanted.
+    pub symbol: usize,
+    pub element: usize,
+}
+
+/// Numbers that are read as `raw * scale + offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Channel {
+    pub slots: Vec<Slot>,
+    pub scale: f64,
+    pub offset: f64,
+}
+
+/// A pose and how it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PoseSlots {
+    pub slots: Vec<Slot>,
+    pub written: AdsPose,
+}
+
+/// Symbols of a command.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CommandSlots {
+    pub target: PoseSlots,
+    pub kind: Slot,
+    pub number: Slot,
+    pub acknowledged: Slot,
+}
+
+/// A parameter and its place.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ParameterSlot {
+    pub name: String,
+    pub unit: &'static str,
+    pub slot: Slot,
+    pub scale: f64,
+}
+
+/// Everything that is read and written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layout {
+    pub wanted: Vec<Wanted>,
+    /// The first so many symbols are read at every sample.
+    pub sampled: usize,
+    pub revolutions: Channel,
+    pub force: Option<Channel>,
+    pub swivel: Option<Channel>,
+    pub laser: Option<Channel>,
+    pub laser_valid: Option<Slot>,
+    pub temperature: Option<Channel>,
+    pub time: Option<Channel>,
+    pub inclination: Option<Channel>,
+    pub pose: Option<PoseSlots>,
+    pub moving: Option<Slot>,
+    pub fault: Option<Slot>,
+    pub fault_text: Option<Slot>,
+    pub command: Option<CommandSlots>,
+    pub release: Option<Slot>,
+    pub watchdog: Option<Slot>,
+    pub parameters: Vec<ParameterSlot>,
+}
+
+impl Layout {
+    pub fn of(mapping: &AdsMapping, robot: &Robot) -> Result<Self, LinkError> {
+        let checked = mapping.check(robot);
+        checked.map_err(|e| LinkError::Setup(format!("the names of the symbols: {e}")))?;
+        let mut wanted = Wants(Vec::new());
+        let readings = &mapping.readings;
+        let mut cables = |symbols: &AdsSymbols| wanted.per_cable(symbols, robot);
+        let revolutions = cables(&readings.revolutions);
+        let force = readings.force.as_ref().map(&mut cables);
+        let swivel = readings.swivel.as_ref().map(&mut cables);
+        let mut number = |symbol: &AdsSymbol| wanted.number(symbol);
+        let laser = readings.laser.as_ref().map(&mut number);
+        let temperature = readings.temperature.as_ref().map(&mut number);
+        let time = readings.time.as_ref().map(&mut number);
+        let inclination = readings.inclination.as_ref().map(|symbols| Channel {
+            slots: wanted.listed(&symbols.symbol, 3),
+            scale: symbols.scale,
+            offset: symbols.offset,
+        });
+        let pose = readings.pose.as_ref().map(|pose| wanted.pose(pose));
+        let mut single = |name: &Option<String>, expected| {
+            let name = name.as_ref()?;
+            Some(wanted.single(name, expected))
+        };
+        let laser_valid = single(&readings.laser_valid, Expected::Flag);
+        let moving = single(&mapping.state.moving, Expected::Flag);
+        let fault = single(&mapping.state.fault, Expected::Code);
+        let fault_text = single(&mapping.state.fault_text, Expected::Text);
+        let command = mapping.command.as_ref();
+        let acknowledged = command.map(|c| wanted.single(&c.acknowledged, Expected::Counter));
+        let mut single = |name: &Option<String>, expected| {
+            let name = name.as_ref()?;
+            Some(wanted.single(name, expected))
+        };
+        let release = single(&mapping.release, Expected::Flag);
+        let sampled = wanted.0.len();
+        let command = command
+            .zip(acknowledged)
+            .map(|(command, acknowledged)| CommandSlots {
+                target: wanted.pose(&command.target),
+                kind: wanted.single(&command.kind, Expected::Integer),
+                number: wanted.single(&command.number, Expected::Counter),
+                acknowledged,
+            });
+        let mut single = |name: &Option<String>, expected| {
+            let name = name.as_ref()?;
+            Some(wanted.single(name, expected))
+        };
+        Ok(Self {
+            release,
+            watchdog: single(&mapping.watchdog, Expected::Counter),
+            parameters: wanted.parameters(&mapping.parameters, robot)?,
+            wanted: wanted.0,
+            sampled,
+            revolutions,
+            force,
+            swivel,
+            laser,
+            laser_valid,
+            temperature,
+            time,
+            inclination,
+            pose,
+            moving,
+            fault,
+            fault_text,
+            command,
+        })
+    }
+}
+
+struct Wants(Vec<Wanted>);
+
+impl Wants {
+    /// Index of a symbol, wanted once however often it is named.
+    fn want(&mut self, name: &str, expected: Expected, count: Count) -> usize {
+        let known = |w: &Wanted| w.name == name && w.expected == expected && w.count == count;
+        self.0.iter().position(known).unwrap_or_else(|| {
+            self.0.push(Wanted {
+                name: name.to_owned(),
+                expected,
+                count,
+            });
+            self.0.len() - 1
+        })
+    }
+
+    fn single(&mut self, name: &str, expected: Expected) -> Slot {
+        Slot {
+            symbol: self.want(name, expected, Count::Exactly(1)),
+            element: 0,
+        }
+    }
+
+    /// So many numbers: an array of just that length, or a symbol for each.
+    fn listed(&mut self, names: &AdsNames, count: usize) -> Vec<Slot> {
+        match names {
+            AdsNames::One(name) => {
+                let symbol = self.want(name, Expected::Number, Count::Exactly(count));
+                (0..count).map(|element| Slot { symbol, element }).collect()
+            }
+            AdsNames::Each(names) => names
+                .iter()
+                .map(|name| self.single(name, Expected::Number))
+                .collect(),
+        }
+    }
+
+    fn per_cable(&mut self, symbols: &AdsSymbols, robot: &Robot) -> Channel {
+        let slots = match &symbols.symbol {
+            AdsNames::One(pattern) if is_per_cable(pattern) => {
+                let cables = robot.cables.iter().enumerate();
+                cables
+                    .map(|(k, cable)| {
+                        let name = name_of_cable(pattern, &cable.name, k);
+                        self.single(&name, Expected::Number)
+                    })
+                    .collect()
+            }
+            names => self.listed(names, robot.cable_count()),
+        };
+        Channel {
+            slots,
+            scale: symbols.scale,
+            offset: symbols.offset,
+        }
+    }
+
+    fn number(&mut self, symbol: &AdsSymbol) -> Channel {
+        Channel {
+            slots: vec![self.single(&symbol.symbol, Expected::Number)],
+            scale: symbol.scale,
+            offset: symbol.offset,
+        }
+    }
+
+    fn pose(&mut self, pose: &AdsPose) -> PoseSlots {
+        PoseSlots {
+            slots: self.listed(&pose.symbol, pose.rotation.pose_values()),
+            written: pose.clone(),
+        }
+    }
+
+    fn parameters(
+        &mut self,
+        list: &[AdsParameter],
+        robot: &Robot,
+    ) -> Result<Vec<ParameterSlot>, LinkError> {
+        let known = parameters_of(robot);
+        let mut slots = Vec::new();
+        for parameter in list {
+            let each = is_per_cable(&parameter.name);
+            let cables = if each { robot.cable_count() } else { 1 };
+            let mut found = 0;
+            for (k, cable) in robot.cables.iter().enumerate().take(cables) {
+                let name = match each {
+                    true => name_of_cable(&parameter.name, &cable.name, k),
+                    false => parameter.name.clone(),
+                };
+                let listed = known.iter().find(|p| p.name == name).map(|p| p.unit);
+                // A correction for some cables only is no mistake.
+                let Some(unit) = listed.or_else(|| unit_of_effect(&name)) else {
+                    continue;
+                };
+                found += 1;
+                let slot = self.parameter(parameter, &cable.name, k);
+                let scale = parameter.scale;
+                slots.push(ParameterSlot {
+                    name,
+                    unit,
+                    slot,
+                    scale,
+                });
+            }
+            if found == 0 {
+                return Err(LinkError::UnknownParameter(parameter.name.clone()));
+            }
+        }
+        Ok(slots)
+    }
+
+    fn parameter(&mut self, parameter: &AdsParameter, cable: &str, k: usize) -> Slot {
+        let size = |number: u32| usize::try_from(number).unwrap_or(usize::MAX);
+        let symbol = name_of_cable(&parameter.symbol, cable, k);
+        let element = match is_per_cable(&parameter.symbol) {
+            true => size(parameter.element),
+            false => {
+                size(parameter.element).saturating_add(k.saturating_mul(size(parameter.stride)))
+            }
+        };
+        let count = Count::AtLeast(element.saturating_add(1));
+        // One entry for all elements of an array, so that it is read once.
+        let same = |w: &&mut Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
+        if let Some(wanted) = self.0.iter_mut().find(same)
+            && let Count::AtLeast(known) = wanted.count
+        {
+            wanted.count = Count::AtLeast(known.max(element.saturating_add(1)));
+        }
+        let known = |w: &Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
+        let index = self.0.iter().position(known);
+        Slot {
+            symbol: index.unwrap_or_else(|| self.want(&symbol, Expected::Number, count)),
+            element,
+        }
+    }
+}
+
+/// Unit of the parameter of an effect that the robot at hand does not have, but could.
+fn unit_of_effect(name: &str) -> Option<&'static str> {
+    let read = EffectName::read(name)?;
+    let effect = effect::find(read.effect)?;
+    let mut parameters = effect.parameters().iter();
+    let found = parameters.find(|parameter| parameter.name == read.parameter)?;
+    Some(found.unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::preset;
+
+    #[test]
+    fn the_default_reads_few_symbols_and_knows_all_parameters() {
+        let robot = preset("mini").robot;
+        let layout = Layout::of(&AdsMapping::default_for(&robot), &robot).unwrap();
+        let names: Vec<_> = layout.parameters.iter().map(|p| &p.name).collect();
+        let known = parameters_of(&robot);
+        assert_eq!(names.len(), known.len());
+        assert!(known.iter().all(|p| names.contains(&&p.name)));
+        assert_eq!(layout.wanted.len() - layout.sampled, 3 + 6 + 1);
+        let last = layout
+            .parameters
+            .iter()
+            .find(|p| p.name == "cable-8.entry_point.z_m");
+        assert_eq!(last.map(|p| p.slot.element), Some(23));
+        let points = layout
+            .wanted
+            .iter()
+            .find(|w| w.name.ends_with("entry_point"));
+        assert_eq!(points.map(|w| w.count), Some(Count::AtLeast(24)));
+    }
+
+    #[test]
+    fn one_symbol_per_cable_and_value() {
+        let robot = preset("mini").robot;
+        let mut mapping = AdsMapping::default_for(&robot);
+        mapping.readings.revolutions.symbol = AdsNames::One("W[{n}].turns".into());
+        mapping.parameters = vec![AdsParameter {
+            name: "{cable}.pulley.radius_m".into(),
+            symbol: "W[{n}].radius".into(),
+            element: 0,
+            stride: 1,
+            scale: 1e-3,
+        }];
+        let layout = Layout::of(&mapping, &robot).unwrap();
+        let third = layout.revolutions.slots[2];
+        assert_eq!(layout.wanted[third.symbol].name, "W[3].turns");
+        let radius = &layout.parameters[7];
+        assert_eq!(layout.wanted[radius.slot.symbol].name, "W[8].radius");
+        assert_eq!(radius.slot.element, 0);
+    }
+
+    #[test]
+    fn parameters_that_do_not_exist_are_refused() {
+        let robot = preset("mini").robot;
+        let mut mapping = AdsMapping::default_for(&robot);
+        mapping.parameters[0].name = "{cable}.entry_point.w_m".into();
+        let refused = Layout::of(&mapping, &robot).unwrap_err();
+        assert_eq!(
+            refused,
+            LinkError::UnknownParameter("{cable}.entry_point.w_m".into())
+        );
+        mapping.parameters[0].name = "effect.winch_scale.{cable}.scale".into();
+        let layout = Layout::of(&mapping, &robot).unwrap();
+        assert_eq!(
+            layout.parameters[0].name,
+            "effect.winch_scale.cable-1.scale"
+        );
+    }
+}

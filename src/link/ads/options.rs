@@ -1,0 +1,28 @@
+//! How a controller is spoken to.
+
+use crate::reconnecting::BackOff;
+
+/// How a controller is spoken to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AdsOptions {
+    /// Longest wait for a connection or an answer (s).
+    pub timeout_s: f64,
+    /// Longest time in which a command has to be acknowledged (s).
+    pub acknowledge_s: f64,
+    /// The AMS Net ID by which this computer presents itself, as the controller's route names it; absent: the address
+    /// of its network card with 1.1 after it.
+    pub own_net_id: Option<[u8; 6]>,
+    /// How a lost connection is made anew; see [`crate::reconnecting`].
+    pub back_off: BackOff,
+}
+
+impl Default for AdsOptions {
+    fn default() -> Self {
+        Self {
+            timeout_s: 1.0,
+            acknowledge_s: 2.0,
+            own_net_id: None,
+            back_off: BackOff::default(),
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! Symbols of the controller: where they are, their types, and the numbers in their bytes.
+
+use crate::controller::LinkError;
+
+/// An elementary type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Elementary {
+    Bool,
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+    /// Characters; one element is the whole text.
+    Text,
+    /// Anything else.
+    Other,
+}
+
+impl Elementary {
+    /// By the name of the type, arrays by that of their elements; by the number of the base type where the name is
+    /// that of an alias.
+    fn of(type_name: &str, base: u32) -> Self {
+        let upper = type_name.to_ascii_uppercase();
+        let element = upper.rsplit(" OF ").next().unwrap_or_default().trim();
+        let name = element.split('(').next().unwrap_or_default();
+        if element.contains(" TO ") {
+            return Self::Other; // a pointer or reference
+        }
+        match (name, base) {
+            ("BOOL" | "BIT", _) | (_, 33) => Self::Bool,
+            ("SINT", _) | (_, 16) => Self::I8,
+            ("USINT" | "BYTE", _) | (_, 17) => Self::U8,
+            ("INT", _) | (_, 2) => Self::I16,
+            ("UINT" | "WORD", _) | (_, 18) => Self::U16,
+            ("DINT", _) | (_, 3) => Self::I32,
+            ("UDINT" | "DWORD", _) | (_, 19) => Self::U32,
+            ("LINT", _) | (_, 20) => Self::I64,
+            ("ULINT" | "LWORD", _) | (_, 21) => Self::U64,
+            ("REAL", _) | (_, 4) => Self::F32,
+            ("LREAL", _) | (_, 5) => Self::F64,
+            ("STRING", _) | (_, 30) => Self::Text,
+            _ => Self::Other,
+        }
+    }
+
+    /// Bytes of one element; 1 for texts.
+    fn size(self) -> usize {
+        match self {
+            Self::Bool | Self::I8 | Self::U8 | Self::Text | Self::Other => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::I64 | Self::U64 | Self::F64 => 8,
+        }
+    }
+
+    fn is_integer(self) -> bool {
+        !matches!(
+            self,
+            Self::Bool | Self::F32 | Self::F64 | Self::Text | Self::Other
+        )
+    }
+}
+
+/// What a symbol has to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Expected {
+    /// A truth value.
+    Flag,
+    /// An integer.
+    Integer,
+    /// An integer or a truth value.
+    Code,
+    /// A counter that goes round at 2^32.
+    Counter,
+    /// Any number.
+    Number,
+    /// Characters.
+    Text,
+}
+
+impl Expected {
+    fn allows(self, kind: Elementary) -> bool {
+        match self {
+            Self::Flag => kind == Elementary::Bool,
+            Self::Integer => kind.is_integer(),
+            Self::Code => kind.is_integer() || kind == Elementary::Bool,
+            Self::Counter => kind == Elementary::U32,
+            Self::Number => !matches!(kind, Elementary::Text | Elementary::Other),
+            Self::Text => kind == Elementary::Text,
+        }
+    }
+
+    fn describe(self) -> &'static str {
+        match self {
+            Self::Flag => "BOOL",
+            Self::Integer => "an integer",
+            Self::Code => "an integer or BOOL",
+            Self::Counter => "UDINT",
+            Self::Number => "a number (BOOL, an integer, REAL or LREAL)",
+            Self::Text => "STRING",
+        }
+    }
+}
+
+/// A symbol as the controller describes it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Symbol {
+    pub name: String,
+    pub group: u32,
+    pub offset: u32,
+    /// All its bytes.
+    pub size: usize,
+    pub kind: Elementary,
+    /// The type as the controller calls it.
+    pub type_name: String,
+}
+
+impl Symbol {
+    /// Reads the entry of a symbol: seven numbers of 32 bits, two of 16, the lengths of three texts and these.
+    pub fn parse(name: &str, entry: &[u8]) -> Option<Self> {
+        let word = |at: usize| Some(u32::from_le_bytes(entry.get(at..at + 4)?.try_into().ok()?));
+        let half = |at: usize| Some(u16::from_le_bytes(entry.get(at..at + 2)?.try_into().ok()?));
+        let (name_len, type_len) = (usize::from(half(24)?), usize::from(half(26)?));
+        let start = 30 + name_len + 1;
+        let text = entry.get(start..start + type_len)?;
+        let type_name = String::from_utf8_lossy(text).into_owned();
+        Some(Self {
+            name: name.to_owned(),
+            group: word(4)?,
+            offset: word(8)?,
+            size: usize::try_from(word(12)?).ok()?,
+            kind: Elementary::of(&type_name, word(16)?),
+            type_name,
+        })
+    }
+
+    /// Its elements.
+    pub fn count(&self) -> usize {
+        match self.kind {
+            Elementary::Text => 1,
+            kind => self.size / kind.size(),
+        }
+    }
+
+    /// Whether it is what it has to be.
+    pub fn check(&self, expected: Expected) -> Result<(), LinkError> {
+        if expected.allows(self.kind) && self.count() > 0 {
+            return Ok(());
+        }
+        Err(LinkError::Setup(format!(
+            "the controller's symbol {} is of type {}, expected {}",
+            self.name,
+            self.type_name,
+            expected.describe()
+        )))
+    }
+
+    /// Where an element is: its offset and bytes.
+    pub fn place(&self, element: usize) -> Option<(u32, usize)> {
+        let size = self.kind.size();
+        let offset = u32::try_from(element.checked_mul(size)?).ok()?;
+        (element < self.count()).then_some((self.offset.checked_add(offset)?, size))
+    }
+
+    /// The number in an element of the symbol's bytes; not a number where there are too few.
+    pub fn number(&self, bytes: &[u8], element: usize) -> f64 {
+        let size = self.kind.size();
+        let at = element.saturating_mul(size);
+        let part = bytes.get(at..at.saturating_add(size));
+        part.and_then(|part| decode(self.kind, part))
+            .unwrap_or(f64::NAN)
+    }
+
+    /// The characters of a text up to its end.
+    pub fn text(bytes: &[u8]) -> String {
+        let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
+        // Texts of a controller have one byte per character, as in Windows-1252.
+        let characters = bytes[..end].iter().map(|b| char::from(*b));
+        characters.filter(|c| !c.is_control()).collect()
+    }
+}
+
+fn decode(kind: Elementary, bytes: &[u8]) -> Option<f64> {
+    Some(match kind {
+        Elementary::Bool => f64::from(u8::from(bytes.iter().any(|b| *b != 0))),
+        Elementary::I8 => f64::from(i8::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::U8 => f64::from(u8::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::I16 => f64::from(i16::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::U16 => f64::from(u16::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::I32 => f64::from(i32::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::U32 => f64::from(u32::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::I64 => i64::from_le_bytes(bytes.try_into().ok()?) as f64,
+        Elementary::U64 => u64::from_le_bytes(bytes.try_into().ok()?) as f64,
+        Elementary::F32 => f64::from(f32::from_le_bytes(bytes.try_into().ok()?)),
+        Elementary::F64 => f64::from_le_bytes(bytes.try_into().ok()?),
+        Elementary::Text | Elementary::Other => return None,
+    })
+}
+
+/// The bytes of a number; integers take the nearest. `None` if the type has no such number.
+pub(super) fn encode(kind: Elementary, value: f64) -> Option<Vec<u8>> {
+    let whole = value.round();
+    let within = |lower: f64, upper: f64| (lower..=upper).contains(&whole);
+    /// Two to the power of 63: the first number that is too large.
+    const TOP: f64 = 9_223_372_036_854_775_808.0;
+    match kind {
+        Elementary::Bool if value == 0.0 || value == 1.0 => Some(vec![u8::from(value == 1.0)]),
+        Elementary::I8 if within(-128.0, 127.0) => Some((whole as i8).to_le_bytes().into()),
+        Elementary::U8 if within(0.0, 255.0) => Some((whole as u8).to_le_bytes().into()),
+        Elementary::I16 if within(i16::MIN.into(), i16::MAX.into()) => {
+            Some((whole as i16).to_le_bytes().into())
+        }
+        Elementary::U16 if within(0.0, u16::MAX.into()) => {
+            Some((whole as u16).to_le_bytes().into())
+        }
+        Elementary::I32 if within(i32::MIN.into(), i32::MAX.into()) => {
+            Some((whole as i32).to_le_bytes().into())
+        }
+        Elementary::U32 if within(0.0, u32::MAX.into()) => {
+            Some((whole as u32).to_le_bytes().into())
+        }
+        Elementary::I64 if (-TOP..TOP).contains(&whole) => {
+            Some((whole as i64).to_le_bytes().into())
+        }
+        Elementary::U64 if (0.0..2.0 * TOP).contains(&whole) => {
+            Some((whole as u64).to_le_bytes().into())
+        }
+        Elementary::F32 if (value as f32).is_finite() => Some((value as f32).to_le_bytes().into()),
+        Elementary::F64 => Some(value.to_le_bytes().into()),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(type_name: &str, base: u32, size: u32) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for word in [0, 0x4040, 16, size, base, 0] {
+            bytes.extend_from_slice(&u32::to_le_bytes(word));
+        }
+        for half in [3_u16, u16::try_from(type_name.len()).unwrap(), 0] {
+            bytes.extend_from_slice(&half.to_le_bytes());
+        }
+        bytes.extend_from_slice(b"G.x\0");
+        bytes.extend_from_slice(type_name.as_bytes());
+        bytes.extend_from_slice(b"\0\0");
+        bytes
+    }
+
+    #[test]
+    fn entries_of_symbols_are_read() {
+        let array = Symbol::parse("G.x", &entry("ARRAY [1..8, 1..3] OF LREAL", 65, 192)).unwrap();
+        assert_eq!((array.kind, array.count()), (Elementary::F64, 24));
+        assert_eq!(array.place(23), Some((16 + 184, 8)));
+        assert_eq!(array.place(24), None);
+        let list = Symbol::parse("G.x", &entry("E_State", 2, 2)).unwrap();
+        list.check(Expected::Code).unwrap();
+        let text = Symbol::parse("G.x", &entry("STRING(80)", 30, 81)).unwrap();
+        assert_eq!((text.kind, text.count()), (Elementary::Text, 1));
+        let told = text.check(Expected::Flag).unwrap_err().to_string();
+        assert!(told.contains("G.x is of type STRING(80), expected BOOL"));
+        let other = Symbol::parse("G.x", &entry("ST_Winch", 65, 40)).unwrap();
+        assert!(other.check(Expected::Number).is_err());
+        let whole = entry("LREAL", 5, 8);
+        for length in 0..30 {
+            assert_eq!(Symbol::parse("G.x", &whole[..length]), None);
+        }
+    }
+
+    #[test]
+    fn numbers_come_back_from_their_bytes() {
+        use Elementary as E;
+        for (kind, values) in [
+            (E::Bool, vec![0.0, 1.0]),
+            (E::I8, vec![-128.0, 127.0]),
+            (E::U8, vec![0.0, 255.0]),
+            (E::I16, vec![-32768.0, 32767.0]),
+            (E::U16, vec![65535.0]),
+            (E::I32, vec![f64::from(i32::MIN), f64::from(i32::MAX)]),
+            (E::U32, vec![f64::from(u32::MAX)]),
+            (E::I64, vec![-9_007_199_254_740_992.0]),
+            (E::U64, vec![9_007_199_254_740_992.0]),
+            (E::F32, vec![0.5, -3.0]),
+            (E::F64, vec![0.1, f64::MAX]),
+        ] {
+            for value in values {
+                let bytes = encode(kind, value).unwrap();
+                assert_eq!(bytes.len(), kind.size());
+                assert_eq!(decode(kind, &bytes), Some(value), "{kind:?}");
+            }
+        }
+        for (kind, value) in [
+            (E::Bool, 2.0),
+            (E::I8, 128.0),
+            (E::U32, -1.0),
+            (E::I64, 1e19),
+            (E::U64, f64::NAN),
+            (E::F32, 1e40),
+            (E::Text, 0.0),
+        ] {
+            assert_eq!(encode(kind, value), None, "{kind:?}");
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! What a run does once a pose is commanded: settling, asking, sampling, checking.
+
+use super::accepted::Accepted;
+use super::checks::{Checks, jump};
+use super::{MeasuringEvent, MeasuringRun, Stage};
+use crate::controller::Sample;
+
+impl MeasuringRun {
+    /// Follows the way, and waits until the platform stands still.
+    pub(super) fn approach(&mut self, sample: Sample, moving: bool) {
+        if let Some(journey) = &mut self.journey {
+            journey.follow(&sample);
+        }
+        let since_s = sample.time_s - self.commanded_at_s.unwrap_or(sample.time_s);
+        let late = since_s > self.options.timeout_s;
+        let label = self.current().unwrap_or(0);
+        if moving {
+            self.window.clear();
+            if late {
+                self.hold(format!(
+                    "the platform has not arrived at pose {label} after {since_s:.0} s"
+                ));
+            }
+            return;
+        }
+        if self.note_jump(&sample) {
+            self.window.clear();
+        }
+        let span_s = self.options.settle_time_s;
+        self.window.push(sample, span_s);
+        let limits = self.options.still;
+        let settled = self.window.settled(&self.robot, &limits, span_s);
+        let still = settled.as_ref().is_some_and(|s| s.still);
+        if still {
+            self.stage = Stage::Sampling;
+            if let Some(laser) = &self.asked {
+                laser.ask(label);
+                self.stage = Stage::Asking;
+                self.pending.push(MeasuringEvent::LaserWanted { label });
+                return;
+            }
+        } else if late {
+            let restless = settled.as_ref().and_then(|s| s.restless.clone());
+            let restless = restless.unwrap_or_else(|| "too few readings arrive".to_owned());
+            self.hold(format!(
+                "the platform does not come to rest at pose {label} within {:.0} s: {restless}",
+                self.options.timeout_s
+            ));
+        }
+        self.pending.push(MeasuringEvent::Settling {
+            rates: settled.map(|s| s.rates),
+            limits,
+            remaining_s: self.window.missing_s(span_s),
+        });
+    }
+
+    /// Warns of a jump since the sample before, of each channel once on the way to a pose.
+    fn note_jump(&mut self, sample: &Sample) -> bool {
+        let averaged = self.options.samples;
+        let before = self.samples.last().or(self.window.last());
+        let found = before.and_then(|before| jump(&self.robot, averaged, (before, sample)));
+        let Some((cable, text)) = found else {
+            return false;
+        };
+        if !self.jumped.contains(&cable) {
+            self.jumped.push(cable);
+            let expected = self.current.and_then(|(_, pose)| (self.predictor)(&pose));
+            let journey = self.journey.as_ref().zip(expected.as_ref());
+            let multiple = journey.and_then(|(journey, expected)| {
+                journey.multiple(&self.robot, cable, (sample, expected))
+            });
+            let text = multiple.unwrap_or(format!("{text}: the pose is settled anew."));
+            self.warn(cable, text);
+        }
+        true
+    }
+
+    /// Settles anew after a jump; whether there was one.
+    fn settle_anew(&mut self, sample: &Sample) -> bool {
+        let jumped = self.note_jump(sample);
+        if jumped {
+            self.samples.clear();
+            self.window.clear();
+            self.stage = Stage::Approaching;
+        }
+        jumped
+    }
+
+    /// Goes on once the laser distance was typed.
+    pub(super) fn wait_for_answer(&mut self, sample: &Sample) {
+        if self.settle_anew(sample) {
+            return;
+        }
+        self.window.push(sample.clone(), self.options.settle_time_s);
+        let label = self.current().unwrap_or(0);
+        if (self.asked.as_ref()).is_none_or(|laser| laser.is_answered(label)) {
+            self.stage = Stage::Sampling;
+        }
+    }
+
+    pub(super) fn collect(&mut self, sample: Sample, laser_trouble: Option<String>) {
+        if self.settle_anew(&sample) {
+            return;
+        }
+        if let Some(journey) = &mut self.journey {
+            journey.follow(&sample);
+        }
+        self.samples.push(sample);
+        self.pending.push(MeasuringEvent::Sampling {
+            taken: self.samples.len(),
+            of: self.options.samples,
+        });
+        if self.samples.len() >= self.options.samples {
+            self.accept(laser_trouble);
+        }
+    }
+
+    /// Checks the mean of the samples, and hands it to the caller unless it cannot be used.
+    fn accept(&mut self, laser_trouble: Option<String>) {
+        let Some((label, pose)) = self.current else {
+            return;
+        };
+        let mut accepted = Accepted::mean_of(label, pose, &self.samples);
+        let expected = (self.predictor)(&pose);
+        let checks = Checks {
+            robot: &self.robot,
+            options: &self.options,
+            at: &accepted,
+            laser_trouble,
+        };
+        let warnings = checks.all(self.journey.as_ref(), expected.as_ref());
+        let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());
+        accepted.notes = warnings.iter().map(|w| w.text.clone()).collect();
+        let told = warnings.into_iter().map(MeasuringEvent::Warning);
+        self.pending.extend(told);
+        if let Some(text) = refusal {
+            self.hold(format!("pose {label} cannot be used: {text}"));
+            return;
+        }
+        if label != 0 {
+            let plausible_m = self.options.plausible_m;
+            let expected = expected.as_ref();
+            let found = (self.channels).compare(&self.robot, &accepted, expected, plausible_m);
+            found.into_iter().for_each(|f| self.warn(f.cable, f.text));
+        }
+        self.stage = Stage::Storing;
+        self.pending
+            .push(MeasuringEvent::Measured(Box::new(accepted)));
+    }
+}

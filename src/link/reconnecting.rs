@@ -1,0 +1,162 @@
+//! Making a lost connection anew, with pauses that grow. Nothing here waits: the caller ticks.
+
+use crate::controller::{Activity, Controller, LinkError};
+
+/// Pauses between attempts to connect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BackOff {
+    /// Before the second attempt (s).
+    pub first_s: f64,
+    /// Each pause is the former times this.
+    pub factor: f64,
+    /// Longest pause (s).
+    pub longest_s: f64,
+}
+
+impl Default for BackOff {
+    fn default() -> Self {
+        Self {
+            first_s: 0.25,
+            factor: 2.0,
+            longest_s: 10.0,
+        }
+    }
+}
+
+impl BackOff {
+    /// The pause after so many attempts that failed (s); none before the first.
+    #[must_use]
+    pub fn pause_s(&self, failed: u32) -> f64 {
+        if failed == 0 {
+            return 0.0;
+        }
+        let steps = i32::try_from(failed - 1).unwrap_or(i32::MAX);
+        let pause = self.first_s * self.factor.powi(steps);
+        if pause.is_finite() {
+            pause.clamp(0.0, self.longest_s)
+        } else {
+            self.longest_s
+        }
+    }
+}
+
+/// What a tick of [`Reconnect`] did.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reconnected {
+    /// The controller is connected, disarmed if the connection is new.
+    Connected,
+    /// The next attempt is due at this time of the caller's clock (s).
+    Waiting(f64),
+    /// An attempt failed; the next is due at this time (s).
+    Failed(LinkError, f64),
+}
+
+/// Attempts to connect, each after a longer pause.
+#[derive(Debug, Clone)]
+pub struct Reconnect {
+    back_off: BackOff,
+    failed: u32,
+    due_s: f64,
+}
+
+impl Reconnect {
+    /// The first attempt is due at once.
+    #[must_use]
+    pub fn new(back_off: BackOff) -> Self {
+        Self {
+            back_off,
+            failed: 0,
+            due_s: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Connects if there is no connection and an attempt is due.
+    pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Reconnected {
+        if controller.state().activity != Activity::Disconnected {
+            self.failed = 0;
+            self.due_s = f64::NEG_INFINITY;
+            return Reconnected::Connected;
+        }
+        if now_s < self.due_s {
+            return Reconnected::Waiting(self.due_s);
+        }
+        match controller.connect() {
+            Ok(()) => {
+                self.failed = 0;
+                self.due_s = f64::NEG_INFINITY;
+                Reconnected::Connected
+            }
+            Err(error) => {
+                self.failed = self.failed.saturating_add(1);
+                self.due_s = now_s + self.back_off.pause_s(self.failed);
+                Reconnected::Failed(error, self.due_s)
+            }
+        }
+    }
+}
+
+/// What a caller does to bring a controller back while values are being written.
+pub trait ReconnectPolicy {
+    /// Connects and arms the controller again.
+    ///
+    /// # Errors
+    /// If that was given up.
+    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError>;
+}
+
+/// Attempts with growing pauses, between which the caller's `wait` is called with the pause (s).
+#[derive(Debug)]
+pub struct Attempts<W> {
+    /// Pauses.
+    pub back_off: BackOff,
+    /// Most attempts to connect each time.
+    pub attempts: u32,
+    /// Lets so many seconds pass.
+    pub wait: W,
+}
+
+impl<W: FnMut(f64)> ReconnectPolicy for Attempts<W> {
+    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+        let mut last = LinkError::Disconnected("no attempt was allowed".to_owned());
+        for failed in 0..self.attempts {
+            (self.wait)(self.back_off.pause_s(failed));
+            let brought = controller.connect().and_then(|()| controller.arm());
+            match brought {
+                Ok(()) => return Ok(()),
+                Err(error) => last = error,
+            }
+        }
+        Err(last)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulated::Fault;
+    use crate::testing::{armed, preset};
+
+    #[test]
+    fn pauses_grow_up_to_the_longest() {
+        let back_off = BackOff::default();
+        let pauses: Vec<f64> = (0..9).map(|failed| back_off.pause_s(failed)).collect();
+        assert_eq!(pauses, [0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0]);
+        assert_eq!(back_off.pause_s(u32::MAX), 10.0);
+    }
+
+    #[test]
+    fn a_lost_connection_is_made_anew_when_it_is_due() {
+        let (mut robot, _) = armed(&preset("mini"), |_| ());
+        let mut reconnect = Reconnect::new(BackOff::default());
+        assert_eq!(reconnect.tick(&mut robot, 0.0), Reconnected::Connected);
+        robot.inner_mut().set_faults(vec![Fault::ConnectionLost]);
+        let failed = reconnect.tick(&mut robot, 1.0);
+        assert!(matches!(failed, Reconnected::Failed(_, 1.25)), "{failed:?}");
+        assert_eq!(reconnect.tick(&mut robot, 1.2), Reconnected::Waiting(1.25));
+        let failed = reconnect.tick(&mut robot, 1.25);
+        assert!(matches!(failed, Reconnected::Failed(_, 1.75)), "{failed:?}");
+        robot.inner_mut().set_faults(Vec::new());
+        assert_eq!(reconnect.tick(&mut robot, 1.8), Reconnected::Connected);
+        assert!(!robot.state().armed);
+    }
+}

@@ -1,0 +1,342 @@
+//! Tests of the station around simulated controllers and one that breaks every rule.
+
+use std::sync::{Arc, Mutex};
+
+use tautline_core::robot::presets::Preset;
+
+use super::*;
+use crate::laser::LaserReading;
+use crate::simulated::Fault;
+use crate::testing::{armed, limits, preset};
+
+#[test]
+fn an_overloaded_cable_stops_the_motion_and_is_told_once() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let mut target = preset.workspace.centre;
+    target.position.x += 0.15;
+    robot.command(&target).unwrap();
+    clock.advance(0.5);
+    let overload = Fault::Tension {
+        cable: 1,
+        reading_n: 400.0,
+    };
+    robot.inner_mut().set_faults(vec![overload]);
+    let told = robot.sample().unwrap_err().to_string();
+    assert!(
+        told.contains("cable-2 pulls with 200 N, at most 150 N"),
+        "{told}"
+    );
+    assert_eq!(robot.last().unwrap().force_n[1], 400.0);
+    assert_eq!(robot.state().activity, Activity::Still);
+    assert!(robot.sample().is_ok());
+}
+
+/// A controller that does whatever it is told, armed or not, and connects again by itself.
+struct Bad {
+    sample: Sample,
+    activity: Activity,
+    armed: bool,
+    /// Whether it arms when told to.
+    arms: bool,
+    loses: bool,
+    /// What reached it.
+    heard: Vec<&'static str>,
+}
+
+impl Bad {
+    fn station(preset: &Preset) -> Station<Self> {
+        let cables = preset.robot.cable_count();
+        let sample = Sample {
+            time_s: 0.0,
+            revolutions: vec![0.0; cables],
+            force_n: vec![40.0; cables],
+            laser_m: Some(0.5),
+            temperature_c: None,
+            swivel_rad: None,
+            inclination_rad: None,
+            commanded: None,
+        };
+        let bad = Self {
+            sample,
+            activity: Activity::Still,
+            armed: true,
+            arms: true,
+            loses: false,
+            heard: Vec::new(),
+        };
+        Station::new(bad, limits(preset))
+    }
+
+    fn hear(&mut self, what: &'static str) -> Result<(), LinkError> {
+        if self.loses {
+            return Err(LinkError::Disconnected("it broke".to_owned()));
+        }
+        self.heard.push(what);
+        Ok(())
+    }
+}
+
+impl Controller for Bad {
+    fn identity(&self) -> String {
+        "bad".to_owned()
+    }
+    fn connect(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+    fn disconnect(&mut self) {}
+    fn state(&self) -> ControllerState {
+        ControllerState {
+            activity: self.activity.clone(),
+            armed: self.armed,
+        }
+    }
+    fn arm(&mut self) -> Result<(), LinkError> {
+        self.armed = self.arms;
+        Ok(())
+    }
+    fn disarm(&mut self) {
+        self.armed = false;
+        self.heard.push("disarm");
+    }
+    fn sample(&mut self) -> Result<Sample, LinkError> {
+        self.hear("sample")?;
+        Ok(self.sample.clone())
+    }
+    fn home(&mut self) -> Result<(), LinkError> {
+        self.hear("home")
+    }
+    fn command(&mut self, _: &Pose) -> Result<(), LinkError> {
+        self.hear("command")
+    }
+    fn stop(&mut self) -> Result<(), LinkError> {
+        self.hear("stop")
+    }
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
+        Ok(Vec::new())
+    }
+    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
+        Ok(vec![0.0; names.len()])
+    }
+    fn write(&mut self, _: &[(String, f64)]) -> Result<(), LinkError> {
+        self.hear("write")
+    }
+}
+
+/// What nothing but an armed station lets through.
+fn moves_and_writes(station: &mut Station<Bad>, pose: &Pose) -> [Result<(), LinkError>; 3] {
+    let values = [("laser.target_plane.offset_m".to_owned(), 0.5)];
+    [
+        station.home(),
+        station.command(pose),
+        station.write(&values),
+    ]
+}
+
+#[test]
+fn nothing_moves_unless_it_was_armed_here() {
+    let preset = preset("mini");
+    let pose = preset.workspace.centre;
+    let mut station = Bad::station(&preset);
+    // The controller says it is armed, and would obey.
+    for refused in moves_and_writes(&mut station, &pose) {
+        assert_eq!(refused, Err(LinkError::NotArmed));
+    }
+    assert_eq!(station.inner.heard, ["disarm"]);
+    station.connect().unwrap();
+    assert!(!station.state().armed);
+    station.arm().unwrap();
+    assert!(station.state().armed);
+    for done in moves_and_writes(&mut station, &pose) {
+        assert_eq!(done, Ok(()));
+    }
+    assert_eq!(station.inner.heard, ["disarm", "home", "command", "write"]);
+    station.disarm();
+    for refused in moves_and_writes(&mut station, &pose) {
+        assert_eq!(refused, Err(LinkError::NotArmed));
+    }
+}
+
+#[test]
+fn a_connection_that_comes_back_by_itself_is_not_armed() {
+    let preset = preset("mini");
+    let pose = preset.workspace.centre;
+    // It shows in the state, or in an answer.
+    let losses: [fn(&mut Station<Bad>); 4] = [
+        |station| {
+            station.inner.activity = Activity::Disconnected;
+            assert!(!station.state().armed);
+            station.inner.activity = Activity::Still;
+        },
+        |station| {
+            station.inner.loses = true;
+            assert!(station.sample().is_err());
+            station.inner.loses = false;
+        },
+        |station| {
+            station.inner.armed = false;
+            assert!(!station.state().armed);
+            station.inner.armed = true;
+        },
+        |station| {
+            station.inner.sample.time_s = 100.0;
+            station.sample().unwrap();
+            station.inner.sample.time_s = 1.0;
+            let told = station.sample().unwrap_err().to_string();
+            assert!(told.contains("its clock went back"), "{told}");
+            station.sample().unwrap();
+            station.inner.armed = true;
+        },
+    ];
+    for lose in losses {
+        let mut station = Bad::station(&preset);
+        station.connect().unwrap();
+        station.arm().unwrap();
+        lose(&mut station);
+        assert!(!station.state().armed);
+        for refused in moves_and_writes(&mut station, &pose) {
+            assert_eq!(refused, Err(LinkError::NotArmed));
+        }
+        assert!(!station.inner.armed, "the controller is disarmed, too");
+        station.connect().unwrap();
+        assert!(!station.state().armed);
+        station.arm().unwrap();
+        assert_eq!(station.command(&pose), Ok(()));
+        // Connecting while it is connected disarms.
+        station.connect().unwrap();
+        assert!(!station.state().armed && !station.inner.armed);
+    }
+}
+
+#[test]
+fn arming_is_believed_only_where_it_shows() {
+    let preset = preset("mini");
+    let mut station = Bad::station(&preset);
+    station.connect().unwrap();
+    station.inner.arms = false;
+    assert!(matches!(station.arm(), Err(LinkError::Refused(_))));
+    station.inner.arms = true;
+    station.inner.activity = Activity::Disconnected;
+    assert!(station.arm().is_err_and(|e| e.is_disconnection()));
+    station.inner.activity = Activity::Fault("hot".to_owned());
+    assert_eq!(station.arm(), Err(LinkError::Fault("hot".to_owned())));
+    assert!(!station.state().armed);
+}
+
+#[test]
+fn what_is_no_pose_or_no_number_does_not_reach_the_controller() {
+    let preset = preset("mini");
+    let mut station = Bad::station(&preset);
+    station.connect().unwrap();
+    station.arm().unwrap();
+    let before = station.inner.heard.len();
+    for value in [f64::NAN, f64::INFINITY, 1e9] {
+        let mut pose = preset.workspace.centre;
+        pose.position.y = value;
+        assert!(matches!(station.command(&pose), Err(LinkError::Limit(_))));
+        let values = [("home.x_m".to_owned(), value)];
+        assert_eq!(station.write(&values).is_err(), !value.is_finite());
+    }
+    assert_eq!(station.inner.heard[before..], ["write"]);
+}
+
+#[test]
+fn samples_have_the_channels_of_the_robot() {
+    let preset = preset("mini");
+    let mut station = Bad::station(&preset);
+    station.connect().unwrap();
+    assert!(station.sample().is_ok() && station.last().is_some());
+    station.inner.sample.revolutions.pop();
+    let told = station.sample().unwrap_err().to_string();
+    assert!(
+        told.contains("7 revolutions of a robot with 8 cables"),
+        "{told}"
+    );
+    station.inner.sample.revolutions.push(0.0);
+    station.inner.sample.force_n.clear();
+    assert!(station.sample().is_ok());
+    station.inner.sample.force_n.push(40.0);
+    assert!(station.sample().is_err());
+    station.inner.sample.force_n.clear();
+    station.inner.sample.time_s = f64::NAN;
+    assert!(station.sample().is_err());
+    station.disconnect();
+    assert_eq!(station.last(), None);
+}
+
+/// A laser that shows what the test sets; leaving a place clears it.
+#[derive(Clone, Default)]
+struct Shown {
+    reading: Arc<Mutex<Option<LaserReading>>>,
+    connects: bool,
+}
+
+impl LaserSource for Shown {
+    fn identity(&self) -> String {
+        "shown".to_owned()
+    }
+    fn connect(&mut self) -> Result<(), LinkError> {
+        match self.connects {
+            true => Ok(()),
+            false => Err(LinkError::Laser("it is not there".to_owned())),
+        }
+    }
+    fn disconnect(&mut self) {}
+    fn latest(&self) -> Option<LaserReading> {
+        *self.reading.lock().unwrap()
+    }
+    fn fresh_s(&self) -> f64 {
+        1.0
+    }
+    fn leave(&mut self) {
+        *self.reading.lock().unwrap() = None;
+    }
+    fn trouble(&self) -> Option<String> {
+        Some("it blinks".to_owned())
+    }
+}
+
+#[test]
+fn a_laser_beside_the_controller_stands_in_for_its_own() {
+    let preset = preset("mini");
+    let laser = Shown {
+        connects: true,
+        ..Shown::default()
+    };
+    let set = |age_s: f64, distance_m: Option<f64>| {
+        *laser.reading.lock().unwrap() = Some(LaserReading { age_s, distance_m });
+    };
+    let mut station = Bad::station(&preset).with_laser(Some(Box::new(laser.clone())));
+    station.connect().unwrap();
+    assert_eq!(station.sample().unwrap().laser_m, None);
+    set(0.5, Some(0.7));
+    assert_eq!(station.sample().unwrap().laser_m, Some(0.7));
+    for (age_s, distance_m) in [
+        (1.5, Some(0.7)),
+        (f64::NAN, Some(0.7)),
+        (0.5, None),
+        (0.5, Some(f64::NAN)),
+        (0.5, Some(-0.1)),
+    ] {
+        set(age_s, distance_m);
+        assert_eq!(station.sample().unwrap().laser_m, None);
+    }
+    assert_eq!(station.laser_trouble(), Some("it blinks".to_owned()));
+    station.arm().unwrap();
+    for way in [Controller::home, |s: &mut Station<Bad>| {
+        let centre = s.limits().workspace.centre;
+        s.command(&centre)
+    }] {
+        set(0.5, Some(0.7));
+        way(&mut station).unwrap();
+        assert_eq!(station.sample().unwrap().laser_m, None);
+    }
+}
+
+#[test]
+fn without_its_laser_there_is_no_connection() {
+    let laser = Box::new(Shown::default());
+    let mut station = Bad::station(&preset("mini")).with_laser(Some(laser));
+    let told = station.connect().unwrap_err().to_string();
+    assert_eq!(told, "the laser distance sensor: it is not there");
+}

@@ -1,0 +1,247 @@
+//! How a session reaches the robot's own controller: what the controller calls what is read and told.
+
+mod check;
+mod defaults;
+#[cfg(test)]
+mod tests;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub(super) use check::check;
+
+/// What is known of the controller of the robot.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Connection {
+    /// Symbols of a controller that speaks ADS; absent: the default names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ads: Option<AdsMapping>,
+}
+
+impl Connection {
+    /// Whether nothing is set.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.ads.is_none()
+    }
+}
+
+/// Symbols of a controller that speaks ADS.
+///
+/// A reading is `raw * scale + offset`, in SI units after that; what is written is the inverse of that. Names of
+/// one symbol per cable may contain `{cable}`, the cable's name, and `{n}`, its number from 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsMapping {
+    /// What is read at every sample.
+    pub readings: AdsReadings,
+    /// What the controller tells of itself.
+    #[serde(default)]
+    pub state: AdsStatus,
+    /// How it is told to move; absent: it is read only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<AdsCommand>,
+    /// BOOL that is TRUE while the operator allows motion and writing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub release: Option<String>,
+    /// Integer that counts the samples while armed, so that the controller can stop when they cease.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub watchdog: Option<String>,
+    /// Parameters of the controller's kinematics that can be read and written.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<AdsParameter>,
+}
+
+/// Symbols that are read at every sample.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsReadings {
+    /// Motor revolutions since home, positive pays out, per cable.
+    pub revolutions: AdsSymbols,
+    /// Raw readings of the force sensors (N), per cable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<AdsSymbols>,
+    /// Swivel angles of the pulleys (rad), per cable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub swivel: Option<AdsSymbols>,
+    /// Laser distance (m); not a number where there is no return.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laser: Option<AdsSymbol>,
+    /// BOOL that is TRUE while the laser has a return.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laser_valid: Option<String>,
+    /// Temperature (degrees Celsius).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<AdsSymbol>,
+    /// Time by the controller's clock (s); absent: when the answer arrived.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<AdsSymbol>,
+    /// Roll, pitch and yaw of the platform (rad): three values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inclination: Option<AdsSymbols>,
+    /// The pose that the controller was told last.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pose: Option<AdsPose>,
+}
+
+/// Name of an array symbol, or one name per value.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a name or a list of names")]
+pub enum AdsNames {
+    /// An array; with `{cable}` or `{n}` one symbol per cable.
+    One(String),
+    /// One symbol per value.
+    Each(Vec<String>),
+}
+
+/// Symbols of several values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsSymbols {
+    /// Their names.
+    pub symbol: AdsNames,
+    /// SI units per unit of the symbol.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// Added after that (SI).
+    #[serde(default)]
+    pub offset: f64,
+}
+
+/// Symbol of one value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsSymbol {
+    /// Its name.
+    pub symbol: String,
+    /// SI units per unit of the symbol.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// Added after that (SI).
+    #[serde(default)]
+    pub offset: f64,
+}
+
+/// How an orientation is written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AdsRotation {
+    /// Four numbers w, x, y, z without unit.
+    #[default]
+    Quaternion,
+    /// Axis times angle.
+    RotationVector,
+    /// `R = Rx(roll) Ry(pitch) Rz(yaw)`.
+    RollPitchYaw,
+}
+
+impl AdsRotation {
+    /// Numbers of a pose: three of its position, then those of its orientation.
+    #[must_use]
+    pub fn pose_values(self) -> usize {
+        match self {
+            Self::Quaternion => 7,
+            Self::RotationVector | Self::RollPitchYaw => 6,
+        }
+    }
+}
+
+/// Symbols of a pose: position x, y, z, then its orientation, of the platform in the base frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsPose {
+    /// An array, or one name per value.
+    pub symbol: AdsNames,
+    /// How the orientation is written.
+    #[serde(default)]
+    pub rotation: AdsRotation,
+    /// Metres per unit of the position.
+    #[serde(default = "one")]
+    pub length_scale: f64,
+    /// Radians per unit of the angles.
+    #[serde(default = "one")]
+    pub angle_scale: f64,
+}
+
+/// Symbols by which the controller tells what it does.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct AdsStatus {
+    /// BOOL that is TRUE from taking a command until the drives have reached its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moving: Option<String>,
+    /// Integer or BOOL; 0 or FALSE: no fault.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
+    /// STRING that says what the fault is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault_text: Option<String>,
+}
+
+/// Symbols by which the controller is told what to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsCommand {
+    /// Where to move.
+    pub target: AdsPose,
+    /// Integer; 1: home, 2: move to the target, 3: stop.
+    pub kind: String,
+    /// UDINT; written last, a new number is a new command.
+    pub number: String,
+    /// UDINT; the controller copies the number to it when it has taken the command.
+    pub acknowledged: String,
+}
+
+/// Symbol of a parameter, or of one parameter of every cable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdsParameter {
+    /// Name of the parameter; with `{cable}` that of every cable.
+    pub name: String,
+    /// Name of the symbol. Without `{cable}` and `{n}` it is an array that holds all cables.
+    pub symbol: String,
+    /// Element of an array, from 0; of the first cable in an array that holds all cables.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub element: u32,
+    /// Elements from one cable to the next.
+    #[serde(default = "one_element", skip_serializing_if = "is_one")]
+    pub stride: u32,
+    /// SI units per unit of the symbol.
+    #[serde(default = "one")]
+    pub scale: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn one_element() -> u32 {
+    1
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_zero(number: &u32) -> bool {
+    *number == 0
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_one(number: &u32) -> bool {
+    *number == 1
+}
+
+/// Whether a name stands for one symbol or parameter per cable.
+#[must_use]
+pub fn is_per_cable(name: &str) -> bool {
+    name.contains(CABLE) || name.contains(NUMBER)
+}
+
+/// The name for one cable, counted from 0.
+#[must_use]
+pub fn name_of_cable(pattern: &str, cable: &str, index: usize) -> String {
+    // The number first: a cable's name may contain anything.
+    let numbered = pattern.replace(NUMBER, &(index + 1).to_string());
+    numbered.replace(CABLE, cable)
+}
+
+const CABLE: &str = "{cable}";
+const NUMBER: &str = "{n}";

@@ -1,0 +1,205 @@
+//! What has to hold in a mapping.
+
+use std::collections::HashSet;
+
+use tautline_core::robot::{FieldError, Robot};
+
+use super::super::fail;
+use super::{
+    AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsSymbol, AdsSymbols, CABLE,
+    Connection, NUMBER, is_per_cable, name_of_cable,
+};
+
+type Checked = Result<(), FieldError>;
+
+/// Longest name of a symbol that controllers know (characters).
+const LONGEST: usize = 255;
+
+/// Names are names, scales can be inverted, every cable has its symbol.
+pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Checked {
+    match &connection.ads {
+        Some(mapping) => mapping
+            .check(robot)
+            .map_err(|error| super::super::below("/connection/ads", error)),
+        None => Ok(()),
+    }
+}
+
+impl AdsMapping {
+    /// Checks the mapping for a robot; pointers in errors count from the mapping.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self, robot: &Robot) -> Checked {
+        readings(&self.readings, robot)?;
+        let state = &self.state;
+        for (key, symbol) in [
+            ("/state/moving", &state.moving),
+            ("/state/fault", &state.fault),
+            ("/state/fault_text", &state.fault_text),
+            ("/release", &self.release),
+            ("/watchdog", &self.watchdog),
+        ] {
+            symbol.as_ref().map_or(Ok(()), |name| single(key, name))?;
+        }
+        if let Some(command) = &self.command {
+            pose("/command/target", &command.target)?;
+            single("/command/kind", &command.kind)?;
+            single("/command/number", &command.number)?;
+            single("/command/acknowledged", &command.acknowledged)?;
+            if state.moving.is_none() {
+                let message = "found no symbol, expected one: a controller that is told to move has to tell when it moves";
+                return fail("/state/moving", message);
+            }
+        }
+        parameters(&self.parameters, robot)
+    }
+}
+
+fn readings(readings: &AdsReadings, robot: &Robot) -> Checked {
+    let cables = robot.cable_count();
+    let per_cable = [
+        ("/readings/revolutions", Some(&readings.revolutions)),
+        ("/readings/force", readings.force.as_ref()),
+        ("/readings/swivel", readings.swivel.as_ref()),
+    ];
+    for (at, symbols) in per_cable {
+        let Some(symbols) = symbols else { continue };
+        factor(&format!("{at}/scale"), symbols.scale)?;
+        finite(&format!("{at}/offset"), symbols.offset)?;
+        match &symbols.symbol {
+            AdsNames::One(name) if name.contains('{') => placed(&format!("{at}/symbol"), name)?,
+            names => listed(&format!("{at}/symbol"), names, cables)?,
+        }
+    }
+    let numbers = [
+        ("/readings/laser", &readings.laser),
+        ("/readings/temperature", &readings.temperature),
+        ("/readings/time", &readings.time),
+    ];
+    for (at, symbol) in numbers {
+        symbol.as_ref().map_or(Ok(()), |s| number(at, s))?;
+    }
+    if let Some(name) = &readings.laser_valid {
+        single("/readings/laser_valid", name)?;
+    }
+    if let Some(angles) = &readings.inclination {
+        three("/readings/inclination", angles)?;
+    }
+    (readings.pose.as_ref()).map_or(Ok(()), |p| pose("/readings/pose", p))
+}
+
+fn number(at: &str, symbol: &AdsSymbol) -> Checked {
+    single(&format!("{at}/symbol"), &symbol.symbol)?;
+    factor(&format!("{at}/scale"), symbol.scale)?;
+    finite(&format!("{at}/offset"), symbol.offset)
+}
+
+fn three(at: &str, symbols: &AdsSymbols) -> Checked {
+    listed(&format!("{at}/symbol"), &symbols.symbol, 3)?;
+    factor(&format!("{at}/scale"), symbols.scale)?;
+    finite(&format!("{at}/offset"), symbols.offset)
+}
+
+fn pose(at: &str, pose: &AdsPose) -> Checked {
+    listed(
+        &format!("{at}/symbol"),
+        &pose.symbol,
+        pose.rotation.pose_values(),
+    )?;
+    factor(&format!("{at}/length_scale"), pose.length_scale)?;
+    factor(&format!("{at}/angle_scale"), pose.angle_scale)
+}
+
+/// An array, or a list of the right length.
+fn listed(at: &str, names: &AdsNames, count: usize) -> Checked {
+    match names {
+        AdsNames::One(name) => single(at, name),
+        AdsNames::Each(names) if names.len() != count => {
+            let message = format!("found {} names, expected {count}", names.len());
+            fail(at, message)
+        }
+        AdsNames::Each(names) => {
+            let mut numbered = names.iter().enumerate();
+            numbered.try_for_each(|(k, name)| single(&format!("{at}/{k}"), name))
+        }
+    }
+}
+
+/// The name of one symbol.
+fn single(at: &str, name: &str) -> Checked {
+    let strange = |c: char| !c.is_ascii_graphic() || c == '{' || c == '}';
+    if name.is_empty() || name.len() > LONGEST || name.contains(strange) {
+        let message =
+            format!("found {name:?}, expected the name of a symbol, like GVL_Tautline.moving");
+        return fail(at, message);
+    }
+    Ok(())
+}
+
+/// A name for each cable: the rest of it is that of a symbol.
+fn placed(at: &str, pattern: &str) -> Checked {
+    let rest = pattern.replace(CABLE, "c").replace(NUMBER, "1");
+    if single(at, &rest).is_err() {
+        let message = format!(
+            "found {pattern:?}, expected the name of a symbol, in which {CABLE} is the cable's name and {NUMBER} its number"
+        );
+        return fail(at, message);
+    }
+    Ok(())
+}
+
+fn parameters(list: &[AdsParameter], robot: &Robot) -> Checked {
+    let mut names = HashSet::new();
+    for (k, parameter) in list.iter().enumerate() {
+        let at = format!("/parameters/{k}");
+        factor(&format!("{at}/scale"), parameter.scale)?;
+        placed(&format!("{at}/symbol"), &parameter.symbol)?;
+        let each = parameter.name.contains(CABLE);
+        if !each && is_per_cable(&parameter.symbol) {
+            let message = format!(
+                "found {:?}, expected {CABLE} in it, because the symbol is one per cable",
+                parameter.name
+            );
+            return fail(format!("{at}/name"), message);
+        }
+        if parameter.name.trim().is_empty() {
+            return fail(format!("{at}/name"), "found an empty text, expected a name");
+        }
+        if each && parameter.stride == 0 {
+            let message = "found 0, expected at least 1: every cable has its own element";
+            return fail(format!("{at}/stride"), message);
+        }
+        let cables = robot.cables.iter().enumerate();
+        let expanded: Vec<String> = match each {
+            true => cables
+                .map(|(c, cable)| name_of_cable(&parameter.name, &cable.name, c))
+                .collect(),
+            false => vec![parameter.name.clone()],
+        };
+        for name in expanded {
+            if names.contains(&name) {
+                let message = format!("found {name:?} again, expected each name once");
+                return fail(format!("{at}/name"), message);
+            }
+            names.insert(name);
+        }
+    }
+    Ok(())
+}
+
+fn factor(at: &str, value: f64) -> Checked {
+    if value.is_finite() && value != 0.0 {
+        return Ok(());
+    }
+    let message = format!("found {value}, expected a finite number that is not 0");
+    fail(at, message)
+}
+
+fn finite(at: &str, value: f64) -> Checked {
+    if value.is_finite() {
+        return Ok(());
+    }
+    let message = format!("found {value}, expected a finite number");
+    fail(at, message)
+}

@@ -1,0 +1,294 @@
+//! Where the laser distance comes from.
+
+mod text;
+
+use std::ops::RangeInclusive;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::robot::FieldError;
+
+use super::fail;
+
+/// Bauds that a serial port may have.
+const BAUD: RangeInclusive<u32> = 50..=4_000_000;
+/// Ages from which a reading may be no longer used (s).
+const FRESH_S: RangeInclusive<f64> = 0.05..=60.0;
+/// Longest text of a setting (bytes).
+const LONGEST: usize = 250;
+/// Memory that a pattern may take (bytes).
+const PATTERN_BYTES: usize = 1 << 20;
+
+/// Where the laser distance comes from.
+///
+/// As text: `controller`, `manual`, `tcp:HOST:PORT` or `serial:PORT` or `serial:PORT:BAUD`; the last three with
+/// settings `?key=value&key=value`, in which `%XX` is the byte of this hexadecimal number. Keys: `pattern`, `unit`,
+/// `scale`, `offset_m`, `no_return` (once or several times), `command`, `fresh_s`, and `parity` and `stop_bits` of
+/// serial ports.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum LaserSettings {
+    /// From the controller, with its other readings.
+    #[default]
+    Controller,
+    /// The operator types it.
+    Manual,
+    /// A device that sends lines of text.
+    Line(LineLaserSettings),
+}
+
+/// A device that sends lines of text.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LineLaserSettings {
+    /// What it is connected to.
+    pub port: LaserPort,
+    /// Regular expression that a line with a distance matches; its group `distance` is the number, and its group
+    /// `unit`, where there is one, has to be the unit. Without it: the first number that stands alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<String>,
+    /// Unit of the number.
+    #[serde(default)]
+    pub unit: LaserUnit,
+    /// Factor between the number and the distance in that unit.
+    #[serde(default = "one")]
+    pub scale: f64,
+    /// What is added to the distance (m).
+    #[serde(default)]
+    pub offset_m: f64,
+    /// Texts of which one is in a line that says that there is no return.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub no_return: Vec<String>,
+    /// What asks for a reading, its line end included; without it the device sends by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
+    /// Age from which a reading is not used any more (s).
+    #[serde(default = "one")]
+    pub fresh_s: f64,
+}
+
+/// What a device that sends lines is connected to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum LaserPort {
+    /// The network.
+    Tcp {
+        /// Name or address.
+        host: String,
+        /// Port.
+        port: u16,
+    },
+    /// A serial port, with 8 data bits.
+    Serial {
+        /// Its name, such as `/dev/ttyUSB0` or `COM3`.
+        device: String,
+        /// Bits per second.
+        #[serde(default = "usual_baud")]
+        baud: u32,
+        /// Parity.
+        #[serde(default)]
+        parity: LaserParity,
+        /// Stop bits, 1 or 2.
+        #[serde(default = "one_bit")]
+        stop_bits: u8,
+    },
+}
+
+/// Unit of a distance.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum LaserUnit {
+    /// Metre.
+    M,
+    /// Millimetre.
+    #[default]
+    Mm,
+    /// Micrometre.
+    Um,
+}
+
+/// Parity of a serial port.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum LaserParity {
+    /// No parity bit.
+    #[default]
+    None,
+    /// Odd.
+    Odd,
+    /// Even.
+    Even,
+}
+
+fn one() -> f64 {
+    1.0
+}
+fn usual_baud() -> u32 {
+    9600
+}
+fn one_bit() -> u8 {
+    1
+}
+
+impl LaserUnit {
+    /// Metres in one of the unit.
+    #[must_use]
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::M => 1.0,
+            Self::Mm => 1e-3,
+            Self::Um => 1e-6,
+        }
+    }
+
+    /// As it is written.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::M => "m",
+            Self::Mm => "mm",
+            Self::Um => "um",
+        }
+    }
+}
+
+impl LaserPort {
+    /// A serial port with the usual settings.
+    #[must_use]
+    pub fn serial(device: impl Into<String>) -> Self {
+        Self::Serial {
+            device: device.into(),
+            baud: usual_baud(),
+            parity: LaserParity::None,
+            stop_bits: one_bit(),
+        }
+    }
+}
+
+impl LineLaserSettings {
+    /// A device that sends distances in millimetres by itself.
+    #[must_use]
+    pub fn new(port: LaserPort) -> Self {
+        Self {
+            port,
+            pattern: None,
+            unit: LaserUnit::Mm,
+            scale: one(),
+            offset_m: 0.0,
+            no_return: Vec::new(),
+            command: None,
+            fresh_s: one(),
+        }
+    }
+
+    /// The regular expression that a line with a distance matches, and its group `distance`.
+    ///
+    /// # Errors
+    /// What is wrong with the pattern.
+    pub fn expression(&self) -> Result<regex::Regex, String> {
+        // Not "E255", not one half of "12,5", not "1.2.3": what is no plain number is no distance.
+        const PLAIN: &str = r"(?:^|[\s:=;])(?<distance>[+-]?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)(?:\s*(?<unit>m|mm|um))?(?:[\s;]|$)";
+        let pattern = self.pattern.as_deref().unwrap_or(PLAIN);
+        let built = regex::RegexBuilder::new(pattern)
+            .size_limit(PATTERN_BYTES)
+            .build();
+        let expression = built.map_err(|_| {
+            format!("found {pattern:?}, expected a regular expression that can be understood")
+        })?;
+        let mut names = expression.capture_names().flatten();
+        match names.any(|name| name == "distance") {
+            true => Ok(expression),
+            false => Err(format!(
+                "found {pattern:?}, expected a regular expression with a group (?<distance>...)"
+            )),
+        }
+    }
+
+    fn check(&self) -> Result<(), FieldError> {
+        check_port(&self.port)?;
+        if let Some(pattern) = &self.pattern {
+            short("/pattern", pattern)?;
+        }
+        if let Err(message) = self.expression() {
+            return fail("/pattern", message);
+        }
+        if !(self.scale.is_finite() && self.scale > 0.0) {
+            let message = format!("found {}, expected a positive factor", self.scale);
+            return fail("/scale", message);
+        }
+        if !self.offset_m.is_finite() {
+            let message = format!("found {}, expected a finite number", self.offset_m);
+            return fail("/offset_m", message);
+        }
+        for (k, text) in self.no_return.iter().enumerate() {
+            short(&format!("/no_return/{k}"), text)?;
+        }
+        if let Some(command) = &self.command {
+            short("/command", command)?;
+        }
+        if !FRESH_S.contains(&self.fresh_s) {
+            let [low, high] = [FRESH_S.start(), FRESH_S.end()];
+            let message = format!("found {}, expected {low} s to {high} s", self.fresh_s);
+            return fail("/fresh_s", message);
+        }
+        Ok(())
+    }
+}
+
+fn check_port(port: &LaserPort) -> Result<(), FieldError> {
+    match port {
+        LaserPort::Tcp { host, port } => {
+            short("/port/tcp/host", host)?;
+            if *port == 0 {
+                return fail("/port/tcp/port", "found 0, expected a port from 1 to 65535");
+            }
+        }
+        LaserPort::Serial {
+            device,
+            baud,
+            stop_bits,
+            ..
+        } => {
+            short("/port/serial/device", device)?;
+            if !BAUD.contains(baud) {
+                let [low, high] = [BAUD.start(), BAUD.end()];
+                let message = format!("found {baud}, expected {low} to {high} bits per second");
+                return fail("/port/serial/baud", message);
+            }
+            if !(1..=2).contains(stop_bits) {
+                let message = format!("found {stop_bits}, expected 1 or 2");
+                return fail("/port/serial/stop_bits", message);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn short(at: &str, text: &str) -> Result<(), FieldError> {
+    if !text.trim_matches(' ').is_empty() && text.len() <= LONGEST {
+        return Ok(());
+    }
+    let length = text.len();
+    let message =
+        format!("found a text of {length} bytes, expected 1 to {LONGEST} that are not all blank");
+    fail(at, message)
+}
+
+impl LaserSettings {
+    /// Whether the settings make sense.
+    ///
+    /// # Errors
+    /// Where not, and why.
+    pub fn check(&self) -> Result<(), FieldError> {
+        match self {
+            Self::Controller | Self::Manual => Ok(()),
+            Self::Line(line) => line.check(),
+        }
+    }
+
+    /// Whether it is the controller's own laser.
+    #[must_use]
+    pub fn is_controller(&self) -> bool {
+        *self == Self::Controller
+    }
+}

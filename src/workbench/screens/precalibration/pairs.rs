@@ -1,0 +1,286 @@
+//! What is calibrated cable by cable with pairs of a known and a read value: winches and force sensors.
+
+use egui::Ui;
+use tautline_session::PhaseData;
+
+use super::Typed;
+use crate::precalibration::{Calibration, PerCable, Table};
+use crate::screens::desk::{Desk, Residuals, or_dash, verdict_cell};
+use crate::views::plots::figure::{Axis, Point};
+use crate::widgets::{
+    Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
+};
+
+/// A pair of a table.
+pub trait Pair: Sized {
+    /// Its cable.
+    fn cable(&self) -> usize;
+
+    /// Its numbers in the order of the columns (SI units).
+    fn numbers(&self) -> Numbers;
+
+    /// The pair of these numbers; `None` if one is missing.
+    fn of(cable: usize, numbers: Numbers) -> Option<Self>;
+}
+
+/// How well the pairs of a cable fit, in the unit of the residuals that people read.
+#[derive(Debug, Clone, Copy)]
+pub struct Quality<'a> {
+    /// Whether they stay within the limit.
+    pub passed: bool,
+    /// Standard deviation of the residuals.
+    pub spread: f64,
+    /// Largest residual, whatever its sign.
+    pub largest: f64,
+    /// The residuals (SI units).
+    pub residuals: &'a [f64],
+}
+
+/// What is written about a kind of instruments.
+#[derive(Debug, Clone, Copy)]
+pub struct Words {
+    /// The file of its table.
+    pub table: Table,
+    /// One of them, as a title.
+    pub one: &'static str,
+    /// Several, in a sentence.
+    pub several: &'static str,
+    /// What to do while there are no pairs.
+    pub instruction: &'static str,
+    /// Where to look if a pair is off.
+    pub advice: &'static str,
+    /// Along what residuals are drawn.
+    pub along: (&'static str, &'static str),
+    /// Columns of the pairs.
+    pub fields: &'static [RowField],
+    /// Unit of the residuals that people read, and how many of it are one SI unit.
+    pub unit: (&'static str, f64),
+    /// Largest residual that passes, in that unit.
+    pub limit: f64,
+    /// Decimals of a residual in a sentence.
+    pub decimals: usize,
+}
+
+/// A kind of instruments that are calibrated by pairs.
+pub trait ByPairs {
+    /// A pair.
+    type Pair: Pair;
+    /// What is fitted for a cable.
+    type Fit;
+    /// What is written about it.
+    const WORDS: Words;
+
+    /// The fits of all that were measured.
+    fn fits(calibration: &Calibration) -> &[PerCable<Self::Fit>];
+
+    /// How good one is.
+    fn quality(fit: &Self::Fit) -> Quality<'_>;
+
+    /// The pairs of a session.
+    fn pairs(phases: &PhaseData) -> &[Self::Pair];
+
+    /// The same, to be changed.
+    fn pairs_mut(phases: &mut PhaseData) -> &mut Vec<Self::Pair>;
+
+    /// Along what the residual of a pair is drawn.
+    fn place(pair: &Self::Pair) -> f64;
+
+    /// Draws the fitted values, and the step that puts them into the robot.
+    fn values(ui: &mut Ui, desk: &mut Desk<'_>);
+}
+
+/// Draws the part.
+pub fn show<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
+    desk.import(ui, I::WORDS.table, &mut typed.path);
+    let fits = I::fits(desk.calibration);
+    let chosen = desk.chosen_cable(fits, |fit| I::quality(fit).passed);
+    if fits.is_empty() {
+        muted(ui, I::WORDS.instruction);
+    } else {
+        judge::<I>(ui, desk);
+        table_of_fits::<I>(ui, desk, chosen);
+        residuals::<I>(ui, desk);
+        I::values(ui, desk);
+    }
+    pairs::<I>(ui, desk, chosen, typed);
+}
+
+fn judge<I: ByPairs>(ui: &mut Ui, desk: &Desk<'_>) {
+    let fits = I::fits(desk.calibration);
+    let words = I::WORDS;
+    let (limit, unit, decimals) = (words.limit, words.unit.0, words.decimals);
+    let passed = |one: &&PerCable<I::Fit>| {
+        let fit = one.fit.as_ref();
+        fit.is_ok_and(|fit| I::quality(fit).passed)
+    };
+    let good = fits.iter().filter(passed).count();
+    if good == fits.len() {
+        let several = words.several;
+        let text = format!("All {good} {several} that were measured stay within {limit} {unit}.");
+        verdict(ui, Verdict::Good, &text);
+    }
+    for PerCable { cable, fit } in fits {
+        match fit.as_ref().map(I::quality) {
+            Ok(quality) if !quality.passed => {
+                let (name, worst) = (desk.cable_name(*cable), quality.largest);
+                let text = format!(
+                    "{name} is {worst:.decimals$} {unit} off at its worst pair, more than {limit} {unit}. {}",
+                    words.advice
+                );
+                verdict(ui, Verdict::Bad, &text);
+            }
+            Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
+            Ok(_) => {}
+        }
+    }
+}
+
+fn table_of_fits<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
+    let unit = I::WORDS.unit.0;
+    let columns = [
+        Column::words(I::WORDS.one),
+        Column::number("Pairs", ""),
+        Column::number("Spread", unit),
+        Column::number("Largest residual", unit),
+        Column::words("Verdict"),
+    ];
+    let fits = I::fits(desk.calibration);
+    let rows: Vec<Vec<Cell>> = fits
+        .iter()
+        .map(|PerCable { cable, fit }| {
+            let pairs = I::pairs(&desk.session().phases).iter();
+            let count = pairs.filter(|pair| pair.cable() == *cable).count();
+            let quality = fit.as_ref().ok().map(I::quality);
+            vec![
+                desk.cable_cell(ui, *cable),
+                Cell::new(count.to_string()),
+                or_dash(quality.map(|quality| quality.spread), 3),
+                or_dash(quality.map(|quality| quality.largest), 3),
+                verdict_cell(ui, quality.is_some_and(|quality| quality.passed)),
+            ]
+        })
+        .collect();
+    let selected = fits.iter().position(|one| one.cable == chosen);
+    let touched = table(ui, &columns, &rows, selected);
+    if let Some(row) = touched.clicked.and_then(|row| fits.get(row)) {
+        desk.select_cable(row.cable);
+    }
+}
+
+fn residuals<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>) {
+    let (unit, per_si) = I::WORDS.unit;
+    let of_cable = |one: &PerCable<I::Fit>| {
+        let pairs = I::pairs(&desk.session().phases).iter();
+        let pairs = pairs.filter(|pair| pair.cable() == one.cable);
+        let points = pairs.zip(I::quality(one.fit.as_ref().ok()?).residuals);
+        let points = points.map(|(pair, residual)| Point::new(I::place(pair), residual * per_si));
+        Some((one.cable, points.collect()))
+    };
+    let (label, along) = I::WORDS.along;
+    let plot = Residuals {
+        name: &format!("Residuals of the {}", I::WORDS.several),
+        x: Axis::new(label, along),
+        unit,
+        limit: I::WORDS.limit,
+        points: I::fits(desk.calibration)
+            .iter()
+            .filter_map(of_cable)
+            .collect(),
+    };
+    desk.residuals(ui, plot);
+}
+
+fn pairs<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, typed: &mut Typed) {
+    section(ui, &format!("Pairs of {}", desk.cable_name(chosen)));
+    desk.choose_cable(ui, chosen);
+    let pairs = I::pairs(&desk.session().phases).iter();
+    let pairs: Vec<Numbers> = pairs
+        .filter(|pair| pair.cable() == chosen)
+        .map(Pair::numbers)
+        .collect();
+    let mut fits = I::fits(desk.calibration).iter();
+    let fit = fits.find(|one| one.cable == chosen);
+    let residuals = fit.and_then(|one| one.fit.as_ref().ok()).map(I::quality);
+    let (unit, per_si) = I::WORDS.unit;
+    let decimals = I::WORDS.decimals;
+    let remarks: Vec<String> = residuals
+        .map_or(&[][..], |quality| quality.residuals)
+        .iter()
+        .map(|residual| format!("{:+.decimals$}", residual * per_si))
+        .collect();
+    let editor = Rows {
+        noun: "Pair",
+        fields: I::WORDS.fields,
+        rows: &pairs,
+        remarks: ("Residual", unit),
+        remark: &remarks,
+    };
+    if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
+        desk.edit_rows("pair", edit, |phases, edit| {
+            change(I::pairs_mut(phases), chosen, edit);
+        });
+    }
+}
+
+/// Changes the pairs of a cable, whose rows are counted without those of the others.
+fn change<P: Pair>(pairs: &mut Vec<P>, cable: usize, edit: RowsEdit) {
+    let mut places = (0..pairs.len()).filter(|k| pairs[*k].cable() == cable);
+    match edit {
+        RowsEdit::Set(row, column, value) => {
+            let Some(pair) = places.nth(row).and_then(|k| pairs.get_mut(k)) else {
+                return;
+            };
+            let mut numbers = pair.numbers();
+            numbers[column] = value;
+            if let Some(changed) = P::of(cable, numbers) {
+                *pair = changed;
+            }
+        }
+        RowsEdit::Add(rows) => {
+            let rows = rows.into_iter();
+            pairs.extend(rows.filter_map(|numbers| P::of(cable, numbers)));
+        }
+        RowsEdit::Remove(row) => {
+            if let Some(k) = places.nth(row) {
+                pairs.remove(k);
+            }
+        }
+        RowsEdit::Wrong(_) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_session::{ForcePair, WinchPair};
+
+    use super::*;
+
+    #[test]
+    fn rows_are_those_of_the_cable() {
+        let pair = |cable, load_n| ForcePair {
+            cable,
+            reading_n: 1.0,
+            load_n,
+        };
+        let mut pairs = vec![pair(0, 1.0), pair(1, 2.0), pair(0, 3.0)];
+        change(&mut pairs, 0, RowsEdit::Set(1, 1, Some(9.0)));
+        change(&mut pairs, 0, RowsEdit::Set(0, 0, None));
+        change(&mut pairs, 1, RowsEdit::Remove(0));
+        change(
+            &mut pairs,
+            1,
+            RowsEdit::Add(vec![[Some(5.0), Some(6.0), None]]),
+        );
+        let loads: Vec<(usize, f64)> = pairs.iter().map(|p| (p.cable, p.load_n)).collect();
+        assert_eq!(loads, [(0, 1.0), (0, 9.0), (1, 6.0)]);
+        assert_eq!(pairs[0].reading_n, 1.0, "a number that is needed stays");
+    }
+
+    #[test]
+    fn a_tension_may_be_taken_away() {
+        let numbers = [Some(1.0), Some(0.1), Some(30.0)];
+        let mut pairs = vec![WinchPair::of(0, numbers).expect("a pair")];
+        change(&mut pairs, 0, RowsEdit::Set(0, 2, None));
+        assert_eq!(pairs[0].numbers(), [Some(1.0), Some(0.1), None]);
+    }
+}

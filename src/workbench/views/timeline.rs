@@ -1,0 +1,286 @@
+//! The time line of the measured poses: the pose that is selected on it is the one that everything shows.
+
+use egui::{
+    Align, EventFilter, Key, Layout, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
+use egui_material_icons::icons;
+
+use super::robot_3d::scene::Scene;
+use crate::app::commands::{PoseStep, ViewCommand};
+use crate::app::theme::{self, GRID, Palette};
+use crate::app::{Document, Selection, State};
+use crate::widgets::{icon_only, muted};
+use crate::wording::count;
+
+/// Height of the time line with its margins (points).
+pub const HEIGHT: f32 = 40.0;
+/// How long each pose is shown while they are played (s).
+const EACH_S: f64 = 0.35;
+/// Width of the words at its end (points).
+const WORDS: f32 = 120.0;
+/// Least distance of two marks (points).
+const APART: f32 = 3.0;
+
+/// What the time line remembers.
+#[derive(Debug)]
+pub struct Remembered {
+    /// When the present pose was reached, while poses are played (s).
+    playing: Option<f64>,
+    /// Whether the robot is drawn where it is now while something goes on, whatever is selected.
+    pub follows: bool,
+}
+
+impl Default for Remembered {
+    fn default() -> Self {
+        Self {
+            playing: None,
+            follows: true,
+        }
+    }
+}
+
+impl Remembered {
+    /// Begins or ends playing.
+    pub fn play(&mut self, plays: bool) {
+        // The next pose comes at once.
+        self.playing = plays.then_some(f64::NEG_INFINITY);
+    }
+
+    /// Whether poses are played.
+    #[must_use]
+    pub fn plays(&self) -> bool {
+        self.playing.is_some()
+    }
+}
+
+/// The pose that a step leads to.
+#[must_use]
+pub fn after(labels: &[i64], selected: Option<i64>, step: PoseStep) -> Option<i64> {
+    let last = labels.len().checked_sub(1)?;
+    let now = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
+    let wanted = match (step, now) {
+        (PoseStep::First, _) | (PoseStep::Next, None) => 0,
+        (PoseStep::Last, _) | (PoseStep::Previous, None) => last,
+        (PoseStep::Next, Some(now)) => (now + 1).min(last),
+        (PoseStep::Previous, Some(now)) => now.saturating_sub(1),
+    };
+    labels.get(wanted).copied()
+}
+
+/// Draws the time line.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let Some(document) = &state.document else {
+        return;
+    };
+    let labels = &document.session().measurements.labels;
+    let selected = state.selection.pose;
+    let mut commands = play(ui, &mut state.views.timeline, labels, selected);
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = GRID;
+        let plays = state.views.timeline.plays();
+        for (icon, name, command) in [
+            (
+                icons::ICON_SKIP_PREVIOUS,
+                "Previous pose",
+                ViewCommand::Pose(PoseStep::Previous),
+            ),
+            match plays {
+                true => (icons::ICON_PAUSE, "Pause", ViewCommand::Play(false)),
+                false => (
+                    icons::ICON_PLAY_ARROW,
+                    "Play the poses",
+                    ViewCommand::Play(true),
+                ),
+            },
+            (
+                icons::ICON_SKIP_NEXT,
+                "Next pose",
+                ViewCommand::Pose(PoseStep::Next),
+            ),
+        ] {
+            if icon_only(ui, icon, name, true).clicked() {
+                commands.push(command);
+            }
+        }
+        let is_live = state.link.is_connected() && (state.link.is_busy() || state.link.watches);
+        if is_live {
+            let follows = state.views.timeline.follows;
+            let live = ui.selectable_label(follows, "Now");
+            if live
+                .on_hover_text("Shows the robot where it is now")
+                .clicked()
+            {
+                commands.push(ViewCommand::Follow(!follows));
+            }
+        }
+        let scene = state.views.robot_3d.scene().map(AsRef::as_ref);
+        let selection = state.selection;
+        commands.extend(track(ui, (document, scene), selection, plays));
+        let place = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
+        ui.add_space(GRID);
+        muted(ui, &words(labels, place));
+    });
+    for command in commands {
+        state.outbox.send(command);
+    }
+}
+
+/// Goes on to the next pose when it is time.
+fn play(
+    ui: &Ui,
+    memory: &mut Remembered,
+    labels: &[i64],
+    selected: Option<i64>,
+) -> Vec<ViewCommand> {
+    let Some(since) = memory.playing else {
+        return Vec::new();
+    };
+    let now = ui.input(|input| input.time);
+    ui.ctx()
+        .request_repaint_after(std::time::Duration::from_secs_f64(EACH_S));
+    if now - since < EACH_S {
+        return Vec::new();
+    }
+    if selected.is_some() && selected == labels.last().copied() && since.is_finite() {
+        memory.playing = None;
+        return Vec::new();
+    }
+    memory.playing = Some(now);
+    let is_at_end = selected == labels.last().copied();
+    let step = if is_at_end {
+        PoseStep::First
+    } else {
+        PoseStep::Next
+    };
+    vec![ViewCommand::Pose(step)]
+}
+
+fn words(labels: &[i64], place: Option<usize>) -> String {
+    match place {
+        None => count(labels.len(), "pose"),
+        Some(place) if labels[place] == 0 => {
+            format!("Home, {} of {}", place + 1, labels.len())
+        }
+        Some(place) => format!("Pose {}, {} of {}", labels[place], place + 1, labels.len()),
+    }
+}
+
+/// The line with a mark for each pose, in the colour of its residual.
+fn track(
+    ui: &mut Ui,
+    (document, scene): (&Document, Option<&Scene>),
+    selection: Selection,
+    plays: bool,
+) -> Vec<ViewCommand> {
+    let session = document.session();
+    let labels = &session.measurements.labels;
+    let width = (ui.available_width() - WORDS).max(40.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 6.0 * GRID), Sense::click_and_drag());
+    let place = selection
+        .pose
+        .and_then(|pose| labels.iter().position(|label| *label == pose));
+    let value = place.map_or(0.0, |place| place as f64 + 1.0);
+    response.widget_info(|| WidgetInfo::slider(true, value, "Time line of the poses"));
+    let line = rect.shrink2(vec2(2.0 * GRID, 0.0));
+    let palette = theme::of(ui);
+    paint(ui, (document, scene), line, palette);
+    let last = labels.len().saturating_sub(1).max(1) as f32;
+    let x = |place: usize| line.min.x + line.width() * place as f32 / last;
+    if let Some(place) = place {
+        let ring = if response.has_focus() { 7.0 } else { 5.5 };
+        let at = pos2(x(place), line.center().y);
+        ui.painter().circle_filled(at, ring, palette.accent);
+    }
+    let mut commands = keys(ui, &response, plays);
+    let under = response.hover_pos().or(response.interact_pointer_pos());
+    let found = under.and_then(|at| {
+        let share = ((at.x - line.min.x) / line.width()).clamp(0.0, 1.0);
+        let place = (share * last).round() as usize;
+        Some((place, *labels.get(place)?))
+    });
+    if let Some((place, label)) = found {
+        if (response.clicked() || response.dragged()) && selection.pose != Some(label) {
+            commands.push(ViewCommand::Scrub(label));
+        }
+        let mut text = words(labels, Some(place));
+        if session.excluded().contains(&label) {
+            text += ", left out";
+        }
+        response.on_hover_text_at_pointer(text);
+    }
+    commands
+}
+
+fn paint(ui: &Ui, (document, scene): (&Document, Option<&Scene>), line: Rect, palette: &Palette) {
+    let session = document.session();
+    let labels = &session.measurements.labels;
+    let middle = line.center().y;
+    let painter = ui.painter();
+    painter.hline(line.x_range(), middle, Stroke::new(1.0, palette.line));
+    let last = labels.len().saturating_sub(1).max(1);
+    let most = (line.width() / APART).max(1.0) as usize;
+    let step = labels.len().div_ceil(most).max(1);
+    for (place, label) in labels.iter().enumerate().step_by(step) {
+        let measured = scene.and_then(|scene| scene.measured.iter().find(|p| p.label == *label));
+        let residual = measured.and_then(|pose| pose.residual);
+        let colour = residual.map_or(palette.muted, |residual| palette.residual(residual));
+        let is_left_out = session.excluded().contains(label);
+        let half = if is_left_out { 1.5 } else { 5.0 };
+        let x = line.min.x + line.width() * place as f32 / last as f32;
+        let ends = middle - half..=middle + half;
+        painter.vline(x, ends, Stroke::new(1.5, colour));
+    }
+}
+
+/// What its keys ask, while it has the focus or the pointer is over it.
+fn keys(ui: &Ui, response: &Response, plays: bool) -> Vec<ViewCommand> {
+    if response.clicked() {
+        response.request_focus();
+    }
+    if response.has_focus() {
+        let filter = EventFilter {
+            horizontal_arrows: true,
+            ..Default::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    }
+    let elsewhere = ui.egui_wants_keyboard_input() && !response.has_focus();
+    if elsewhere || !(response.has_focus() || response.hovered()) {
+        return Vec::new();
+    }
+    let steps = [
+        (Key::ArrowLeft, ViewCommand::Pose(PoseStep::Previous)),
+        (Key::ArrowRight, ViewCommand::Pose(PoseStep::Next)),
+        (Key::Home, ViewCommand::Pose(PoseStep::First)),
+        (Key::End, ViewCommand::Pose(PoseStep::Last)),
+        (Key::Space, ViewCommand::Play(!plays)),
+    ];
+    ui.input(|input| {
+        let pressed = |key| input.modifiers.is_none() && input.key_pressed(key);
+        let asked = steps.into_iter().filter(|(key, _)| pressed(*key));
+        asked.map(|(_, command)| command).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_stay_on_the_line() {
+        let labels = [0, 5, 3];
+        for (selected, step, expected) in [
+            (None, PoseStep::Next, 0),
+            (None, PoseStep::Previous, 3),
+            (Some(5), PoseStep::Next, 3),
+            (Some(3), PoseStep::Next, 3),
+            (Some(0), PoseStep::Previous, 0),
+            (Some(5), PoseStep::First, 0),
+            (Some(5), PoseStep::Last, 3),
+            (Some(99), PoseStep::Next, 0),
+        ] {
+            assert_eq!(after(&labels, selected, step), Some(expected));
+        }
+        assert_eq!(after(&[], None, PoseStep::Next), None);
+    }
+}

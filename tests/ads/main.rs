@@ -1,0 +1,10 @@
+//! The ADS link against a server that shares no code with it: pyads' test server in a process of its own, with the
+//! simulated robot behind it.
+
+mod adjusting;
+mod calibrating;
+mod faults;
+mod names;
+mod plant;
+mod server;
+mod setting_up;

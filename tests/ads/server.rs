@@ -1,0 +1,145 @@
+//! The server in its own process: orders go in as lines of JSON, what clients write comes out.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use tautline_link::ads::AdsAddress;
+
+/// How long an order may take before something must be wrong.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Writes orders; clones write to the same server.
+#[derive(Clone)]
+pub struct Orders(Arc<Mutex<ChildStdin>>);
+
+impl Orders {
+    /// Gives an order without waiting for it. A server that has ended takes none.
+    pub fn give(&self, order: &Value) {
+        let mut pipe = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = writeln!(pipe, "{order}");
+        let _ = pipe.flush();
+    }
+}
+
+/// A server; it ends with this.
+pub struct Server {
+    process: Child,
+    orders: Orders,
+    port: u16,
+    next: AtomicU64,
+    done: Mutex<Receiver<Value>>,
+    /// What clients wrote: symbol and all its values.
+    wrote: Mutex<Option<Receiver<(String, Vec<f64>)>>>,
+}
+
+impl Server {
+    /// Starts a server on a free port.
+    pub fn start() -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let python = root.join("target/python/bin/python");
+        assert!(
+            python.exists(),
+            "the Python environment of this test is missing: make it by bash .ci/python"
+        );
+        let mut process = Command::new(python)
+            .arg(root.join("tests/ads/server.py"))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("a process");
+        let orders = process.stdin.take().expect("a pipe");
+        let output = process.stdout.take().expect("a pipe");
+        let (done, wrote, port) = (channel(), channel(), channel());
+        std::thread::spawn(move || listen(BufReader::new(output), &done.0, &wrote.0, &port.0));
+        let port = port.1.recv_timeout(PATIENCE).expect("the server's port");
+        Self {
+            process,
+            orders: Orders(Arc::new(Mutex::new(orders))),
+            port,
+            next: AtomicU64::new(1),
+            done: Mutex::new(done.1),
+            wrote: Mutex::new(Some(wrote.1)),
+        }
+    }
+
+    pub fn orders(&self) -> Orders {
+        self.orders.clone()
+    }
+
+    /// What clients write; can be had once.
+    pub fn wrote(&self) -> Receiver<(String, Vec<f64>)> {
+        let mut wrote = self.wrote.lock().unwrap_or_else(PoisonError::into_inner);
+        wrote.take().expect("taken once")
+    }
+
+    pub fn address(&self) -> AdsAddress {
+        AdsAddress {
+            host: "127.0.0.1".to_owned(),
+            port: self.port,
+            net_id: [127, 0, 0, 1, 1, 1],
+            ams_port: 851,
+        }
+    }
+
+    /// Gives an order and waits until it is carried out; how many requests of each kind came so far.
+    pub fn order(&self, mut order: Value) -> BTreeMap<String, u64> {
+        let id = self.next.fetch_add(1, Ordering::Relaxed);
+        order["id"] = json!(id);
+        self.orders.give(&order);
+        let done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        let answer = done.recv_timeout(PATIENCE).expect("the order is done");
+        assert_eq!(answer["done"], json!(id));
+        serde_json::from_value(answer["counts"].clone()).expect("counts")
+    }
+
+    /// Requests of a kind so far: "read", "write", "lookup" or "state".
+    pub fn count(&self, kind: &str) -> u64 {
+        self.order(json!({})).get(kind).copied().unwrap_or(0)
+    }
+
+    /// The connection ends at the request of a kind that comes as number `number`, from 1: "before" it is treated,
+    /// "after" that, or "half" way through the answer; "stray" changes the number of the answer instead.
+    pub fn fault(&self, kind: &str, number: u64, action: &str) {
+        self.order(json!({"fault": {"kind": kind, "number": number, "action": action}}));
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn listen(
+    output: impl BufRead,
+    done: &Sender<Value>,
+    wrote: &Sender<(String, Vec<f64>)>,
+    port: &Sender<u16>,
+) {
+    for line in output.lines() {
+        let Ok(line) = line else { return };
+        let told: Value = serde_json::from_str(&line).expect("JSON from the server");
+        if let Some(name) = told["wrote"].as_str() {
+            // Truth values come as such, numbers that are none as null.
+            let number = |value: &Value| match value {
+                Value::Bool(on) => f64::from(u8::from(*on)),
+                value => value.as_f64().unwrap_or(f64::NAN),
+            };
+            let values = told["values"].as_array().map(Vec::as_slice);
+            let values = values.unwrap_or_default().iter().map(number).collect();
+            let _ = wrote.send((name.to_owned(), values));
+        } else if let Some(found) = told["port"].as_u64() {
+            let _ = port.send(u16::try_from(found).expect("a port"));
+        } else {
+            let _ = done.send(told);
+        }
+    }
+}

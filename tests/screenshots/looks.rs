@@ -1,0 +1,158 @@
+//! Pictures of every screen, dialog and plot in both themes, two sizes and at 100 and 200 %, for a person to look at.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use egui::{Key, Modifiers, ThemePreference};
+use tautline_workbench::app::Selection;
+use tautline_workbench::app::commands::{
+    CompareCommand, FileCommand, ReportCommand, RobotCommand, ViewCommand,
+};
+use tautline_workbench::app::edit::Edit;
+use tautline_workbench::app::screen::Step;
+use tautline_workbench::report::ReportFormat;
+
+use super::stage::{LARGE, Stage};
+use super::{files, open, phase};
+
+/// Sizes of the window (pixels).
+const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [1920.0, 1080.0]];
+
+struct Looks {
+    stage: Stage,
+    into: PathBuf,
+}
+
+impl Looks {
+    /// What is there now, as everybody may see it.
+    fn at(&mut self, name: &str) -> Result<()> {
+        for (theme, of) in [
+            (ThemePreference::Dark, "dark"),
+            (ThemePreference::Light, "light"),
+        ] {
+            self.stage.give(ViewCommand::Theme(theme));
+            for size in SIZES {
+                for scale in [1.0, 2.0] {
+                    self.stage.resize(size, scale);
+                    let file = format!("{name}-{}-{:.0}-{of}.png", size[0], 100.0 * scale);
+                    files::write_still(&self.into.join(file), &self.stage.picture()?)?;
+                }
+            }
+        }
+        self.stage.resize(LARGE, 1.0);
+        Ok(())
+    }
+}
+
+/// Takes all pictures.
+///
+/// # Errors
+/// If there is no OpenGL, or a file cannot be written.
+pub fn write_all(into: &Path) -> Result<()> {
+    std::fs::create_dir_all(into)?;
+    let into = into.canonicalize()?;
+    std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
+    let mut looks = Looks {
+        stage: Stage::new(LARGE)?,
+        into,
+    };
+    looks.at("start")?;
+    looks.stage.give(CompareCommand::Show);
+    looks.at("compare-empty")?;
+    open(&mut looks.stage, "mini-winch-scale/session.json");
+    phases(&mut looks)?;
+    plots(&mut looks)?;
+    dialogs(&mut looks)?;
+    for run in ["before.json", "after.json"] {
+        looks.stage.give(CompareCommand::Show);
+        let path = Path::new("sessions/before-after").join(run);
+        looks.stage.give(CompareCommand::Drop(path));
+    }
+    looks.at("compare")
+}
+
+fn phases(looks: &mut Looks) -> Result<()> {
+    for (step, parts) in [
+        (
+            Step::Precalibration,
+            &["Winches", "Force sensors", "Home platform"][..],
+        ),
+        (
+            Step::Modeling,
+            &["Elongation", "Pulleys", "Cable lengths"][..],
+        ),
+        (Step::Identification, &["Geometry", "Model doctor"][..]),
+    ] {
+        phase(&mut looks.stage, step);
+        for part in parts {
+            looks.stage.press_named(part);
+            let part = part.to_lowercase().replace(' ', "-");
+            looks.at(&format!("phase-{}-{part}", step.number()))?;
+        }
+    }
+    for show in ["Add to model: ", "What is left"] {
+        if looks.stage.shows(show) {
+            let name = show.to_lowercase().replace([' ', ':'], "");
+            looks.at(&format!("doctor-{name}"))?;
+        }
+    }
+    phase(&mut looks.stage, Step::Measuring);
+    looks.at("phase-3")?;
+    looks.stage.give(RobotCommand::Plan(12));
+    looks.stage.connect_and_arm();
+    looks.at("phase-3-planned")?;
+    phase(&mut looks.stage, Step::Adjustment);
+    looks.at("phase-5")
+}
+
+fn plots(looks: &mut Looks) -> Result<()> {
+    phase(&mut looks.stage, Step::Identification);
+    looks.stage.give(ViewCommand::Select(Selection {
+        cable: Some(2),
+        pose: Some(17),
+    }));
+    for tab in [
+        "Residuals",
+        "Along a variable",
+        "Laser",
+        "Tensions",
+        "Convergence",
+        "Correlation",
+    ] {
+        looks.stage.press_named(tab);
+        if tab == "Residuals" {
+            looks.stage.press("Show cursors");
+        }
+        let tab = tab.to_lowercase().replace(' ', "-");
+        looks.at(&format!("plot-{tab}"))?;
+    }
+    looks.stage.press_named("Residuals");
+    Ok(())
+}
+
+fn dialogs(looks: &mut Looks) -> Result<()> {
+    looks.stage.give(ViewCommand::Palette(true));
+    looks.at("palette")?;
+    looks.stage.give(ViewCommand::Palette(false));
+    looks.stage.give(ViewCommand::Log(true));
+    looks.at("log")?;
+    looks.stage.give(ViewCommand::Log(false));
+    looks.stage.give(ReportCommand::AskSave(ReportFormat::Pdf));
+    looks.at("report")?;
+    looks.stage.give(ReportCommand::Cancel);
+    looks.stage.give(Edit::Rename("Another name".into()));
+    looks.stage.give(FileCommand::Close);
+    looks.at("unsaved")?;
+    looks.stage.press_named("Cancel");
+    looks
+        .stage
+        .key(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    looks.at("save-as")?;
+    looks.stage.press_named("Cancel");
+    for menu in ["File", "View"] {
+        looks.stage.press_named(menu);
+        looks.at(&format!("menu-{}", menu.to_lowercase()))?;
+        looks.stage.key(Modifiers::NONE, Key::Escape);
+    }
+    Ok(())
+}

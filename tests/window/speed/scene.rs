@@ -1,0 +1,123 @@
+//! What a still and a moving picture cost, with and without work beside.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+
+use super::super::Window;
+use super::{SIZE, dataset, memory_mib};
+
+/// How long the robot is turned, how often, and how long nothing is done.
+const TURNING: Duration = Duration::from_secs(4);
+const TURNS: usize = 3;
+const IDLE: Duration = Duration::from_secs(30);
+/// Ticks of the processor time in `/proc` per second, under Linux always.
+const TICKS_PER_S: f64 = 100.0;
+
+/// What a scene costs.
+pub struct Scene {
+    /// What it is.
+    pub name: String,
+    /// Time per frame while the robot is turned, the least of some seconds (s).
+    pub turning_s: f64,
+    /// Time per frame while the pointer moves over the menus and nothing changes in 3D (s).
+    pub still_s: f64,
+    /// Share of one core while nothing happens, where nothing does.
+    pub idle: Option<f64>,
+    /// Resident memory (MiB).
+    pub memory_mib: f64,
+}
+
+/// So many identified poses.
+pub fn of_poses(folder: &Path, poses: usize) -> Result<Scene> {
+    let name = dataset(folder, poses)?;
+    let mut window = Window::open(folder, SIZE, &[&name])?;
+    window.named("Canvas", "3D view")?;
+    window.command('i')?;
+    window.text("Identified from")?;
+    window.rest()?;
+    let (turning_s, still_s) = frames(&mut window)?;
+    window.display.move_to((SIZE[0] as i16 - 4, 4))?;
+    thread::sleep(Duration::from_secs(2));
+    let before = processor_s(window.id())?;
+    thread::sleep(IDLE);
+    let idle = (processor_s(window.id())? - before) / IDLE.as_secs_f64();
+    Ok(Scene {
+        name: format!("{poses} poses, {} readings", 9 * poses),
+        turning_s,
+        still_s,
+        idle: Some(idle),
+        memory_mib: memory_mib(window.id())?,
+    })
+}
+
+/// Time per frame while the robot is turned, and while the pointer moves elsewhere (s).
+pub fn frames(window: &mut Window) -> Result<(f64, f64)> {
+    let turned = window.named("Canvas", "3D view")?.middle();
+    let menus = (SIZE[0] as i16 / 2, 12);
+    Ok((least(window, turned, true)?, least(window, menus, false)?))
+}
+
+/// The least of some measurements of the time per frame (s).
+fn least(window: &mut Window, place: (i16, i16), pressed: bool) -> Result<f64> {
+    let times: Result<Vec<f64>> = (0..TURNS).map(|_| moving(window, place, pressed)).collect();
+    Ok(times?.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// Time per frame while the pointer moves about a place, its button pressed or not (s).
+fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<f64> {
+    window.display.move_to((x, y))?;
+    if pressed {
+        window.display.button(true)?;
+    }
+    let (before, begin) = (window.shown()?.0, Instant::now());
+    let mut step = 0_i16;
+    while begin.elapsed() < TURNING {
+        step = (step + 1) % 200;
+        window.display.move_to((
+            x + (step - 100).abs() * 2,
+            y + i16::from(pressed) * step / 10,
+        ))?;
+        thread::sleep(Duration::from_millis(2));
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let frames = window.shown()?.0 - before;
+    if pressed {
+        window.display.button(false)?;
+    }
+    Ok(seconds / frames.max(1) as f64)
+}
+
+/// Processor time that a process has taken (s).
+fn processor_s(id: u32) -> Result<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{id}/stat"))?;
+    // After the name in brackets: state is the third entry, user and system time are the 14th and 15th.
+    let (_, rest) = text.rsplit_once(')').context("a name in brackets")?;
+    let ticks = rest.split_whitespace().skip(11).take(2).map(str::parse);
+    let ticks: Vec<f64> = ticks.collect::<Result<_, _>>()?;
+    Ok(ticks.iter().sum::<f64>() / TICKS_PER_S)
+}
+
+/// The table of scenes.
+pub fn markdown(scenes: &[Scene]) -> String {
+    let mut text = "| scene | ms per frame while turning | ms per frame, 3D unchanged | idle, % of a core | memory, MiB |\n\
+                    |---|---|---|---|---|\n"
+        .to_owned();
+    for scene in scenes {
+        let idle = scene.idle.map(|share| format!("{:.2}", share * 1e2));
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "| {} | {:.1} | {:.1} | {} | {:.0} |",
+            scene.name,
+            scene.turning_s * 1e3,
+            scene.still_s * 1e3,
+            idle.unwrap_or_else(|| "-".to_owned()),
+            scene.memory_mib
+        );
+    }
+    text
+}

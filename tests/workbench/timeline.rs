@@ -1,0 +1,119 @@
+//! The time line of the measured poses, and plots beside each other.
+
+use egui::{Key, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tautline_session::{Arrangement, Preferences};
+use tautline_workbench::app::App;
+use tautline_workbench::app::commands::{ModelCommand, ViewCommand};
+use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::views::robot_3d::scene::Shown;
+
+use crate::measured::{Measured, give, press};
+use crate::support::settle;
+
+fn pose(harness: &Harness<'_, App>) -> Option<i64> {
+    harness.state().state.selection.pose
+}
+
+fn shown(harness: &Harness<'_, App>) -> Shown {
+    let scene = harness.state().state.views.robot_3d.scene();
+    scene.expect("it is drawn").shown
+}
+
+fn identified(poses: usize) -> Harness<'static, App> {
+    let mut harness = Measured::mini(poses, &[]).opened();
+    give(&mut harness, ModelCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Step::Identification));
+    give(&mut harness, go);
+    harness
+}
+
+#[test]
+fn poses_are_gone_through_by_keys_pointer_and_buttons() {
+    let mut harness = identified(9);
+    let line = harness.get_by_label("Time line of the poses").rect();
+    harness.hover_at(line.center());
+    harness.run_ok();
+    for (key, expected) in [
+        (Key::ArrowRight, 0),
+        (Key::ArrowRight, 1),
+        (Key::End, 9),
+        (Key::ArrowRight, 9),
+        (Key::ArrowLeft, 8),
+        (Key::Home, 0),
+    ] {
+        harness.key_press(key);
+        harness.run_ok();
+        assert_eq!(pose(&harness), Some(expected), "{key:?}");
+        assert_eq!(shown(&harness), Shown::Fitted(expected), "{key:?}");
+    }
+    harness.get_by_label_contains("Home, 1 of 10");
+    let last = egui::pos2(line.max.x - 2.0, line.center().y);
+    harness.hover_at(last);
+    harness.drag_at(last);
+    harness.drop_at(last);
+    harness.run_ok();
+    assert_eq!(pose(&harness), Some(9));
+    press(&mut harness, "Previous pose");
+    assert_eq!(pose(&harness), Some(8));
+    harness.get_by_label_contains("Pose 8, 9 of 10");
+}
+
+#[test]
+fn playing_begins_again_at_the_first_pose_and_ends_at_the_last() {
+    let mut harness = identified(4);
+    give(&mut harness, ViewCommand::Select(Default::default()));
+    harness.get_by_label("Play the poses").click();
+    // A step of the harness is a quarter of a second.
+    let mut seen = Vec::new();
+    for _ in 0..40 {
+        harness.step();
+        if pose(&harness).is_some() && seen.last() != pose(&harness).as_ref() {
+            seen.extend(pose(&harness));
+        }
+    }
+    assert_eq!(seen, [0, 1, 2, 3, 4]);
+    harness.get_by_label("Play the poses");
+}
+
+#[test]
+fn plots_stand_beside_each_other_move_together_and_are_remembered() {
+    let mut harness = identified(12);
+    press(&mut harness, "Plots beside each other");
+    press(&mut harness, "Two plots side by side");
+    let rect = |harness: &Harness<'_, App>, name: &str| harness.get_by_label(name).rect();
+    let [left, right] = ["Plot: Residuals", "Plot: Tensions"].map(|name| rect(&harness, name));
+    assert!(left.max.x < right.min.x, "{left:?} {right:?}");
+    assert!((left.width() - right.width()).abs() < 2.0);
+    let range = |harness: &mut Harness<'_, App>, place: usize| {
+        let views = &mut harness.state_mut().state.views;
+        views.plots.range(place).expect("it is drawn")
+    };
+    let (title, before) = range(&mut harness, 1);
+    assert_eq!(title, "Pose");
+    let from = left.center();
+    harness.hover_at(from);
+    harness.drag_at(from);
+    harness.run_ok();
+    harness.hover_at(from + egui::vec2(40.0, 0.0));
+    harness.run_ok();
+    harness.drop_at(from + egui::vec2(40.0, 0.0));
+    harness.run_ok();
+    let [(_, dragged), (_, followed)] = [0, 1].map(|place| range(&mut harness, place));
+    assert!(dragged[0] < before[0] - 0.2, "{dragged:?} {before:?}");
+    assert_eq!(dragged, followed);
+    press(&mut harness, "Plots beside each other");
+    press(&mut harness, "Four plots");
+    for name in ["Plot: Along a variable", "Plot: Laser"] {
+        let below = rect(&harness, name);
+        assert!(below.min.y > rect(&harness, "Plot: Residuals").max.y);
+    }
+    settle(&mut harness);
+    let file = harness.state().state.folders.preferences();
+    let kept = Preferences::load(&file).value.plots;
+    assert_eq!(kept.arrangement, Arrangement::Grid);
+    assert_eq!(kept.panes[..2], ["residuals", "tensions"]);
+    let tabs = harness.get_all_by_role_and_label(Role::Button, "More plots");
+    assert_eq!(tabs.count(), 4, "each has its tabs");
+}
