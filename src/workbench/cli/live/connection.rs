@@ -40,6 +40,8 @@ pub struct Connection {
     pub asked: Option<ManualLaser>,
     /// The external instrument of a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
+    /// The laser whose distances the operator types.
+    pub asked: Option<ManualLaser>,
     clock: FastClock,
     pace: Pace,
 }
@@ -63,6 +65,7 @@ impl Connection {
             controller,
             asked: opened.asked,
             instrument: opened.instrument,
+            asked: opened.asked,
             clock: opened.clock,
             pace,
         })

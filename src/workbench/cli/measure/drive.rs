@@ -1,6 +1,7 @@
 //! The run itself: no pose is commanded before the one before it is on disk.
 
 use std::collections::HashMap;
+use std::io::{BufRead, stdin};
 
 use anyhow::{Context, Result, anyhow};
 use tautline_core::estimation::Control;
@@ -93,6 +94,7 @@ impl Drive {
     /// Drives until the end; then everything is in the session's file and nothing is left beside it.
     pub fn run(mut self, file: &mut SessionFile, connection: &mut Connection) -> Result<Ended> {
         let mut keeper = file.keep()?;
+        self.run = self.run.asking(connection.asked.clone());
         let measured = self.measure(file, connection, &mut keeper);
         if self.run.stage() != Stage::Ended || measured.is_err() {
             connection.stop();
@@ -133,6 +135,11 @@ impl Drive {
                     }
                     MeasuringEvent::LaserWanted { label } => self.ask(label)?,
                     MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
+                    MeasuringEvent::LaserWanted { label } => {
+                        if let Some(laser) = &connection.asked {
+                            ask_distance(label, laser)?;
+                        }
+                    }
                     MeasuringEvent::Paused { reason } => self.paused(&reason, connection)?,
                     MeasuringEvent::Finished => return Ok(End::Finished),
                     MeasuringEvent::Failed(text) => return Ok(End::Failed(text)),
@@ -218,5 +225,30 @@ impl Drive {
         let fit = fit.filter(|fit| fit.solution.converged() && fit.open.is_empty());
         self.ended.largest_sd_m = fit.and_then(|fit| largest_sd_m(&fit.solution));
         self.ended.largest_sd_m.is_some_and(|sd_m| sd_m <= limit_m)
+    }
+}
+
+/// Lets the operator type the laser distance at a pose.
+fn ask_distance(label: i64, laser: &ManualLaser) -> Result<()> {
+    loop {
+        eprintln!("pose {label}: laser distance [mm], - for no return?");
+        let mut line = String::new();
+        let read = stdin().lock().read_line(&mut line);
+        if !matches!(read, Ok(1..)) {
+            return Err(anyhow!("no laser distance was typed for pose {label}"));
+        }
+        let typed = line.trim();
+        let distance_m = match (typed, typed.parse::<f64>()) {
+            ("-", _) => None,
+            (_, Ok(mm)) => Some(mm * 1e-3),
+            (_, Err(_)) => {
+                eprintln!("found \"{typed}\", expected a number of millimetres or -");
+                continue;
+            }
+        };
+        match laser.answer(label, distance_m) {
+            Ok(()) => return Ok(()),
+            Err(error) => eprintln!("{}", sentence(&error.to_string())),
+        }
     }
 }
