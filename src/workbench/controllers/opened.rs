@@ -150,7 +150,5 @@ mod tests {
         let told = |choice: &str| open(choice, &session("mini")).err().map(|e| e.to_string());
         let missing = told("replay:no/such/folder").expect("an error");
         assert!(missing.contains("no/such/folder: not found"), "{missing}");
-        let ads = told("ads:robot/1.2.3.4.1.1").expect("an error");
-        assert!(ads.contains("not available"), "{ads}");
     }
 }

@@ -1,7 +1,6 @@
 //! The run itself: no pose is commanded before the one before it is on disk.
 
 use std::collections::HashMap;
-use std::io::{BufRead, stdin};
 
 use anyhow::{Context, Result, anyhow};
 use tautline_core::estimation::Control;
@@ -49,8 +48,6 @@ pub struct Ended {
 /// A run with what its end depends on.
 pub struct Drive {
     run: MeasuringRun,
-    /// The laser to which the operator answers.
-    asked: Option<ManualLaser>,
     poses: usize,
     stop_at_m: Option<f64>,
     retries: usize,
@@ -60,12 +57,7 @@ pub struct Drive {
 
 impl Drive {
     /// The poses of the session's plan that are not measured yet.
-    pub fn new(
-        session: &Session,
-        rig: &Rig,
-        asked: Option<ManualLaser>,
-        (stop_at_m, retries): (Option<f64>, usize),
-    ) -> Self {
+    pub fn new(session: &Session, rig: &Rig, stop_at_m: Option<f64>, retries: usize) -> Self {
         let planned = session.plan.iter();
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
         let mut options = MeasuringOptions::of(rig.robot());
@@ -73,11 +65,9 @@ impl Drive {
         let poses = plan.len();
         let run = MeasuringRun::new(plan, rig.robot(), options)
             .predicting(predict_by(rig.robot(), rig.tension()))
-            .continuing(&session.measurements.labels)
-            .asking(asked.clone());
+            .continuing(&session.measurements.labels);
         Self {
             run,
-            asked,
             poses,
             stop_at_m,
             retries,
@@ -133,7 +123,6 @@ impl Drive {
                             return Ok(End::GoodEnough);
                         }
                     }
-                    MeasuringEvent::LaserWanted { label } => self.ask(label)?,
                     MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
                     MeasuringEvent::LaserWanted { label } => {
                         if let Some(laser) = &connection.asked {
@@ -172,17 +161,6 @@ impl Drive {
         );
         self.run.confirm_stored(label);
         Ok(())
-    }
-
-    /// Asks the operator for the laser distance at a pose.
-    fn ask(&self, label: i64) -> Result<()> {
-        let Some(laser) = &self.asked else {
-            return Ok(());
-        };
-        let distance_m = typed::distance_m(&format!("laser distance at pose {label} [mm]?"));
-        laser
-            .answer(label, distance_m)
-            .map_err(|error| anyhow!("{error}"))
     }
 
     /// Tries a pose again, or leaves it out.
@@ -228,27 +206,18 @@ impl Drive {
     }
 }
 
-/// Lets the operator type the laser distance at a pose.
+/// Asks the operator for the laser distance at a pose.
 fn ask_distance(label: i64, laser: &ManualLaser) -> Result<()> {
-    loop {
-        eprintln!("pose {label}: laser distance [mm], - for no return?");
-        let mut line = String::new();
-        let read = stdin().lock().read_line(&mut line);
-        if !matches!(read, Ok(1..)) {
-            return Err(anyhow!("no laser distance was typed for pose {label}"));
-        }
-        let typed = line.trim();
-        let distance_m = match (typed, typed.parse::<f64>()) {
-            ("-", _) => None,
-            (_, Ok(mm)) => Some(mm * 1e-3),
-            (_, Err(_)) => {
-                eprintln!("found \"{typed}\", expected a number of millimetres or -");
-                continue;
-            }
-        };
-        match laser.answer(label, distance_m) {
-            Ok(()) => return Ok(()),
-            Err(error) => eprintln!("{}", sentence(&error.to_string())),
-        }
-    }
+    let question =
+        format!("Laser distance at pose {label} [mm], or - where the laser has no return?");
+    let read = |line: &str| match line.trim() {
+        "-" => Some(None),
+        number => number.parse().ok().map(|mm: f64| Some(mm * 1e-3)),
+    };
+    let typed = typed::answer(&question, "a number of millimetres or -", read);
+    let distance_m =
+        typed.with_context(|| format!("no laser distance was typed for pose {label}"))?;
+    laser
+        .answer(label, distance_m)
+        .map_err(|error| anyhow!("{error}"))
 }
