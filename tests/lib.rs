@@ -1,5 +1,6 @@
 //! Helpers of the cross-crate suites.
 
+pub mod adjusted;
 pub mod bad_input_cases;
 pub mod hangprinter;
 pub mod harness;

@@ -7,7 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use tautline_validation::{hangprinter, nist, screenshots, sessions, table1, truth, window};
+use tautline_validation::{
+    adjusted, hangprinter, nist, screenshots, sessions, table1, truth, window,
+};
 
 /// Presets of the truth study.
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
@@ -20,6 +22,7 @@ fn main() -> Result<()> {
     match arguments.first().map(String::as_str) {
         Some("truth") => println!("{}", truth_table(argument)?),
         Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
+        Some("adjusted") => println!("{}", adjusted::markdown(&adjusted::study()?)),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
@@ -34,7 +37,7 @@ fn main() -> Result<()> {
             screenshots::looks::write_all(Path::new(folder))?;
         }
         _ => bail!(
-            "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
+            "what to do: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
              write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
         ),
     }
@@ -89,6 +92,8 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "nist", &nist::markdown(&nist::table()?))?;
     replace(&mut text, "truth", &truth_table(None)?)?;
     replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
+    let adjusted = adjusted::markdown(&adjusted::study()?);
+    replace(&mut text, "adjusted", &adjusted)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,
