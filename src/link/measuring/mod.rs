@@ -35,7 +35,8 @@ use settling::Window;
 const LOST_ANSWERS: usize = 5;
 
 /// Why a run waits whose connection is lost.
-pub const LOST: &str = "the connection to the controller is lost; once it is there again, arm it and resume";
+pub const LOST: &str =
+    "the connection to the controller is lost; once it is there again, arm it and resume";
 
 /// What happened.
 #[derive(Debug, Clone, PartialEq)]
