@@ -179,7 +179,7 @@ pub fn write_adjustment(
 }
 
 /// As [`write_adjustment`]; where the connection breaks, it is made anew and [`settle_adjustment`] settles what the
-/// controller holds.
+/// controller holds, until it is the same twice: what was sent before may still arrive late.
 ///
 /// # Errors
 /// As those of [`write_adjustment`]: nothing was written.
@@ -188,30 +188,32 @@ pub fn write_adjustment_reconnecting(
     new: &[(String, f64)],
     policy: &mut dyn ReconnectPolicy,
 ) -> Result<Adjustment, LinkError> {
-    let mut adjustment = write_adjustment(controller, new)?;
-    for _ in 0..SETTLINGS {
-        if adjustment.holds != Holds::Unknown {
-            break;
-        }
-        let settled = policy
-            .bring_back(controller)
-            .map(|()| settle_adjustment(controller, &adjustment.old, new));
-        match settled {
-            Ok(Ok(settled)) => {
-                adjustment.holds = settled.holds;
-                adjustment.advice = settled.advice;
-            }
-            // Lost again before anything could be read.
-            Ok(Err(_)) => {}
-            Err(error) => {
-                let problem = adjustment.problem.unwrap_or_default();
-                let problem = format!("{problem} The connection could not be made anew: {error}.");
-                adjustment.problem = Some(problem.trim().to_owned());
-                break;
-            }
-        }
+    let written = write_adjustment(controller, new)?;
+    if written.holds != Holds::Unknown {
+        return Ok(written);
     }
-    Ok(adjustment)
+    let mut last = None;
+    for _ in 0..SETTLINGS {
+        if let Err(error) = policy.bring_back(controller) {
+            let problem = written.problem.unwrap_or_default();
+            let problem = format!("{problem} The connection could not be made anew: {error}.");
+            return Ok(Adjustment {
+                problem: Some(problem.trim().to_owned()),
+                ..written
+            });
+        }
+        // Lost again before anything could be read: another attempt.
+        let settled = settle_adjustment(controller, &written.old, new).ok();
+        match settled {
+            Some(settled) if last.as_ref() == Some(&settled.holds) => {
+                let problem = written.problem;
+                return Ok(Adjustment { problem, ..settled });
+            }
+            settled => last = settled.map(|settled| settled.holds),
+        }
+        policy.pause();
+    }
+    Ok(written)
 }
 
 /// Settles what a controller holds after the connection was lost while `new` values were written over `old` ones: all

@@ -102,6 +102,9 @@ pub trait ReconnectPolicy {
     /// # Errors
     /// If that was given up.
     fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError>;
+
+    /// Lets so much time pass that what was sent over the lost connection has arrived, or never will.
+    fn pause(&mut self);
 }
 
 /// Attempts with growing pauses, between which the caller's `wait` is called with the pause (s).
@@ -111,6 +114,8 @@ pub struct Attempts<W> {
     pub back_off: BackOff,
     /// Most attempts to connect each time.
     pub attempts: u32,
+    /// Time after which nothing arrives any more that was sent over a lost connection (s).
+    pub late_s: f64,
     /// Lets so many seconds pass.
     pub wait: W,
 }
@@ -127,6 +132,10 @@ impl<W: FnMut(f64)> ReconnectPolicy for Attempts<W> {
             }
         }
         Err(last)
+    }
+
+    fn pause(&mut self) {
+        (self.wait)(self.late_s);
     }
 }
 

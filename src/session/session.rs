@@ -195,10 +195,22 @@ impl Session {
         self.results.push(result);
     }
 
-    /// Adds an adjustment; adjustments are never changed afterwards.
+    /// Adds an adjustment; adjustments are never changed afterwards, but for one that was only
+    /// [begun](Outcome::Begun).
     pub fn add_adjustment(&mut self, adjustment: Adjustment) {
         self.modified = self.modified.max(adjustment.time);
         self.adjustments.push(adjustment);
+    }
+
+    /// Says what came of the adjustment that was begun last; whether there was one.
+    pub fn conclude_adjustment(&mut self, outcome: Outcome, now: Timestamp) -> bool {
+        let last = self.adjustments.last_mut();
+        let Some(begun) = last.filter(|last| last.outcome == Outcome::Begun) else {
+            return false;
+        };
+        begun.outcome = outcome;
+        self.modified = self.modified.max(now);
+        true
     }
 
     /// Adds a run with an external instrument; runs are never changed afterwards.

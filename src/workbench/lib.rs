@@ -1,5 +1,6 @@
 //! The Tautline program: workbench and headless commands.
 
+mod adjusting;
 pub mod app;
 pub mod cli;
 mod comparison;
@@ -7,6 +8,7 @@ pub mod controllers;
 pub mod documents;
 mod fonts;
 pub mod offscreen;
+pub mod planning;
 mod precalibration;
 pub mod report;
 pub mod samples;

@@ -1,13 +1,16 @@
 //! Writing values while connections break: afterwards the controller holds all old or all new ones, and which is told.
 
+use std::time::Duration;
+
 use serde_json::json;
 use tautline_core::robot::presets;
-use tautline_link::Controller;
 use tautline_link::adjusting::{
     Holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
 };
+use tautline_link::ads::AdsOptions;
 use tautline_link::parameters::parameters_of;
-use tautline_link::reconnecting::{Attempts, BackOff};
+use tautline_link::reconnecting::{Attempts, BackOff, ReconnectPolicy};
+use tautline_link::{Controller, LinkError};
 
 use crate::names::{Style, global};
 use crate::plant::Plant;
@@ -37,6 +40,7 @@ fn policy() -> Attempts<fn(f64)> {
     Attempts {
         back_off: BackOff::default(),
         attempts: 3,
+        late_s: 0.0,
         wait: |_| (),
     }
 }
@@ -152,4 +156,55 @@ fn a_controller_that_is_not_there_any_more_leaves_it_open() {
         .server
         .order(json!({"codes": {global("entry_point"): 0x723}}));
     assert!(settle_adjustment(&mut client, &adjustment.old, &new_values()).is_err());
+}
+
+/// Restarts the controller before it is connected again: everything is elsewhere then.
+struct Restarting<'p>(&'p Plant, usize);
+
+impl ReconnectPolicy for Restarting<'_> {
+    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+        if self.1 == 0 {
+            self.0.server.order(json!({"restart": 0.1}));
+        }
+        self.1 += 1;
+        policy().bring_back(controller)
+    }
+
+    fn pause(&mut self) {}
+}
+
+#[test]
+fn a_controller_that_restarts_amid_writing() {
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.armed();
+    plant.server.order(json!({"sums": false}));
+    let old = held(&plant);
+    plant.server.fault("write", 4, "before");
+    let mut policy = Restarting(&plant, 0);
+    let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
+    assert_eq!(adjustment.expect("an attempt").holds, Holds::Old);
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
+fn a_write_that_arrives_after_the_connection_was_made_anew() {
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.client_with(AdsOptions {
+        timeout_s: 1.5,
+        ..AdsOptions::default()
+    });
+    client.connect().expect("connected");
+    client.arm().expect("armed");
+    plant.server.fault("write", 1, "late");
+    let mut policy = Attempts {
+        back_off: BackOff::default(),
+        attempts: 3,
+        late_s: 3.0,
+        wait: |pause_s| std::thread::sleep(Duration::from_secs_f64(pause_s)),
+    };
+    let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
+    // Old values were read first; then the late ones arrived.
+    assert_eq!(adjustment.expect("an attempt").holds, Holds::New);
+    let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
+    assert_eq!(held(&plant), new);
 }

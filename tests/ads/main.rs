@@ -5,6 +5,7 @@ mod adjusting;
 mod calibrating;
 mod faults;
 mod names;
+mod page;
 mod plant;
 mod server;
 mod setting_up;

@@ -18,7 +18,7 @@ use tautline_link::simulated::{SimulatedRobot, SimulatedSetup, SimulatedTracker}
 use tautline_link::{Activity, Controller, Limits, ManualClock, Station, SystemClock};
 
 use crate::names::{Place, Style, TURNS, declarations, global, mapping, places};
-use crate::server::{Orders, Server};
+use crate::server::{Orders, Server, Written};
 
 /// Simulated time of a sample (s).
 const STEP_S: f64 = 0.05;
@@ -137,7 +137,7 @@ struct Program {
 }
 
 impl Program {
-    fn run(&mut self, wrote: &Receiver<(String, Vec<f64>)>, end: &AtomicBool) {
+    fn run(&mut self, wrote: &Receiver<Written>, end: &AtomicBool) {
         while !end.load(Ordering::Relaxed) {
             match wrote.recv_timeout(Duration::from_millis(20)) {
                 Ok((name, values)) => self.take(name, values),

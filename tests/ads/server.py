@@ -43,6 +43,7 @@ TYPES = {
     "LREAL": ("d", constants.ADST_REAL64),
 }
 TEXT_BYTES = 81
+LATE_S = 3.0
 
 lock = threading.RLock()
 printing = threading.Lock()
@@ -291,6 +292,8 @@ class Connection(AdsClientConnection):
             self.handler.counts[kind] = self.handler.counts.get(kind, 0) + 1
         if action == "before":
             return False
+        if action == "late":
+            time.sleep(LATE_S)
         response = self.handler.handle_request(request)
         answer = self.construct_response(response, request)
         if action == "after":

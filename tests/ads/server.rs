@@ -15,6 +15,9 @@ use tautline_link::ads::AdsAddress;
 /// How long an order may take before something must be wrong.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// A symbol that was written, and all its values.
+pub type Written = (String, Vec<f64>);
+
 /// Writes orders; clones write to the same server.
 #[derive(Clone)]
 pub struct Orders(Arc<Mutex<ChildStdin>>);
@@ -35,8 +38,8 @@ pub struct Server {
     port: u16,
     next: AtomicU64,
     done: Mutex<Receiver<Value>>,
-    /// What clients wrote: symbol and all its values.
-    wrote: Mutex<Option<Receiver<(String, Vec<f64>)>>>,
+    /// What clients wrote.
+    wrote: Mutex<Option<Receiver<Written>>>,
 }
 
 impl Server {
@@ -74,7 +77,7 @@ impl Server {
     }
 
     /// What clients write; can be had once.
-    pub fn wrote(&self) -> Receiver<(String, Vec<f64>)> {
+    pub fn wrote(&self) -> Receiver<Written> {
         let mut wrote = self.wrote.lock().unwrap_or_else(PoisonError::into_inner);
         wrote.take().expect("taken once")
     }
@@ -105,7 +108,8 @@ impl Server {
     }
 
     /// The connection ends at the request of a kind that comes as number `number`, from 1: "before" it is treated,
-    /// "after" that, or "half" way through the answer; "stray" changes the number of the answer instead.
+    /// "after" that, or "half" way through the answer; "stray" changes the number of the answer instead,
+    /// and "late" treats the request after three seconds.
     pub fn fault(&self, kind: &str, number: u64, action: &str) {
         self.order(json!({"fault": {"kind": kind, "number": number, "action": action}}));
     }
@@ -118,12 +122,7 @@ impl Drop for Server {
     }
 }
 
-fn listen(
-    output: impl BufRead,
-    done: &Sender<Value>,
-    wrote: &Sender<(String, Vec<f64>)>,
-    port: &Sender<u16>,
-) {
+fn listen(output: impl BufRead, done: &Sender<Value>, wrote: &Sender<Written>, port: &Sender<u16>) {
     for line in output.lines() {
         let Ok(line) = line else { return };
         let told: Value = serde_json::from_str(&line).expect("JSON from the server");

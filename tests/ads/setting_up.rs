@@ -216,4 +216,11 @@ fn a_release_that_is_taken_back_disarms() {
     client.arm().expect("armed again");
     client.sample().expect("a sample");
     assert!(client.state().armed);
+    // Whoever arms again before that was noticed has armed.
+    plant
+        .server
+        .order(json!({"set": {global("release"): [false]}}));
+    client.arm().expect("armed again");
+    client.sample().expect("a sample");
+    assert!(client.state().armed);
 }

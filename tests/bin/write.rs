@@ -34,8 +34,8 @@ fn main() -> Result<()> {
             screenshots::looks::write_all(Path::new(folder))?;
         }
         _ => bail!(
-            "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write], write [FOLDER], \
-             sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
+            "what to do: truth [DATA_SETS], table1, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
+             write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
         ),
     }
     Ok(())
@@ -61,10 +61,14 @@ fn hangprinter_table(folder: Option<&str>) -> Result<String> {
 }
 
 /// How quick the window is; written down only when nothing else runs on the machine, so not with the rest.
-fn workbench(write: Option<&str>) -> Result<()> {
+fn workbench(what: Option<&str>) -> Result<()> {
+    if let Some(part) = what.filter(|what| *what != "write") {
+        println!("{}", window::speed::part(part)?);
+        return Ok(());
+    }
     let table = window::speed::measure()?;
     println!("{table}");
-    if write == Some("write") {
+    if what == Some("write") {
         let path = document();
         let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
         replace(&mut text, "workbench", &table)?;

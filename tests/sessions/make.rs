@@ -162,7 +162,7 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
 
 fn keep<D: Document>(session: &mut Session, title: &str, document: &D, time: Timestamp) {
     let mut record = documents::record(session, title, document, time);
-    rounding::result(&mut record.document);
+    rounding::result(std::sync::Arc::make_mut(&mut record.document));
     session.add_result(record);
 }
 

@@ -55,6 +55,25 @@ pub fn measure() -> Result<String> {
     ))
 }
 
+/// Measures one part: `hour`, `measuring`, or a scene of so many poses.
+///
+/// # Errors
+/// If it is none of these, or the window cannot be opened or driven.
+pub fn part(name: &str) -> Result<String> {
+    let folder = tempfile::tempdir()?;
+    let folder = folder.path();
+    Ok(match name {
+        "hour" => measuring::markdown(&measuring::hour(folder)?),
+        "measuring" => scene::markdown(&[measuring::scene(folder)?]),
+        poses => {
+            let poses = poses
+                .parse()
+                .context("hour, measuring or a number of poses")?;
+            scene::markdown(&[scene::of_poses(folder, poses)?])
+        }
+    })
+}
+
 fn load() -> String {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split_whitespace().next();

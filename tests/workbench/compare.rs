@@ -154,3 +154,30 @@ fn the_open_session_is_the_first_and_is_compared_again_once_it_was_changed() {
     harness.get_by_label(same);
     assert!(harness.query_by_label("Compare again").is_none());
 }
+
+#[test]
+fn a_small_window_shows_one_part_at_a_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [open, other] = ["open.json", "other.json"].map(|name| folder.path().join(name));
+    write(&open, "mini", 0.0, 1);
+    write(&other, "mini", 0.0, 2);
+    let mut harness = workbench();
+    give(&mut harness, FileCommand::Open(open));
+    give(&mut harness, CompareCommand::Show);
+    give(&mut harness, CompareCommand::Drop(other));
+    for size in [[640.0, 400.0], [1280.0, 200.0], [640.0, 160.0]] {
+        harness.set_size(size.into());
+        harness.run_ok();
+        for part in ["3D view", "Residuals", "Differences"] {
+            if size[0] < 900.0 {
+                let found = harness.get_all_by_role_and_label(Role::Button, part).next();
+                found.expect("a part").click();
+                harness.run_ok();
+            }
+        }
+        assert!(harness.state().state.breakdown.is_none(), "{size:?}");
+    }
+    harness.set_size([640.0, 400.0].into());
+    harness.run_ok();
+    harness.get_by_label_contains("No pulley has moved");
+}

@@ -2,7 +2,7 @@
 
 use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::NodeT;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_session::{Arrangement, Plots};
 use tautline_workbench::app::Answer;
 use tautline_workbench::app::App;
@@ -228,6 +228,22 @@ fn by_commands(
     };
     let (mut open, mut close) = (send(&open), send(&close));
     check_dialog(harness, what, [&mut open, &mut close]);
+}
+
+#[test]
+fn long_menus_fit() {
+    let mut harness = Measured::mini(6, &[]).opened();
+    for name in ["File", "View"] {
+        let mut open = |harness: &mut Harness<'_, App>| {
+            harness.get_by_role_and_label(Role::Button, name).click();
+            harness.run_ok();
+        };
+        let mut close = |harness: &mut Harness<'_, App>| {
+            harness.key_press(egui::Key::Escape);
+            harness.run_ok();
+        };
+        check_dialog(&mut harness, name, [&mut open, &mut close]);
+    }
 }
 
 #[test]

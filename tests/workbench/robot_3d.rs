@@ -206,3 +206,20 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     );
     assert_eq!(scene(&harness).cables.len(), 4);
 }
+
+#[test]
+fn a_click_on_a_pulley_pins_its_coordinates_and_another_takes_them_away() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("hall", 3), false);
+    let centre = scene(&harness).cables[1].wheel.centre;
+    let at = in_window(&harness, &centre);
+    let pinned = |harness: &Harness<'_, App>| {
+        let view = &harness.state().state.views.robot_3d;
+        view.options.pinned.iter().copied().collect::<Vec<_>>()
+    };
+    click(&mut harness, at);
+    assert_eq!(pinned(&harness), [1]);
+    assert_eq!(harness.state().state.selection, Selection::cable(1));
+    click(&mut harness, at);
+    assert!(pinned(&harness).is_empty());
+}

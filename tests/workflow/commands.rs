@@ -7,5 +7,5 @@ mod errors;
 mod identify;
 mod plan;
 mod precalibrate;
-mod program;
+pub mod program;
 mod report;

@@ -8,10 +8,11 @@ use tautline_core::robot::Robot;
 use tautline_session::AdsMapping;
 
 use super::address::AdsAddress;
-use super::layout::{Channel, CommandSlots, Layout, Slot};
-use super::live::{Failure, Live, Raw};
+use super::layout::{CommandSlots, Layout, Slot};
+use super::live::{Failure, Live};
 use super::options::AdsOptions;
-use super::pose::{numbers_of, pose_of};
+use super::pose::numbers_of;
+use super::reading::{Status, sample_of, status_of};
 use crate::clock::Clock;
 use crate::controller::{Activity, Controller, ControllerState, LinkError, Sample};
 use crate::parameters::ParameterInfo;
@@ -22,16 +23,6 @@ const STATE_EVERY_S: f64 = 1.0;
 const HOME: f64 = 1.0;
 const MOVE: f64 = 2.0;
 const STOP: f64 = 3.0;
-
-/// What the controller told of itself last.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Status {
-    moving: Option<bool>,
-    fault: Option<String>,
-    acknowledged: u32,
-    /// Whether motion and writing are still allowed, where that is told.
-    released: bool,
-}
 
 /// A command that is not acknowledged yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,25 +128,32 @@ impl AdsController {
         }
         let (sample, status) = self.with(|live, layout| {
             let raw = live.read(0..layout.sampled)?;
-            Ok((sample_of(&raw, layout), status_of(&raw, layout)))
+            Ok((
+                sample_of(&raw, &layout.readings),
+                status_of(&raw, &layout.status),
+            ))
         })?;
         self.status = status;
-        if self.armed && !self.status.released {
-            // Whatever is told now is not done: a command that is under way must not pass for one that has ended.
-            self.armed = false;
-            self.pending = None;
-            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
-            self.complaint = Some(text.to_owned());
-        }
         self.follow_command();
         Ok(Sample {
-            time_s: if self.layout.time.is_some() {
+            time_s: if self.layout.readings.time.is_some() {
                 sample.time_s
             } else {
                 self.clock.now_s()
             },
             ..sample
         })
+    }
+
+    /// Whether the controller still obeys. Where it does not, nothing is done of what is told: a command that is under
+    /// way must not pass for one that has ended.
+    fn heed_release(&mut self) {
+        if self.armed && !self.status.released {
+            self.armed = false;
+            self.pending = None;
+            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
+            self.complaint = Some(text.to_owned());
+        }
     }
 
     /// Whether the controller has taken the last command.
@@ -246,7 +244,7 @@ impl AdsController {
     }
 
     fn release(&mut self, on: bool) -> Result<(), LinkError> {
-        self.with(|live, layout| match layout.release {
+        self.with(|live, layout| match layout.status.release {
             Some(slot) => live.write(&[(slot, f64::from(u8::from(on)))]),
             None => Ok(()),
         })
@@ -266,57 +264,6 @@ fn command_of(layout: &Layout) -> Result<&CommandSlots, Failure> {
     let text = "no symbols for commands are known, so it can only be read";
     let missing = || Failure::Refused(LinkError::Refused(text.to_owned()));
     layout.command.as_ref().ok_or_else(missing)
-}
-
-fn values(raw: &Raw<'_>, channel: &Channel) -> Vec<f64> {
-    let slots = channel.slots.iter();
-    slots
-        .map(|slot| raw.number(*slot) * channel.scale + channel.offset)
-        .collect()
-}
-
-fn value(raw: &Raw<'_>, channel: &Option<Channel>) -> Option<f64> {
-    values(raw, channel.as_ref()?).first().copied()
-}
-
-fn sample_of(raw: &Raw<'_>, layout: &Layout) -> Sample {
-    let list = |channel: &Option<Channel>| channel.as_ref().map(|c| values(raw, c));
-    let laser_valid = layout
-        .laser_valid
-        .is_none_or(|slot| raw.number(slot) == 1.0);
-    Sample {
-        time_s: value(raw, &layout.time).unwrap_or(0.0),
-        revolutions: values(raw, &layout.revolutions),
-        force_n: list(&layout.force).unwrap_or_default(),
-        laser_m: value(raw, &layout.laser).filter(|metres| laser_valid && metres.is_finite()),
-        temperature_c: value(raw, &layout.temperature).filter(|degrees| degrees.is_finite()),
-        swivel_rad: list(&layout.swivel),
-        inclination_rad: list(&layout.inclination).and_then(|angles| angles.try_into().ok()),
-        commanded: layout.pose.as_ref().and_then(|pose| {
-            let numbers: Vec<f64> = pose.slots.iter().map(|slot| raw.number(*slot)).collect();
-            pose_of(&numbers, &pose.written)
-        }),
-    }
-}
-
-fn status_of(raw: &Raw<'_>, layout: &Layout) -> Status {
-    let fault = layout
-        .fault
-        .map(|slot| raw.number(slot))
-        .filter(|code| *code != 0.0);
-    let acknowledged = layout.command.as_ref().map(|c| raw.number(c.acknowledged));
-    Status {
-        moving: layout.moving.map(|slot| raw.number(slot) == 1.0),
-        fault: fault.map(|code| {
-            let text = layout.fault_text.map(|slot| raw.text(slot));
-            match text.filter(|text| !text.trim().is_empty()) {
-                Some(text) => format!("{} (number {code})", text.trim()),
-                None => format!("number {code}"),
-            }
-        }),
-        acknowledged: acknowledged.map_or(0, |number| number as u32),
-        released: layout.release.is_none_or(|slot| raw.number(slot) == 1.0),
-    }
 }
 
 impl Controller for AdsController {
@@ -384,6 +331,7 @@ impl Controller for AdsController {
 
     fn sample(&mut self) -> Result<Sample, LinkError> {
         let sample = self.listen()?;
+        self.heed_release();
         if self.armed {
             self.count_sample()?;
         }

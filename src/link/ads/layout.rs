@@ -3,7 +3,8 @@
 use tautline_core::effect;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    AdsMapping, AdsNames, AdsParameter, AdsPose, AdsSymbol, AdsSymbols, is_per_cable, name_of_cable,
+    AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsSymbol, AdsSymbols, is_per_cable,
+    name_of_cable,
 };
 
 use super::symbols::Expected;
@@ -67,12 +68,9 @@ pub(super) struct ParameterSlot {
     pub scale: f64,
 }
 
-/// Everything that is read and written.
+/// What is read at every sample of the robot.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Layout {
-    pub wanted: Vec<Wanted>,
-    /// The first so many symbols are read at every sample.
-    pub sampled: usize,
+pub(super) struct ReadingSlots {
     pub revolutions: Channel,
     pub force: Option<Channel>,
     pub swivel: Option<Channel>,
@@ -82,11 +80,28 @@ pub(super) struct Layout {
     pub time: Option<Channel>,
     pub inclination: Option<Channel>,
     pub pose: Option<PoseSlots>,
+}
+
+/// What is read at every sample of the controller itself.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct StatusSlots {
     pub moving: Option<Slot>,
     pub fault: Option<Slot>,
     pub fault_text: Option<Slot>,
-    pub command: Option<CommandSlots>,
+    pub acknowledged: Option<Slot>,
+    /// Whether we may move and write; written when armed.
     pub release: Option<Slot>,
+}
+
+/// Everything that is read and written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layout {
+    pub wanted: Vec<Wanted>,
+    /// The first so many symbols are read at every sample.
+    pub sampled: usize,
+    pub readings: ReadingSlots,
+    pub status: StatusSlots,
+    pub command: Option<CommandSlots>,
     pub watchdog: Option<Slot>,
     pub parameters: Vec<ParameterSlot>,
 }
@@ -95,69 +110,26 @@ impl Layout {
     pub fn of(mapping: &AdsMapping, robot: &Robot) -> Result<Self, LinkError> {
         let checked = mapping.check(robot);
         checked.map_err(|e| LinkError::Setup(format!("the names of the symbols: {e}")))?;
-        let mut wanted = Wants(Vec::new());
-        let readings = &mapping.readings;
-        let mut cables = |symbols: &AdsSymbols| wanted.per_cable(symbols, robot);
-        let revolutions = cables(&readings.revolutions);
-        let force = readings.force.as_ref().map(&mut cables);
-        let swivel = readings.swivel.as_ref().map(&mut cables);
-        let mut number = |symbol: &AdsSymbol| wanted.number(symbol);
-        let laser = readings.laser.as_ref().map(&mut number);
-        let temperature = readings.temperature.as_ref().map(&mut number);
-        let time = readings.time.as_ref().map(&mut number);
-        let inclination = readings.inclination.as_ref().map(|symbols| Channel {
-            slots: wanted.listed(&symbols.symbol, 3),
-            scale: symbols.scale,
-            offset: symbols.offset,
+        let mut wants = Wants(Vec::new());
+        let readings = wants.readings(&mapping.readings, robot);
+        let status = wants.status(mapping);
+        let sampled = wants.0.len();
+        let command = mapping.command.as_ref().map(|command| CommandSlots {
+            target: wants.pose(&command.target),
+            kind: wants.single(&command.kind, Expected::Integer),
+            number: wants.single(&command.number, Expected::Counter),
+            acknowledged: wants.single(&command.acknowledged, Expected::Counter),
         });
-        let pose = readings.pose.as_ref().map(|pose| wanted.pose(pose));
-        let mut single = |name: &Option<String>, expected| {
-            let name = name.as_ref()?;
-            Some(wanted.single(name, expected))
-        };
-        let laser_valid = single(&readings.laser_valid, Expected::Flag);
-        let moving = single(&mapping.state.moving, Expected::Flag);
-        let fault = single(&mapping.state.fault, Expected::Code);
-        let fault_text = single(&mapping.state.fault_text, Expected::Text);
-        let command = mapping.command.as_ref();
-        let acknowledged = command.map(|c| wanted.single(&c.acknowledged, Expected::Counter));
-        let mut single = |name: &Option<String>, expected| {
-            let name = name.as_ref()?;
-            Some(wanted.single(name, expected))
-        };
-        let release = single(&mapping.release, Expected::Flag);
-        let sampled = wanted.0.len();
-        let command = command
-            .zip(acknowledged)
-            .map(|(command, acknowledged)| CommandSlots {
-                target: wanted.pose(&command.target),
-                kind: wanted.single(&command.kind, Expected::Integer),
-                number: wanted.single(&command.number, Expected::Counter),
-                acknowledged,
-            });
-        let mut single = |name: &Option<String>, expected| {
-            let name = name.as_ref()?;
-            Some(wanted.single(name, expected))
-        };
+        let watchdog = wants.optional(&mapping.watchdog, Expected::Counter);
+        let parameters = wants.parameters(&mapping.parameters, robot)?;
         Ok(Self {
-            release,
-            watchdog: single(&mapping.watchdog, Expected::Counter),
-            parameters: wanted.parameters(&mapping.parameters, robot)?,
-            wanted: wanted.0,
+            wanted: wants.0,
             sampled,
-            revolutions,
-            force,
-            swivel,
-            laser,
-            laser_valid,
-            temperature,
-            time,
-            inclination,
-            pose,
-            moving,
-            fault,
-            fault_text,
+            readings,
+            status,
             command,
+            watchdog,
+            parameters,
         })
     }
 }
@@ -182,6 +154,44 @@ impl Wants {
         Slot {
             symbol: self.want(name, expected, Count::Exactly(1)),
             element: 0,
+        }
+    }
+
+    fn optional(&mut self, name: &Option<String>, expected: Expected) -> Option<Slot> {
+        name.as_ref().map(|name| self.single(name, expected))
+    }
+
+    fn readings(&mut self, readings: &AdsReadings, robot: &Robot) -> ReadingSlots {
+        let mut cables = |symbols: &AdsSymbols| self.per_cable(symbols, robot);
+        let revolutions = cables(&readings.revolutions);
+        let force = readings.force.as_ref().map(&mut cables);
+        let swivel = readings.swivel.as_ref().map(&mut cables);
+        let mut number = |symbol: &AdsSymbol| self.number(symbol);
+        ReadingSlots {
+            revolutions,
+            force,
+            swivel,
+            laser: readings.laser.as_ref().map(&mut number),
+            temperature: readings.temperature.as_ref().map(&mut number),
+            time: readings.time.as_ref().map(&mut number),
+            laser_valid: self.optional(&readings.laser_valid, Expected::Flag),
+            inclination: readings.inclination.as_ref().map(|symbols| Channel {
+                slots: self.listed(&symbols.symbol, 3),
+                scale: symbols.scale,
+                offset: symbols.offset,
+            }),
+            pose: readings.pose.as_ref().map(|pose| self.pose(pose)),
+        }
+    }
+
+    fn status(&mut self, mapping: &AdsMapping) -> StatusSlots {
+        let command = mapping.command.as_ref();
+        StatusSlots {
+            moving: self.optional(&mapping.state.moving, Expected::Flag),
+            fault: self.optional(&mapping.state.fault, Expected::Code),
+            fault_text: self.optional(&mapping.state.fault_text, Expected::Text),
+            acknowledged: command.map(|c| self.single(&c.acknowledged, Expected::Counter)),
+            release: self.optional(&mapping.release, Expected::Flag),
         }
     }
 
@@ -281,18 +291,21 @@ impl Wants {
                 size(parameter.element).saturating_add(k.saturating_mul(size(parameter.stride)))
             }
         };
-        let count = Count::AtLeast(element.saturating_add(1));
         // One entry for all elements of an array, so that it is read once.
-        let same = |w: &&mut Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
-        if let Some(wanted) = self.0.iter_mut().find(same)
-            && let Count::AtLeast(known) = wanted.count
+        let least = element.saturating_add(1);
+        let same = |w: &Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
+        let known = self.0.iter().position(same);
+        let index =
+            known.unwrap_or_else(|| self.want(&symbol, Expected::Number, Count::AtLeast(least)));
+        if let Some(Wanted {
+            count: Count::AtLeast(count),
+            ..
+        }) = self.0.get_mut(index)
         {
-            wanted.count = Count::AtLeast(known.max(element.saturating_add(1)));
+            *count = (*count).max(least);
         }
-        let known = |w: &Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
-        let index = self.0.iter().position(known);
         Slot {
-            symbol: index.unwrap_or_else(|| self.want(&symbol, Expected::Number, count)),
+            symbol: index,
             element,
         }
     }
@@ -346,7 +359,7 @@ mod tests {
             scale: 1e-3,
         }];
         let layout = Layout::of(&mapping, &robot).unwrap();
-        let third = layout.revolutions.slots[2];
+        let third = layout.readings.revolutions.slots[2];
         assert_eq!(layout.wanted[third.symbol].name, "W[3].turns");
         let radius = &layout.parameters[7];
         assert_eq!(layout.wanted[radius.slot.symbol].name, "W[8].radius");

@@ -18,6 +18,7 @@ mod live;
 mod options;
 mod pose;
 mod probe;
+mod reading;
 mod symbols;
 
 pub use address::AdsAddress;

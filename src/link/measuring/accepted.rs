@@ -3,6 +3,7 @@
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::Robot;
+use tautline_session::MeasuredPose;
 
 use crate::controller::Sample;
 
@@ -75,6 +76,24 @@ impl Accepted {
             laser_sd_m,
             samples: samples.len(),
             notes: Vec::new(),
+        }
+    }
+
+    /// The readings as a session takes them.
+    #[must_use]
+    pub fn measured_pose(&self) -> MeasuredPose {
+        let known = |value: f64| Some(value).filter(|value| value.is_finite());
+        MeasuredPose {
+            label: self.label,
+            time_s: known(self.time_s),
+            temperature_c: known(self.temperature_c),
+            commanded: Some(self.commanded),
+            revolutions: self.revolutions.clone(),
+            force_n: self.force_n.clone(),
+            laser_m: known(self.laser_m),
+            swivel_rad: self.swivel_rad.clone(),
+            inclination_rad: self.inclination_rad,
+            ..MeasuredPose::default()
         }
     }
 }

@@ -12,6 +12,7 @@ mod checks;
 #[cfg(test)]
 mod fault_tests;
 mod options;
+mod precision;
 mod settling;
 #[cfg(test)]
 mod tests;
@@ -24,6 +25,7 @@ use tautline_core::robot::Robot;
 pub use accepted::{Accepted, measurements_of};
 pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
+pub use precision::largest_sd_m;
 
 use crate::controller::{Activity, Controller, LinkError, Sample};
 use crate::laser::ManualLaser;
@@ -197,6 +199,13 @@ impl MeasuringRun {
     #[must_use]
     pub fn current(&self) -> Option<i64> {
         self.current.map(|(label, _)| label)
+    }
+
+    /// Label of the pose under way, else of that which comes next: what a pause is about.
+    #[must_use]
+    pub fn under_way(&self) -> Option<i64> {
+        let next = || self.queue.front().map(|(label, _)| *label);
+        self.current().or_else(next)
     }
 
     /// Poses that are still to be measured, the present one included.

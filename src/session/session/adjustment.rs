@@ -46,6 +46,9 @@ pub struct ValueChange {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
+    /// Values are about to be written. Whoever finds this as the last outcome finds an attempt that the end of the
+    /// program interrupted: the controller may hold old and new values.
+    Begun,
     /// All values were written and read back.
     Written,
     /// The old values were written back.

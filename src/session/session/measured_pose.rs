@@ -91,6 +91,22 @@ impl Session {
         self.append_table(pose.table(), pose.repeats)
     }
 
+    /// Adds the poses that another state of the same session has and this one has not; gives their labels.
+    ///
+    /// # Errors
+    /// If such a pose does not fit; those before it are added.
+    pub fn append_missing(&mut self, other: &Self) -> Result<Vec<i64>, FieldError> {
+        let mut added = Vec::new();
+        for (row, label) in other.measurements.labels.iter().enumerate() {
+            if !self.measurements.labels.contains(label) {
+                let table = MeasurementTable::of(&other.measurements.select(&[row]));
+                self.append_table(table, None)?;
+                added.push(*label);
+            }
+        }
+        Ok(added)
+    }
+
     pub(crate) fn append_table(
         &mut self,
         table: MeasurementTable,

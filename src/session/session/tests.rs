@@ -39,7 +39,7 @@ pub(crate) fn session() -> Session {
     session.add_result(ResultRecord {
         time: Timestamp::from_unix_seconds(1_532_336_900),
         title: "First try".into(),
-        document: json!({"format": "tautline-identification", "version": 9, "chi2": 0.1}),
+        document: json!({"format": "tautline-identification", "version": 9, "chi2": 0.1}).into(),
         basis: Some("85944171f73967e8".into()),
     });
     session.exclude(3).expect("a measured pose");
@@ -279,4 +279,24 @@ fn a_session_that_cannot_be_read_is_not_written() {
         .expect("a folder")
         .collect();
     assert_eq!(left.len(), 1, "no temporary file stays");
+}
+
+#[test]
+fn only_an_adjustment_that_was_begun_is_concluded() {
+    let mut session = session();
+    let now = session.modified;
+    assert!(!session.conclude_adjustment(Outcome::Written, now));
+    let begun = Adjustment {
+        outcome: Outcome::Begun,
+        ..session.adjustments()[0].clone()
+    };
+    session.add_adjustment(begun);
+    let document = serde_json::to_value(SessionDocument::of(&session)).expect("JSON");
+    assert_eq!(document["adjustments"][1]["outcome"], "begun");
+    assert!(session.conclude_adjustment(Outcome::Written, now));
+    assert_eq!(session.adjustments()[1].outcome, Outcome::Written);
+    assert!(matches!(
+        session.adjustments()[0].outcome,
+        Outcome::Failed(_)
+    ));
 }

@@ -23,7 +23,7 @@ pub mod theme;
 
 pub use breakdown::Breakdown;
 pub use document::Document;
-pub use frame::Answer;
+pub use frame::{Answer, Part};
 pub use memo::Memo;
 pub use messages::{Message, Messages, Severity};
 pub use selection::Selection;

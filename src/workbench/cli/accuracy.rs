@@ -15,6 +15,7 @@ use super::output::{is_readable, write_json};
 pub use document::Accuracy;
 use document::{Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
 use group::{Group, Point, group, word};
+pub use report::print;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -46,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_json(path, &tautline_session::document(&accuracy))?;
     }
     if is_readable(arguments.json.as_deref()) {
-        report::print(&accuracy);
+        print(&accuracy);
     }
     Ok(())
 }

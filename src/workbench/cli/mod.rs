@@ -1,6 +1,7 @@
 //! Headless commands: arguments, exit codes, output.
 
 pub(crate) mod accuracy;
+mod adjust;
 mod compare;
 mod diagnose;
 mod effects;
@@ -8,6 +9,8 @@ mod evaluate;
 mod fitted;
 mod identify;
 mod input;
+mod live;
+mod measure;
 mod output;
 mod plan;
 mod precalibrate;
@@ -16,6 +19,7 @@ mod report;
 mod schemas;
 mod simulate;
 mod table;
+mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -51,6 +55,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Choose the poses to measure and say what to expect of them
     Plan(plan::Arguments),
+    /// Drive a robot from pose to pose and measure; goes on where an earlier run ended
+    Measure(measure::Arguments),
     /// Find the pulleys from a dataset
     Identify(identify::Arguments),
     /// Say whether the model explains a dataset, what it gets wrong and what to do about it
@@ -65,6 +71,10 @@ enum Command {
     Precalibrate(precalibrate::Arguments),
     /// Identify, diagnose and write a report as HTML or PDF
     Report(report::Arguments),
+    /// Identify and write the values to the controller, or bring the old ones back
+    Adjust(adjust::Arguments),
+    /// Drive to test poses and paths, and say how exactly the robot moves
+    Verify(verify::Arguments),
     /// List the physical effects that simulate can hide and identify can free
     Effects,
     /// Write the JSON Schemas of the file formats
@@ -104,6 +114,7 @@ pub fn run() -> ExitCode {
     finish(match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Measure(arguments) => measure::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
@@ -111,6 +122,8 @@ pub fn run() -> ExitCode {
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
+        Command::Adjust(arguments) => adjust::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
         Command::Effects => {
             effects::run();
             Ok(())

@@ -5,10 +5,13 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use super::accuracy::Accuracy;
+use super::adjust::AdjustmentDocument;
 use super::compare::ComparisonDocument;
+use super::measure::MeasuringDocument;
 use super::output::write_json;
 use super::plan::PlanDocument;
 use super::precalibrate::Precalibration;
+use super::verify::VerificationDocument;
 use crate::cli::output::say;
 use crate::documents::diagnosis::DiagnosisDocument;
 use crate::documents::identification::Identification;
@@ -22,6 +25,9 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::document_schema::<Precalibration>());
     schemas.push(tautline_session::document_schema::<PlanDocument>());
     schemas.push(tautline_session::document_schema::<ComparisonDocument>());
+    schemas.push(tautline_session::document_schema::<MeasuringDocument>());
+    schemas.push(tautline_session::document_schema::<AdjustmentDocument>());
+    schemas.push(tautline_session::document_schema::<VerificationDocument>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;

@@ -95,7 +95,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn robot_from_file(name: &str) -> Result<Robot> {
+/// The robot of a file, or what else could be named.
+pub fn robot_from_file(name: &str) -> Result<Robot> {
     let path = Path::new(name);
     if !path.exists() {
         let presets = presets::NAMES.join(", ");
@@ -106,7 +107,7 @@ fn robot_from_file(name: &str) -> Result<Robot> {
 }
 
 /// `ID[:CABLE][:k=v,...]`.
-fn parse_effect(text: &str, robot: &Robot) -> Result<EffectSetting> {
+pub fn parse_effect(text: &str, robot: &Robot) -> Result<EffectSetting> {
     let mut parts = text.split(':');
     let mut setting = EffectSetting {
         effect: parts.next().unwrap_or_default().to_owned(),

@@ -17,7 +17,7 @@ pub fn record<D: Document>(
         time,
         title: title.to_owned(),
         // Only keys that are no texts could fail, and there are none.
-        document: serde_json::to_value(document).unwrap_or_default(),
+        document: serde_json::to_value(document).unwrap_or_default().into(),
         basis: Some(session.basis()),
     }
 }

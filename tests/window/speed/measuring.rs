@@ -8,16 +8,19 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
+use tautline_core::geometry::Pose;
 use tautline_session::{PlannedPose, Session, Simulator, Timestamp, write_session};
 
-use super::super::{Element, Window};
+use super::super::Window;
 use super::scene::{Scene, frames};
 use super::{SIZE, memory_mib, simulated};
 
 /// Poses that are measured before the frames are timed.
 const MEASURED: usize = 1000;
 /// Poses of the plan; more than an hour has time for.
-const PLANNED: usize = 3000;
+const PLANNED: usize = 1000;
+/// Share of the way from home to a simulated pose at which a planned one is, so that tensions hold it.
+const NEAR: f64 = 0.3;
 /// How many times faster than real the robot's time runs in the hour.
 const SPEED: &str = "60";
 /// Moments at which the memory is read (min of the robot's time).
@@ -46,9 +49,14 @@ fn session(folder: &Path, measured: usize) -> Result<String> {
         Timestamp::from_unix_seconds(1_700_000_000),
     );
     let data = &dataset.measurements;
+    let home = dataset.robot.home.context("a home pose")?.pose();
+    let planned = |pose: &Pose| Pose {
+        position: home.position.lerp(&pose.position, NEAR),
+        orientation: home.orientation.slerp(&pose.orientation, NEAR),
+    };
     let commanded = data.labels.iter().zip(&data.commanded);
     session.plan = commanded
-        .filter_map(|(label, pose)| Some(PlannedPose::new(*label, pose.as_ref()?)))
+        .filter_map(|(label, pose)| Some(PlannedPose::new(*label, &planned(pose.as_ref()?))))
         .collect();
     session.simulator = Some(Simulator {
         truth: dataset.robot.clone(),
@@ -85,11 +93,11 @@ pub fn scene(folder: &Path) -> Result<Scene> {
     window.text("Identified from")?;
     window.rest()?;
     begin(&mut window, "Continue measuring")?;
-    let (turning_s, still_s) = frames(&mut window)?;
+    let (turning, still) = frames(&mut window)?;
     Ok(Scene {
         name: format!("measuring after {MEASURED} poses"),
-        turning_s,
-        still_s,
+        turning,
+        still,
         idle: None,
         memory_mib: memory_mib(window.id())?,
     })
@@ -111,6 +119,9 @@ pub fn hour(folder: &Path) -> Result<Vec<Moment>> {
             moments.last().map_or(0, |moment| moment.poses)
         );
         thread::sleep(Duration::from_millis(100));
+        let (_, shown) = window.shown()?;
+        let waits = shown.iter().find(|e| e.name.starts_with("Waiting"));
+        ensure!(waits.is_none(), "the run waits: {waits:?}");
         let Some((poses, minutes)) = progress(&kept)? else {
             continue;
         };
@@ -123,11 +134,6 @@ pub fn hour(folder: &Path) -> Result<Vec<Moment>> {
             });
         }
     }
-    let shown: Vec<Element> = window.shown()?.1;
-    ensure!(
-        shown.iter().any(|element| element.name == "Pause"),
-        "the run did not go on to the end of the hour"
-    );
     Ok(moments)
 }
 

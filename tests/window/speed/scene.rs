@@ -21,14 +21,23 @@ const TICKS_PER_S: f64 = 100.0;
 pub struct Scene {
     /// What it is.
     pub name: String,
-    /// Time per frame while the robot is turned, the least of some seconds (s).
-    pub turning_s: f64,
-    /// Time per frame while the pointer moves over the menus and nothing changes in 3D (s).
-    pub still_s: f64,
+    /// While the robot is turned.
+    pub turning: Frame,
+    /// While the pointer moves over the menus and nothing changes in 3D.
+    pub still: Frame,
     /// Share of one core while nothing happens, where nothing does.
     pub idle: Option<f64>,
     /// Resident memory (MiB).
     pub memory_mib: f64,
+}
+
+/// What a frame takes, the least of some measurements.
+#[derive(Clone, Copy)]
+pub struct Frame {
+    /// Time from one to the next (s).
+    pub whole_s: f64,
+    /// Processor time of the window's own thread (s); llvmpipe rasterises on others.
+    pub own_s: f64,
 }
 
 /// So many identified poses.
@@ -39,7 +48,7 @@ pub fn of_poses(folder: &Path, poses: usize) -> Result<Scene> {
     window.command('i')?;
     window.text("Identified from")?;
     window.rest()?;
-    let (turning_s, still_s) = frames(&mut window)?;
+    let (turning, still) = frames(&mut window)?;
     window.display.move_to((SIZE[0] as i16 - 4, 4))?;
     thread::sleep(Duration::from_secs(2));
     let before = processor_s(window.id())?;
@@ -47,33 +56,42 @@ pub fn of_poses(folder: &Path, poses: usize) -> Result<Scene> {
     let idle = (processor_s(window.id())? - before) / IDLE.as_secs_f64();
     Ok(Scene {
         name: format!("{poses} poses, {} readings", 9 * poses),
-        turning_s,
-        still_s,
+        turning,
+        still,
         idle: Some(idle),
         memory_mib: memory_mib(window.id())?,
     })
 }
 
-/// Time per frame while the robot is turned, and while the pointer moves elsewhere (s).
-pub fn frames(window: &mut Window) -> Result<(f64, f64)> {
+/// Frames while the robot is turned, and while the pointer moves elsewhere.
+pub fn frames(window: &mut Window) -> Result<(Frame, Frame)> {
     let turned = window.named("Canvas", "3D view")?.middle();
     let menus = (SIZE[0] as i16 / 2, 12);
     Ok((least(window, turned, true)?, least(window, menus, false)?))
 }
 
-/// The least of some measurements of the time per frame (s).
-fn least(window: &mut Window, place: (i16, i16), pressed: bool) -> Result<f64> {
-    let times: Result<Vec<f64>> = (0..TURNS).map(|_| moving(window, place, pressed)).collect();
-    Ok(times?.into_iter().fold(f64::INFINITY, f64::min))
+/// The least of some measurements.
+fn least(window: &mut Window, place: (i16, i16), pressed: bool) -> Result<Frame> {
+    let mut best = Frame {
+        whole_s: f64::INFINITY,
+        own_s: f64::INFINITY,
+    };
+    for _ in 0..TURNS {
+        let frame = moving(window, place, pressed)?;
+        best.whole_s = best.whole_s.min(frame.whole_s);
+        best.own_s = best.own_s.min(frame.own_s);
+    }
+    Ok(best)
 }
 
-/// Time per frame while the pointer moves about a place, its button pressed or not (s).
-fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<f64> {
+/// A frame while the pointer moves about a place, its button pressed or not.
+fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<Frame> {
     window.display.move_to((x, y))?;
     if pressed {
         window.display.button(true)?;
     }
     let (before, begin) = (window.shown()?.0, Instant::now());
+    let own_before_s = own_s(window.id())?;
     let mut step = 0_i16;
     while begin.elapsed() < TURNING {
         step = (step + 1) % 200;
@@ -84,11 +102,22 @@ fn moving(window: &mut Window, (x, y): (i16, i16), pressed: bool) -> Result<f64>
         thread::sleep(Duration::from_millis(2));
     }
     let seconds = begin.elapsed().as_secs_f64();
-    let frames = window.shown()?.0 - before;
+    let frames = (window.shown()?.0 - before).max(1) as f64;
+    let own_s = own_s(window.id())? - own_before_s;
     if pressed {
         window.display.button(false)?;
     }
-    Ok(seconds / frames.max(1) as f64)
+    Ok(Frame {
+        whole_s: seconds / frames,
+        own_s: own_s / frames,
+    })
+}
+
+/// Processor time that the thread of the window has taken (s).
+fn own_s(id: u32) -> Result<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{id}/task/{id}/schedstat"))?;
+    let nanoseconds = text.split_whitespace().next().context("a time")?;
+    Ok(nanoseconds.parse::<f64>()? / 1e9)
 }
 
 /// Processor time that a process has taken (s).
@@ -103,18 +132,20 @@ fn processor_s(id: u32) -> Result<f64> {
 
 /// The table of scenes.
 pub fn markdown(scenes: &[Scene]) -> String {
-    let mut text = "| scene | ms per frame while turning | ms per frame, 3D unchanged | idle, % of a core | memory, MiB |\n\
-                    |---|---|---|---|---|\n"
+    let mut text = "| scene | ms per frame while turning | of these the window's own thread | ms per frame, 3D unchanged | of these the \
+                    window's own thread | idle, % of a core | memory, MiB |\n|---|---|---|---|---|---|---|\n"
         .to_owned();
     for scene in scenes {
         let idle = scene.idle.map(|share| format!("{:.2}", share * 1e2));
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "| {} | {:.1} | {:.1} | {} | {:.0} |",
+            "| {} | {:.1} | {:.1} | {:.1} | {:.1} | {} | {:.0} |",
             scene.name,
-            scene.turning_s * 1e3,
-            scene.still_s * 1e3,
+            scene.turning.whole_s * 1e3,
+            scene.turning.own_s * 1e3,
+            scene.still.whole_s * 1e3,
+            scene.still.own_s * 1e3,
             idle.unwrap_or_else(|| "-".to_owned()),
             scene.memory_mib
         );

@@ -180,25 +180,9 @@ fn parameters(list: &[AdsParameter], robot: &Robot) -> Checked {
     let mut names = HashSet::new();
     for (k, parameter) in list.iter().enumerate() {
         let at = format!("/parameters/{k}");
-        factor(&format!("{at}/scale"), parameter.scale)?;
-        placed(&format!("{at}/symbol"), &parameter.symbol)?;
-        let each = parameter.name.contains(CABLE);
-        if !each && is_per_cable(&parameter.symbol) {
-            let message = format!(
-                "found {:?}, expected {CABLE} in it, because the symbol is one per cable",
-                parameter.name
-            );
-            return fail(format!("{at}/name"), message);
-        }
-        if parameter.name.trim().is_empty() {
-            return fail(format!("{at}/name"), "found an empty text, expected a name");
-        }
-        if each && parameter.stride == 0 {
-            let message = "found 0, expected at least 1: every cable has its own element";
-            return fail(format!("{at}/stride"), message);
-        }
+        self::parameter(&at, parameter)?;
         let cables = robot.cables.iter().enumerate();
-        let expanded: Vec<String> = match each {
+        let expanded: Vec<String> = match is_per_cable(&parameter.name) {
             true => cables
                 .map(|(c, cable)| name_of_cable(&parameter.name, &cable.name, c))
                 .collect(),
@@ -211,6 +195,27 @@ fn parameters(list: &[AdsParameter], robot: &Robot) -> Checked {
             }
             names.insert(name);
         }
+    }
+    Ok(())
+}
+
+fn parameter(at: &str, parameter: &AdsParameter) -> Checked {
+    factor(&format!("{at}/scale"), parameter.scale)?;
+    placed(&format!("{at}/symbol"), &parameter.symbol)?;
+    if parameter.name.trim().is_empty() {
+        return fail(format!("{at}/name"), "found an empty text, expected a name");
+    }
+    let each = is_per_cable(&parameter.name);
+    if !each && is_per_cable(&parameter.symbol) {
+        let message = format!(
+            "found {:?}, expected {CABLE} in it, because the symbol is one per cable",
+            parameter.name
+        );
+        return fail(format!("{at}/name"), message);
+    }
+    if each && parameter.stride == 0 {
+        let message = "found 0, expected at least 1: every cable has its own element";
+        return fail(format!("{at}/stride"), message);
     }
     Ok(())
 }

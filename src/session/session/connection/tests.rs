@@ -84,26 +84,10 @@ fn faults_of_a_mapping_are_told_with_their_place() {
             json!(0),
             "/connection/ads/readings/revolutions/scale",
         ),
-        (
-            "/readings/revolutions/symbol",
-            json!("W{m}"),
-            "{n} its number",
-        ),
-        (
-            "/readings/force/symbol",
-            json!(["A"]),
-            "found 1 names, expected 2",
-        ),
-        (
-            "/readings/force/symbol",
-            json!(3),
-            "a name or a list of names",
-        ),
-        (
-            "/readings/pose/symbol",
-            json!(["A"]),
-            "found 1 names, expected 6",
-        ),
+        ("/readings/revolutions/symbol", json!("W{m}"), "{n} its"),
+        ("/readings/force/symbol", json!(["A"]), "expected 2"),
+        ("/readings/force/symbol", json!(3), "or a list of names"),
+        ("/readings/pose/symbol", json!(["A"]), "expected 6"),
         (
             "/readings/pose/rotation",
             json!("euler"),
@@ -117,16 +101,16 @@ fn faults_of_a_mapping_are_told_with_their_place() {
         ("/state", json!({}), "has to tell when it moves"),
         ("/release", json!(""), "/connection/ads/release"),
         ("/parameters/0/name", json!("home.x_m"), "one per cable"),
-        (
-            "/parameters/0/stride",
-            json!(0),
-            "/connection/ads/parameters/0/stride",
-        ),
+        ("/parameters/0/stride", json!(0), "/parameters/0/stride"),
     ];
     for (pointer, value, expected) in cases {
         let told = error(pointer, value);
         assert!(told.contains(expected), "{pointer}: {told}");
     }
+}
+
+#[test]
+fn a_parameter_is_named_once() {
     let again =
         json!([{"name": "{cable}.x", "symbol": "{cable}.x"}, {"name": "b.x", "symbol": "s"}]);
     let told = error("/parameters", again);

@@ -201,3 +201,28 @@ fn planned_poses_are_poses() {
     assert_eq!(planned.label, 2);
     assert!(planned.pose().difference(&pose).norm() < 1e-15);
 }
+
+#[test]
+fn poses_of_another_state_of_the_session_are_added_once() {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let empty = Session::new("new", robot, Timestamp::from_unix_seconds(0));
+    let measured = |labels: &[i64]| {
+        let mut session = empty.clone();
+        for label in labels {
+            let pose = MeasuredPose {
+                label: *label,
+                revolutions: vec![*label as f64; 8],
+                ..MeasuredPose::default()
+            };
+            session.append_pose(&pose).expect("a pose");
+        }
+        session
+    };
+    let mut session = measured(&[0, 2]);
+    let other = measured(&[0, 1, 2, 5]);
+    assert_eq!(session.append_missing(&other), Ok(vec![1, 5]));
+    assert_eq!(session.measurements.labels, [0, 2, 1, 5]);
+    assert_eq!(session.measurements.revolutions.row(3), [5.0; 8]);
+    assert_eq!(session.append_missing(&other), Ok(Vec::new()));
+    reads_back(&session);
+}

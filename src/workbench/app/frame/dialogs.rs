@@ -37,6 +37,7 @@ fn report(ui: &mut Ui, state: &mut State, mut saving: SavingReport) {
         let height = (ui.ctx().content_rect().height() - 180.0).max(80.0);
         egui::ScrollArea::vertical()
             .max_height(height)
+            .auto_shrink([false, true])
             .show(ui, |ui| choice(ui, &mut saving.choice));
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
@@ -142,6 +143,8 @@ pub fn broken(ui: &mut Ui, state: &mut State) {
         return;
     };
     let folder = state.folders.recovery();
+    ui.painter()
+        .rect_filled(ui.ctx().content_rect(), 0.0, theme::of(ui).panel);
     ui.vertical_centered(|ui| {
         ui.set_width(640.0_f32.min(ui.available_width() - 8.0 * GRID));
         ui.add_space(ui.available_height() * 0.2);

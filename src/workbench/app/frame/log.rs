@@ -13,6 +13,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     let mut open = state.windows.log;
     Window::new("Log")
         .open(&mut open)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(ui.ctx().content_rect().center())
         .default_size([640.0, 360.0])
         .show(ui.ctx(), |ui| {
             if state.messages.all().is_empty() {

@@ -10,6 +10,9 @@ use crate::app::state::State;
 use crate::app::theme;
 use crate::widgets::{icon_only, muted};
 
+/// Height of a line of a menu with the space below it (points).
+const LINE: f32 = 32.0;
+
 /// Gives the commands whose keys were pressed.
 pub fn shortcuts(ui: &Ui, state: &mut State) {
     let mut items = menu::items(state);
@@ -36,10 +39,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             ui.menu_button(menu.title(), |ui| {
-                items
-                    .iter()
-                    .filter(|item| item.menu == menu)
-                    .for_each(|item| line(ui, state, item));
+                lines(ui, state, (menu, &items));
             });
         }
         ui.separator();
@@ -48,6 +48,20 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             right(ui, state);
         });
     });
+}
+
+/// The lines of a menu; those of a long one are scrolled in a low window.
+fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
+    let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
+    let room = ui.ctx().content_rect().height() - 56.0;
+    let mut add = |ui: &mut Ui| own.iter().for_each(|item| line(ui, state, item));
+    if own.len() as f32 * LINE > room {
+        egui::ScrollArea::vertical()
+            .max_height(room)
+            .show(ui, |ui| add(ui));
+    } else {
+        add(ui);
+    }
 }
 
 fn line(ui: &mut Ui, state: &mut State, item: &Item) {

@@ -27,6 +27,7 @@ pub(super) fn whole(document: &Document) -> Standing {
         }
         Outcome::Written => Standing::new(Progress::InProgress, "written, not verified"),
         Outcome::RolledBack => Standing::new(Progress::NotStarted, "rolled back"),
+        Outcome::Begun => Standing::new(Progress::Attention, "writing was interrupted"),
         Outcome::Failed(_) => Standing::new(Progress::Attention, "writing failed"),
     }
 }

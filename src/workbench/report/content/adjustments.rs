@@ -31,6 +31,7 @@ fn sentence(adjustment: &Adjustment) -> String {
     let outcome = match outcome {
         Outcome::Written => "all values were written and read back".to_owned(),
         Outcome::RolledBack => "the old values were written back".to_owned(),
+        Outcome::Begun => "it was interrupted while values were being written".to_owned(),
         Outcome::Failed(reason) => format!("it failed: {reason}"),
     };
     let who = if operator.trim().is_empty() {

@@ -49,6 +49,10 @@ fn words(adjustment: &Adjustment) -> (Verdict, String) {
                 count(values, "value")
             ),
         ),
+        Outcome::Begun => (
+            Verdict::Bad,
+            "The program ended while values were being written: the controller may hold old and new ones.".to_owned(),
+        ),
         Outcome::Failed(why) => (Verdict::Bad, why.clone()),
     }
 }

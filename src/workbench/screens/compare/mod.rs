@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 
-use crate::app::State;
 use crate::app::commands::{COMPARING, CompareCommand, ViewCommand};
 use crate::app::theme::{self, GRID};
+use crate::app::{Part, State};
 use crate::comparison::{Compared, Side, Source, unexplained, verdict as in_words};
 use crate::samples::Sample;
 use crate::views::plots::small;
@@ -85,6 +85,9 @@ impl Remembered {
     }
 }
 
+/// Width of the window (points) below which one part is shown at a time.
+const COMPACT: f32 = 900.0;
+
 /// Draws the comparison.
 pub fn show(ui: &mut Ui, state: &mut State) {
     let side = Frame::new()
@@ -94,6 +97,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         .frame(side)
         .show(ui, |ui| chooser::show(ui, state));
     match state.screens.compare.result.clone() {
+        Some(Ok(compared)) if ui.available_width() < COMPACT => compact(ui, state, &compared),
         Some(Ok(compared)) => {
             Panel::right("differences")
                 .frame(side)
@@ -105,13 +109,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 .default_size(230.0)
                 .size_range(140.0..=500.0)
                 .show(ui, |ui| residuals(ui, state, &compared));
-            CentralPanel::no_frame().show(ui, |ui| {
-                let view = &mut state.views.compared_3d;
-                let (scene, selection) = (&compared.scene, state.selection);
-                if let Some(selection) = view.show(ui, scene, selection, &mut state.hovered) {
-                    state.outbox.send(ViewCommand::Select(selection));
-                }
-            });
+            CentralPanel::no_frame().show(ui, |ui| robots(ui, state, &compared));
         }
         Some(Err(error)) => {
             ui.add_space(6.0 * GRID);
@@ -127,6 +125,42 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             ui,
             "Choose two sessions of the same robot, such as before and after a repair. Here it is told which pulleys have moved and what is only noise.",
         ),
+    }
+}
+
+/// One part at a time, where the window has no room for all of them.
+fn compact(ui: &mut Ui, state: &mut State, compared: &Compared) {
+    let side = Frame::new()
+        .fill(theme::of(ui).panel)
+        .inner_margin(Margin::same(3 * GRID as i8));
+    Panel::top("parts of the comparison")
+        .frame(side)
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (part, title) in [
+                    (Part::Panel, "Differences"),
+                    (Part::Robot, "3D view"),
+                    (Part::Plots, "Residuals"),
+                ] {
+                    ui.selectable_value(&mut state.windows.part, part, title);
+                }
+            });
+        });
+    CentralPanel::no_frame()
+        .frame(side)
+        .show(ui, |ui| match state.windows.part {
+            Part::Panel => differences(ui, state, compared),
+            Part::Robot => robots(ui, state, compared),
+            Part::Plots => residuals(ui, state, compared),
+        });
+}
+
+/// Both robots in 3D.
+fn robots(ui: &mut Ui, state: &mut State, compared: &Compared) {
+    let view = &mut state.views.compared_3d;
+    let (scene, selection) = (&compared.scene, state.selection);
+    if let Some(selection) = view.show(ui, scene, selection, &mut state.hovered) {
+        state.outbox.send(ViewCommand::Select(selection));
     }
 }
 

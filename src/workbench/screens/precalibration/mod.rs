@@ -77,7 +77,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     match remembered.part {
         Part::Winches => pairs::show::<Winches>(ui, &mut desk, &mut remembered.winches),
         Part::ForceSensors => {
-            pairs::show::<ForceSensors>(ui, &mut desk, &mut remembered.force_sensors)
+            pairs::show::<ForceSensors>(ui, &mut desk, &mut remembered.force_sensors);
         }
         Part::Home => home::show(ui, &mut desk, &mut remembered.home),
     }

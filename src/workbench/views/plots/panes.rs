@@ -1,6 +1,6 @@
 //! Several plots beside each other: what is the same along x is zoomed and moved together.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use egui::{Align, Button, Layout, Popup, Rect, Ui, UiBuilder, vec2};
 use egui_material_icons::icons;
@@ -86,7 +86,7 @@ impl Panes {
     }
 
     /// Takes the place that a file dialog gave for the plot that is being saved.
-    pub fn picked(&mut self, path: &PathBuf) {
+    pub fn picked(&mut self, path: &Path) {
         for saving in self.places.iter_mut().filter_map(|p| p.saving.as_mut()) {
             saving.path = path.display().to_string();
         }

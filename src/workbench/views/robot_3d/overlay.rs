@@ -11,6 +11,8 @@ use crate::app::Selection;
 use crate::app::theme::{self, GRID, Palette};
 
 const SMALL: f32 = 11.5;
+/// Width of the picture (points) from which on there is room for everything at its lower edge.
+const WIDE: f32 = 520.0;
 
 /// Writes over the picture in `rect`.
 pub fn paint(
@@ -111,7 +113,7 @@ fn numbers(
         let label = (index + 1).to_string();
         let galley = painter.layout_no_wrap(label, theme::strong(13.0), colour);
         let radius = cable.wheel.radius_m * picture.scale_at(seen.depth_m);
-        let reach = (radius as f32).clamp(5.0, 0.2 * rect.height()) + 2.0;
+        let reach = (radius as f32).min(0.2 * rect.height()).max(5.0) + 2.0;
         let from_cable = cable
             .path
             .last()
@@ -229,10 +231,15 @@ fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
         metres(length),
         quiet(palette),
     );
+    let drawn = number.union(Rect::from_two_pos(left, right));
+    // Legends stand at the other end.
+    if rect.width() < WIDE {
+        return drawn;
+    }
     let grid = format!("Grid {}", metres(picture.scene.frame.floor.spacing_m));
     let beside = right + vec2(4.0 * GRID, 4.0);
     let grid = text(painter, beside, Align2::LEFT_BOTTOM, grid, quiet(palette));
-    number.union(grid).union(Rect::from_two_pos(left, right))
+    drawn.union(grid)
 }
 
 fn metres(length: f64) -> String {

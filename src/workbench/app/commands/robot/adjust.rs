@@ -1,12 +1,12 @@
 //! What is written to the controller, and how exactly the robot moves before and after.
 
-use tautline_link::adjusting::{self, Difference, Holds, plan_adjustment};
+use tautline_link::adjusting::{Adjustment as Written, Difference, Holds, plan_adjustment};
 use tautline_link::verifying::{circle, cube_poses, line};
-use tautline_session::{
-    Adjustment, CheckRow, NamedValue, Outcome, Phase, Stage, ValueChange, Verification,
-};
+use tautline_session::{Adjustment, CheckRow, NamedValue, Phase, Stage, Verification};
 
 use super::is_true_to_session;
+use crate::adjusting;
+pub use crate::adjusting::title;
 use crate::app::clock;
 use crate::app::robot::Purpose;
 use crate::app::state::State;
@@ -29,26 +29,16 @@ pub fn differences(state: &State) -> Vec<Difference> {
 /// The last adjustment, if it can be taken back.
 #[must_use]
 pub fn revertible(state: &State) -> Option<&Adjustment> {
-    let last = state.document.as_ref()?.session().adjustments().last()?;
-    (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
+    adjusting::revertible(state.document.as_ref()?.session())
 }
 
 pub(super) fn write(state: &mut State) {
-    let values: Vec<(String, f64)> = differences(state)
-        .into_iter()
-        .filter(Difference::is_writable_change)
-        .map(|difference| (difference.name, difference.identified))
-        .collect();
+    let values = adjusting::values_to_write(differences(state));
     give(state, values, Purpose::Adjust);
 }
 
 pub(super) fn roll_back(state: &mut State) {
-    let values = revertible(state).map_or_else(Vec::new, |last| {
-        let changes = last.changes.iter();
-        changes
-            .map(|change| (change.name.clone(), change.before))
-            .collect()
-    });
+    let values = revertible(state).map_or_else(Vec::new, adjusting::former_values);
     give(state, values, Purpose::RollBack);
 }
 
@@ -63,31 +53,28 @@ pub(super) fn written(
     state: &mut State,
     values: &[(String, f64)],
     purpose: Purpose,
-    result: Result<Box<adjusting::Adjustment>, String>,
+    result: Result<Box<Written>, String>,
 ) {
     let (adjustment, text) = match result {
         Ok(adjustment) => {
-            let text = told(&adjustment, purpose, values.len());
+            let text = adjusting::told(&adjustment, purpose, values.len());
             (Some(adjustment), text)
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),
     };
-    let done = adjustment.as_ref().is_some_and(|a| a.holds == Holds::New);
-    if done {
+    let holds = adjustment.as_ref().map(|a| &a.holds);
+    let outcome = adjusting::outcome(holds, purpose, &text);
+    if holds == Some(&Holds::New) {
         state.messages.info(&text);
     } else {
         state.messages.error(&text);
     }
-    let outcome = match (done, purpose) {
-        (true, Purpose::Adjust) => Outcome::Written,
-        (true, Purpose::RollBack) => Outcome::RolledBack,
-        (false, _) => Outcome::Failed(text.clone()),
-    };
+    let known = &state.link.parameters;
     let record = Adjustment {
         time: clock::now(),
         operator: state.preferences.operator.clone(),
         controller: state.link.identity.clone(),
-        changes: adjustment.map_or_else(Vec::new, |a| changes(state, &a.old, values)),
+        changes: adjustment.map_or_else(Vec::new, |a| adjusting::changes(known, &a.old, values)),
         outcome,
     };
     let held = held(state);
@@ -102,57 +89,10 @@ pub(super) fn written(
     }
 }
 
-fn told(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
-    let what = match (&adjustment.holds, purpose) {
-        (Holds::New, Purpose::Adjust) => {
-            format!(
-                "The identified values are in the controller and were read back ({values} changed)."
-            )
-        }
-        (Holds::New, Purpose::RollBack) => {
-            format!("The controller holds the former values again ({values} changed).")
-        }
-        (Holds::Old, _) => "The values were not written.".to_owned(),
-        (Holds::Mixed(names), _) => {
-            format!("Attention: {} values are half written.", names.len())
-        }
-        (Holds::Unknown, _) => "Attention: what the controller holds is not known.".to_owned(),
-    };
-    let problem = adjustment.problem.as_deref().unwrap_or_default();
-    let advice = match purpose {
-        Purpose::RollBack if adjustment.holds == Holds::New => "",
-        _ => adjustment.advice.as_str(),
-    };
-    [what.as_str(), problem, advice].join(" ").trim().to_owned()
-}
-
-fn changes(state: &State, old: &[(String, f64)], new: &[(String, f64)]) -> Vec<ValueChange> {
-    let unit = |name: &str| {
-        let known = state.link.parameters.iter().find(|p| p.name == name);
-        known.map_or("", |parameter| parameter.unit).to_owned()
-    };
-    let pairs = old.iter().zip(new);
-    pairs
-        .map(|((name, before), (_, after))| ValueChange {
-            name: name.clone(),
-            unit: unit(name),
-            before: *before,
-            after: *after,
-        })
-        .collect()
-}
-
 /// What the session's own simulated controller holds, to go on with it another time.
 fn held(state: &State) -> Option<Vec<NamedValue>> {
-    let parameters = state.link.parameters.iter();
-    (is_true_to_session(state) && !state.link.parameters.is_empty()).then(|| {
-        parameters
-            .map(|parameter| NamedValue {
-                name: parameter.name.clone(),
-                value: parameter.value,
-            })
-            .collect()
-    })
+    let parameters = &state.link.parameters;
+    (is_true_to_session(state) && !parameters.is_empty()).then(|| adjusting::held(parameters))
 }
 
 pub(super) fn verify(state: &mut State, stage: Stage) {
@@ -168,15 +108,6 @@ pub(super) fn verify(state: &mut State, stage: Stage) {
     targets.extend(circle(robot, workspace, POINTS.0));
     targets.extend(line(robot, workspace, POINTS.1));
     state.link.verify(targets, stage);
-}
-
-/// What a run of a stage is called.
-#[must_use]
-pub fn title(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Before => "Before the adjustment",
-        Stage::After => "After the adjustment",
-    }
 }
 
 pub(super) fn verified(state: &mut State, stage: Stage, result: Result<Vec<CheckRow>, String>) {

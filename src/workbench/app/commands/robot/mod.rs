@@ -16,9 +16,10 @@ use crate::app::state::State;
 use crate::controllers::{Kind, Rig};
 use crate::wording;
 
+pub use crate::planning::Outlook;
 pub use adjust::{differences, revertible, title};
 pub use files::Export;
-pub use plan::{EXPECTING, Outlook, PLANNING};
+pub use plan::{EXPECTING, PLANNING};
 pub use run::{kept, missing, not_kept, sentence};
 pub use setup::{CHECKING, Setup, SetupOutcome};
 

@@ -1,10 +1,7 @@
 //! Poses to measure.
 
-use tautline_core::effect::BoundEffect;
-use tautline_core::estimation::{Control, Method};
-use tautline_core::geometry::Pose;
-use tautline_core::measurement::Measurements;
-use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
+use tautline_core::estimation::Control;
+use tautline_core::planning::PlanProgress;
 use tautline_session::{Phase, PlannedPose, Session};
 
 use super::RobotOutcome;
@@ -13,31 +10,13 @@ use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::controllers::bounds;
+use crate::planning::{Outlook, SEED, outlook, stored_outlook};
 use crate::wording;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
 /// Title of the task that computes what to expect of a plan.
 pub const EXPECTING: &str = "Looking at the plan";
-
-/// Seed of the poses among which is chosen.
-const SEED: u64 = 1;
-
-/// A plan and what to expect of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outlook {
-    /// The poses in their order, the home pose first where it is to be measured.
-    pub poses: Vec<PlannedPose>,
-    /// What all poses together tell.
-    pub expected: Indices,
-    /// What as many poses drawn at random would tell.
-    pub random: Indices,
-    /// Standard deviation of the entry points after so many of the poses, home not counted (m).
-    pub after_m: Vec<Option<f64>>,
-    /// Length of the way (m).
-    pub way_m: f64,
-}
 
 pub(super) fn start(state: &mut State, poses: usize) {
     let Some(document) = &state.document else {
@@ -50,63 +29,14 @@ pub(super) fn start(state: &mut State, poses: usize) {
     state.tasks.start(PLANNING, move |task| {
         Outcome::Robot(RobotOutcome::Planned {
             document: identity,
-            result: outlook(&session, poses, task).map(Box::new),
+            result: foresee(&session, poses, task).map(Box::new),
         })
     });
 }
 
-/// What is planned: the options that depend on the session alone.
-fn options<'a>(
-    session: &Session,
-    effects: &'a [BoundEffect],
-    existing: &'a Measurements,
-    poses: usize,
-) -> PlanOptions<'a> {
-    let (workspace, tension) = bounds(&session.robot);
-    PlanOptions {
-        workspace: Some(workspace),
-        tension: Some(tension),
-        effects,
-        // Before more poses than the home pose are measured there is nothing to build on.
-        existing: (existing.len() > 1).then_some(existing),
-        method: match session.settings.identification.method {
-            tautline_session::Method::Simple => Method::Simple,
-            _ => Method::Joint,
-        },
-        ..PlanOptions::new(poses, SEED)
-    }
-}
-
-fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
-    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
-        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
-        .collect();
-    effects.map_err(|error| error.to_string())
-}
-
-fn outlook(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
-    let effects = effects(session)?;
-    let measured = session.dataset().measurements;
-    let options = options(session, &effects, &measured, poses);
+fn foresee(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
     let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-    let planned = plan(&session.robot, &options, &mut observe);
-    let planned = planned.map_err(|error| error.to_string())?;
-    task.tell(None, "what to expect");
-    Ok(Outlook::of(with_home(session, &planned), &planned))
-}
-
-impl Outlook {
-    fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
-        Self {
-            poses,
-            expected: planned.expected.indices,
-            random: planned.random.indices,
-            after_m: (0..=planned.poses.len())
-                .map(|count| planned.after(count).indices.mean_m)
-                .collect(),
-            way_m: planned.order.travel_m,
-        }
-    }
+    outlook(session, (poses, SEED), &mut observe)
 }
 
 /// Computes what to expect of the plan that the session has.
@@ -126,24 +56,9 @@ pub(super) fn expect_stored(state: &mut State) {
     });
 }
 
-/// What the plan of a session promises, built on what was measured outside of it.
 fn stored(session: &Session, task: &TaskHandle) -> Result<Outlook, String> {
-    let effects = effects(session)?;
-    let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
-    let measured = session.dataset().measurements;
-    let others: Vec<usize> = (0..measured.len())
-        .filter(|row| measured.labels[*row] == 0 || !is_planned(measured.labels[*row]))
-        .collect();
-    let measured = measured.select(&others);
-    let poses: Vec<Pose> = (session.plan.iter())
-        .filter(|pose| pose.label != 0)
-        .map(PlannedPose::pose)
-        .collect();
-    let options = options(session, &effects, &measured, poses.len());
-    let mut observe = |progress: &PlanProgress| tell(task, progress, poses.len());
-    let planned = expect(&session.robot, &poses, &options, &mut observe);
-    let planned = planned.map_err(|error| error.to_string())?;
-    Ok(Outlook::of(session.plan.clone(), &planned))
+    let mut observe = |progress: &PlanProgress| tell(task, progress, session.plan.len());
+    stored_outlook(session, &mut observe)
 }
 
 /// Takes what to expect of a stored plan, if it still is the plan.
@@ -178,18 +93,6 @@ fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
     } else {
         Control::Continue
     }
-}
-
-/// The poses with labels of their own, after the home pose where that is not measured yet.
-fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
-    let measured = &session.measurements.labels;
-    let first = measured.iter().copied().fold(0, i64::max).saturating_add(1);
-    let home = session.robot.home.filter(|_| !measured.contains(&0));
-    let home = home.map(|home| PlannedPose::new(0, &home.pose()));
-    let poses = planned.poses.iter().zip(first..);
-    home.into_iter()
-        .chain(poses.map(|(planned, label)| PlannedPose::new(label, &planned.pose)))
-        .collect()
 }
 
 pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<Outlook>, String>) {

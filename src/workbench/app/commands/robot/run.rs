@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::measuring::Accepted;
-use tautline_session::{MeasuredPose, Phase, Session};
+use tautline_session::{Phase, Session};
 
 use crate::app::Document;
 use crate::app::robot::{Pending, Report};
@@ -143,7 +143,7 @@ fn measured(state: &mut State, accepted: &Accepted) {
     };
     let session = document.session();
     let again = session.measurements.labels.contains(&accepted.label);
-    let mut pose = pose_of(accepted);
+    let mut pose = accepted.measured_pose();
     if again {
         pose.repeats = Some(accepted.label);
         pose.label = session.next_label();
@@ -192,22 +192,6 @@ pub(super) fn keep_again(state: &mut State) {
     if let Some(pending) = state.link.pending.as_mut().filter(|pending| pending.failed) {
         pending.failed = false;
         state.keeping.measured(pending.pose.clone());
-    }
-}
-
-fn pose_of(accepted: &Accepted) -> MeasuredPose {
-    let known = |value: f64| Some(value).filter(|value| value.is_finite());
-    MeasuredPose {
-        label: accepted.label,
-        time_s: known(accepted.time_s),
-        temperature_c: known(accepted.temperature_c),
-        commanded: Some(accepted.commanded),
-        revolutions: accepted.revolutions.clone(),
-        force_n: accepted.force_n.clone(),
-        laser_m: known(accepted.laser_m),
-        swivel_rad: accepted.swivel_rad.clone(),
-        inclination_rad: accepted.inclination_rad,
-        ..MeasuredPose::default()
     }
 }
 

@@ -1,0 +1,22 @@
+//! Identified values for those who enter them at a controller by other means.
+
+use anyhow::Result;
+use tautline_core::robot::Robot;
+use tautline_link::adjusting::Difference;
+use tautline_link::export::{differences_csv, structured_text};
+use tautline_link::parameters::parameters_of;
+use tautline_session::write_text;
+
+use super::Arguments;
+
+/// Writes the files that are asked for.
+pub fn write(arguments: &Arguments, model: &Robot, differences: &[Difference]) -> Result<()> {
+    if let Some(path) = &arguments.csv {
+        write_text(path, &differences_csv(differences))?;
+    }
+    if let Some(path) = &arguments.structured_text {
+        let title = format!("Identified parameters of {}", model.name);
+        write_text(path, &structured_text(&title, &parameters_of(model)))?;
+    }
+    Ok(())
+}

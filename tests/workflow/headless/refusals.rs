@@ -1,0 +1,184 @@
+//! What the commands with a robot refuse, in one sentence.
+
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use tautline_validation::program::program;
+
+use super::{beside, killed, plan, session};
+use crate::commands::program::{Folder, tautline};
+
+#[test]
+fn bad_input_is_named_and_leaves_nothing_behind() {
+    let folder = Folder::new();
+    let new = folder.join("new.json");
+    let known = folder.join("known.json");
+    let plan = plan(&folder, 6);
+    let begun = [
+        "measure",
+        &known,
+        "--controller",
+        "sim",
+        "--robot",
+        "mini",
+        "--arm",
+        "--plan",
+        &plan,
+    ];
+    tautline(&begun);
+    let labels = session(&known).measurements.labels;
+    assert_eq!(labels.len(), 7);
+    let text = std::fs::read_to_string(&plan).expect("a plan");
+    let bad = folder.write("bad.csv", &text.replacen("\n2,", "\n2,x", 1));
+    let recording = folder.join("recording");
+    tautline(&[
+        "simulate", "--robot", "planar", "--poses", "25", "--out", &recording,
+    ])
+    .succeeded();
+    let other = format!("replay:{recording}");
+    let missing = format!("replay:{}", folder.join("nowhere"));
+    let sim = ["--controller", "sim", "--arm"];
+    let with = |words: &[&str], more: &[&str]| tautline(&[words, more].concat());
+
+    with(
+        &["measure", &new, "--controller", "simulated", "--arm"],
+        &[],
+    )
+    .refused(&[
+        "--controller",
+        "\"simulated\"",
+        "expected sim, replay:DIR or ads:",
+    ]);
+    with(&["measure", &new], &sim).refused(&[&new, "not found", "--robot"]);
+    with(
+        &["measure", &new, "--robot", "mini", "--controller", "sim"],
+        &[],
+    )
+    .refused(&["--arm"]);
+    with(&["measure", &new, "--robot", "mini", "--plan", &bad], &sim)
+        .refused(&["bad.csv, line 4, column \"x_m\"", "expected a number"]);
+    with(
+        &["measure", &new, "--robot", "mini", "--stop-at", "0"],
+        &sim,
+    )
+    .refused(&["--stop-at"]);
+    with(&["measure", &new, "--controller", &missing, "--arm"], &[])
+        .refused(&["nowhere", "not found"]);
+    with(
+        &[
+            "measure",
+            &new,
+            "--controller",
+            "ads:robot/1.2.3.4.5",
+            "--arm",
+        ],
+        &[],
+    )
+    .refused(&["--controller", "Net ID"]);
+    with(&["measure", &known, "--controller", &other, "--arm"], &[])
+        .refused(&["a recording of the robot \"planar\"", "\"mini\""]);
+    with(&["measure", &known, "--robot", "hall"], &sim).refused(&["\"mini\"", "\"hall\""]);
+    with(&["adjust", &new], &sim).refused(&[&new, "not found"]);
+    with(&["adjust", &known, "--controller", "sim"], &[]).refused(&["--arm"]);
+    with(&["adjust", &known, "--roll-back"], &sim).refused(&["nothing to take back"]);
+    with(&["verify", &known, "--controller", "sim"], &[]).refused(&["--arm"]);
+    with(&["verify", &known, "--cycles", "1"], &sim).refused(&["--cycles"]);
+    with(&["verify", &known, "--check", &plan], &[]).refused(&["plan.csv"]);
+    let without = folder.join("without.json");
+    let real = ["measure", &without, "--controller", &other, "--arm"];
+    with(&real, &[]).succeeded();
+    with(&["measure", &without], &sim).refused(&[&without, "no simulated robot"]);
+
+    assert_eq!(session(&known).measurements.labels, labels);
+    assert_eq!(beside(&new), Vec::<std::path::PathBuf>::new());
+    assert_eq!(beside(&known), Vec::<std::path::PathBuf>::new());
+    assert!(!std::path::Path::new(&new).exists());
+}
+
+#[test]
+fn one_command_at_a_time_works_on_a_session() {
+    let folder = Folder::new();
+    let file = folder.join("mini.json");
+    let plan = plan(&folder, 6);
+    let arguments = [
+        "measure",
+        &file,
+        "--controller",
+        "sim",
+        "--robot",
+        "mini",
+        "--plan",
+        &plan,
+        "--arm",
+    ];
+    // In real time a run takes long enough to be met.
+    let mut first = Command::new(program())
+        .args(arguments)
+        .args(["--speed", "1"])
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    while !std::path::Path::new(&file).exists() {
+        assert!(
+            first.try_wait().expect("a state").is_none(),
+            "it ends early"
+        );
+        sleep(Duration::from_millis(2));
+    }
+    let second = tautline(&arguments);
+    assert_eq!(second.code, Some(1));
+    assert!(
+        second
+            .stderr
+            .contains("another program works on this session"),
+        "{}",
+        second.stderr
+    );
+    first.kill().expect("it runs");
+    first.wait().expect("it ends");
+    tautline(&arguments);
+    assert_eq!(session(&file).measurements.len(), 7);
+}
+
+/// An interrupted adjustment keeps everything from moving until it is settled.
+#[test]
+fn nothing_moves_with_half_written_values() {
+    let folder = Folder::new();
+    let file = folder.join("mini.json");
+    tautline(&[
+        "measure",
+        &file,
+        "--controller",
+        "sim",
+        "--robot",
+        "mini",
+        "--arm",
+    ])
+    .succeeded();
+    let adjust = ["adjust", &file, "--controller", "sim", "--arm"];
+    let controller = format!("{file}.controller");
+    for _ in 0..20 {
+        killed(&adjust, |_| std::path::Path::new(&controller).exists());
+        let last = session(&file)
+            .adjustments()
+            .last()
+            .map(|last| last.outcome.clone());
+        if last == Some(tautline_session::Outcome::Begun) {
+            let sim = ["--controller", "sim", "--arm"];
+            let refused = &[
+                "an adjustment of the controller was interrupted",
+                "tautline adjust",
+            ];
+            tautline(&[&["verify", &file], sim.as_slice()].concat()).refused(refused);
+            tautline(&[&["measure", &file], sim.as_slice()].concat()).refused(refused);
+            let dry = tautline(&["adjust", &file, "--controller", "sim", "--dry-run"]);
+            assert!(dry.succeeded().stdout.contains("was interrupted"));
+            tautline(&adjust).succeeded();
+            tautline(&[&["verify", &file], sim.as_slice()].concat()).succeeded();
+            return;
+        }
+        tautline(&[adjust.as_slice(), &["--roll-back"]].concat());
+    }
+    panic!("no kill of 20 came before the end of writing");
+}
