@@ -16,6 +16,8 @@ use crate::controllers::{FastClock, Opened, Rig};
 
 /// Attempts to make a connection anew that broke while values were written, before that goes on in the background.
 const ATTEMPTS: u32 = 6;
+/// Time after which nothing arrives any more that was sent over a lost connection (s).
+const LATE_S: f64 = 1.0;
 /// Between two samples that keep a real controller's release while nothing goes on; its program waits longer.
 const ARMED: Duration = Duration::from_millis(100);
 /// Between two samples by which a lost connection is noticed.
@@ -186,8 +188,13 @@ impl<W: FnMut(f64)> ReconnectPolicy for BringBack<W> {
         let mut attempts = Attempts {
             back_off: BackOff::default(),
             attempts: ATTEMPTS,
+            late_s: LATE_S,
             wait: &mut self.wait,
         };
         attempts.bring_back(controller)
+    }
+
+    fn pause(&mut self) {
+        (self.wait)(LATE_S);
     }
 }

@@ -205,7 +205,11 @@ impl Link {
     pub fn measure(&mut self, plan: Vec<(i64, Pose)>, measured: Vec<i64>, model: Robot) {
         let labels = plan.iter().map(|(label, _)| *label);
         let to_measure = labels.filter(|label| !measured.contains(label));
-        self.run = Some(RunLog::new(to_measure));
+        // What was seen in a run before is still to be looked at.
+        let before = self.run.take();
+        let mut run = RunLog::new(to_measure);
+        run.warnings = before.map_or_else(Vec::new, |run| run.warnings);
+        self.run = Some(run);
         self.tell(Order::Measure(Box::new(MeasuringOrder {
             plan,
             measured,
