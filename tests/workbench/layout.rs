@@ -3,15 +3,17 @@
 use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tautline_session::{Arrangement, Plots};
+use tautline_session::{Arrangement, ControllerKind, Plots};
 use tautline_workbench::app::Answer;
 use tautline_workbench::app::App;
+use tautline_workbench::app::commands::robot::Setup;
 use tautline_workbench::app::commands::{
-    CompareCommand, FileCommand, ModelCommand, ReportCommand, ViewCommand,
+    CompareCommand, FileCommand, ModelCommand, ReportCommand, RobotCommand, ViewCommand,
 };
 use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::{Screen, Step};
 use tautline_workbench::report::ReportFormat;
+use tautline_workbench::screens::connect::{LaserFrom, Part};
 use tautline_workbench::views::plots::Panes;
 
 use crate::measured::{Measured, give};
@@ -275,6 +277,25 @@ fn every_window_above_the_screen_fits() {
         ),
     ] {
         by_commands(&mut harness, what, [open, close]);
+    }
+    for part in [Part::Controller, Part::Symbols, Part::Laser] {
+        let mut open = |harness: &mut Harness<'_, App>| {
+            let state = &mut harness.state_mut().state;
+            state.outbox.send(RobotCommand::Setup(Setup::Open));
+            harness.step();
+            let draft = harness.state_mut().state.screens.connect.as_mut();
+            let draft = draft.expect("the window is open");
+            draft.kind = ControllerKind::Ads;
+            draft.own = true;
+            draft.part = part;
+            draft.laser.from = LaserFrom::Serial;
+        };
+        let mut close = |harness: &mut Harness<'_, App>| {
+            let state = &mut harness.state_mut().state;
+            state.outbox.send(RobotCommand::Setup(Setup::Close));
+            harness.step();
+        };
+        check_dialog(&mut harness, part.title(), [&mut open, &mut close]);
     }
     let mut open = |harness: &mut Harness<'_, App>| {
         harness

@@ -12,7 +12,7 @@ use crate::widgets::{Verdict, muted, section, verdict};
 
 /// Where the distance comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum From {
+pub enum LaserFrom {
     /// The controller.
     Controller,
     /// The operator.
@@ -27,7 +27,7 @@ pub enum From {
 #[derive(Debug)]
 pub struct LaserDraft {
     /// Where the distance comes from.
-    pub from: From,
+    pub from: LaserFrom,
     host: String,
     port: String,
     device: String,
@@ -59,7 +59,7 @@ impl LaserDraft {
                     port,
                     String::new(),
                     "9600".into(),
-                    From::Network,
+                    LaserFrom::Network,
                 )
             }
             LaserPort::Serial { device, baud, .. } => {
@@ -69,14 +69,14 @@ impl LaserDraft {
                     String::new(),
                     device.clone(),
                     baud,
-                    From::Serial,
+                    LaserFrom::Serial,
                 )
             }
         };
         Self {
             from: match settings {
-                LaserSettings::Controller => From::Controller,
-                LaserSettings::Manual => From::Manual,
+                LaserSettings::Controller => LaserFrom::Controller,
+                LaserSettings::Manual => LaserFrom::Manual,
                 LaserSettings::Line(_) => from,
             },
             host,
@@ -95,9 +95,9 @@ impl LaserDraft {
     /// The settings that it makes.
     pub fn settings(&self, problems: &mut Problems) -> Option<LaserSettings> {
         let port = match self.from {
-            From::Controller => return Some(LaserSettings::Controller),
-            From::Manual => return Some(LaserSettings::Manual),
-            From::Network => {
+            LaserFrom::Controller => return Some(LaserSettings::Controller),
+            LaserFrom::Manual => return Some(LaserSettings::Manual),
+            LaserFrom::Network => {
                 if self.host.trim().is_empty() {
                     let text = "found nothing, expected the name or address of the laser";
                     problems.add(Field::LaserHost, text);
@@ -108,7 +108,7 @@ impl LaserDraft {
                     port: port?,
                 }
             }
-            From::Serial => self.serial(problems)?,
+            LaserFrom::Serial => self.serial(problems)?,
         };
         let typed = |text: &String| Some(text.clone()).filter(|text| !text.trim().is_empty());
         let marks = self.no_return.split('|').map(str::trim);
@@ -164,16 +164,16 @@ impl LaserDraft {
     pub fn show(&mut self, ui: &mut Ui, problems: &Problems, busy: bool) {
         for (from, text) in [
             (
-                From::Controller,
+                LaserFrom::Controller,
                 "From the controller, with its other readings",
             ),
-            (From::Manual, "Typed by the operator at every pose"),
-            (From::Network, "From a device in the network"),
-            (From::Serial, "From a device at a serial port"),
+            (LaserFrom::Manual, "Typed by the operator at every pose"),
+            (LaserFrom::Network, "From a device in the network"),
+            (LaserFrom::Serial, "From a device at a serial port"),
         ] {
             ui.radio_value(&mut self.from, from, text);
         }
-        if matches!(self.from, From::Controller | From::Manual) {
+        if matches!(self.from, LaserFrom::Controller | LaserFrom::Manual) {
             self.test = None;
             return;
         }
@@ -182,7 +182,7 @@ impl LaserDraft {
             .num_columns(2)
             .spacing([3.0 * GRID, 1.5 * GRID])
             .show(ui, |ui| {
-                if self.from == From::Network {
+                if self.from == LaserFrom::Network {
                     line(
                         ui,
                         ("Laser host", "192.168.0.7"),
@@ -356,10 +356,10 @@ mod tests {
             assert_eq!(draft.settings(&mut problems), None);
             problems.of(field).expect("a problem").to_owned()
         };
-        draft.from = From::Network;
+        draft.from = LaserFrom::Network;
         assert!(problem(&draft, Field::LaserHost).contains("expected"));
         assert!(problem(&draft, Field::LaserPort).contains("1 to 65535"));
-        draft.from = From::Serial;
+        draft.from = LaserFrom::Serial;
         assert!(problem(&draft, Field::Device).contains("COM3"));
         draft.device = "COM3".into();
         draft.baud = "7".into();

@@ -21,6 +21,7 @@ use crate::app::theme::GRID;
 use crate::widgets::{TabOf, Verdict, heading, icon_button, muted, primary, tab_row, verdict};
 
 pub use draft::{Draft, Part};
+pub use laser::LaserFrom;
 
 /// Width of the window (points), where there is room.
 const WIDTH: f32 = 760.0;
