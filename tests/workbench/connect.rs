@@ -107,7 +107,7 @@ fn wrong_entries_are_told_beside_their_fields_and_settings_are_edits() {
     assert!(shows(&bench, "expected a number from 1 to 65535"));
     type_into(&mut bench, "Port", "48898");
     assert!(is_enabled(&bench, "Connect"));
-    bench.press("Laser");
+    bench.press("Laser source");
     bench.press("From a device in the network");
     assert!(shows(&bench, "expected the name or address of the laser"));
     bench.press("Typed by the operator at every pose");

@@ -3,7 +3,7 @@
 use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tautline_session::{Arrangement, ControllerKind, Plots};
+use tautline_session::{Arrangement, Plots};
 use tautline_workbench::app::Answer;
 use tautline_workbench::app::App;
 use tautline_workbench::app::commands::robot::Setup;
@@ -13,7 +13,6 @@ use tautline_workbench::app::commands::{
 use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::{Screen, Step};
 use tautline_workbench::report::ReportFormat;
-use tautline_workbench::screens::connect::{LaserFrom, Part};
 use tautline_workbench::views::plots::Panes;
 
 use crate::measured::{Measured, give};
@@ -278,24 +277,33 @@ fn every_window_above_the_screen_fits() {
     ] {
         by_commands(&mut harness, what, [open, close]);
     }
-    for part in [Part::Controller, Part::Symbols, Part::Laser] {
+    let parts: [(&str, &[&str]); 4] = [
+        ("recording", &["Recording"]),
+        ("controller", &["Beckhoff controller (ADS)"]),
+        (
+            "symbols",
+            &["Beckhoff controller (ADS)", "Symbols", "Names of one's own"],
+        ),
+        ("laser", &["Laser source", "From a device at a serial port"]),
+    ];
+    for (what, presses) in parts {
         let mut open = |harness: &mut Harness<'_, App>| {
             let state = &mut harness.state_mut().state;
             state.outbox.send(RobotCommand::Setup(Setup::Open));
             harness.step();
-            let draft = harness.state_mut().state.screens.connect.as_mut();
-            let draft = draft.expect("the window is open");
-            draft.kind = ControllerKind::Ads;
-            draft.own = true;
-            draft.part = part;
-            draft.laser.from = LaserFrom::Serial;
+            harness.step();
+            for name in presses {
+                harness.get_by_label(name).click_accesskit();
+                harness.step();
+                harness.step();
+            }
         };
         let mut close = |harness: &mut Harness<'_, App>| {
             let state = &mut harness.state_mut().state;
             state.outbox.send(RobotCommand::Setup(Setup::Close));
             harness.step();
         };
-        check_dialog(&mut harness, part.title(), [&mut open, &mut close]);
+        check_dialog(&mut harness, what, [&mut open, &mut close]);
     }
     let mut open = |harness: &mut Harness<'_, App>| {
         harness

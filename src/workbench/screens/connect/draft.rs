@@ -81,7 +81,7 @@ impl Part {
         match self {
             Self::Controller => "Controller",
             Self::Symbols => "Symbols",
-            Self::Laser => "Laser",
+            Self::Laser => "Laser source",
         }
     }
 }

@@ -10,7 +10,7 @@ use egui::{Grid, Id, Modal, ScrollArea, Ui};
 use egui_material_icons::icons;
 use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings, Reached};
 
-use self::draft::{Field, Present, Problems};
+use self::draft::{Field, Part, Present, Problems};
 use self::field::line;
 use self::symbols::SymbolRows;
 use crate::app::State;
@@ -20,8 +20,7 @@ use crate::app::edit::Edit;
 use crate::app::theme::GRID;
 use crate::widgets::{TabOf, Verdict, heading, icon_button, muted, primary, tab_row, verdict};
 
-pub use draft::{Draft, Part};
-pub use laser::LaserFrom;
+pub use draft::Draft;
 
 /// Width of the window (points), where there is room.
 const WIDTH: f32 = 760.0;
