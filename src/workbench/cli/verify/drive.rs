@@ -56,7 +56,7 @@ pub fn drive(
                 connection.stop();
                 return Err(anyhow!("{}", sentence(&text)));
             }
-            None => {}
+            Some(VerifyingEvent::Wanted { .. }) | None => {}
         }
     }
 }

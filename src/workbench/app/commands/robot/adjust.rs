@@ -105,8 +105,11 @@ pub(super) fn verify(state: &mut State, stage: Stage) {
     let robot = &document.session().robot;
     let workspace = connected.rig.workspace();
     let mut targets = cube_poses(robot, workspace);
-    targets.extend(circle(robot, workspace, POINTS.0));
-    targets.extend(line(robot, workspace, POINTS.1));
+    // Nobody types the poses of two paths.
+    if connected.rig.has_instrument() {
+        targets.extend(circle(robot, workspace, POINTS.0));
+        targets.extend(line(robot, workspace, POINTS.1));
+    }
     state.link.verify(targets, stage);
 }
 
@@ -114,7 +117,12 @@ pub(super) fn verified(state: &mut State, stage: Stage, result: Result<Vec<Check
     state.link.verifying = None;
     match result {
         Ok(rows) => {
-            let instrument = "with the simulated tracker";
+            let connected = state.link.connected.as_ref();
+            let typed = connected.is_some_and(|c| !c.rig.has_instrument());
+            let instrument = match typed {
+                true => "typed by the operator",
+                false => "with the simulated tracker",
+            };
             add(state, stage, rows, instrument);
         }
         Err(error) => state.messages.warning(format!(
