@@ -18,6 +18,7 @@ mod preferences;
 mod recovery;
 mod robot_file;
 mod session;
+mod symbols_file;
 mod table;
 
 pub use atomic::{write_bytes, write_text};
@@ -50,6 +51,7 @@ pub use session::{
     RecordingPlace, ResultRecord, Session, Settings, Simulator, Stage, Timestamp, ValueChange,
     Verification, is_per_cable, name_of_cable, parse_session, read_session, write_session,
 };
+pub use symbols_file::{read_symbols, write_symbols};
 
 /// The schemas of all documents that are read.
 #[must_use]
@@ -57,5 +59,6 @@ pub fn schemas() -> Vec<Schema> {
     vec![
         document_schema::<tautline_core::robot::Robot>(),
         document_schema::<session::SessionDocument>(),
+        document_schema::<AdsMapping>(),
     ]
 }
