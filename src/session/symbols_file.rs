@@ -55,7 +55,10 @@ mod tests {
         write_symbols(&path, &mapping).expect("written");
         let told = read_symbols(&path, &robot).expect_err("no scale");
         let told = told.to_string();
-        assert!(told.contains("/readings/revolutions/scale: found 0"), "{told}");
+        assert!(
+            told.contains("/readings/revolutions/scale: found 0"),
+            "{told}"
+        );
         let other = presets::find("planar").expect("a preset").robot;
         mapping.readings.revolutions.scale = 1.0;
         mapping.readings.revolutions.symbol =

@@ -33,6 +33,22 @@ pub fn revertible(state: &State) -> Option<&Adjustment> {
 }
 
 pub(super) fn write(state: &mut State) {
+    let fit = state.document.as_ref().and_then(|document| document.fit());
+    if fit.is_some_and(|fit| !fit.solution.converged()) {
+        state.windows.unconverged = true;
+        return;
+    }
+    write_identified(state);
+}
+
+pub(super) fn write_unconverged(state: &mut State, wanted: bool) {
+    state.windows.unconverged = false;
+    if wanted {
+        write_identified(state);
+    }
+}
+
+fn write_identified(state: &mut State) {
     let values = adjusting::values_to_write(differences(state));
     give(state, values, Purpose::Adjust);
 }

@@ -74,8 +74,10 @@ pub enum RobotCommand {
     TakeCheck(Stage),
     /// Reads what the controller holds.
     ReadBack,
-    /// Writes the identified values to the controller.
+    /// Writes the identified values to the controller; asks first where the identification did not converge.
     Write,
+    /// Answers whether values that did not converge are written.
+    WriteUnconverged(bool),
     /// Writes the values that were there before the last adjustment.
     RollBack,
     /// Writes a file; asks for its place.
@@ -140,6 +142,7 @@ pub(super) fn perform(state: &mut State, command: RobotCommand) {
         RobotCommand::TakeCheck(stage) => adjust::take_check(state, stage),
         RobotCommand::ReadBack => state.link.read_back(),
         RobotCommand::Write => adjust::write(state),
+        RobotCommand::WriteUnconverged(wanted) => adjust::write_unconverged(state, wanted),
         RobotCommand::RollBack => adjust::roll_back(state),
         RobotCommand::AskExport(export) => files::ask(state, export),
         RobotCommand::Export(export, path) => files::write(state, export, path),
