@@ -1,9 +1,12 @@
 //! The built program, for suites that start it.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use std::time::SystemTime;
+
+use serde_json::Value;
+use tempfile::TempDir;
 
 /// The program next to this test or program, built if it is missing or older than its sources.
 ///
@@ -59,4 +62,115 @@ fn newest(folder: &Path) -> Option<SystemTime> {
         false => modified(&entry.path()),
     });
     times.max()
+}
+
+/// What a run of the program left behind.
+pub struct Answer {
+    /// Its exit code; none where it was killed.
+    pub code: Option<i32>,
+    /// What it wrote to standard output.
+    pub stdout: String,
+    /// What it wrote to standard error.
+    pub stderr: String,
+}
+
+impl Answer {
+    /// Insists on success.
+    ///
+    /// # Panics
+    /// If there was none.
+    pub fn succeeded(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+        self
+    }
+
+    /// Insists on bad input: exit code 2, nothing on standard output, one sentence with these parts.
+    ///
+    /// # Panics
+    /// If it did otherwise.
+    pub fn refused(&self, parts: &[&str]) {
+        assert_eq!(self.code, Some(2), "{}{}", self.stdout, self.stderr);
+        assert_eq!(self.stdout, "");
+        assert_eq!(self.stderr.lines().count(), 1, "{}", self.stderr);
+        assert!(self.stderr.ends_with('\n'));
+        for part in parts {
+            assert!(self.stderr.contains(part), "{} lacks {part}", self.stderr);
+        }
+    }
+
+    /// Standard output, all of it, as JSON.
+    ///
+    /// # Panics
+    /// If it is none.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).expect("nothing but JSON on standard output")
+    }
+}
+
+/// Runs the program; nobody can type there.
+///
+/// # Panics
+/// If it cannot be started.
+pub fn tautline(arguments: &[&str]) -> Answer {
+    let output = Command::new(program())
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output();
+    let output = output.expect("the program starts");
+    Answer {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+/// A folder with paths in it as text.
+pub struct Folder(TempDir);
+
+impl Folder {
+    /// An empty one, removed with this.
+    ///
+    /// # Panics
+    /// If it cannot be made.
+    #[must_use]
+    #[expect(clippy::new_without_default, reason = "it makes a folder")]
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// A path in it.
+    ///
+    /// # Panics
+    /// If it is no text.
+    #[must_use]
+    pub fn join(&self, name: &str) -> String {
+        self.path().join(name).to_str().expect("UTF-8").to_owned()
+    }
+
+    /// Writes a file in it; its path.
+    ///
+    /// # Panics
+    /// If it cannot be written.
+    #[must_use]
+    pub fn write(&self, name: &str, text: &str) -> String {
+        std::fs::write(self.path().join(name), text).expect("written");
+        self.join(name)
+    }
+
+    /// A JSON file in it.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    pub fn json(&self, name: &str) -> Value {
+        let text = std::fs::read_to_string(self.path().join(name)).expect("a file");
+        serde_json::from_str(&text).expect("JSON")
+    }
 }

@@ -1,11 +1,18 @@
 //! Files that are either completely written or not at all.
 
-#[cfg(unix)]
 use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use std::time::Duration;
 
 use crate::error::WriteError;
+
+/// What the names of temporary files begin with.
+const PREFIX: &str = ".tautline-";
+/// Random letters and digits after it.
+const LETTERS: usize = 6;
+/// Nothing takes so long to write: a temporary file of this age is one that a killed program has left.
+const STALE: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// Writes a file by way of a temporary one in the same folder, which is then renamed: a reader
 /// sees the old content or the new, also after a power failure.
@@ -41,7 +48,7 @@ fn replace(
         _ => Path::new("."),
     };
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".tautline-");
+    builder.prefix(PREFIX).rand_bytes(LETTERS);
     // A temporary file is private by default, but this one becomes an ordinary file.
     #[cfg(unix)]
     builder.permissions(permissions(path));
@@ -50,7 +57,34 @@ fn replace(
     let file = writer.into_inner().map_err(|error| error.into_error())?;
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
-    sync_folder(folder)
+    sync_folder(folder)?;
+    remove_stale(folder);
+    Ok(())
+}
+
+/// Removes temporary files of programs that were killed while they wrote. What cannot be removed stays: nothing depends
+/// on it.
+fn remove_stale(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        if name.to_str().is_some_and(is_temporary) && is_stale(&entry) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether a file is called as [`replace`] calls its temporary ones.
+fn is_temporary(name: &str) -> bool {
+    let letters = name.strip_prefix(PREFIX);
+    letters.is_some_and(|l| l.len() == LETTERS && l.bytes().all(|b| b.is_ascii_alphanumeric()))
+}
+
+/// Whether it is a file, not a link to one, that nobody writes any more.
+fn is_stale(entry: &fs::DirEntry) -> bool {
+    let metadata = entry.metadata().ok().filter(fs::Metadata::is_file);
+    let modified = metadata.and_then(|metadata| metadata.modified().ok());
+    // One from the future, by a clock that was set, is no older than a day.
+    modified.is_some_and(|when| when.elapsed().is_ok_and(|age| age > STALE))
 }
 
 /// Waits until the names in a folder are on disk, where the operating system can be asked for it.
@@ -69,5 +103,45 @@ fn permissions(path: &Path) -> fs::Permissions {
     match fs::metadata(path) {
         Ok(metadata) => metadata.permissions(),
         Err(_) => fs::Permissions::from_mode(0o666),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::SystemTime;
+
+    use super::*;
+
+    #[test]
+    fn only_old_temporary_files_are_removed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let old = SystemTime::now() - STALE - Duration::from_secs(60);
+        for (name, when) in [
+            (".tautline-aB3dE9", old),
+            (".tautline-aB3dE8", SystemTime::now()),
+            (".tautline-notes.txt", old),
+            (".tautline-aB3dE9x", old),
+            ("notes", old),
+        ] {
+            let file = fs::File::create(path(name)).expect("a file");
+            file.set_modified(when).expect("a time");
+        }
+        fs::create_dir(path(".tautline-folder")).expect("a folder");
+        write_text(&path("written"), "text").expect("written");
+        let entries = fs::read_dir(folder.path()).expect("readable").flatten();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.file_name().into_string().expect("a name"))
+            .collect();
+        names.sort();
+        let expected = [
+            ".tautline-aB3dE8",
+            ".tautline-aB3dE9x",
+            ".tautline-folder",
+            ".tautline-notes.txt",
+            "notes",
+            "written",
+        ];
+        assert_eq!(names, expected);
     }
 }

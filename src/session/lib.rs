@@ -18,6 +18,7 @@ mod preferences;
 mod recovery;
 mod robot_file;
 mod session;
+mod symbols_file;
 mod table;
 
 pub use atomic::{write_bytes, write_text};
@@ -39,17 +40,18 @@ pub use phases::{
 };
 pub use plan_table::{read_plan, write_plan};
 pub use poses::{read_poses, write_poses};
-pub use preferences::{Arrangement, Layout, Plots, Preferences, RecentSession, Theme};
+pub use preferences::{Arrangement, Layout, Plots, Preferences, Reached, RecentSession, Theme};
 pub use recovery::{Changes, Keeper, LeftBehind, Recovered, left_behind};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
-    Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation,
-    AdsStatus, AdsSymbol, AdsSymbols, Connection, DiagnosisSettings, IdentificationSettings,
-    LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings, LogEntry, MeasuredPose,
-    Method, NamedValue, NotATimestamp, Outcome, Phase, PlannedPose, ResultRecord, Session,
-    Settings, Simulator, Stage, Timestamp, ValueChange, Verification, is_per_cable, name_of_cable,
-    parse_session, read_session, write_session,
+    Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose, AdsReadings,
+    AdsRotation, AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind, DiagnosisSettings,
+    IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
+    LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, Outcome, Phase, PlannedPose,
+    RecordingPlace, ResultRecord, Session, Settings, Simulator, Stage, Timestamp, ValueChange,
+    Verification, is_per_cable, name_of_cable, parse_session, read_session, write_session,
 };
+pub use symbols_file::{read_symbols, write_symbols};
 
 /// The schemas of all documents that are read.
 #[must_use]
@@ -57,5 +59,6 @@ pub fn schemas() -> Vec<Schema> {
     vec![
         document_schema::<tautline_core::robot::Robot>(),
         document_schema::<session::SessionDocument>(),
+        document_schema::<AdsMapping>(),
     ]
 }

@@ -8,7 +8,7 @@ use tautline_core::robot::FieldError;
 
 use crate::error::{Loaded, WriteError};
 use crate::json::{Document, read_document, write_document};
-use crate::session::Timestamp;
+use crate::session::{AdsPlace, LaserSettings, Timestamp};
 
 /// Number of recent sessions that are remembered.
 const MAX_RECENT: usize = 12;
@@ -31,6 +31,9 @@ pub struct Preferences {
     pub plots: Plots,
     /// What reports have and say.
     pub report: Report,
+    /// How controllers were reached last.
+    #[serde(skip_serializing_if = "Reached::is_empty")]
+    pub reached: Reached,
     /// Name of the operator, for the log of adjustments and the report.
     pub operator: String,
     recent: Vec<RecentSession>,
@@ -94,6 +97,24 @@ pub struct Report {
     pub without: Vec<String>,
 }
 
+/// How controllers were reached last, for sessions that do not say it yet.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Reached {
+    /// Where a controller that speaks ADS was found.
+    pub place: Option<AdsPlace>,
+    /// Where the laser distance came from.
+    pub laser: LaserSettings,
+}
+
+impl Reached {
+    /// Whether nothing is remembered.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A session that was open.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct RecentSession {
@@ -128,6 +149,7 @@ impl Default for Preferences {
             layout: Layout::default(),
             plots: Plots::default(),
             report: Report::default(),
+            reached: Reached::default(),
             operator: String::new(),
             recent: Vec::new(),
         }
@@ -159,6 +181,15 @@ impl Document for Preferences {
                 return fail(pointer, format!("found {length}, expected a length"));
             }
         }
+        let place = self.reached.place.as_ref();
+        place.map_or(Ok(()), AdsPlace::check).map_err(|error| {
+            let pointer = format!("/reached/place{}", error.pointer);
+            FieldError { pointer, ..error }
+        })?;
+        self.reached.laser.check().map_err(|error| {
+            let pointer = format!("/reached/laser{}", error.pointer);
+            FieldError { pointer, ..error }
+        })?;
         match self.window_size {
             Some(size) if !size.iter().all(is_size) => {
                 let message = format!("found {size:?}, expected a width and a height");

@@ -27,8 +27,9 @@ use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub use connection::{
-    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation, AdsStatus,
-    AdsSymbol, AdsSymbols, Connection, is_per_cable, name_of_cable,
+    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose, AdsReadings, AdsRotation,
+    AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind, RecordingPlace, is_per_cable,
+    name_of_cable,
 };
 pub(crate) use document::SessionDocument;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};

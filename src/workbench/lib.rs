@@ -13,6 +13,7 @@ mod precalibration;
 pub mod report;
 pub mod samples;
 mod screens;
+pub mod session_file;
 pub mod views;
 mod widgets;
 mod wording;

@@ -7,5 +7,6 @@ mod faults;
 mod names;
 mod page;
 mod plant;
+mod program;
 mod server;
 mod setting_up;

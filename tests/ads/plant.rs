@@ -22,6 +22,8 @@ use crate::server::{Orders, Server, Written};
 
 /// Simulated time of a sample (s).
 const STEP_S: f64 = 0.05;
+/// The same where the program drives, which samples at the pace of a real robot.
+const LONG_STEP_S: f64 = 0.25;
 
 /// A server with a robot behind it.
 pub struct Plant {
@@ -38,8 +40,17 @@ impl Plant {
         Self::changed(style, |_| ())
     }
 
+    /// With a robot whose time runs fast.
+    pub fn fast(style: Style) -> Self {
+        Self::with(style, LONG_STEP_S, |_| ())
+    }
+
     /// With changes to the simulated robot.
     pub fn changed(style: Style, change: impl FnOnce(&mut SimulatedSetup)) -> Self {
+        Self::with(style, STEP_S, change)
+    }
+
+    fn with(style: Style, step_s: f64, change: impl FnOnce(&mut SimulatedSetup)) -> Self {
         let preset = presets::find("mini").expect("a preset");
         let mut setup = SimulatedSetup::of_preset(&preset, 4);
         change(&mut setup);
@@ -53,6 +64,7 @@ impl Plant {
         let mut program = Program {
             robot,
             clock,
+            step_s,
             style,
             orders: server.orders(),
             places: places(&preset.robot, style),
@@ -128,6 +140,7 @@ impl Drop for Plant {
 struct Program {
     robot: SimulatedRobot,
     clock: ManualClock,
+    step_s: f64,
     style: Style,
     orders: Orders,
     places: Vec<Place>,
@@ -155,7 +168,7 @@ impl Program {
     fn take(&mut self, name: String, values: Vec<f64>) {
         let first = values.first().copied().unwrap_or(0.0);
         match name.strip_prefix("GVL_Tautline.") {
-            Some("watchdog") => self.clock.advance(STEP_S),
+            Some("watchdog") => self.clock.advance(self.step_s),
             Some("release") if first == 1.0 => {
                 self.fault = self.robot.arm().err().map(|e| e.to_string());
             }

@@ -6,8 +6,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_session::{Arrangement, Plots};
 use tautline_workbench::app::Answer;
 use tautline_workbench::app::App;
+use tautline_workbench::app::commands::robot::Setup;
 use tautline_workbench::app::commands::{
-    CompareCommand, FileCommand, ModelCommand, ReportCommand, ViewCommand,
+    CompareCommand, FileCommand, ModelCommand, ReportCommand, RobotCommand, ViewCommand,
 };
 use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::{Screen, Step};
@@ -274,6 +275,34 @@ fn every_window_above_the_screen_fits() {
         ),
     ] {
         by_commands(&mut harness, what, [open, close]);
+    }
+    let parts: [(&str, &[&str]); 4] = [
+        ("recording", &["Recording"]),
+        ("controller", &["Beckhoff controller (ADS)"]),
+        (
+            "symbols",
+            &["Beckhoff controller (ADS)", "Symbols", "Names of one's own"],
+        ),
+        ("laser", &["Laser source", "From a device at a serial port"]),
+    ];
+    for (what, presses) in parts {
+        let mut open = |harness: &mut Harness<'_, App>| {
+            let state = &mut harness.state_mut().state;
+            state.outbox.send(RobotCommand::Setup(Setup::Open));
+            harness.step();
+            harness.step();
+            for name in presses {
+                harness.get_by_label(name).click_accesskit();
+                harness.step();
+                harness.step();
+            }
+        };
+        let mut close = |harness: &mut Harness<'_, App>| {
+            let state = &mut harness.state_mut().state;
+            state.outbox.send(RobotCommand::Setup(Setup::Close));
+            harness.step();
+        };
+        check_dialog(&mut harness, what, [&mut open, &mut close]);
     }
     let mut open = |harness: &mut Harness<'_, App>| {
         harness

@@ -2,6 +2,7 @@
 
 mod adjustment;
 mod compare;
+mod connect;
 mod controller;
 mod crash;
 mod demo;
@@ -12,10 +13,19 @@ mod layout;
 mod measured;
 mod measuring;
 mod modeling;
+#[path = "../ads/names.rs"]
+#[allow(dead_code, reason = "the tests of ADS use all of it")]
+mod names;
+#[path = "../ads/plant.rs"]
+#[allow(dead_code, reason = "the tests of ADS use all of it")]
+mod plant;
 mod plots;
 mod precalibration;
 mod report;
 mod robot_3d;
+#[path = "../ads/server.rs"]
+#[allow(dead_code, reason = "the tests of ADS use all of it")]
+mod server;
 mod start;
 mod support;
 mod tables;

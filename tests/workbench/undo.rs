@@ -4,7 +4,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::effect::EffectSetting;
-use tautline_session::{Method, PhaseData, PlannedPose, WinchPair};
+use tautline_session::{Connection, LaserSettings, Method, PhaseData, PlannedPose, WinchPair};
 use tautline_workbench::app::App;
 use tautline_workbench::app::edit::{Edit, Editable};
 
@@ -16,7 +16,7 @@ const REDO: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 /// Kinds of edits.
-const KINDS: usize = 10;
+const KINDS: usize = 11;
 
 /// Number of the kind; a new kind does not compile before it has one here, and one in the list below.
 fn kind(edit: &Edit) -> usize {
@@ -31,6 +31,7 @@ fn kind(edit: &Edit) -> usize {
         Edit::SetPlan(..) => 7,
         Edit::SetRobot(..) => 8,
         Edit::SetPhases(..) => 9,
+        Edit::SetConnection(_) => 10,
     }
 }
 
@@ -69,6 +70,7 @@ fn edits(harness: &Harness<'_, App>) -> Vec<Edit> {
         Edit::SetPlan(vec![planned], "add a pose".into()),
         Edit::SetRobot(Box::new(robot), "change a radius".into()),
         Edit::SetPhases(Box::new(phases), "add a pair".into()),
+        Edit::SetConnection(Box::new((Connection::default(), LaserSettings::Manual))),
     ]
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::address::AdsAddress;
+use super::check::{SymbolCheck, SymbolFound};
 use super::layout::{Count, Layout, Slot, Wanted};
 use super::line::{Line, Place, Trouble};
 use super::options::AdsOptions;
@@ -228,6 +229,46 @@ fn symbols(line: &Line, wanted: &[Wanted]) -> Result<Vec<Symbol>, LinkError> {
         "the controller does not have {all} of the symbols that it should: {}{more}",
         missing.join(", ")
     )))
+}
+
+/// Connects and looks all symbols up, the wrong ones, too; nothing is written.
+pub(super) fn look_up(
+    address: &AdsAddress,
+    layout: &Layout,
+    options: &AdsOptions,
+    clock: Arc<dyn Clock>,
+) -> Result<Vec<SymbolCheck>, LinkError> {
+    let line = Line::open(address, options, clock)?;
+    let at = format!("the program at {address}");
+    let (running, state) = line.state().map_err(|trouble| opening(trouble, &at))?;
+    if !running {
+        return Err(LinkError::Refused(not_running(&state)));
+    }
+    let mut checks = Vec::with_capacity(layout.wanted.len());
+    for want in &layout.wanted {
+        let found = match line.symbol(&want.name) {
+            Ok(symbol) => {
+                let checked = symbol.check(want.expected);
+                let checked = checked.and_then(|()| check_count(&symbol, want.count));
+                let (type_name, bytes) = (symbol.type_name, symbol.size);
+                match checked {
+                    Ok(()) => SymbolFound::Good { type_name, bytes },
+                    Err(error) => SymbolFound::Wrong {
+                        type_name,
+                        bytes,
+                        why: error.to_string(),
+                    },
+                }
+            }
+            Err(Trouble::Refused(code)) => SymbolFound::Missing(code.explain()),
+            Err(Trouble::Lost(error)) => return Err(error),
+        };
+        checks.push(SymbolCheck {
+            name: want.name.clone(),
+            found,
+        });
+    }
+    Ok(checks)
 }
 
 fn check_count(symbol: &Symbol, count: Count) -> Result<(), LinkError> {

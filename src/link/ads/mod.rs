@@ -10,6 +10,7 @@
 //! the connection is dropped amid one.
 
 mod address;
+mod check;
 mod controller;
 mod layout;
 mod line;
@@ -21,5 +22,6 @@ mod reading;
 mod symbols;
 
 pub use address::AdsAddress;
+pub use check::{SymbolCheck, SymbolFound, check_symbols};
 pub use controller::AdsController;
 pub use options::AdsOptions;

@@ -96,7 +96,7 @@ impl Expected {
         }
     }
 
-    fn describe(self) -> &'static str {
+    pub fn describe(self) -> &'static str {
         match self {
             Self::Flag => "BOOL",
             Self::Integer => "an integer",

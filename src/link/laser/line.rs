@@ -30,6 +30,8 @@ struct Heard {
     reading: Option<(f64, Option<f64>)>,
     /// What was wrong last.
     trouble: Option<String>,
+    /// The last line as it came, what cannot be printed replaced.
+    line: Option<String>,
 }
 
 #[derive(Clone)]
@@ -47,6 +49,7 @@ impl Shared {
         *self.heard() = Heard {
             reading: None,
             trouble: Some(why),
+            line: None,
         };
     }
 
@@ -85,6 +88,12 @@ impl LineLaser {
             shared: Shared { heard, clock },
             running: None,
         }
+    }
+
+    /// The last line as it came, to find the right settings with; `None` before the first and of a lost connection.
+    #[must_use]
+    pub fn line(&self) -> Option<String> {
+        self.shared.heard().line.clone()
     }
 }
 
@@ -231,6 +240,7 @@ impl Listener {
                     let bytes = chunk.get(..count).unwrap_or_default();
                     lines.take(bytes, |line| {
                         any = true;
+                        self.shared.heard().line = line.map(printable);
                         if let Some(said) = self.reader.read(line) {
                             self.shared.hear(said);
                             asks = true;
@@ -249,6 +259,13 @@ impl Listener {
             }
         }
     }
+}
+
+/// A line as it can be shown.
+fn printable(line: &[u8]) -> String {
+    let text = String::from_utf8_lossy(line);
+    let shown = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    shown.collect()
 }
 
 fn is_wait(error: &io::Error) -> bool {

@@ -17,6 +17,7 @@ use crate::controller::LinkError;
 
 pub use line::LineLaser;
 pub use manual::ManualLaser;
+pub use port::serial_ports;
 pub use tautline_session::LaserSettings as LaserChoice;
 
 /// Longest distance that is believed (m).

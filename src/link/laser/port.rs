@@ -17,6 +17,18 @@ pub(super) trait Port: Read + Write + Send {}
 
 impl<P: Read + Write + Send> Port for P {}
 
+/// Names of the serial ports of this computer; none where the system does not tell.
+#[must_use]
+pub fn serial_ports() -> Vec<String> {
+    let mut ports: Vec<String> = SerialPort::available_ports()
+        .unwrap_or_default()
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    ports.sort();
+    ports
+}
+
 /// The name of a port, for messages.
 pub(super) fn name(port: &LaserPort) -> String {
     match port {

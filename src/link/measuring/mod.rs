@@ -36,6 +36,10 @@ use settling::Window;
 /// Answers that may be missing one after the other before the run gives up.
 const LOST_ANSWERS: usize = 5;
 
+/// Why a run waits whose connection is lost.
+pub const LOST: &str =
+    "the connection to the controller is lost; once it is there again, arm it and resume";
+
 /// What happened.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuringEvent {
@@ -223,7 +227,8 @@ impl MeasuringRun {
         self.hold("paused by the operator".to_owned());
     }
 
-    fn hold(&mut self, reason: String) {
+    /// Waits before the next step for a reason, unless it waits already.
+    pub fn hold(&mut self, reason: String) {
         if !self.paused && self.stage != Stage::Ended {
             self.paused = true;
             self.pending.push(MeasuringEvent::Paused { reason });
@@ -303,6 +308,16 @@ impl MeasuringRun {
         self.pending.push(MeasuringEvent::Failed(text));
     }
 
+    /// The connection is lost.
+    fn lose(&mut self, text: String) {
+        if self.options.waits_for_connection {
+            self.lost_answers = 0;
+            self.hold(LOST.to_owned());
+        } else {
+            self.fail(text);
+        }
+    }
+
     fn warn(&mut self, cable: Option<usize>, text: String) {
         self.pending.push(MeasuringEvent::Warning(Warning {
             label: self.current().unwrap_or(0),
@@ -316,7 +331,7 @@ impl MeasuringRun {
         let state = controller.state();
         match state.activity {
             Activity::Disconnected => {
-                return self.fail("The connection to the controller is lost.".to_owned());
+                return self.lose("The connection to the controller is lost.".to_owned());
             }
             Activity::Fault(text) => {
                 return self.fail(format!("The controller reports a fault: {text}."));
@@ -359,7 +374,9 @@ impl MeasuringRun {
             Err(error @ LinkError::Limit(_)) => self.hold(error.to_string()),
             Err(error) => {
                 self.lost_answers += 1;
-                if error.is_disconnection() || self.lost_answers >= LOST_ANSWERS {
+                if error.is_disconnection() {
+                    self.lose(error.to_string());
+                } else if self.lost_answers >= LOST_ANSWERS {
                     self.fail(error.to_string());
                 } else {
                     self.warn(None, error.to_string());
@@ -382,7 +399,7 @@ impl MeasuringRun {
         if let Err(error) = told {
             self.queue.push_front((label, pose));
             if error.is_disconnection() {
-                self.fail(error.to_string());
+                self.lose(error.to_string());
             } else {
                 self.hold(format!("pose {label} was not commanded: {error}"));
             }

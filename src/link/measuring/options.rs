@@ -35,6 +35,8 @@ pub struct MeasuringOptions {
     pub tension: TensionRange,
     /// Whether a pose without laser distance is refused.
     pub laser_required: bool,
+    /// Whether a run whose connection is lost waits until it is made anew, instead of ending.
+    pub waits_for_connection: bool,
     /// By how much a length or laser distance may miss its prediction without a warning (m).
     pub plausible_m: f64,
 }
@@ -65,6 +67,7 @@ impl MeasuringOptions {
             timeout_s: 60.0,
             tension: TensionRange::of(robot),
             laser_required: robot.laser.is_some(),
+            waits_for_connection: false,
             plausible_m: PLAUSIBLE * entry_sd_m.max(plane_sd_m.unwrap_or(0.0)).max(1e-3),
         }
     }

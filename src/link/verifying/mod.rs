@@ -6,11 +6,13 @@
 mod targets;
 #[cfg(test)]
 mod tests;
+mod typed;
 
 use tautline_core::geometry::{Pose, Twist};
 use tautline_session::{CheckPose, CheckRow};
 
 pub use targets::{CheckTarget, circle, cube_edges_m, cube_poses, line};
+pub use typed::TypedInstrument;
 
 use crate::controller::{Activity, Controller, Instrument, LinkError, Sample};
 
@@ -25,6 +27,18 @@ pub struct VerifyingOptions {
     pub settle_time_s: f64,
     /// Longest time from command to rest (s), by the controller's clock.
     pub timeout_s: f64,
+}
+
+impl VerifyingOptions {
+    /// For poses that somebody reads and types: each target once.
+    #[must_use]
+    pub fn typed() -> Self {
+        Self {
+            cycles: 1,
+            measurements: 1,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for VerifyingOptions {
@@ -48,6 +62,11 @@ pub enum VerifyingEvent {
         /// Targets over all cycles.
         of: usize,
     },
+    /// The platform stands still: the operator is to read where it is and to answer the [`TypedInstrument`] of the run.
+    Wanted {
+        /// Number of the target, that of [`Self::Commanded`].
+        number: usize,
+    },
     /// The instrument has measured a target.
     Attained(CheckRow),
     /// Everything is measured.
@@ -66,6 +85,10 @@ pub struct VerifyingRun {
     /// Controller's time of the command under way, and since when the platform rests.
     under_way: Option<(f64, Option<f64>)>,
     measured: Vec<CheckPose>,
+    /// The instrument whose readings are typed, if there is one.
+    asked: Option<TypedInstrument>,
+    /// Whether the target under way was asked for.
+    asks: bool,
     ended: bool,
 }
 
@@ -79,8 +102,17 @@ impl VerifyingRun {
             done: 0,
             under_way: None,
             measured: Vec::new(),
+            asked: None,
+            asks: false,
             ended: false,
         }
+    }
+
+    /// The same run with poses that the operator types; `instrument` is a clone of that of [`Self::tick`].
+    #[must_use]
+    pub fn asking(mut self, instrument: Option<TypedInstrument>) -> Self {
+        self.asked = instrument;
+        self
     }
 
     /// Whether it is over.
@@ -128,6 +160,9 @@ impl VerifyingRun {
         let Some((commanded_s, resting_s)) = self.under_way else {
             return self.command(controller, &sample).map(Some);
         };
+        if self.asks {
+            return self.wait_for_answer(instrument, &sample);
+        }
         if sample.time_s - commanded_s > self.options.timeout_s {
             return Err(LinkError::Timeout(self.options.timeout_s));
         }
@@ -140,11 +175,30 @@ impl VerifyingRun {
         if sample.time_s - since_s < self.options.settle_time_s {
             return Ok(None);
         }
+        if let Some(asked) = &self.asked {
+            asked.ask(self.done);
+            self.asks = true;
+            return Ok(Some(VerifyingEvent::Wanted { number: self.done }));
+        }
         self.measured.push(instrument.measure()?);
         if self.measured.len() < self.options.measurements {
             return Ok(None);
         }
         Ok(self.row(&sample).map(VerifyingEvent::Attained))
+    }
+
+    /// Goes on once the pose was typed.
+    fn wait_for_answer(
+        &mut self,
+        instrument: &mut dyn Instrument,
+        sample: &Sample,
+    ) -> Result<Option<VerifyingEvent>, LinkError> {
+        if self.asked.as_ref().is_some_and(TypedInstrument::waits) {
+            return Ok(None);
+        }
+        self.asks = false;
+        self.measured.push(instrument.measure()?);
+        Ok(self.row(sample).map(VerifyingEvent::Attained))
     }
 
     fn command(

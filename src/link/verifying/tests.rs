@@ -42,7 +42,7 @@ fn verify(
             Some(VerifyingEvent::Attained(row)) => rows.push(row),
             Some(VerifyingEvent::Finished) => return rows,
             Some(VerifyingEvent::Failed(text)) => panic!("{text}"),
-            Some(VerifyingEvent::Commanded { .. }) | None => {}
+            Some(VerifyingEvent::Commanded { .. } | VerifyingEvent::Wanted { .. }) | None => {}
         }
     }
 }
@@ -117,4 +117,44 @@ fn cubes_of_the_mini_robot_are_those_of_the_paper() {
             limits.check_pose(&target.pose).unwrap();
         }
     }
+}
+
+#[test]
+fn typed_poses_are_waited_for_as_long_as_it_takes() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let targets = cube_poses(&preset.robot, &preset.workspace)[..2].to_vec();
+    let mut instrument = TypedInstrument::default();
+    let mut run = VerifyingRun::new(targets.clone(), VerifyingOptions::typed())
+        .asking(Some(instrument.clone()));
+    let mut rows = Vec::new();
+    let mut asked = Vec::new();
+    loop {
+        clock.advance(0.1);
+        match run.tick(&mut robot, &mut instrument) {
+            Some(VerifyingEvent::Wanted { number }) => {
+                // Longer than any way may take.
+                for _ in 0..20 {
+                    clock.advance(10.0);
+                    assert_eq!(run.tick(&mut robot, &mut instrument), None);
+                }
+                let position_m = [0.1 * number as f64, 0.0, 0.0];
+                let pose = CheckPose {
+                    position_m,
+                    orientation_wxyz: None,
+                };
+                instrument.answer(number, pose).unwrap();
+                asked.push(number);
+            }
+            Some(VerifyingEvent::Attained(row)) => rows.push(row),
+            Some(VerifyingEvent::Finished) => break,
+            Some(VerifyingEvent::Failed(text)) => panic!("{text}"),
+            Some(VerifyingEvent::Commanded { .. }) | None => {}
+        }
+    }
+    assert_eq!(asked, [1, 2]);
+    let names: Vec<&str> = rows.iter().map(|row| row.target.as_str()).collect();
+    assert_eq!(names, [&*targets[0].target, &*targets[1].target]);
+    assert!((rows[1].attained.position_m[0] - 0.2).abs() < 1e-12);
+    assert_eq!(rows[1].attained.orientation_wxyz, None);
 }

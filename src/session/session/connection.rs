@@ -2,6 +2,7 @@
 
 mod check;
 mod defaults;
+mod place;
 #[cfg(test)]
 mod tests;
 
@@ -9,11 +10,21 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(super) use check::check;
+pub use place::{AdsPlace, ControllerKind, RecordingPlace};
 
-/// What is known of the controller of the robot.
+/// What is known of the controller of the robot: which one it is, and what belongs to each kind.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Connection {
+    /// Which controller is connected.
+    #[serde(skip_serializing_if = "ControllerKind::is_simulated")]
+    pub controller: ControllerKind,
+    /// The recording that is or was played.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<RecordingPlace>,
+    /// Where a controller that speaks ADS is or was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<AdsPlace>,
     /// Symbols of a controller that speaks ADS; absent: the default names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ads: Option<AdsMapping>,
@@ -23,7 +34,7 @@ impl Connection {
     /// Whether nothing is set.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.ads.is_none()
+        *self == Self::default()
     }
 }
 

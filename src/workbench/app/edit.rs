@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::Robot;
-use tautline_session::{Method, PhaseData, PlannedPose, Session, Settings};
+use tautline_session::{
+    Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings,
+};
 
 /// One change of what the operator edits.
 #[derive(Debug, Clone)]
@@ -27,6 +29,8 @@ pub enum Edit {
     SetPlan(Vec<PlannedPose>, String),
     /// Replaces the robot's description; the text says why, for the undo menu.
     SetRobot(Box<Robot>, String),
+    /// Replaces how the controller is reached and where the laser distance comes from.
+    SetConnection(Box<(Connection, LaserSettings)>),
     /// Replaces raw data of the phases around the poses; the text says which, for the undo menu.
     SetPhases(Box<PhaseData>, String),
 }
@@ -49,6 +53,7 @@ impl Edit {
         match self {
             Self::Rename(_) => "rename session".into(),
             Self::SetMethod(_) => "choose method".into(),
+            Self::SetConnection(_) => "choose controller".into(),
             Self::SetAlpha(_) => "choose false alarm probability".into(),
             Self::Exclude(label) => format!("exclude pose {label}"),
             Self::Include(label) => format!("include pose {label}"),
@@ -83,6 +88,9 @@ impl Edit {
             Self::SetAlpha(alpha) => session.settings.diagnosis.alpha = alpha,
             Self::SetRobot(robot, _) => session.robot = *robot,
             Self::SetPhases(phases, _) => session.phases = *phases,
+            Self::SetConnection(settings) => {
+                (session.connection, session.laser_source) = *settings;
+            }
         }
     }
 }
@@ -95,6 +103,8 @@ pub struct Editable {
     phases: PhaseData,
     settings: Settings,
     plan: Vec<PlannedPose>,
+    connection: Connection,
+    laser: LaserSettings,
     excluded: BTreeSet<i64>,
 }
 
@@ -108,6 +118,8 @@ impl Editable {
             phases: session.phases.clone(),
             settings: session.settings.clone(),
             plan: session.plan.clone(),
+            connection: session.connection.clone(),
+            laser: session.laser_source.clone(),
             excluded: session.excluded().clone(),
         }
     }
@@ -126,6 +138,8 @@ impl Editable {
         session.phases = self.phases;
         session.settings = self.settings;
         session.plan = self.plan;
+        session.connection = self.connection;
+        session.laser_source = self.laser;
         for label in session.excluded().clone().difference(&self.excluded) {
             session.include(*label);
         }
@@ -292,6 +306,7 @@ mod tests {
             Edit::SetPlan(vec![planned], "plan".into()),
             Edit::SetRobot(Box::new(robot), "radius".into()),
             Edit::SetPhases(Box::new(phases), "winch table".into()),
+            Edit::SetConnection(Box::new((Connection::default(), LaserSettings::Manual))),
         ];
         let mut history = History::default();
         let mut states = vec![Editable::of(&session)];

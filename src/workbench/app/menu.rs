@@ -3,9 +3,10 @@
 use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 
 use super::command::Command;
+use super::commands::robot::Setup;
 use super::commands::{
     CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, ModelCommand, PoseStep, ReportCommand,
-    ViewCommand,
+    RobotCommand, ViewCommand,
 };
 use super::screen::{Screen, Step};
 use super::state::State;
@@ -22,11 +23,13 @@ pub enum Menu {
     View,
     /// What computes.
     Model,
+    /// The robot and its controller.
+    Robot,
 }
 
 impl Menu {
     /// All, from the left.
-    pub const ALL: [Self; 4] = [Self::File, Self::Edit, Self::View, Self::Model];
+    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::View, Self::Model, Self::Robot];
 
     /// What the operator reads.
     #[must_use]
@@ -36,6 +39,7 @@ impl Menu {
             Self::Edit => "Edit",
             Self::View => "View",
             Self::Model => "Model",
+            Self::Robot => "Robot",
         }
     }
 }
@@ -72,6 +76,7 @@ pub fn items(state: &State) -> Vec<Item> {
     items.extend(edit(state));
     items.extend(view(state));
     items.extend(model(state));
+    items.extend(robot(state));
     items
 }
 
@@ -312,5 +317,33 @@ fn model(state: &State) -> Vec<Item> {
             computing,
             ModelCommand::Stop,
         ),
+    ]
+}
+
+fn robot(state: &State) -> Vec<Item> {
+    let open = state.document.is_some();
+    let connected = state.link.is_connected();
+    let lost = state.link.lost().is_some();
+    let armed = state.link.is_armed();
+    let busy = state.link.is_busy();
+    let robot = |title: &str, enabled, command: RobotCommand| {
+        item(Menu::Robot, title, None, enabled, command)
+    };
+    vec![
+        item(
+            Menu::Robot,
+            "Connect…",
+            keys(CONTROL_SHIFT, Key::K),
+            open,
+            RobotCommand::Setup(Setup::Open),
+        ),
+        robot(
+            "Disconnect",
+            (connected && !busy) || lost,
+            RobotCommand::Disconnect,
+        ),
+        robot("Arm the robot", connected && !armed, RobotCommand::Arm),
+        robot("Disarm the robot", armed, RobotCommand::Disarm),
+        robot("Stop the robot now", connected, RobotCommand::Stop),
     ]
 }

@@ -92,6 +92,9 @@ impl App {
             ui.ctx().request_repaint();
         }
         state.keeping.follow(state.document.as_ref());
+        if let Some(text) = state.own_file.follow(state.document.as_ref()) {
+            state.messages.warning(text);
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use super::screen::Screen;
 use super::selection::Selection;
 use super::tasks::Tasks;
 use crate::screens::Screens;
+use crate::session_file::OwnFile;
 use crate::views::Views;
 use crate::views::plots::Panes;
 
@@ -45,6 +46,8 @@ pub struct Windows {
     pub palette: Option<String>,
     /// What a small window shows.
     pub part: Part,
+    /// Whether it is asked for leave to write values that did not converge.
+    pub unconverged: bool,
     /// The report that is to be saved, while its place is asked for.
     pub report: Option<SavingReport>,
     /// Whether the log is open.
@@ -72,6 +75,8 @@ pub struct State {
     pub selection: Selection,
     /// What is under the pointer, everywhere.
     pub hovered: Selection,
+    /// Keeps commands from the file of the open session while it has unsaved changes.
+    pub own_file: OwnFile,
     /// Keeps what is not saved yet.
     pub keeping: Keeping,
     /// Where preferences and what is not saved yet lie.
@@ -130,6 +135,7 @@ impl State {
             options,
             context: context.clone(),
             document: None,
+            own_file: OwnFile::default(),
             screen: Screen::default(),
             selection: Selection::default(),
             hovered: Selection::default(),

@@ -18,6 +18,7 @@ mod published;
 mod report;
 mod schemas;
 mod simulate;
+mod symbols;
 mod table;
 mod verify;
 
@@ -75,6 +76,8 @@ enum Command {
     Adjust(adjust::Arguments),
     /// Drive to test poses and paths, and say how exactly the robot moves
     Verify(verify::Arguments),
+    /// Print the default names of a controller's symbols, as --symbols reads them
+    Symbols(symbols::Arguments),
     /// List the physical effects that simulate can hide and identify can free
     Effects,
     /// Write the JSON Schemas of the file formats
@@ -88,14 +91,14 @@ enum Command {
 /// Input that the user has to correct; ends the program with exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-struct BadInput(String);
+pub(crate) struct BadInput(String);
 
 impl BadInput {
     #[expect(
         clippy::new_ret_no_self,
         reason = "commands only return it, as the error of their result"
     )]
-    fn new(message: impl std::fmt::Display) -> anyhow::Error {
+    pub(crate) fn new(message: impl std::fmt::Display) -> anyhow::Error {
         Self(message.to_string()).into()
     }
 }
@@ -124,6 +127,7 @@ pub fn run() -> ExitCode {
         Command::Report(arguments) => report::run(&arguments),
         Command::Adjust(arguments) => adjust::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Symbols(arguments) => symbols::run(&arguments),
         Command::Effects => {
             effects::run();
             Ok(())

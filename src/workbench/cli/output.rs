@@ -12,6 +12,11 @@ pub fn line(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
+/// A line on standard error, beside the result.
+pub fn tell_error(text: String) {
+    eprintln!("{text}");
+}
+
 /// `println!` by way of [`line()`].
 macro_rules! say {
     ($($text:tt)*) => {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use tautline_link::ads::AdsAddress;
+use tautline_session::{ControllerKind, Session};
 
 /// What can be asked for.
 const KNOWN: &str = "expected sim, replay:DIR or ads:HOST[:PORT]/NETID[:AMSPORT]";
@@ -26,6 +27,31 @@ pub enum ControllerChoice {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct NoChoice(String);
+
+impl ControllerChoice {
+    /// The one of a session's settings.
+    #[must_use]
+    pub fn of(session: &Session) -> Self {
+        let connection = &session.connection;
+        // A session that is checked has what its kind of controller needs.
+        match (
+            connection.controller,
+            &connection.recording,
+            &connection.place,
+        ) {
+            (ControllerKind::Recording, Some(recording), _) => {
+                Self::Replay(PathBuf::from(&recording.folder))
+            }
+            (ControllerKind::Ads, _, Some(place)) => Self::Ads(AdsAddress {
+                host: place.host.clone(),
+                port: place.port,
+                net_id: place.net_id,
+                ams_port: place.ams_port,
+            }),
+            _ => Self::Simulated,
+        }
+    }
+}
 
 impl FromStr for ControllerChoice {
     type Err = NoChoice;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tautline_core::robot::Robot;
-use tautline_link::ads::{AdsController, AdsOptions};
+use tautline_link::ads::AdsController;
 use tautline_link::laser::{self, ManualLaser};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
 use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station, SystemClock};
@@ -58,11 +58,10 @@ impl Rig {
                 let replay = replay.map_err(|e| LinkError::Setup(format!("{place}: {e}")))?;
                 (Box::new(replay) as Box<dyn Controller>, None)
             }
-            Source::Ads(address, mapping) => {
+            Source::Ads(address, mapping, options) => {
                 let clock = Arc::new(SystemClock::start());
-                let options = AdsOptions::default();
                 let ads =
-                    AdsController::new(address.clone(), mapping, self.robot(), options, clock);
+                    AdsController::new(address.clone(), mapping, self.robot(), *options, clock);
                 (Box::new(ads?) as Box<dyn Controller>, None)
             }
         };

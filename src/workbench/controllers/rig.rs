@@ -6,10 +6,10 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::Limits;
-use tautline_link::ads::AdsAddress;
+use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::laser::LaserChoice;
 use tautline_link::simulated::SimulatedSetup;
-use tautline_session::{AdsMapping, Session};
+use tautline_session::{AdsMapping, ControllerKind, Session};
 
 use super::choice::ControllerChoice;
 
@@ -27,9 +27,17 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What a session can be connected to.
+    /// What a session is connected to by its settings.
     #[must_use]
     pub fn offered(session: &Session) -> Self {
+        match session.connection.controller {
+            ControllerKind::Simulated => Self::simulated(session),
+            ControllerKind::Recording => Self::Recording,
+            ControllerKind::Ads => Self::Real,
+        }
+    }
+
+    fn simulated(session: &Session) -> Self {
         if session.simulator.is_some() {
             Self::OfSession
         } else {
@@ -55,17 +63,18 @@ pub struct Rig {
 pub(super) enum Source {
     Simulated(Box<SimulatedSetup>),
     Replay(PathBuf),
-    Ads(AdsAddress, Box<AdsMapping>),
+    Ads(AdsAddress, Box<AdsMapping>, AdsOptions),
 }
 
 /// Seed of the noise of a robot that is simulated from its description.
 const SEED: u64 = 1;
 
 impl Rig {
-    /// The controller that a session offers; it can correct its robot's effects, those of the model and `identified` ones.
+    /// The controller of a session's settings; a simulated one can correct its robot's effects, those of the model and
+    /// `identified` ones.
     #[must_use]
     pub fn of(session: &Session, identified: &[EffectSetting]) -> Self {
-        Self::chosen(session, identified, &ControllerChoice::Simulated, None)
+        Self::chosen(session, identified, &ControllerChoice::of(session), None)
     }
 
     /// The controller that was chosen for a session. A simulated one corrects the effects that [`Rig::of`] says, and
@@ -86,13 +95,17 @@ impl Rig {
         let (kind, source) = match choice {
             ControllerChoice::Simulated => {
                 let setup = setup_of(session, identified, &limits);
-                (Kind::offered(session), Source::Simulated(Box::new(setup)))
+                (Kind::simulated(session), Source::Simulated(Box::new(setup)))
             }
             ControllerChoice::Replay(folder) => (Kind::Recording, Source::Replay(folder.clone())),
             ControllerChoice::Ads(address) => {
                 let own = session.connection.ads.clone();
                 let mapping = own.unwrap_or_else(|| AdsMapping::default_for(&session.robot));
-                (Kind::Real, Source::Ads(address.clone(), Box::new(mapping)))
+                let place = session.connection.place.as_ref();
+                let mut options = AdsOptions::default();
+                options.timeout_s = place.map_or(options.timeout_s, |place| place.timeout_s);
+                let source = Source::Ads(address.clone(), Box::new(mapping), options);
+                (Kind::Real, source)
             }
         };
         Self {
@@ -108,6 +121,18 @@ impl Rig {
     #[must_use]
     pub fn runs_in_real_time(&self) -> bool {
         self.kind == Kind::Real
+    }
+
+    /// Whether a lost connection is made anew: that of a real controller is.
+    #[must_use]
+    pub fn reconnects(&self) -> bool {
+        self.kind == Kind::Real
+    }
+
+    /// Whether an instrument watches the robot; where none does, poses are typed.
+    #[must_use]
+    pub fn has_instrument(&self) -> bool {
+        matches!(self.source, Source::Simulated(_))
     }
 
     /// Whether the controller can correct an effect.

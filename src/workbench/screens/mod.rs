@@ -2,6 +2,7 @@
 
 pub mod adjustment;
 pub mod compare;
+pub mod connect;
 mod desk;
 pub mod identification;
 pub mod measuring;
@@ -29,6 +30,8 @@ pub struct Screens {
     pub precalibration: precalibration::Remembered,
     /// Of phase 2.
     pub modeling: modeling::Remembered,
+    /// Of the window that connects, while it is open.
+    pub connect: Option<Box<connect::Draft>>,
     /// Of the comparison.
     pub compare: compare::Remembered,
 }

@@ -11,7 +11,7 @@ mod text;
 
 pub use button::{icon_button, icon_only, primary};
 pub use import_row::{Import, import_row};
-pub use number::{Entered, Number, number};
+pub use number::{Entered, Number, number, parse as parse_number};
 pub use parts::parts;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
 pub use tab_row::{TabOf, tab_row};

@@ -7,7 +7,7 @@ use std::time::Duration;
 use tautline_validation::program::program;
 
 use super::{beside, killed, plan, session};
-use crate::commands::program::{Folder, tautline};
+use crate::commands::program::{Folder, assert_valid, tautline};
 
 #[test]
 fn bad_input_is_named_and_leaves_nothing_behind() {
@@ -181,4 +181,77 @@ fn nothing_moves_with_half_written_values() {
         tautline(&[adjust.as_slice(), &["--roll-back"]].concat());
     }
     panic!("no kill of 20 came before the end of writing");
+}
+
+#[test]
+fn what_has_to_be_typed_needs_somebody_who_types() {
+    let folder = Folder::new();
+    let file = folder.join("mini.json");
+    let plan = plan(&folder, 6);
+    let recording = folder.join("recording");
+    tautline(&[
+        "simulate", "--robot", "mini", "--poses", "25", "--out", &recording,
+    ])
+    .succeeded();
+    let sim = ["--controller", "sim", "--robot", "mini", "--arm"];
+    let measure = [&["measure", &file, "--plan", &plan], sim.as_slice()].concat();
+    // Nobody there: the robot does not move.
+    tautline(&[&measure, ["--laser", "manual"].as_slice()].concat()).refused(&[
+        "not moved",
+        "laser distances have to be typed",
+        "terminal",
+    ]);
+    assert!(!std::path::Path::new(&file).exists());
+    // Somebody who types once: what is measured stays.
+    let mut child = Command::new(program())
+        .args(&measure)
+        .args(["--laser", "manual"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut input = child.stdin.take().expect("a pipe");
+    std::io::Write::write_all(&mut input, b"-\n").expect("it reads");
+    drop(input);
+    let answer = child.wait_with_output().expect("it ends");
+    let told = String::from_utf8(answer.stderr).expect("text");
+    assert_eq!(answer.status.code(), Some(2), "{told}");
+    let last = told.lines().last().expect("a sentence");
+    assert!(
+        last.contains("No laser distance was typed for pose") && last.contains("goes on"),
+        "{told}"
+    );
+    let replay = format!("replay:{recording}");
+    let real = folder.join("real.json");
+    tautline(&["measure", &real, "--controller", &replay, "--arm"]).succeeded();
+    tautline(&["verify", &real, "--controller", &replay, "--arm"]).refused(&[
+        "not moved",
+        "has to be typed",
+        "terminal",
+    ]);
+}
+
+#[test]
+fn symbols_are_printed_and_belong_to_a_controller_that_has_some() {
+    let folder = Folder::new();
+    let symbols = folder.join("symbols.json");
+    let printed = tautline(&["symbols", "mini"]).succeeded().json();
+    assert_valid(&printed);
+    tautline(&["symbols", "mini", "--out", &symbols]).succeeded();
+    assert_eq!(folder.json("symbols.json"), printed);
+    let file = folder.join("mini.json");
+    let with = |symbols: &str, controller: &str| {
+        let words = ["measure", &file, "--robot", "mini", "--arm", "--symbols"];
+        tautline(&[words.as_slice(), &[symbols, "--controller", controller]].concat())
+    };
+    with(&symbols, "sim").refused(&["--symbols", "controller sim", "expected ads:"]);
+    let text = printed.to_string();
+    let wrong = folder.write("wrong.json", &text.replace("\"GVL_Tautline.moving\"", "7"));
+    let ads = "ads:127.0.0.1:1/1.2.3.4.5.6";
+    with(&wrong, ads).refused(&["wrong.json", "/state/moving", "expected"]);
+    let wrong = folder.write("wrong.json", &text.replace("GVL_Tautline.moving", "a b"));
+    with(&wrong, ads).refused(&["wrong.json", "/state/moving", "the name of a symbol"]);
+    with(&folder.join("none.json"), ads).refused(&["none.json", "not found"]);
+    assert!(!std::path::Path::new(&file).exists());
 }

@@ -88,7 +88,17 @@ fn the_published_method_is_written_as_well() {
     };
     run(&["measure", "--robot", "mini"]);
     run(&["verify"]);
-    let adjusted = run(&["adjust", "--method", "published"]);
+    // It uses up its steps here, so that somebody has to want its values.
+    let refused = tautline(&[&["adjust", "--method", "published", &file], &sim[..]].concat());
+    assert_eq!((refused.code, refused.stdout.as_str()), (Some(1), ""));
+    let told = &refused.stderr;
+    assert!(
+        told.contains("60 steps were used up: nothing was written")
+            && told.contains("--unconverged"),
+        "{told}"
+    );
+    assert!(session(&file).adjustments().is_empty());
+    let adjusted = run(&["adjust", "--method", "published", "--unconverged"]);
     assert_eq!(
         (&adjusted["outcome"], &adjusted["method"]),
         (&"written".into(), &"published".into())

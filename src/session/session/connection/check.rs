@@ -7,8 +7,10 @@ use tautline_core::robot::{FieldError, Robot};
 use super::super::fail;
 use super::{
     AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsSymbol, AdsSymbols, CABLE,
-    Connection, NUMBER, is_per_cable, name_of_cable,
+    Connection, ControllerKind, NUMBER, is_per_cable, name_of_cable,
 };
+
+use crate::json::Document;
 
 type Checked = Result<(), FieldError>;
 
@@ -17,11 +19,36 @@ const LONGEST: usize = 255;
 
 /// Names are names, scales can be inverted, every cable has its symbol.
 pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Checked {
-    match &connection.ads {
-        Some(mapping) => mapping
-            .check(robot)
-            .map_err(|error| super::super::below("/connection/ads", error)),
-        None => Ok(()),
+    let below = |part: &'static str| {
+        let at = format!("/connection/{part}");
+        move |error| super::super::below(&at, error)
+    };
+    let missing = |part: &str| {
+        let message = "found nothing, expected where the controller is found";
+        fail(&format!("/connection/{part}"), message)
+    };
+    match &connection.recording {
+        Some(place) => place.check().map_err(below("recording"))?,
+        None if connection.controller == ControllerKind::Recording => return missing("recording"),
+        None => {}
+    }
+    match &connection.place {
+        Some(place) => place.check().map_err(below("place"))?,
+        None if connection.controller == ControllerKind::Ads => return missing("place"),
+        None => {}
+    }
+    let mapping = connection.ads.as_ref();
+    mapping.map_or(Ok(()), |mapping| mapping.check(robot).map_err(below("ads")))
+}
+
+impl Document for AdsMapping {
+    const FORMAT: &'static str = "tautline-symbols";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 4 << 20;
+
+    /// What holds without a robot; [`AdsMapping::check`] has the rest.
+    fn check(&self) -> Checked {
+        Ok(())
     }
 }
 

@@ -119,3 +119,38 @@ fn a_parameter_is_named_once() {
         "{told}"
     );
 }
+
+#[test]
+fn where_a_controller_is_found_reads_back_and_is_checked() {
+    let mut document = document(&mapping());
+    document["connection"]["controller"] = json!("ads");
+    let parse = |document: &Value| parse_session(document.to_string().as_bytes(), "s.json");
+    let error = |document: &Value| parse(document).expect_err("no place").to_string();
+    let told = error(&document);
+    assert!(told.contains("/connection/place"), "{told}");
+    document["connection"]["place"] = json!({"host": "plc", "net_id": [5, 23, 9, 1, 1, 1]});
+    let read = parse(&document).expect("a session").value.connection;
+    let place = read.place.expect("a place");
+    assert_eq!((read.controller, place.port), (ControllerKind::Ads, 48898));
+    assert_eq!((place.ams_port, place.timeout_s), (851, 1.0));
+    for (key, value) in [
+        ("host", json!("a b")),
+        ("port", json!(0)),
+        ("ams_port", json!(0)),
+        ("timeout_s", json!(0)),
+    ] {
+        let mut wrong = document.clone();
+        wrong["connection"]["place"][key] = value;
+        let told = error(&wrong);
+        assert!(told.contains(&format!("/connection/place/{key}")), "{told}");
+    }
+    document["connection"]["controller"] = json!("recording");
+    assert!(error(&document).contains("/connection/recording"));
+    for (folder, speed) in [("", 1.0), ("runs/one", 0.0), ("runs/one", 1e9)] {
+        document["connection"]["recording"] = json!({"folder": folder, "speed": speed});
+        assert!(error(&document).contains("/connection/recording/"));
+    }
+    document["connection"]["recording"] = json!({"folder": "runs/one"});
+    let read = parse(&document).expect("a session").value.connection;
+    assert_eq!(read.recording.map(|place| place.speed), Some(1.0));
+}

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
+use tautline_session::Outcome::Begun;
 use tautline_session::{Import, Loaded, Session, import, write_session};
 
 use super::tables;
@@ -13,6 +14,7 @@ use crate::app::frame::Answer;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
 use crate::samples;
+use crate::session_file::settle;
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
@@ -189,8 +191,13 @@ fn read(state: &mut State, path: PathBuf) {
         .document
         .as_ref()
         .map(|document| document.session().clone());
+    let is_own = state.own_file.holds(&path);
     state.tasks.start("Opening", move |_| {
-        let result = import(&path, into.as_ref()).map_err(|error| error.to_string());
+        let told = if is_own { Vec::new() } else { settle(&path) };
+        let mut result = import(&path, into.as_ref()).map_err(|error| error.to_string());
+        if let Ok(loaded) = &mut result {
+            loaded.notices.extend(told);
+        }
         FileOutcome::Read { path, result }.into()
     });
 }
@@ -199,6 +206,11 @@ fn save(state: &mut State, path: PathBuf) {
     let Some(document) = &state.document else {
         return;
     };
+    if let Err(text) = state.own_file.check(&path) {
+        state.windows.leaving = None;
+        state.messages.error(text);
+        return;
+    }
     let session = document.session().clone();
     let written = (document.identity(), document.revision());
     state.tasks.start("Saving", move |_| {
@@ -345,6 +357,7 @@ fn saved(
     {
         let (name, when) = (document.session().name.clone(), clock::now());
         document.saved_as(path.clone(), revision);
+        state.own_file.written(identity, &path);
         state.change_preferences(|preferences| preferences.remember(&path, &name, when));
     }
     go_on(state);
@@ -391,6 +404,12 @@ fn open(state: &mut State, opening: Opening) {
     } = opening;
     let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
     state.messages.info(format!("Opened {name}."));
+    let adjusted = session.adjustments().last();
+    if adjusted.is_some_and(|last| last.outcome == Begun) {
+        let text =
+            "An adjustment of the controller was interrupted: the command adjust settles it.";
+        state.messages.warning(text);
+    }
     if let Some(path) = &path {
         let when = clock::now();
         state.change_preferences(|preferences| preferences.remember(path, &name, when));

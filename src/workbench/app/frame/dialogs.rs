@@ -3,7 +3,7 @@
 use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use crate::app::commands::{FileCommand, ReportCommand, SavingReport};
+use crate::app::commands::{FileCommand, ReportCommand, RobotCommand, SavingReport};
 use crate::app::state::State;
 use crate::app::theme::{self, GRID};
 use crate::report::{Part, ReportChoice};
@@ -14,6 +14,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     // Where to save is asked above it.
     if state.windows.leaving.is_some() && state.windows.save_as.is_none() {
         unsaved(ui, state);
+    }
+    if state.windows.unconverged {
+        unconverged(ui, state);
     }
     if let Some(saving) = state.windows.report.take() {
         report(ui, state, saving);
@@ -123,6 +126,27 @@ fn unsaved(ui: &mut Ui, state: &mut State) {
     });
     if modal.should_close() {
         state.outbox.send(FileCommand::Answer(Answer::Cancel));
+    }
+}
+
+/// Write values that were still changing?
+fn unconverged(ui: &mut Ui, state: &mut State) {
+    let modal = Modal::new(Id::unique("unconverged values")).show(ui.ctx(), |ui| {
+        ui.set_width(420.0);
+        heading(ui, "Write these values?");
+        ui.label("The identification did not converge: its values can make the robot less exact.");
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            if primary(ui, "Do not write", true).clicked() {
+                state.outbox.send(RobotCommand::WriteUnconverged(false));
+            }
+            if ui.button("Write all the same").clicked() {
+                state.outbox.send(RobotCommand::WriteUnconverged(true));
+            }
+        });
+    });
+    if modal.should_close() {
+        state.outbox.send(RobotCommand::WriteUnconverged(false));
     }
 }
 

@@ -53,6 +53,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
     palette::show(ui, state);
     log::show(ui, state);
+    screens::connect::show(ui, state);
     dialogs::show(ui, state);
     save_as::show(ui, state);
 }

@@ -4,10 +4,13 @@ use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_link::Activity;
 
+use crate::app::commands::robot::Setup;
 use crate::app::commands::{RobotCommand, ViewCommand};
 use crate::app::messages::Severity;
 use crate::app::state::State;
 use crate::app::theme;
+use crate::controllers::Kind;
+use crate::screens::measuring::controller::lost_words;
 use crate::widgets::{icon_only, muted};
 
 /// Draws the bar.
@@ -46,10 +49,22 @@ fn last_message(ui: &mut Ui, state: &mut State) {
 
 /// The controller in words; a robot that moves can be stopped from everywhere.
 fn controller(ui: &mut Ui, state: &mut State) {
-    let Some(controller) = state.link.live().state else {
+    let live = state.link.live();
+    let palette = theme::of(ui);
+    if let Some(lost) = &live.lost {
+        let words = lost_words(lost);
+        return chip(ui, state, (words.trim_end_matches('.'), palette.bad));
+    }
+    let Some(controller) = live.state else {
+        if state.document.is_some() {
+            let words = match state.link.connecting {
+                true => "connecting…",
+                false => "not connected",
+            };
+            chip(ui, state, (words, palette.muted));
+        }
         return;
     };
-    let palette = theme::of(ui);
     let moving = controller.activity == Activity::Moving;
     if (moving || state.link.is_busy())
         && icon_only(ui, icons::ICON_STOP_CIRCLE, "Stop the robot", true).clicked()
@@ -62,10 +77,34 @@ fn controller(ui: &mut Ui, state: &mut State) {
         (_, true) => ("armed", palette.warning),
         (_, false) => ("not armed", palette.muted),
     };
-    ui.label(RichText::new(words).small().color(colour));
-    ui.label(RichText::new(&state.link.identity).small());
+    let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
+    // A recording must never look like a robot.
+    let words = match (kind, words) {
+        (Some(Kind::Recording), _) => "recording, no robot".to_owned(),
+        (Some(Kind::OfDescription), words) => format!("simulated, {words}"),
+        (_, words) => words.to_owned(),
+    };
+    chip(ui, state, (&words, colour));
+}
+
+/// What the controller is and does; a click opens the window that connects.
+fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
-    ui.label(icon.size(16.0).color(colour));
+    if state.link.connected.is_some() {
+        ui.label(RichText::new(words).small().color(colour));
+        let identity = RichText::new(&state.link.identity).small();
+        ui.add(egui::Label::new(identity).truncate());
+        ui.label(icon.size(16.0).color(colour));
+        return;
+    }
+    let text = RichText::new(words).small().color(colour);
+    let button = egui::Button::new((icon.size(16.0).color(colour), text));
+    let name = format!("Controller: {words}");
+    let response = ui.add(button.frame_when_inactive(false));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    if response.on_hover_text("Connect…").clicked() {
+        state.outbox.send(RobotCommand::Setup(Setup::Open));
+    }
 }
 
 fn work(ui: &mut Ui, state: &mut State) {

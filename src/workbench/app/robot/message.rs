@@ -1,12 +1,14 @@
 //! What is said between the window and the thread that owns the controller.
 
+use std::time::Instant;
+
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::adjusting::Adjustment;
 use tautline_link::measuring::{Accepted, Rates, Warning};
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{ControllerState, ParameterInfo, Sample};
-use tautline_session::{CheckRow, Stage};
+use tautline_session::{CheckPose, CheckRow, Stage};
 
 use crate::controllers::Rig;
 
@@ -33,6 +35,10 @@ pub(super) enum Order {
     /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
     LaserDistance(i64, Option<f64>),
     Verify(Vec<CheckTarget>, Stage),
+    /// The pose at the target of this number as the operator reads it.
+    TypedPose(usize, CheckPose),
+    /// Tries at once to make a lost connection anew.
+    TryNow,
     Parameters,
     Write(Vec<(String, f64)>, Purpose),
 }
@@ -82,6 +88,10 @@ pub enum Report {
     },
     /// The connection has ended; why, if not by order.
     Disconnected(Option<String>),
+    /// The connection is lost and is made anew; why.
+    Lost(String),
+    /// A lost connection is there again, not armed; what the controller holds now.
+    Regained(Vec<ParameterInfo>),
     /// The controller is going to a pose.
     Commanded(i64),
     /// A pose is measured and waits to be stored.
@@ -136,6 +146,8 @@ pub enum Doing {
     Asking {
         /// Label of the pose.
         label: i64,
+        /// What is expected there (m), where that can be said.
+        expected_m: Option<f64>,
     },
     /// Taking samples.
     Sampling {
@@ -151,6 +163,22 @@ pub enum Doing {
         /// Targets in all.
         of: usize,
     },
+    /// Waiting for the pose that the operator reads and types at a target.
+    Locating {
+        /// Number of the target, from 1.
+        number: usize,
+        /// Targets in all.
+        of: usize,
+    },
+}
+
+/// A connection that is lost, while it is made anew.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lost {
+    /// Why.
+    pub why: String,
+    /// When the next attempt is made.
+    pub due: Instant,
 }
 
 /// What the controller and its run do at this moment.
@@ -158,6 +186,8 @@ pub enum Doing {
 pub struct Live {
     /// State of the controller; `None` without a connection.
     pub state: Option<ControllerState>,
+    /// The connection that is made anew.
+    pub lost: Option<Lost>,
     /// The last readings.
     pub sample: Option<Sample>,
     /// Where the platform is by these readings.

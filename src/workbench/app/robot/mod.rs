@@ -2,6 +2,7 @@
 //!
 //! The thread sleeps unless something goes on, and wakes the window at most 20 times a second.
 
+mod connection;
 mod message;
 mod run;
 mod whereabouts;
@@ -16,13 +17,13 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::ParameterInfo;
 use tautline_link::verifying::CheckTarget;
-use tautline_session::Stage;
+use tautline_session::{CheckPose, Stage};
 
 use crate::controllers::Rig;
 use message::{MeasuringOrder, Order};
 use worker::{Teller, serve};
 
-pub use message::{Doing, Live, Purpose, Report, Surprise};
+pub use message::{Doing, Live, Lost, Purpose, Report, Surprise};
 pub use run::{Pending, RunLog};
 
 /// The connection as the window knows it.
@@ -56,6 +57,10 @@ pub struct Link {
     pub pending: Option<Pending>,
     /// The verification that goes on.
     pub verifying: Option<Stage>,
+    /// Where the last verification drives to.
+    pub targets: Vec<CheckTarget>,
+    /// Whether an answer to an order to connect is waited for.
+    pub connecting: bool,
     /// Whether values are being written.
     pub writing: bool,
     /// Whether readings are wanted while nothing goes on.
@@ -84,6 +89,8 @@ impl Link {
             run: None,
             pending: None,
             verifying: None,
+            targets: Vec::new(),
+            connecting: false,
             writing: false,
             watches: false,
         }
@@ -132,10 +139,20 @@ impl Link {
         of(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// How many times faster than real a simulated robot's time runs.
+    /// Whether the connection is lost and made anew, and how that goes on.
+    #[must_use]
+    pub fn lost(&self) -> Option<Lost> {
+        self.with_live(|live| live.lost.clone())
+    }
+
+    /// How many times faster than real a simulated robot's time runs; 1 of a real robot.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        self.speed
+        let connected = self.connected.as_ref();
+        match connected.is_some_and(|connected| connected.rig.runs_in_real_time()) {
+            true => 1.0,
+            false => self.speed,
+        }
     }
 
     /// Changes that.
@@ -147,6 +164,7 @@ impl Link {
     /// Connects to what `rig` describes, for the document of this identity.
     pub fn connect(&mut self, rig: Rig, document: u64) {
         self.start();
+        self.connecting = true;
         self.tell(Order::Connect(Box::new(rig), document));
         self.tell(Order::Watch(self.watches));
     }
@@ -162,6 +180,7 @@ impl Link {
         self.parameters.clear();
         self.parameters_version += 1;
         self.verifying = None;
+        self.connecting = false;
         self.writing = false;
     }
 
@@ -186,7 +205,11 @@ impl Link {
     pub fn measure(&mut self, plan: Vec<(i64, Pose)>, measured: Vec<i64>, model: Robot) {
         let labels = plan.iter().map(|(label, _)| *label);
         let to_measure = labels.filter(|label| !measured.contains(label));
-        self.run = Some(RunLog::new(to_measure));
+        // What was seen in a run before is still to be looked at.
+        let before = self.run.take();
+        let mut run = RunLog::new(to_measure);
+        run.warnings = before.map_or_else(Vec::new, |run| run.warnings);
+        self.run = Some(run);
         self.tell(Order::Measure(Box::new(MeasuringOrder {
             plan,
             measured,
@@ -235,7 +258,18 @@ impl Link {
     /// Verifies.
     pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
         self.verifying = Some(stage);
+        self.targets.clone_from(&targets);
         self.tell(Order::Verify(targets, stage));
+    }
+
+    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
+    pub fn typed_pose(&mut self, number: usize, pose: CheckPose) {
+        self.tell(Order::TypedPose(number, pose));
+    }
+
+    /// Tries at once to make a lost connection anew.
+    pub fn try_now(&mut self) {
+        self.tell(Order::TryNow);
     }
 
     /// Asks what the controller holds.

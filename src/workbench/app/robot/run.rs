@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use tautline_link::measuring::Warning;
 use tautline_session::MeasuredPose;
 
 use super::message::Surprise;
@@ -31,7 +32,7 @@ pub struct RunLog {
     /// Why it waits, if it does.
     pub paused: Option<String>,
     /// What did not look right, the oldest first.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// How far each pose was from what was expected.
     pub surprises: Vec<Surprise>,
     /// Label that was measured last.

@@ -1,8 +1,13 @@
 //! What the controller is busy with.
 
+use std::collections::HashMap;
+
+use tautline_core::geometry::Pose;
 use tautline_link::Instrument;
 use tautline_link::measuring::{Accepted, MeasuringEvent, MeasuringRun, Predictor, Stage as Step};
-use tautline_link::verifying::{VerifyingEvent, VerifyingRun};
+use tautline_link::verifying::{
+    CheckTarget, TypedInstrument, VerifyingEvent, VerifyingOptions, VerifyingRun,
+};
 use tautline_link::{Activity, Controller};
 use tautline_session::{CheckRow, Stage};
 
@@ -20,7 +25,7 @@ impl Work {
     pub fn needs_ticks(&self) -> bool {
         match self {
             Self::None => false,
-            Self::Measuring(m) => !m.run.is_paused() && m.run.stage() != Step::Storing,
+            Self::Measuring(m) => m.needs_ticks(),
             Self::Verifying(_) => true,
         }
     }
@@ -68,6 +73,8 @@ impl Work {
 /// A measuring run, with what new poses are compared with.
 pub(super) struct Measuring {
     pub run: MeasuringRun,
+    /// Where its poses are.
+    pub poses: HashMap<i64, Pose>,
     pub predictor: Predictor,
     pub per_revolution_m: Vec<f64>,
     pub doing: Doing,
@@ -75,6 +82,11 @@ pub(super) struct Measuring {
 }
 
 impl Measuring {
+    /// Whether it goes on by itself.
+    pub fn needs_ticks(&self) -> bool {
+        !self.run.is_paused() && self.run.stage() != Step::Storing
+    }
+
     pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Vec<Report> {
         let events = self.run.tick(controller, now_s);
         let reports = events.into_iter().filter_map(|event| self.report(event));
@@ -106,7 +118,10 @@ impl Measuring {
                 return None;
             }
             MeasuringEvent::LaserWanted { label } => {
-                self.doing = Doing::Asking { label };
+                let pose = self.poses.get(&label);
+                let expected = pose.and_then(|pose| (self.predictor)(pose));
+                let expected_m = expected.and_then(|expected| expected.laser_m);
+                self.doing = Doing::Asking { label, expected_m };
                 return None;
             }
             MeasuringEvent::Measured(accepted) => {
@@ -143,14 +158,22 @@ pub(super) struct Verifying {
     pub stage: Stage,
     rows: Vec<CheckRow>,
     doing: Doing,
+    /// Where the operator types the poses.
+    pub typed: Option<TypedInstrument>,
     is_home: bool,
 }
 
 impl Verifying {
-    pub fn new(run: VerifyingRun, stage: Stage) -> Self {
+    /// A run over targets; without an instrument the operator types the poses.
+    pub fn new(targets: Vec<CheckTarget>, stage: Stage, has_instrument: bool) -> Self {
+        let (options, typed) = match has_instrument {
+            true => (VerifyingOptions::default(), None),
+            false => (VerifyingOptions::typed(), Some(TypedInstrument::default())),
+        };
         Self {
-            run,
+            run: VerifyingRun::new(targets, options).asking(typed.clone()),
             stage,
+            typed,
             rows: Vec::new(),
             doing: Doing::Moving,
             is_home: false,
@@ -160,14 +183,27 @@ impl Verifying {
     pub fn tick(
         &mut self,
         controller: &mut dyn Controller,
-        instrument: &mut dyn Instrument,
+        instrument: Option<&mut (dyn Instrument + 'static)>,
     ) -> Vec<Report> {
         if !self.is_home && controller.state().activity == Activity::Moving {
+            // Only a sample tells that it has arrived; what is wrong with it shows in the state.
+            let _ = controller.sample();
             return Vec::new();
         }
         self.is_home = true;
-        match self.run.tick(controller, instrument) {
+        let event = match (&mut self.typed, instrument) {
+            (Some(typed), _) => self.run.tick(controller, typed),
+            (None, Some(instrument)) => self.run.tick(controller, instrument),
+            (None, None) => None,
+        };
+        match event {
             None => Vec::new(),
+            Some(VerifyingEvent::Wanted { number }) => {
+                if let Doing::Verifying { of, .. } = self.doing {
+                    self.doing = Doing::Locating { number, of };
+                }
+                Vec::new()
+            }
             Some(VerifyingEvent::Commanded { done, of }) => {
                 self.doing = Doing::Verifying { done, of };
                 Vec::new()

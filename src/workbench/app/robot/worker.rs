@@ -5,16 +5,18 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use tautline_link::adjusting::write_adjustment;
-use tautline_link::laser::ManualLaser;
-use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
-use tautline_link::verifying::{VerifyingOptions, VerifyingRun};
-use tautline_link::{Activity, Clock, Controller, Instrument, LinkError, Station};
+use tautline_link::adjusting::{
+    Adjustment, Holds, write_adjustment, write_adjustment_reconnecting,
+};
+use tautline_link::measuring::LOST;
+use tautline_link::verifying::CheckTarget;
+use tautline_link::{Activity, Clock, Controller, LinkError};
+use tautline_session::Stage;
 
-use super::message::{Doing, Live, MeasuringOrder, Order, Purpose, Report};
-use super::whereabouts::Whereabouts;
-use super::work::{Measuring, Verifying, Work};
-use crate::controllers::{FastClock, OpenError, Rig};
+use super::connection::{BringBack, Connection, Unsettled};
+use super::message::{Live, Lost, Order, Purpose, Report};
+use super::work::{Verifying, Work};
+use crate::controllers::{Kind, OpenError, Rig};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
@@ -22,6 +24,8 @@ const TICK: Duration = Duration::from_millis(20);
 const SHORTEST_TICK: Duration = Duration::from_millis(1);
 /// Longest step of a simulated robot's time while something goes on (s).
 const LONGEST_STEP_S: f64 = 0.2;
+/// Between two pictures of the time that is left until a lost connection is tried again.
+const COUNTDOWN: Duration = Duration::from_millis(250);
 /// Between two pictures of the window.
 const PICTURE: Duration = Duration::from_millis(50);
 /// Why something ends if nothing is wrong.
@@ -52,21 +56,21 @@ impl Teller {
         }
     }
 
+    /// Puts what is going on where the window finds it.
+    fn put(&mut self, live: Live) {
+        *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
+        self.wake();
+    }
+
+    /// Whether what the window finds is so.
+    fn shows(&self, is_so: impl FnOnce(&Live) -> bool) -> bool {
+        is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
     /// Whether a picture is due.
     fn is_due(&self) -> bool {
         self.woken.is_none_or(|woken| woken.elapsed() >= PICTURE)
     }
-}
-
-/// A controller with what belongs to its connection.
-struct Connection {
-    controller: Station<Box<dyn Controller>>,
-    /// The laser to which the operator answers.
-    asked: Option<ManualLaser>,
-    instrument: Option<Box<dyn Instrument>>,
-    clock: FastClock,
-    rig: Box<Rig>,
-    whereabouts: Option<Whereabouts>,
 }
 
 struct Worker {
@@ -118,12 +122,25 @@ impl Worker {
     /// Time until the next sample; `None` while nothing goes on.
     fn pause(&self) -> Option<Duration> {
         let connection = self.connection.as_ref()?;
+        if connection.lost().is_some() {
+            return Some(COUNTDOWN);
+        }
         let moves = connection.controller.state().activity == Activity::Moving;
         if moves || self.work.needs_ticks() {
             let tick = TICK.div_f64(connection.clock.speed().max(1.0));
             return Some(tick.max(SHORTEST_TICK));
         }
-        self.watches.then_some(PICTURE)
+        let watches = self.watches.then_some(PICTURE);
+        watches.into_iter().chain(connection.pause()).min()
+    }
+
+    /// Whether what goes on is more than listening to a real controller.
+    fn is_busy(&self) -> bool {
+        let moves = |connection: &Connection| {
+            let state = connection.controller.state();
+            state.activity == Activity::Moving
+        };
+        self.work.needs_ticks() || self.watches || self.connection.as_ref().is_some_and(moves)
     }
 
     /// Does one step; `goes_on`: something went on before.
@@ -142,11 +159,74 @@ impl Worker {
     }
 
     fn refuse(&mut self, error: &LinkError) {
-        let lost = error.is_disconnection();
         self.tell.report(Report::Refused(error.to_string()));
-        if lost {
-            self.end(Some(error.to_string()));
+        if error.is_disconnection() {
+            self.lose(error.to_string());
         }
+    }
+
+    /// The connection is lost: that to a real controller is made anew, any other has ended.
+    fn lose(&mut self, why: String) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        if !connection.rig.reconnects() {
+            return self.end(Some(why));
+        }
+        if connection.lost().is_some() {
+            return;
+        }
+        connection.lose(why.clone());
+        let now_s = connection.clock.now_s();
+        let mut reports = Vec::new();
+        match &mut self.work {
+            Work::Measuring(measuring) => {
+                measuring.run.hold(LOST.to_owned());
+                reports = measuring.tick(&mut connection.controller, now_s);
+            }
+            // Its targets belong to one way of the platform.
+            Work::Verifying(_) => reports.extend(self.work.abort(&why)),
+            Work::None => {}
+        }
+        for report in reports {
+            self.tell.report(report);
+        }
+        self.tell.report(Report::Lost(why));
+    }
+
+    /// Tries to make the lost connection anew, if that is due.
+    fn try_again(&mut self) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        if !connection.try_again() {
+            return;
+        }
+        match connection.controller.parameters() {
+            Ok(parameters) => {
+                self.tell.report(Report::Regained(parameters));
+                self.settle();
+                self.show(true);
+            }
+            Err(error) => connection.lose(error.to_string()),
+        }
+    }
+
+    /// Tells what the controller holds where the connection was lost amid writing.
+    fn settle(&mut self) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        let Some((unsettled, adjustment)) = connection.settle() else {
+            return;
+        };
+        let holds = connection.controller.parameters().ok();
+        self.tell.report(Report::Written {
+            values: unsettled.new,
+            purpose: unsettled.purpose,
+            result: Ok(Box::new(adjustment)),
+            holds,
+        });
     }
 
     fn perform(&mut self, order: Order) -> Result<(), LinkError> {
@@ -175,7 +255,10 @@ impl Worker {
         };
         let controller = &mut connection.controller;
         match order {
-            Order::Arm => controller.arm()?,
+            Order::Arm => {
+                controller.arm()?;
+                self.settle();
+            }
             Order::Disarm => controller.disarm(),
             Order::Abort => {
                 let stopped = controller.stop();
@@ -184,22 +267,17 @@ impl Worker {
                 stopped?;
             }
             Order::Measure(order) => {
-                self.work = Work::Measuring(Box::new(measuring(connection, *order)));
+                self.work = Work::Measuring(Box::new(connection.measuring(*order)));
             }
-            Order::Verify(_, stage) if connection.instrument.is_none() => {
-                let text = "No external instrument is connected: import a check.csv instead.";
-                let report = Report::Verified(stage, Err(text.to_owned()));
-                self.tell.report(report);
-            }
-            Order::Verify(targets, stage) => {
-                if let Err(error) = controller.home() {
-                    let report = Report::Verified(stage, Err(format!("The way home: {error}.")));
-                    self.tell.report(report);
-                    return Ok(());
+            Order::Verify(targets, stage) => self.verify(targets, stage),
+            Order::TypedPose(number, pose) => {
+                if let Work::Verifying(verifying) = &self.work
+                    && let Some(typed) = &verifying.typed
+                {
+                    typed.answer(number, pose)?;
                 }
-                let run = VerifyingRun::new(targets, VerifyingOptions::default());
-                self.work = Work::Verifying(Box::new(Verifying::new(run, stage)));
             }
+            Order::TryNow => connection.try_now(),
             Order::Parameters => {
                 let parameters = controller.parameters()?;
                 self.tell.report(Report::Parameters(parameters));
@@ -231,18 +309,11 @@ impl Worker {
             OpenError::Link(error) => error,
             OpenError::Read(error) => LinkError::Setup(error.to_string()),
         })?;
-        let mut controller = opened.controller;
-        controller.connect()?;
-        let parameters = controller.parameters()?;
-        let identity = controller.identity();
-        self.connection = Some(Connection {
-            controller,
-            asked: opened.asked,
-            instrument: opened.instrument,
-            clock: opened.clock,
-            whereabouts: Whereabouts::of(rig.robot()),
-            rig: rig.clone(),
-        });
+        let mut connection = Connection::new(opened, rig.clone());
+        connection.controller.connect()?;
+        let parameters = connection.controller.parameters()?;
+        let identity = connection.controller.identity();
+        self.connection = Some(connection);
         self.tell.report(Report::Connected {
             identity,
             parameters,
@@ -273,11 +344,43 @@ impl Worker {
         })
     }
 
+    fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        let begun = match connection.rig.kind {
+            Kind::Recording => Err("A recording drives to no test poses.".to_owned()),
+            _ => (connection.controller.home()).map_err(|e| format!("The way home: {e}.")),
+        };
+        match begun {
+            Ok(()) => {
+                let has_instrument = connection.instrument.is_some();
+                let run = Verifying::new(targets, stage, has_instrument);
+                self.work = Work::Verifying(Box::new(run));
+            }
+            Err(text) => self.tell.report(Report::Verified(stage, Err(text))),
+        }
+    }
+
     fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {
         let Some(connection) = &mut self.connection else {
             return;
         };
-        let written = write_adjustment(&mut connection.controller, &values);
+        let written = if connection.rig.kind == Kind::Recording {
+            let text = "this is a recording, in which nothing can be changed";
+            Err(LinkError::Refused(text.to_owned()))
+        } else {
+            write(connection, &mut self.tell, &values)
+        };
+        if let Ok(adjustment) = &written
+            && adjustment.holds == Holds::Unknown
+        {
+            connection.unsettled = Some(Unsettled {
+                old: adjustment.old.clone(),
+                new: values.clone(),
+                purpose,
+            });
+        }
         let holds = connection.controller.parameters().ok();
         self.tell.report(Report::Written {
             values,
@@ -291,29 +394,38 @@ impl Worker {
         let Some(connection) = &mut self.connection else {
             return;
         };
+        if connection.lost().is_some() {
+            return self.try_again();
+        }
+        let listens = connection.rig.reconnects();
         let controller = &mut connection.controller;
+        // What is wrong with a reading nobody waits for shows in the state.
         let reports = match &mut self.work {
             Work::None => {
-                if self.watches && self.tell.is_due() {
-                    // What is wrong with a reading nobody waits for shows in the state.
+                if listens || self.watches && self.tell.is_due() {
                     let _ = controller.sample();
                 }
                 Vec::new()
             }
-            Work::Measuring(measuring) => measuring.tick(controller, connection.clock.now_s()),
-            Work::Verifying(verifying) => match &mut connection.instrument {
-                Some(instrument) => verifying.tick(controller, instrument.as_mut()),
-                None => Vec::new(),
-            },
+            Work::Measuring(measuring) => {
+                if listens && !measuring.needs_ticks() {
+                    let _ = controller.sample();
+                }
+                measuring.tick(controller, connection.clock.now_s())
+            }
+            Work::Verifying(verifying) => {
+                verifying.tick(controller, connection.instrument.as_deref_mut())
+            }
         };
+        let is_newly_lost = connection.is_newly_lost();
         if self.work.has_ended() {
             self.work = Work::None;
         }
         for report in reports {
             self.tell.report(report);
         }
-        if connection.controller.state().activity == Activity::Disconnected {
-            self.end(Some("the connection to the controller is lost".to_owned()));
+        if is_newly_lost {
+            self.lose("the connection to the controller is lost".to_owned());
         }
     }
 
@@ -331,7 +443,8 @@ impl Worker {
                     .zip(sample.as_ref())
                     .map(|(w, s)| w.of_sample(s));
                 Live {
-                    state: Some(connection.controller.state()),
+                    state: connection.state(),
+                    lost: connection.lost().cloned(),
                     pose,
                     sample,
                     doing: self.work.doing(),
@@ -339,31 +452,44 @@ impl Worker {
                 }
             }
         };
-        *self
-            .tell
-            .live
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner) = live;
-        self.tell.wake();
+        // Listening to a controller that stands still wakes nobody.
+        let is_new = |shown: &Live| shown.state != live.state || live.lost.is_some();
+        if changed || self.is_busy() || self.tell.shows(is_new) {
+            self.tell.put(live);
+        }
     }
 }
 
-fn measuring(connection: &Connection, order: MeasuringOrder) -> Measuring {
-    let rig = &connection.rig;
-    let mut options = MeasuringOptions::of(rig.robot());
-    options.tension = rig.tension();
-    let run = MeasuringRun::new(order.plan, rig.robot(), options)
-        .predicting(predict_by(&order.model, rig.tension()))
-        .asking(connection.asked.clone())
-        .continuing(&order.measured);
-    let per_revolution = rig.robot().cables.iter();
-    Measuring {
-        remaining: run.remaining(),
-        run,
-        predictor: predict_by(&order.model, rig.tension()),
-        per_revolution_m: per_revolution
-            .map(|cable| cable.winch.cable_per_revolution_m())
-            .collect(),
-        doing: Doing::Moving,
+/// Writes values; where the connection breaks it is made anew, and what was armed for that is disarmed again.
+fn write(
+    connection: &mut Connection,
+    tell: &mut Teller,
+    values: &[(String, f64)],
+) -> Result<Adjustment, LinkError> {
+    let why = "the connection was lost while values were written";
+    let reconnects = connection.rig.reconnects();
+    let mut policy = BringBack {
+        wait: |pause_s: f64| {
+            let pause = Duration::from_secs_f64(pause_s);
+            let lost = Lost {
+                why: why.to_owned(),
+                due: Instant::now() + pause,
+            };
+            tell.put(Live {
+                lost: Some(lost),
+                ..Live::default()
+            });
+            std::thread::sleep(pause);
+        },
+        was_lost: false,
+    };
+    let controller = &mut connection.controller;
+    let written = match reconnects {
+        true => write_adjustment_reconnecting(controller, values, &mut policy),
+        false => write_adjustment(controller, values),
+    };
+    if policy.was_lost {
+        controller.disarm();
     }
+    written
 }

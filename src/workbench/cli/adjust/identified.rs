@@ -9,7 +9,7 @@ use tautline_session::{Method, ResultRecord, Session};
 use crate::app::clock;
 use crate::app::fit::{Fit, FitOrder, compare_published};
 use crate::cli::BadInput;
-use crate::comparison::identify_to_compare;
+use crate::comparison::identify;
 use crate::documents::identification::Identification;
 use crate::documents::record;
 
@@ -36,6 +36,8 @@ pub struct Identified {
     pub model: Robot,
     /// How they were identified.
     pub method: String,
+    /// One sentence, without a full stop, where the identification did not converge.
+    pub unconverged: Option<String>,
     document: Identification,
     /// Of the joint and simple methods; the published one has no standard deviations.
     fit: Option<Fit>,
@@ -51,7 +53,7 @@ impl Identified {
             return Self::published(&session);
         }
         let quiet = &mut |_: &_| Control::Continue;
-        let fit = identify_to_compare(&session, quiet)
+        let fit = identify(&session, quiet)
             .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
         for open in &fit.open {
             eprintln!("open: {}", open.sentence);
@@ -60,6 +62,10 @@ impl Identified {
         Ok(Self {
             model: fit.model.clone(),
             method: document.method.clone(),
+            unconverged: (!fit.solution.converged()).then(|| {
+                let steps = fit.solution.iterations;
+                format!("The identification did not converge in {steps} steps")
+            }),
             document,
             fit: Some(fit),
         })
@@ -69,20 +75,21 @@ impl Identified {
         let place = |error: String| BadInput::new(format!("{}: {error}", session.name));
         let order = FitOrder::of(session).map_err(|error| place(error.to_string()))?;
         let compared = compare_published(&order.dataset).map_err(place)?;
-        match compared.fit.result.stop {
-            PublishedStop::SmallStep | PublishedStop::SmallError => {}
+        let unconverged = match compared.fit.result.stop {
+            PublishedStop::SmallStep | PublishedStop::SmallError => None,
             // As in the publication, whose steps are counted, not awaited.
-            PublishedStop::IterationLimit => eprintln!(
-                "The published method was still moving when its {} steps were used up.",
+            PublishedStop::IterationLimit => Some(format!(
+                "The published method was still moving when its {} steps were used up",
                 compared.fit.result.iterations
-            ),
+            )),
             PublishedStop::Diverged => {
                 return Err(anyhow!("{}: the published method diverged", session.name));
             }
-        }
+        };
         Ok(Self {
             model: compared.fit.applied_to(&order.dataset).robot,
             method: compared.identification.method.clone(),
+            unconverged,
             document: compared.identification,
             fit: None,
         })

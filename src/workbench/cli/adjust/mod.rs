@@ -16,7 +16,7 @@ use tautline_session::Outcome;
 use super::BadInput;
 use super::live::{Connection, RobotArguments, SessionFile, link_error};
 use super::measure::require_simulated;
-use super::output::{is_readable, say, write_json};
+use super::output::{is_readable, say, tell_error, write_json};
 use crate::adjusting::{former_values, revertible, values_to_write};
 use crate::app::robot::Purpose;
 use crate::controllers::Rig;
@@ -34,11 +34,14 @@ pub struct Arguments {
     /// How to identify; by default as the session says
     #[arg(long, value_enum)]
     method: Option<MethodName>,
+    /// Write the values of an identification that did not converge, too
+    #[arg(long)]
+    unconverged: bool,
     /// Show what would be written, and write nothing
     #[arg(long)]
     dry_run: bool,
     /// Write the values that were there before the last adjustment
-    #[arg(long, conflicts_with_all = ["method", "dry_run"])]
+    #[arg(long, conflicts_with_all = ["method", "dry_run", "unconverged"])]
     roll_back: bool,
     /// Write controller and identified values as a table
     #[arg(long, value_name = "FILE")]
@@ -65,9 +68,11 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.robot_arguments.choice()?;
-    let mut file = SessionFile::open(&arguments.session, || Ok(None))?;
+    let mut file = SessionFile::open(&arguments.session, || Ok(None), &mut tell_error)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
+    let symbols = &arguments.robot_arguments.symbols;
+    let renamed = symbols.take(&mut file.session, &choice)?;
     if interrupted::is(&file.session) {
         let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
         let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
@@ -83,10 +88,28 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
+    check_converged(arguments, &identified)?;
     let effects = &identified.model.effects;
     let rig = Rig::chosen(&file.session, effects, &choice, Some(&file.controller()));
     let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    if renamed && !arguments.dry_run {
+        file.save()?;
+    }
     adjust(arguments, &mut file, &mut connection, &identified)
+}
+
+/// Values that were still changing when the identification ended are written only where somebody wants that.
+fn check_converged(arguments: &Arguments, identified: &Identified) -> Result<()> {
+    let Some(why) = &identified.unconverged else {
+        return Ok(());
+    };
+    if arguments.dry_run || arguments.unconverged {
+        eprintln!("{why}.");
+        return Ok(());
+    }
+    Err(anyhow!(
+        "{why}: nothing was written to the controller; --unconverged writes the values all the same"
+    ))
 }
 
 fn adjust(

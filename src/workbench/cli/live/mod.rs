@@ -1,14 +1,16 @@
 //! What the commands that work with a robot have in common: the session's file, the connection, the interrupt.
 
 mod connection;
-mod file;
 pub mod interrupt;
 pub mod typed;
 
+pub use crate::session_file::SessionFile;
 pub use connection::{Connection, link_error};
-pub use file::SessionFile;
+
+use std::path::PathBuf;
 
 use anyhow::Result;
+use tautline_session::{Session, read_symbols};
 
 use super::BadInput;
 use crate::controllers::ControllerChoice;
@@ -25,6 +27,38 @@ pub struct RobotArguments {
     /// Let the time of a simulated or recorded robot run X times faster than real; by default as fast as it computes
     #[arg(long, value_name = "X")]
     pub speed: Option<f64>,
+    #[command(flatten)]
+    pub symbols: SymbolsArgument,
+}
+
+/// What the controller calls its variables.
+#[derive(Debug, clap::Args)]
+pub struct SymbolsArgument {
+    /// Names of the symbols of an ads: controller, as `tautline symbols` writes the default ones; kept in the session
+    #[arg(long = "symbols", value_name = "FILE.json")]
+    file: Option<PathBuf>,
+}
+
+impl SymbolsArgument {
+    /// Gives the session the symbols of the file, if one was named; whether there are new ones.
+    pub fn take(&self, session: &mut Session, choice: &ControllerChoice) -> Result<bool> {
+        let Some(path) = &self.file else {
+            return Ok(false);
+        };
+        if !matches!(choice, ControllerChoice::Ads(_)) {
+            let message =
+                format!("--symbols: found the controller {choice}, expected ads:HOST[:PORT]/NETID");
+            return Err(BadInput::new(message));
+        }
+        let read = read_symbols(path, &session.robot)?;
+        for notice in &read.notices {
+            eprintln!("{notice}");
+        }
+        let new = Some(read.value);
+        let differs = session.connection.ads != new;
+        session.connection.ads = new;
+        Ok(differs)
+    }
 }
 
 impl RobotArguments {

@@ -61,7 +61,7 @@ impl MeasuringDocument {
                 End::Finished => "finished",
                 End::GoodEnough => "good_enough",
                 End::Interrupted => "stopped",
-                End::Failed(_) => "failed",
+                End::Failed(_) | End::NotTyped(_) => "failed",
             }
             .to_owned(),
             measured_now: ended.measured.clone(),

@@ -11,6 +11,7 @@ use tautline_link::measuring::{
 };
 use tautline_session::{Keeper, Session};
 
+use crate::cli::BadInput;
 use crate::cli::live::{Connection, SessionFile, interrupt, typed};
 use crate::comparison::identify;
 use crate::controllers::Rig;
@@ -30,6 +31,8 @@ pub enum End {
     Interrupted,
     /// Something went wrong; one sentence.
     Failed(String),
+    /// Nobody typed what was asked for; one sentence.
+    NotTyped(String),
 }
 
 /// What a run did.
@@ -92,6 +95,9 @@ impl Drive {
         match measured {
             Ok(end) => self.ended.end = end,
             // What is kept stays beside the file for the next command, should the file not be written below.
+            Err(error) if error.is::<BadInput>() => {
+                self.ended.end = End::NotTyped(error.to_string());
+            }
             Err(error) => self.ended.end = End::Failed(format!("{error:#}")),
         }
         super::logged(file, &self.ended);
@@ -215,8 +221,8 @@ fn ask_distance(label: i64, laser: &ManualLaser) -> Result<()> {
         number => number.parse().ok().map(|mm: f64| Some(mm * 1e-3)),
     };
     let typed = typed::answer(&question, "a number of millimetres or -", read);
-    let distance_m =
-        typed.with_context(|| format!("no laser distance was typed for pose {label}"))?;
+    let missing = || BadInput::new(format!("No laser distance was typed for pose {label}."));
+    let distance_m = typed.ok_or_else(missing)?;
     laser
         .answer(label, distance_m)
         .map_err(|error| anyhow!("{error}"))

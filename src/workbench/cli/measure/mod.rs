@@ -12,12 +12,13 @@ use anyhow::{Result, anyhow};
 use tautline_session::{LaserSettings, Outcome, Phase, Session};
 
 use super::BadInput;
-use super::live::{Connection, RobotArguments, SessionFile, interrupt};
-use super::output::{is_readable, write_json};
+use super::live::{Connection, RobotArguments, SessionFile, interrupt, typed};
+use super::output::{is_readable, tell_error, write_json};
 use crate::app::fit::Fit;
 use crate::comparison::identify;
 use crate::controllers::{ControllerChoice, Rig};
 use crate::wording::count;
+pub use begin::robot;
 pub use document::MeasuringDocument;
 use drive::{Drive, End};
 
@@ -77,10 +78,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .robot_arguments
         .require_arm("The robot was not moved")?;
     let is_new = Cell::new(false);
-    let mut file = SessionFile::open(&arguments.session, || {
-        is_new.set(true);
-        begin::session(arguments, &choice).map(Some)
-    })?;
+    let mut file = SessionFile::open(
+        &arguments.session,
+        || {
+            is_new.set(true);
+            begin::session(arguments, &choice).map(Some)
+        },
+        &mut tell_error,
+    )?;
     if !is_new.get() && !arguments.effects.is_empty() {
         let place = arguments.session.display();
         eprintln!(
@@ -88,6 +93,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
     }
     check(&file, arguments, &choice)?;
+    let symbols = &arguments.robot_arguments.symbols;
+    symbols.take(&mut file.session, &choice)?;
+    let laser = arguments
+        .laser
+        .as_ref()
+        .unwrap_or(&file.session.laser_source);
+    if *laser == LaserSettings::Manual {
+        typed::require("The robot was not moved: the laser distances have to be typed")?;
+    }
     plan::complete(&mut file.session, arguments, &choice)?;
     if let Some(laser) = &arguments.laser {
         file.session.laser_source = laser.clone();
@@ -172,6 +186,10 @@ fn result(document: &MeasuringDocument, ended: &drive::Ended, arguments: &Argume
             "{} {on_disk} are in {place}; the same command goes on",
             ensure_full_stop(why)
         )),
+        End::NotTyped(why) => Err(BadInput::new(format!(
+            "{} {on_disk} are in {place}; the same command goes on",
+            ensure_full_stop(why)
+        ))),
         End::Finished | End::GoodEnough if document.enough => Ok(()),
         End::Finished | End::GoodEnough => Err(anyhow!(
             "{on_disk} in {place} are not enough to identify the robot: measure more"
@@ -192,7 +210,8 @@ fn logged(file: &mut SessionFile, ended: &drive::Ended) {
             End::Finished => String::new(),
             End::GoodEnough => ", which is good enough".to_owned(),
             End::Interrupted => ", then stopped by the operator".to_owned(),
-            End::Failed(why) => format!(", then it failed: {}", why.trim_end_matches('.')),
+            End::Failed(why) | End::NotTyped(why) =>
+                format!(", then it failed: {}", why.trim_end_matches('.')),
         }
     );
     file.log(Phase::Poses, text);

@@ -6,6 +6,7 @@ use tautline_link::verifying::{CheckTarget, VerifyingEvent, VerifyingOptions, Ve
 use tautline_session::{CheckKind, CheckRow};
 
 use super::typed::{Target, Typed};
+use crate::cli::BadInput;
 use crate::cli::live::{Connection, interrupt};
 use crate::wording::sentence;
 
@@ -54,9 +55,13 @@ pub fn drive(
             Some(VerifyingEvent::Finished) => return Ok(rows),
             Some(VerifyingEvent::Failed(text)) => {
                 connection.stop();
-                return Err(anyhow!("{}", sentence(&text)));
+                let text = sentence(&text);
+                return Err(match target.is_missed() {
+                    true => BadInput::new(text),
+                    false => anyhow!("{text}"),
+                });
             }
-            None => {}
+            Some(VerifyingEvent::Wanted { .. }) | None => {}
         }
     }
 }

@@ -15,9 +15,11 @@ use tautline_session::{
 };
 
 use super::BadInput;
-use super::live::{Connection, SessionFile, interrupt, link_error};
+use super::live::{
+    Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
+};
 use super::measure::{refuse_interrupted, require_simulated};
-use super::output::{is_readable, write_json};
+use super::output::{is_readable, tell_error, write_json};
 use crate::adjusting::title;
 use crate::app::clock;
 use crate::controllers::{ControllerChoice, Rig};
@@ -40,6 +42,8 @@ pub struct Arguments {
     /// Let the time of a simulated robot run X times faster than real; by default as fast as it computes
     #[arg(long, value_name = "X")]
     speed: Option<f64>,
+    #[command(flatten)]
+    symbols: SymbolsArgument,
     /// Where to drive: cube (15 poses in three cubes), circle, line
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', default_values_t = TargetName::ALL)]
     targets: Vec<TargetName>,
@@ -87,11 +91,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let message = "The robot was not moved: add --arm once nobody is near the robot";
         return Err(BadInput::new(message));
     }
-    let mut file = SessionFile::open(&arguments.session, || Ok(None))?;
+    let mut file = SessionFile::open(&arguments.session, || Ok(None), &mut tell_error)?;
     refuse_interrupted(&file.session, &arguments.session.display().to_string())?;
     let (rows, source) = match (&arguments.check, &choice) {
         (Some(path), _) => (from_file(path)?, format!("from {}", path.display())),
-        (None, Some(choice)) => driven(arguments, &file, choice)?,
+        (None, Some(choice)) => {
+            arguments.symbols.take(&mut file.session, choice)?;
+            driven(arguments, &file, choice)?
+        }
         (None, None) => return Err(BadInput::new("expected --controller or --check")),
     };
     // Figures first: what makes none is no verification.
@@ -164,6 +171,9 @@ fn driven(
     if targets.is_empty() {
         let message = format!("{place}: --targets: its robot can be driven to none of them");
         return Err(BadInput::new(message));
+    }
+    if !rig.has_instrument() {
+        typing::require("The robot was not moved: where it stands has to be typed")?;
     }
     let mut connection = Connection::open(&rig, arguments.speed)?;
     interrupt::listen()?;

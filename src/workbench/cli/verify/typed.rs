@@ -7,19 +7,28 @@ use tautline_session::CheckPose;
 
 use crate::cli::live::typed;
 
-/// Where the platform is going, for the question.
+/// Where the platform is going, for the question, and whether it had no answer.
 #[derive(Debug, Clone, Default)]
-pub struct Target(Arc<Mutex<String>>);
+pub struct Target(Arc<Mutex<(String, bool)>>);
 
 impl Target {
     /// The next readings are asked for at this target.
     pub fn set(&self, name: String) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = name;
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).0 = name;
+    }
+
+    /// Whether nothing was typed at the last one.
+    pub fn is_missed(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).1
     }
 
     fn get(&self) -> String {
-        let name = self.0.lock();
-        name.unwrap_or_else(PoisonError::into_inner).clone()
+        let target = self.0.lock();
+        target.unwrap_or_else(PoisonError::into_inner).0.clone()
+    }
+
+    fn miss(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).1 = true;
     }
 }
 
@@ -40,7 +49,11 @@ impl Instrument for Typed {
                 orientation_wxyz: None,
             });
         }
-        let text = format!("no reading was typed for {}", self.0.get());
+        self.0.miss();
+        let text = format!(
+            "no reading was typed for {}: nothing of this verification is kept",
+            self.0.get()
+        );
         Err(LinkError::Setup(text))
     }
 }

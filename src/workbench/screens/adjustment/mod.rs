@@ -4,6 +4,7 @@ mod figures;
 mod record;
 mod reveal;
 mod table;
+mod typed;
 mod verification;
 
 use std::sync::Arc;
@@ -35,6 +36,8 @@ pub struct Remembered {
     all: bool,
     differences: Memo<Key, Arc<Vec<Difference>>>,
     figures: Memo<(u64, u64), Result<Figures, String>>,
+    /// The pose that is typed at a target.
+    typed: typed::Typed,
 }
 
 /// Draws the panel.
@@ -158,6 +161,10 @@ fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
             ui,
             "The controller has no parameters for some effects: their values cannot be written.",
         );
+    }
+    let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
+    let simulated = matches!(kind, Some(Kind::OfSession | Kind::OfDescription));
+    if unknown && state.link.is_connected() && simulated {
         let free = !state.link.is_busy();
         let text = "Give the simulated controller these parameters";
         let button = ui.add_enabled(free, egui::Button::new(text));
@@ -195,7 +202,9 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
         .count();
     ui.add_space(GRID);
     operator(ui, state);
-    let ready = state.link.is_armed() && !state.link.is_busy();
+    let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
+    let writable = kind != Some(Kind::Recording);
+    let ready = state.link.is_armed() && !state.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {
         let is_next = next == Next::Start && changes > 0;
         let text = "Write to the controller";
@@ -217,11 +226,11 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
             "The controller holds the identified values.",
         );
     } else {
-        let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
         let note = match kind {
             Some(Kind::OfDescription) => {
                 " This controller is simulated: a real one does not change."
             }
+            Some(Kind::Recording) => " This is a recording: nothing can be written to it.",
             _ => "",
         };
         muted(

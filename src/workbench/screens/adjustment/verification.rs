@@ -5,11 +5,13 @@ use egui_material_icons::icons;
 use tautline_session::Stage;
 
 use super::figures::{Figure, figures};
+use super::typed;
 use crate::app::State;
 use crate::app::commands::robot::Export;
 use crate::app::commands::{FileCommand, RobotCommand};
 use crate::app::robot::Doing;
 use crate::app::theme::{self, GRID};
+use crate::controllers::Kind;
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
 
 /// Draws buttons, progress and the table of both runs.
@@ -43,8 +45,27 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
 }
 
 fn buttons(ui: &mut Ui, state: &mut State) {
-    let ready = state.link.is_armed() && !state.link.is_busy();
-    let hint = "Connect and arm the controller first";
+    let rig = state.link.connected.as_ref().map(|c| &c.rig);
+    let is_recording = rig.is_some_and(|rig| rig.kind == Kind::Recording);
+    let by_hand = rig.is_some_and(|rig| !rig.has_instrument());
+    let ready = state.link.is_armed() && !state.link.is_busy() && !is_recording;
+    let hint = if is_recording {
+        "A recording drives to no test poses"
+    } else {
+        "Connect and arm the controller first"
+    };
+    if is_recording {
+        muted(
+            ui,
+            "This is a recording: it drives to no test poses. Import a check.csv instead.",
+        );
+    } else if by_hand {
+        muted(
+            ui,
+            "No instrument is connected: at each test pose the robot waits for what you read, or import a check.csv. \
+             The circle and the line are left out.",
+        );
+    }
     ui.horizontal_wrapped(|ui| {
         for (text, stage) in [
             ("Measure before", Stage::Before),
@@ -74,8 +95,10 @@ fn progress(ui: &mut Ui, state: &mut State) {
     if state.link.verifying.is_none() {
         return;
     }
-    let (done, of) = match state.link.live().doing {
+    let doing = state.link.live().doing;
+    let (done, of) = match doing {
         Doing::Verifying { done, of } => (done, of),
+        Doing::Locating { number, of } => (number, of),
         _ => (0, 1),
     };
     ui.add(ProgressBar::new(done as f32 / of as f32).desired_height(2.0 * GRID));
@@ -89,6 +112,10 @@ fn progress(ui: &mut Ui, state: &mut State) {
             state.outbox.send(RobotCommand::Stop);
         }
     });
+    match doing {
+        Doing::Locating { number, of } => typed::show(ui, state, (number, of)),
+        _ => typed::forget(state),
+    }
 }
 
 /// An imported table becomes a run when the operator says which.

@@ -1,5 +1,7 @@
 //! The controller: connected, armed, moving.
 
+use std::time::Instant;
+
 use egui::{ComboBox, Ui};
 use egui_material_icons::icons;
 use tautline_link::Activity;
@@ -7,6 +9,8 @@ use tautline_link::Activity;
 use super::{Next, step_button};
 use crate::app::State;
 use crate::app::commands::RobotCommand;
+use crate::app::commands::robot::Setup;
+use crate::app::robot::Lost;
 use crate::app::theme;
 use crate::controllers::Kind;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
@@ -20,33 +24,27 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
     let Some(document) = &state.document else {
         return;
     };
-    let kind = Kind::offered(document.session());
     let live = state.link.live();
+    if let Some(lost) = &live.lost {
+        return gone(ui, state, lost);
+    }
+    let offered = Kind::offered(document.session());
     let Some(controller) = live.state else {
-        if kind == Kind::OfDescription {
-            muted(
-                ui,
-                "No controller of a real robot can be connected yet: import poses.csv instead. A robot simulated from \
-                 this description can be connected to try the procedure.",
-            );
-        }
-        let pressed = step_button(
-            ui,
-            "Connect the simulated robot",
-            next == Next::Connect,
-            true,
-        );
-        if pressed {
-            state.outbox.send(RobotCommand::Connect);
-        }
-        return;
+        return connect(ui, state, offered, next);
     };
-    if kind == Kind::OfDescription {
-        verdict(
-            ui,
-            Verdict::Doubtful,
-            "Simulated from the description: the readings are not of the real robot.",
-        );
+    let connected = state.link.connected.as_ref();
+    let kind = connected.map_or(offered, |connected| connected.rig.kind);
+    let note = match kind {
+        Kind::OfDescription => {
+            Some("Simulated from the description: the readings are not of the real robot.")
+        }
+        Kind::Recording => {
+            Some("This is a recording: nothing moves, and nothing can be written to it.")
+        }
+        Kind::OfSession | Kind::Real => None,
+    };
+    if let Some(note) = note {
+        verdict(ui, Verdict::Doubtful, note);
     }
     let palette = theme::of(ui);
     let (words, colour) = match (&controller.activity, controller.armed) {
@@ -75,8 +73,75 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         if icon_button(ui, icons::ICON_LINK_OFF, "Disconnect", free).clicked() {
             state.outbox.send(RobotCommand::Disconnect);
         }
-        speed(ui, state);
+        if kind != Kind::Real {
+            speed(ui, state);
+        }
     });
+    if kind == Kind::Real && !controller.armed && state.link.is_measuring() {
+        muted(
+            ui,
+            "The run waits. Arming moves nothing: the robot goes on when you press Resume.",
+        );
+    }
+}
+
+/// Nothing is connected.
+fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
+    let text = match offered {
+        Kind::OfSession | Kind::OfDescription => "Connect the simulated robot",
+        Kind::Recording => "Connect the recording",
+        Kind::Real => "Connect the controller",
+    };
+    if offered == Kind::OfDescription {
+        muted(
+            ui,
+            "Choose the controller of the real robot, or try the procedure on a robot that is simulated from this \
+             description.",
+        );
+    }
+    let free = !state.link.connecting;
+    ui.horizontal_wrapped(|ui| {
+        if step_button(ui, text, next == Next::Connect, free) {
+            state.outbox.send(RobotCommand::Connect);
+        }
+        let text = "Choose controller…";
+        if icon_button(ui, icons::ICON_SETTINGS, text, free).clicked() {
+            state.outbox.send(RobotCommand::Setup(Setup::Open));
+        }
+        if !free {
+            ui.spinner();
+            muted(ui, "Connecting…");
+        }
+    });
+}
+
+/// The connection is lost and is made anew.
+fn gone(ui: &mut Ui, state: &mut State, lost: &Lost) {
+    let text = format!("{} The robot is not armed any more.", lost_words(lost));
+    verdict(ui, Verdict::Bad, &text);
+    let why = crate::wording::sentence(lost.why.trim_end_matches('.'));
+    let why = egui::RichText::new(format!("{why}.")).color(theme::of(ui).muted);
+    ui.add(egui::Label::new(why).wrap());
+    ui.horizontal_wrapped(|ui| {
+        if icon_button(ui, icons::ICON_SYNC, "Try now", true).clicked() {
+            state.outbox.send(RobotCommand::TryNow);
+        }
+        if icon_button(ui, icons::ICON_LINK_OFF, "Give up the connection", true).clicked() {
+            state.outbox.send(RobotCommand::Disconnect);
+        }
+    });
+}
+
+/// That a connection is lost, and when it is tried again.
+#[must_use]
+pub fn lost_words(lost: &Lost) -> String {
+    let left = lost.due.saturating_duration_since(Instant::now());
+    match left.as_secs_f64().ceil() {
+        seconds if seconds > 0.0 => {
+            format!("Connection lost, trying again in {seconds:.0} s.")
+        }
+        _ => "Connection lost, trying again.".to_owned(),
+    }
 }
 
 /// How fast the time of a simulated robot runs.

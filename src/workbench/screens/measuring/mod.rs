@@ -1,5 +1,6 @@
 //! The panel of the phase Measuring: which poses, the controller, the run.
 
+mod asking;
 pub mod controller;
 mod outlook;
 mod poses;
@@ -35,6 +36,8 @@ pub struct Remembered {
     rows: Memo<(u64, u64), Vec<poses::Row>>,
     /// The pose that the table was scrolled to last.
     scrolled_to: Option<i64>,
+    /// The laser distance that is typed.
+    typed: asking::Typed,
     /// Planned poses that the 3D view shows, of a document and its revision.
     shown: Option<(u64, u64)>,
 }
@@ -48,6 +51,7 @@ impl Default for Remembered {
             asked: None,
             rows: Memo::default(),
             scrolled_to: None,
+            typed: asking::Typed::default(),
             shown: None,
         }
     }
@@ -89,6 +93,8 @@ fn next(state: &State) -> Next {
         Next::Plan
     } else if missing(session) == 0 {
         Next::Identify
+    } else if state.link.lost().is_some() {
+        Next::Nothing
     } else if !state.link.is_connected() {
         Next::Connect
     } else if !state.link.is_armed() {

@@ -20,6 +20,22 @@ pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     });
 }
 
+/// The same to press; whether it was.
+pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = GRID;
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
+        let colour = theme::of(ui).cable(index);
+        ui.painter()
+            .circle_filled(rect.center(), 1.125 * GRID, colour);
+        let link = ui.link((index + 1).to_string());
+        let text = format!("Select {name}");
+        link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, &text));
+        link.on_hover_text(text).clicked()
+    })
+    .inner
+}
+
 /// Columns of the live readings.
 const COLUMNS: [Column<'static>; 3] = [
     Column::words("Cable"),

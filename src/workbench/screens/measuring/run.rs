@@ -3,12 +3,12 @@
 use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
 use egui_material_icons::icons;
 
-use super::{Next, readings, step_button};
-use crate::app::State;
-use crate::app::commands::RobotCommand;
+use super::{Next, asking, readings, step_button};
 use crate::app::commands::robot::{missing, sentence};
+use crate::app::commands::{RobotCommand, ViewCommand};
 use crate::app::robot::{Doing, RunLog};
 use crate::app::theme::{self, GRID};
+use crate::app::{Selection, State};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use crate::wording::count;
 
@@ -57,8 +57,8 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
     if let Some(run) = &state.link.run {
         outcome(ui, run);
         surprises(ui, state, run);
-        warnings(ui, run);
     }
+    warnings(ui, state);
     readings::show(ui, state);
 }
 
@@ -69,7 +69,8 @@ fn buttons(ui: &mut Ui, state: &mut State) {
     let (paused, current) = (run.paused.is_some(), run.current);
     ui.horizontal_wrapped(|ui| {
         if paused {
-            if step_button(ui, "Resume", true, state.link.is_armed()) {
+            let ready = state.link.is_armed();
+            if step_button(ui, "Resume", ready, ready) {
                 state.outbox.send(RobotCommand::Resume);
             }
         } else if icon_button(ui, icons::ICON_PAUSE, "Pause", true).clicked() {
@@ -111,7 +112,7 @@ fn buttons(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn progress(ui: &mut Ui, state: &State) {
+fn progress(ui: &mut Ui, state: &mut State) {
     let Some(run) = &state.link.run else {
         return;
     };
@@ -130,21 +131,20 @@ fn progress(ui: &mut Ui, state: &State) {
         Some(label) => format!("pose {label}"),
         None => return,
     };
-    if run.paused.is_some() {
-        return;
+    let doing = match run.paused {
+        Some(_) => Doing::Nothing,
+        None => state.link.live().doing,
+    };
+    if !matches!(doing, Doing::Asking { .. }) {
+        asking::forget(state);
     }
-    match state.link.live().doing {
-        Doing::Nothing | Doing::Verifying { .. } => {}
+    match doing {
+        Doing::Nothing | Doing::Verifying { .. } | Doing::Locating { .. } => {}
         Doing::Moving => {
             muted(ui, &format!("On the way to {place}."));
         }
         Doing::Settling { rates, limits, .. } => readings::settling(ui, &place, rates, limits),
-        Doing::Asking { .. } => {
-            muted(
-                ui,
-                &format!("Standing still at {place}: read the laser distance and enter it."),
-            );
-        }
+        Doing::Asking { label, expected_m } => asking::show(ui, state, label, expected_m),
         Doing::Sampling { taken, of } => {
             muted(ui, &format!("Reading at {place}: sample {taken} of {of}."));
         }
@@ -225,14 +225,16 @@ pub(super) fn name_of(state: &State, cable: usize) -> &str {
     cable.map_or("", |cable| cable.name.as_str())
 }
 
-fn warnings(ui: &mut Ui, run: &RunLog) {
-    if run.warnings.is_empty() {
+/// What did not look right, the latest first, each with its cable.
+fn warnings(ui: &mut Ui, state: &mut State) {
+    let Some(run) = state.link.run.as_ref().filter(|r| !r.warnings.is_empty()) else {
         return;
-    }
+    };
     let title = match run.warnings.len() {
         1 => "1 warning".to_owned(),
         count => format!("{count} warnings"),
     };
+    let mut chosen = None;
     let header = CollapsingHeader::new(egui::RichText::new(title).color(theme::of(ui).warning));
     header
         .id_salt("warnings")
@@ -242,9 +244,23 @@ fn warnings(ui: &mut Ui, run: &RunLog) {
                 .id_salt("list of warnings")
                 .max_height(30.0 * GRID)
                 .show(ui, |ui| {
-                    for text in run.warnings.iter().rev() {
-                        ui.add(egui::Label::new(text).wrap());
+                    for warning in run.warnings.iter().rev() {
+                        ui.horizontal_top(|ui| {
+                            if let Some(cable) = warning.cable
+                                && readings::cable_link(ui, cable, name_of(state, cable))
+                            {
+                                chosen = Some(cable);
+                            }
+                            ui.add(egui::Label::new(&warning.text).wrap());
+                        });
                     }
                 });
         });
+    if let Some(cable) = chosen {
+        let selection = Selection {
+            cable: Some(cable),
+            ..state.selection
+        };
+        state.outbox.send(ViewCommand::Select(selection));
+    }
 }

@@ -33,6 +33,22 @@ pub fn revertible(state: &State) -> Option<&Adjustment> {
 }
 
 pub(super) fn write(state: &mut State) {
+    let fit = state.document.as_ref().and_then(|document| document.fit());
+    if fit.is_some_and(|fit| !fit.solution.converged()) {
+        state.windows.unconverged = true;
+        return;
+    }
+    write_identified(state);
+}
+
+pub(super) fn write_unconverged(state: &mut State, wanted: bool) {
+    state.windows.unconverged = false;
+    if wanted {
+        write_identified(state);
+    }
+}
+
+fn write_identified(state: &mut State) {
     let values = adjusting::values_to_write(differences(state));
     give(state, values, Purpose::Adjust);
 }
@@ -105,8 +121,11 @@ pub(super) fn verify(state: &mut State, stage: Stage) {
     let robot = &document.session().robot;
     let workspace = connected.rig.workspace();
     let mut targets = cube_poses(robot, workspace);
-    targets.extend(circle(robot, workspace, POINTS.0));
-    targets.extend(line(robot, workspace, POINTS.1));
+    // Nobody types the poses of two paths.
+    if connected.rig.has_instrument() {
+        targets.extend(circle(robot, workspace, POINTS.0));
+        targets.extend(line(robot, workspace, POINTS.1));
+    }
     state.link.verify(targets, stage);
 }
 
@@ -114,7 +133,12 @@ pub(super) fn verified(state: &mut State, stage: Stage, result: Result<Vec<Check
     state.link.verifying = None;
     match result {
         Ok(rows) => {
-            let instrument = "with the simulated tracker";
+            let connected = state.link.connected.as_ref();
+            let typed = connected.is_some_and(|c| !c.rig.has_instrument());
+            let instrument = match typed {
+                true => "typed by the operator",
+                false => "with the simulated tracker",
+            };
             add(state, stage, rows, instrument);
         }
         Err(error) => state.messages.warning(format!(

@@ -4,10 +4,12 @@ mod adjust;
 mod files;
 mod plan;
 mod run;
+mod setup;
 
 use std::path::PathBuf;
 
-use tautline_session::Stage;
+use tautline_link::ParameterInfo;
+use tautline_session::{CheckPose, Phase, Stage};
 
 use crate::app::robot::{Connected, Report};
 use crate::app::state::State;
@@ -19,6 +21,7 @@ pub use adjust::{differences, revertible, title};
 pub use files::Export;
 pub use plan::{EXPECTING, PLANNING};
 pub use run::{kept, missing, not_kept, sentence};
+pub use setup::{CHECKING, Setup, SetupOutcome};
 
 /// Concerns the robot: what to measure, its controller, what it is told.
 #[derive(Debug, Clone)]
@@ -31,8 +34,16 @@ pub enum RobotCommand {
     RemovePlanned(i64),
     /// Adds the pose that is commanded now to the plan.
     AddCurrent,
-    /// Connects to the controller that the session offers.
+    /// Opens the window that connects, or does what it says.
+    Setup(Setup),
+    /// Connects to the controller of the session's settings.
     Connect,
+    /// Tries at once to make a lost connection anew.
+    TryNow,
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    LaserDistance(i64, Option<f64>),
+    /// Where the platform is at the target of this number of a verification, as the operator reads it.
+    TypedPose(usize, CheckPose),
     /// Ends the connection.
     Disconnect,
     /// Allows motion and writing.
@@ -63,8 +74,10 @@ pub enum RobotCommand {
     TakeCheck(Stage),
     /// Reads what the controller holds.
     ReadBack,
-    /// Writes the identified values to the controller.
+    /// Writes the identified values to the controller; asks first where the identification did not converge.
     Write,
+    /// Answers whether values that did not converge are written.
+    WriteUnconverged(bool),
     /// Writes the values that were there before the last adjustment.
     RollBack,
     /// Writes a file; asks for its place.
@@ -92,6 +105,8 @@ pub enum RobotOutcome {
         /// What to expect of it, or one sentence.
         result: Result<Box<Outlook>, String>,
     },
+    /// Of the window that connects.
+    Setup(SetupOutcome),
     /// A place for a file was picked, or not.
     Picked(Export, Option<PathBuf>),
     /// A file was written.
@@ -104,7 +119,13 @@ pub(super) fn perform(state: &mut State, command: RobotCommand) {
         RobotCommand::Expect => plan::expect_stored(state),
         RobotCommand::RemovePlanned(label) => plan::remove(state, label),
         RobotCommand::AddCurrent => plan::add_current(state),
+        RobotCommand::Setup(setup) => setup::perform(state, setup),
         RobotCommand::Connect => connect(state),
+        RobotCommand::TryNow => state.link.try_now(),
+        RobotCommand::LaserDistance(label, distance_m) => {
+            state.link.laser_distance(label, distance_m);
+        }
+        RobotCommand::TypedPose(number, pose) => state.link.typed_pose(number, pose),
         RobotCommand::Disconnect => state.link.disconnect(),
         RobotCommand::Arm => state.link.arm(true),
         RobotCommand::Disarm => state.link.arm(false),
@@ -121,6 +142,7 @@ pub(super) fn perform(state: &mut State, command: RobotCommand) {
         RobotCommand::TakeCheck(stage) => adjust::take_check(state, stage),
         RobotCommand::ReadBack => state.link.read_back(),
         RobotCommand::Write => adjust::write(state),
+        RobotCommand::WriteUnconverged(wanted) => adjust::write_unconverged(state, wanted),
         RobotCommand::RollBack => adjust::roll_back(state),
         RobotCommand::AskExport(export) => files::ask(state, export),
         RobotCommand::Export(export, path) => files::write(state, export, path),
@@ -132,6 +154,7 @@ pub(super) fn receive(state: &mut State, outcome: RobotOutcome) {
     match outcome {
         RobotOutcome::Planned { document, result } => plan::planned(state, document, result),
         RobotOutcome::Expected { document, result } => plan::expected(state, document, result),
+        RobotOutcome::Setup(outcome) => setup::receive(state, outcome),
         RobotOutcome::Picked(export, Some(path)) => files::write(state, export, path),
         RobotOutcome::Picked(_, None) => state.messages.info("No file was chosen."),
         RobotOutcome::Exported(path, Ok(())) => {
@@ -149,7 +172,11 @@ fn connect(state: &mut State) {
         return;
     }
     let identified = document.fit().map_or(&[][..], |fit| &fit.model.effects);
-    let rig = Rig::of(document.session(), identified);
+    let session = document.session();
+    let rig = Rig::of(session, identified);
+    if let (Kind::Recording, Some(recording)) = (rig.kind, &session.connection.recording) {
+        state.link.set_speed(recording.speed);
+    }
     state.link.connect(rig, document.identity());
 }
 
@@ -162,15 +189,16 @@ pub fn reported(state: &mut State, report: Report) {
             rig,
             document,
         } => {
+            state.link.connecting = false;
             state.messages.info(format!("Connected: {identity}."));
             state.link.identity = identity;
             state.link.connected = Some(Connected { document, rig });
             state.link.take_parameters(parameters);
         }
         Report::Disconnected(why) => disconnected(state, why),
-        Report::Refused(text) => {
-            state.messages.error(wording::sentence(&text));
-        }
+        Report::Lost(why) => lost(state, &why),
+        Report::Regained(parameters) => regained(state, parameters),
+        Report::Refused(text) => refused(state, &text),
         Report::Parameters(parameters) => {
             state.link.take_parameters(parameters);
             state.messages.info("Read what the controller holds.");
@@ -189,6 +217,49 @@ pub fn reported(state: &mut State, report: Report) {
         }
         Report::Verified(stage, result) => adjust::verified(state, stage, result),
         report => run::reported(state, report),
+    }
+}
+
+/// Something was not done; the window that connects says so, too.
+fn refused(state: &mut State, text: &str) {
+    let text = format!("{}.", wording::sentence(text.trim_end_matches('.')));
+    if state.link.connecting
+        && let Some(draft) = &mut state.screens.connect
+    {
+        draft.refused = Some(text.clone());
+    }
+    state.link.connecting = false;
+    state.messages.error(text);
+}
+
+fn lost(state: &mut State, why: &str) {
+    let armed = "The robot is not armed any more; the connection is made anew by itself.";
+    let why = wording::sentence(why.trim_end_matches('.'));
+    let text = format!("{why}. {armed}");
+    if let Some(document) = &mut state.document {
+        document.log(Phase::Poses, &text);
+    }
+    state.messages.error(text);
+}
+
+/// The connection is there again: what the controller holds may be something else.
+fn regained(state: &mut State, parameters: Vec<ParameterInfo>) {
+    let before = &state.link.parameters;
+    let is_other = |now: &&ParameterInfo| {
+        let held = before.iter().find(|held| held.name == now.name);
+        held.is_none_or(|held| held.value != now.value)
+    };
+    let others = parameters.iter().filter(is_other).count();
+    let holds = match others {
+        0 => "It holds the values that it held before.".to_owned(),
+        1 => "Attention: one of its values is not what it was.".to_owned(),
+        many => format!("Attention: {many} of its values are not what they were."),
+    };
+    state.link.take_parameters(parameters);
+    let text = format!("The connection is there again. {holds} Arm the controller to go on.");
+    match others {
+        0 => state.messages.info(text),
+        _ => state.messages.warning(text),
     }
 }
 
@@ -218,9 +289,9 @@ pub fn follow(state: &mut State) {
     run::draw(state);
 }
 
-/// Whether readings are those of the robot of the session.
+/// Whether what is connected, if anything, is the simulated robot of the session.
 #[must_use]
 pub fn is_true_to_session(state: &State) -> bool {
     let connected = state.link.connected.as_ref();
-    connected.is_none_or(|connected| connected.rig.kind != Kind::OfDescription)
+    connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
 }

@@ -95,7 +95,7 @@ pub(super) fn reported(state: &mut State, report: Report) {
             run.current = Some(label);
             run.paused = None;
         }
-        Report::Warning(warning) => run.warnings.push(warning.text),
+        Report::Warning(warning) => run.warnings.push(warning),
         Report::Skipped(label) => {
             run.skipped.insert(label);
             run.paused = None;

@@ -1,14 +1,17 @@
-//! The file of a session while a command works on it.
+//! The file of a session while somebody works on it.
 //!
-//! Beside the file lies the folder `SESSION.unsaved` as long as a command runs: its lock keeps other commands away, and
-//! measured poses are there before they are in the file. If the program is killed it stays, and the next
-//! command takes the poses over.
+//! Beside the file lies the folder `SESSION.unsaved` as long as a command runs or the window has changes that the file
+//! has not: its lock keeps others away, and the poses that a command measures are there before they are in the file. If
+//! the program is killed it stays, and whoever opens the session next takes the poses over.
 
-use std::fs::{self, File, Metadata, TryLockError};
-use std::io::{ErrorKind, Result as IoResult};
+mod held;
+mod own;
+
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use tautline_session::{
     Keeper, LeftBehind, LogEntry, Outcome, Phase, Session, left_behind, read_session, write_session,
 };
@@ -16,13 +19,13 @@ use tautline_session::{
 use crate::app::clock;
 use crate::cli::BadInput;
 use crate::controllers::beside;
-use crate::wording::count;
+use crate::wording::{count, sentence};
+pub use held::{Held, NotHeld};
+use held::{LOCK, folder_of};
+pub use own::OwnFile;
 
-/// Ending of the folder.
-const UNSAVED: &str = ".unsaved";
 /// Ending of the file that a simulated controller's values are in while they are written.
 const CONTROLLER: &str = ".controller";
-const LOCK: &str = "lock";
 /// Where poses go that are in the file by then.
 const DISCARDED: &str = "discarded";
 
@@ -32,38 +35,56 @@ pub struct SessionFile {
     pub path: PathBuf,
     /// What is in it, and what is not yet.
     pub session: Session,
-    folder: PathBuf,
-    lock: File,
+    held: Held,
+}
+
+/// Takes over what a killed command has left beside a session file; what there is to tell about it, also that a command
+/// works on the session still.
+pub fn settle(path: &Path) -> Vec<String> {
+    let mut told = Vec::new();
+    if folder_of(path).exists() {
+        let opened = SessionFile::open(path, || Ok(None), &mut |text| told.push(sentence(&text)));
+        if let Err(error) = opened {
+            told.push(format!("{error:#}."));
+        }
+    }
+    told
 }
 
 impl SessionFile {
     /// Reads a session for a command that changes it, with what an earlier command has left unsaved. Where there is no
-    /// such file `begin` makes the session, if it may.
-    pub fn open(path: &Path, begin: impl Fn() -> Result<Option<Session>>) -> Result<Self> {
-        let folder = beside(path, UNSAVED);
+    /// such file `begin` makes the session, if it may. What there is to say is given to `tell`.
+    pub fn open(
+        path: &Path,
+        begin: impl Fn() -> Result<Option<Session>>,
+        tell: &mut dyn FnMut(String),
+    ) -> Result<Self> {
+        let folder = folder_of(path);
         // What is wrong with a file is said before anything is written beside it.
         let made = match path.exists() || folder.exists() {
             true => None,
-            false => Some(begin()?.map_or_else(|| read(path), Ok)?),
+            false => Some(begin()?.map_or_else(|| read(path, tell), Ok)?),
         };
-        let lock = locked(path, &folder)?;
+        let held = Held::take(path).map_err(|error| match error {
+            NotHeld::NoFolder(_) => BadInput::new(error),
+            error => error.into(),
+        })?;
         let left = left_behind(&folder)?;
         let session = match (path.exists(), made) {
-            (true, _) => read(path)?,
+            (true, _) => read(path, tell)?,
             (false, Some(session)) => session,
             (false, None) => match left.first() {
                 Some(left) => left.recover()?.value.session,
                 // The program was killed before it had written anything.
-                None => begin()?.map_or_else(|| read(path), Ok)?,
+                None => begin()?.map_or_else(|| read(path, tell), Ok)?,
             },
         };
         let mut file = Self {
             path: path.to_owned(),
             session,
-            folder,
-            lock,
+            held,
         };
-        file.take_over(left)?;
+        file.take_over(left, tell)?;
         file.tidy()?;
         let last = file.session.adjustments().last();
         if last.is_none_or(|last| last.outcome != Outcome::Begun) {
@@ -90,7 +111,7 @@ impl SessionFile {
     /// Starts to keep measured poses.
     pub fn keep(&self) -> Result<Keeper> {
         Ok(Keeper::begin(
-            &self.folder,
+            self.held.folder(),
             Some(&self.path),
             &self.session,
         )?)
@@ -113,8 +134,9 @@ impl SessionFile {
     /// Removes what was taken over, which is in the file now, and the locks of folders that a killed program had made
     /// but not used, or had removed already.
     fn tidy(&self) -> Result<()> {
-        let failed = || format!("{} cannot be read", self.folder.display());
-        for entry in fs::read_dir(&self.folder).with_context(failed)? {
+        let folder = self.held.folder();
+        let failed = || format!("{} cannot be read", folder.display());
+        for entry in fs::read_dir(folder).with_context(failed)? {
             let path = entry.with_context(failed)?.path();
             let removed = match path.file_name() {
                 Some(name) if name == DISCARDED => fs::remove_dir_all(&path),
@@ -127,15 +149,13 @@ impl SessionFile {
     }
 
     /// Takes over poses that were measured by a program that was killed, and writes them to the file.
-    fn take_over(&mut self, left: Vec<LeftBehind>) -> Result<()> {
+    fn take_over(&mut self, left: Vec<LeftBehind>, tell: &mut dyn FnMut(String)) -> Result<()> {
         for left in left {
             let place = left.folder().display().to_string();
             let recovered = left.recover().with_context(|| {
                 format!("{place}: what was measured last cannot be read; move the folder away to go on without it")
             })?;
-            for notice in &recovered.notices {
-                eprintln!("{notice}");
-            }
+            recovered.notices.into_iter().for_each(&mut *tell);
             let added = self.session.append_missing(&recovered.value.session);
             let added = added.map_err(|error| {
                 BadInput::new(format!(
@@ -147,7 +167,7 @@ impl SessionFile {
                     "{} that a program had measured before it was killed: taken over.",
                     count(added.len(), "pose")
                 );
-                eprintln!("{text}");
+                tell(text.clone());
                 self.log(Phase::Poses, text);
             }
             self.save()?;
@@ -157,73 +177,8 @@ impl SessionFile {
     }
 }
 
-impl Drop for SessionFile {
-    fn drop(&mut self) {
-        // While it is locked; what stays behind is an empty folder or poses that are not in the file.
-        let _ = fs::remove_file(self.folder.join(LOCK));
-        let _ = fs::remove_dir(&self.folder);
-        let _ = self.lock.unlock();
-    }
-}
-
-fn read(path: &Path) -> Result<Session> {
+fn read(path: &Path, tell: &mut dyn FnMut(String)) -> Result<Session> {
     let read = read_session(path)?;
-    for notice in &read.notices {
-        eprintln!("{notice}");
-    }
+    read.notices.into_iter().for_each(tell);
     Ok(read.value)
-}
-
-/// Locks the session against other commands.
-fn locked(path: &Path, folder: &Path) -> Result<File> {
-    let lock = folder.join(LOCK);
-    let failed = || format!("{} cannot be written", folder.display());
-    loop {
-        match fs::create_dir(folder) {
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                let message = format!("{}: its folder is not found", path.display());
-                return Err(BadInput::new(message));
-            }
-            made => made.with_context(failed)?,
-        }
-        let mut options = File::options();
-        options.read(true).write(true).create(true).truncate(false);
-        let file = match options.open(&lock) {
-            // The other program has just removed the folder.
-            Err(error) if error.kind() == ErrorKind::NotFound => continue,
-            opened => opened.with_context(failed)?,
-        };
-        match file.try_lock() {
-            Ok(()) if is_still(&file, &lock).with_context(failed)? => return Ok(file),
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(anyhow!(
-                    "{}: another program works on this session at present; wait until it has ended",
-                    path.display()
-                ));
-            }
-            Err(TryLockError::Error(error)) => return Err(error).with_context(failed),
-        }
-    }
-}
-
-/// Whether an open file is still the one at `path`, and not one that another program has removed meanwhile.
-fn is_still(file: &File, path: &Path) -> IoResult<bool> {
-    match fs::metadata(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
-        there => Ok(is_same(&file.metadata()?, &there?)),
-    }
-}
-
-#[cfg(unix)]
-fn is_same(a: &Metadata, b: &Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
-}
-
-/// Where files in use cannot be removed there is no other.
-#[cfg(not(unix))]
-fn is_same(_: &Metadata, _: &Metadata) -> bool {
-    true
 }

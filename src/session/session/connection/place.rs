@@ -1,0 +1,118 @@
+//! Which controller it is, and where it is found.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::robot::FieldError;
+
+use super::super::fail;
+
+/// Waits for an answer that make sense (s).
+pub(super) const TIMEOUT_S: std::ops::RangeInclusive<f64> = 0.05..=60.0;
+/// Speeds at which a recording is played, 1 for that of the recording.
+const SPEED: std::ops::RangeInclusive<f64> = 0.1..=100.0;
+
+/// Which controller is connected.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ControllerKind {
+    /// A simulated robot.
+    #[default]
+    Simulated,
+    /// A recorded dataset that is played back.
+    Recording,
+    /// A Beckhoff controller, which speaks ADS.
+    Ads,
+}
+
+impl ControllerKind {
+    /// Whether it is the simulated robot.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        *self == Self::Simulated
+    }
+}
+
+/// A recorded dataset.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RecordingPlace {
+    /// Its folder.
+    pub folder: String,
+    /// How many times faster it is played than it was recorded, 0.1 to 100.
+    #[serde(default = "super::one")]
+    pub speed: f64,
+}
+
+impl RecordingPlace {
+    /// Checks it; pointers count from it.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), FieldError> {
+        if self.folder.trim().is_empty() {
+            return fail("/folder", "found nothing, expected the folder of a dataset");
+        }
+        if !SPEED.contains(&self.speed) {
+            let [low, high] = [SPEED.start(), SPEED.end()];
+            let message = format!("found {}, expected {low} to {high}", self.speed);
+            return fail("/speed", message);
+        }
+        Ok(())
+    }
+}
+
+/// Where a controller that speaks ADS is found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AdsPlace {
+    /// Name or address of its computer.
+    pub host: String,
+    /// Its TCP port.
+    #[serde(default = "router_port")]
+    pub port: u16,
+    /// The six numbers of its AMS Net ID.
+    pub net_id: [u8; 6],
+    /// The AMS port of its program.
+    #[serde(default = "program_port")]
+    pub ams_port: u16,
+    /// Longest wait for a connection or an answer (s), 0.05 to 60.
+    #[serde(default = "super::one")]
+    pub timeout_s: f64,
+}
+
+impl AdsPlace {
+    /// TCP port on which routers listen.
+    pub const ROUTER_PORT: u16 = 48898;
+    /// AMS port of the first program in TwinCAT 3.
+    pub const PROGRAM_PORT: u16 = 851;
+
+    /// Checks it; pointers count from it.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), FieldError> {
+        if self.host.is_empty() || self.host.contains(char::is_whitespace) {
+            let message = format!("found {:?}, expected a name or an address", self.host);
+            return fail("/host", message);
+        }
+        for (at, port) in [("/port", self.port), ("/ams_port", self.ams_port)] {
+            if port == 0 {
+                return fail(at, "found 0, expected a port from 1 to 65535");
+            }
+        }
+        if !TIMEOUT_S.contains(&self.timeout_s) {
+            let [low, high] = [TIMEOUT_S.start(), TIMEOUT_S.end()];
+            let message = format!("found {}, expected {low} s to {high} s", self.timeout_s);
+            return fail("/timeout_s", message);
+        }
+        Ok(())
+    }
+}
+
+fn router_port() -> u16 {
+    AdsPlace::ROUTER_PORT
+}
+
+fn program_port() -> u16 {
+    AdsPlace::PROGRAM_PORT
+}

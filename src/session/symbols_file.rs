@@ -1,0 +1,71 @@
+//! Files with the names of a controller's symbols.
+
+use std::path::Path;
+
+use tautline_core::robot::Robot;
+
+use crate::error::{Loaded, ReadError, WriteError};
+use crate::json::{read_document, write_document};
+use crate::session::AdsMapping;
+
+/// Reads the symbols of a controller that speaks ADS, and checks that they fit a robot.
+///
+/// # Errors
+/// If the file cannot be read, or its symbols cannot be those of this robot's controller.
+pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<AdsMapping>, ReadError> {
+    let read = read_document::<AdsMapping>(path)?;
+    let checked = read.value.check(robot);
+    checked.map_err(|error| ReadError::field(&path.display().to_string(), error))?;
+    Ok(read)
+}
+
+/// Writes them, atomically.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_symbols(path: &Path, mapping: &AdsMapping) -> Result<(), WriteError> {
+    write_document(path, mapping)
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::robot::presets;
+
+    use super::*;
+
+    #[test]
+    fn symbols_read_back_and_a_wrong_one_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("symbols.json");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut mapping = AdsMapping::default_for(&robot);
+        write_symbols(&path, &mapping).expect("written");
+        assert_eq!(read_symbols(&path, &robot).expect("read").value, mapping);
+        let error = |text: &str| {
+            std::fs::write(&path, text).expect("written");
+            let error = read_symbols(&path, &robot).expect_err("wrong");
+            error.to_string()
+        };
+        let text = std::fs::read_to_string(&path).expect("a file");
+        let told = error(&text.replace("tautline-symbols", "tautline-robot"));
+        assert!(told.contains("symbols.json"), "{told}");
+        let told = error(&text.replacen("1.0", "\"one\"", 1));
+        assert!(told.contains("/readings/revolutions/scale"), "{told}");
+        mapping.readings.revolutions.scale = 0.0;
+        write_symbols(&path, &mapping).expect("written");
+        let told = read_symbols(&path, &robot).expect_err("no scale");
+        let told = told.to_string();
+        assert!(
+            told.contains("/readings/revolutions/scale: found 0"),
+            "{told}"
+        );
+        let other = presets::find("planar").expect("a preset").robot;
+        mapping.readings.revolutions.scale = 1.0;
+        mapping.readings.revolutions.symbol =
+            crate::session::AdsNames::Each((0..8).map(|k| format!("turns{k}")).collect());
+        write_symbols(&path, &mapping).expect("written");
+        assert!(read_symbols(&path, &robot).is_ok());
+        let told = read_symbols(&path, &other).expect_err("other cables");
+        assert!(told.to_string().contains("found 8 names"), "{told}");
+    }
+}

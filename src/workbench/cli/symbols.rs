@@ -1,0 +1,24 @@
+//! `tautline symbols`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tautline_session::AdsMapping;
+
+use super::measure::robot;
+use super::output::write_json;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A preset (mini, hall, suspended, planar) or a robot.json
+    #[arg(value_name = "PRESET|FILE")]
+    robot: String,
+    /// Write them to a file; - is standard output
+    #[arg(long, value_name = "FILE", default_value = "-")]
+    out: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mapping = AdsMapping::default_for(&robot(&arguments.robot)?);
+    write_json(&arguments.out, &tautline_session::document(&mapping))
+}

@@ -1,0 +1,371 @@
+//! The laser: from where its distance comes, and what arrives at this moment.
+
+use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
+use tautline_link::laser::serial_ports;
+use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
+
+use super::draft::{Field, Problems, port};
+use super::field::{labelled, line};
+use super::test_line::{Heard, TestLine};
+use crate::app::theme::GRID;
+use crate::widgets::{Verdict, muted, section, verdict};
+
+/// Where the distance comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LaserFrom {
+    /// The controller.
+    Controller,
+    /// The operator.
+    Manual,
+    /// A device in the network.
+    Network,
+    /// A device at a serial port.
+    Serial,
+}
+
+/// What is typed about the laser.
+#[derive(Debug)]
+pub struct LaserDraft {
+    /// Where the distance comes from.
+    pub from: LaserFrom,
+    host: String,
+    port: String,
+    device: String,
+    baud: String,
+    pattern: String,
+    no_return: String,
+    command: String,
+    /// Everything of a device that sends lines, also what the window does not show.
+    base: LineLaserSettings,
+    /// Serial ports of this computer, once they were looked for.
+    ports: Option<Vec<String>>,
+    test: Option<TestLine>,
+}
+
+impl LaserDraft {
+    /// The settings of a session.
+    #[must_use]
+    pub fn of(settings: &LaserSettings) -> Self {
+        let usual = LineLaserSettings::new(LaserPort::serial(String::new()));
+        let base = match settings {
+            LaserSettings::Line(line) => line.clone(),
+            LaserSettings::Controller | LaserSettings::Manual => usual,
+        };
+        let (host, port, device, baud, from) = match &base.port {
+            LaserPort::Tcp { host, port } => {
+                let port = port.to_string();
+                (
+                    host.clone(),
+                    port,
+                    String::new(),
+                    "9600".into(),
+                    LaserFrom::Network,
+                )
+            }
+            LaserPort::Serial { device, baud, .. } => {
+                let baud = baud.to_string();
+                (
+                    String::new(),
+                    String::new(),
+                    device.clone(),
+                    baud,
+                    LaserFrom::Serial,
+                )
+            }
+        };
+        Self {
+            from: match settings {
+                LaserSettings::Controller => LaserFrom::Controller,
+                LaserSettings::Manual => LaserFrom::Manual,
+                LaserSettings::Line(_) => from,
+            },
+            host,
+            port,
+            device,
+            baud,
+            pattern: base.pattern.clone().unwrap_or_default(),
+            no_return: base.no_return.join(" | "),
+            command: escaped(base.command.as_deref().unwrap_or_default()),
+            base,
+            ports: None,
+            test: None,
+        }
+    }
+
+    /// The settings that it makes.
+    pub fn settings(&self, problems: &mut Problems) -> Option<LaserSettings> {
+        let port = match self.from {
+            LaserFrom::Controller => return Some(LaserSettings::Controller),
+            LaserFrom::Manual => return Some(LaserSettings::Manual),
+            LaserFrom::Network => {
+                if self.host.trim().is_empty() {
+                    let text = "found nothing, expected the name or address of the laser";
+                    problems.add(Field::LaserHost, text);
+                }
+                let port = problems.take(Field::LaserPort, port(&self.port));
+                LaserPort::Tcp {
+                    host: self.host.trim().to_owned(),
+                    port: port?,
+                }
+            }
+            LaserFrom::Serial => self.serial(problems)?,
+        };
+        let typed = |text: &String| Some(text.clone()).filter(|text| !text.trim().is_empty());
+        let marks = self.no_return.split('|').map(str::trim);
+        let settings = LaserSettings::Line(LineLaserSettings {
+            port,
+            pattern: typed(&self.pattern),
+            no_return: marks.filter(|m| !m.is_empty()).map(str::to_owned).collect(),
+            command: typed(&self.command).map(|text| unescaped(&text)),
+            ..self.base.clone()
+        });
+        match settings.check() {
+            Ok(()) => Some(settings),
+            Err(error) => {
+                let field = match error.pointer.as_str() {
+                    "/pattern" => Field::Pattern,
+                    "/port/tcp/host" => Field::LaserHost,
+                    "/port/serial/device" => Field::Device,
+                    "/port/serial/baud" => Field::Baud,
+                    _ => Field::Laser,
+                };
+                if problems.of(field).is_none() {
+                    problems.add(field, error.message);
+                }
+                None
+            }
+        }
+    }
+
+    fn serial(&self, problems: &mut Problems) -> Option<LaserPort> {
+        let baud = self.baud.trim().parse::<u32>();
+        let baud =
+            baud.map_err(|_| format!("found \"{}\", expected a number such as 9600", self.baud));
+        let baud = problems.take(Field::Baud, baud);
+        if self.device.trim().is_empty() {
+            let text = "found nothing, expected a serial port such as /dev/ttyUSB0 or COM3";
+            problems.add(Field::Device, text);
+        }
+        let mut port = match &self.base.port {
+            port @ LaserPort::Serial { .. } => port.clone(),
+            LaserPort::Tcp { .. } => LaserPort::serial(String::new()),
+        };
+        if let LaserPort::Serial {
+            device, baud: bits, ..
+        } = &mut port
+        {
+            *device = self.device.trim().to_owned();
+            *bits = baud?;
+        }
+        Some(port)
+    }
+
+    /// Draws the choice and what belongs to it; `busy`: a connection uses the laser at this moment.
+    pub fn show(&mut self, ui: &mut Ui, problems: &Problems, busy: bool) {
+        for (from, text) in [
+            (
+                LaserFrom::Controller,
+                "From the controller, with its other readings",
+            ),
+            (LaserFrom::Manual, "Typed by the operator at every pose"),
+            (LaserFrom::Network, "From a device in the network"),
+            (LaserFrom::Serial, "From a device at a serial port"),
+        ] {
+            ui.radio_value(&mut self.from, from, text);
+        }
+        if matches!(self.from, LaserFrom::Controller | LaserFrom::Manual) {
+            self.test = None;
+            return;
+        }
+        ui.add_space(GRID);
+        Grid::new("laser")
+            .num_columns(2)
+            .spacing([3.0 * GRID, 1.5 * GRID])
+            .show(ui, |ui| {
+                if self.from == LaserFrom::Network {
+                    line(
+                        ui,
+                        ("Laser host", "192.168.0.7"),
+                        &mut self.host,
+                        problems.of(Field::LaserHost),
+                    );
+                    line(
+                        ui,
+                        ("Laser port", "4001"),
+                        &mut self.port,
+                        problems.of(Field::LaserPort),
+                    );
+                } else {
+                    self.device(ui);
+                    line(
+                        ui,
+                        ("Serial port", "/dev/ttyUSB0"),
+                        &mut self.device,
+                        problems.of(Field::Device),
+                    );
+                    line(
+                        ui,
+                        ("Bits per second", "9600"),
+                        &mut self.baud,
+                        problems.of(Field::Baud),
+                    );
+                }
+                unit(ui, &mut self.base.unit);
+                let hint = "The first number that stands alone";
+                line(
+                    ui,
+                    ("Pattern of a line", hint),
+                    &mut self.pattern,
+                    problems.of(Field::Pattern),
+                );
+                line(
+                    ui,
+                    ("Text for no return", "None"),
+                    &mut self.no_return,
+                    None,
+                );
+                line(
+                    ui,
+                    ("Command that asks", "None: it sends by itself"),
+                    &mut self.command,
+                    problems.of(Field::Laser),
+                );
+            });
+        self.test(ui, busy);
+    }
+
+    /// The serial ports of this computer.
+    fn device(&mut self, ui: &mut Ui) {
+        let ports = self.ports.get_or_insert_with(serial_ports);
+        ui.label("Ports of this computer");
+        let chosen = ComboBox::from_id_salt("serial ports")
+            .selected_text(if ports.is_empty() {
+                "None found"
+            } else {
+                "Choose"
+            })
+            .width(200.0)
+            .show_ui(ui, |ui| {
+                for port in ports.iter() {
+                    ui.selectable_value(&mut self.device, port.clone(), port);
+                }
+            });
+        chosen
+            .response
+            .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Ports of this computer"));
+        ui.end_row();
+    }
+
+    /// What arrives and what is understood of it.
+    fn test(&mut self, ui: &mut Ui, busy: bool) {
+        section(ui, "What arrives");
+        let settings = self.settings(&mut Problems::default());
+        let Some(LaserSettings::Line(settings)) = settings.filter(|_| !busy) else {
+            self.test = None;
+            let text = if busy {
+                "The laser is in use by the connection: disconnect to try other settings."
+            } else {
+                "Its lines are shown here once the fields above are filled in."
+            };
+            muted(ui, text);
+            return;
+        };
+        if self
+            .test
+            .as_ref()
+            .is_none_or(|test| test.settings != settings)
+        {
+            self.test = None;
+            if ui.button("Try these settings").clicked() {
+                self.test = Some(TestLine::start(settings, ui.ctx().clone()));
+            }
+            return;
+        }
+        let Some(test) = &self.test else { return };
+        let Heard { line, understood } = test.heard();
+        match line {
+            Some(line) => {
+                labelled(ui, "Last line", &line);
+            }
+            None => {
+                muted(ui, "Nothing has arrived yet.");
+            }
+        }
+        match understood {
+            Some(Ok(distance_m)) => {
+                let text = format!("Understood: {:.2} mm.", distance_m * 1e3);
+                verdict(ui, Verdict::Good, &text);
+            }
+            Some(Err(why)) => {
+                let text = format!("{}.", crate::wording::sentence(&why));
+                verdict(ui, Verdict::Doubtful, &text);
+            }
+            None => {}
+        }
+    }
+}
+
+fn unit(ui: &mut Ui, unit: &mut LaserUnit) {
+    ui.label("Unit of the laser");
+    let chosen = ComboBox::from_id_salt("unit of the laser")
+        .selected_text(unit.name())
+        .width(72.0)
+        .show_ui(ui, |ui| {
+            for offered in [LaserUnit::Mm, LaserUnit::M, LaserUnit::Um] {
+                ui.selectable_value(unit, offered, offered.name());
+            }
+        });
+    let response = chosen.response;
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Unit of the laser"));
+    ui.end_row();
+}
+
+/// Line ends as they are typed.
+fn escaped(text: &str) -> String {
+    text.replace('\r', "\\r").replace('\n', "\\n")
+}
+
+fn unescaped(text: &str) -> String {
+    text.replace("\\r", "\r").replace("\\n", "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_source_makes_its_settings() {
+        for text in [
+            "controller",
+            "manual",
+            "tcp:laser:4001?pattern=^(?<distance>.*)$&unit=um&no_return=E1&no_return=E2",
+            "serial:/dev/ttyUSB0:19200?parity=even&stop_bits=2&command=D%0D%0A",
+        ] {
+            let settings: LaserSettings = text.parse().expect(text);
+            let mut problems = Problems::default();
+            let made = LaserDraft::of(&settings).settings(&mut problems);
+            assert_eq!(made, Some(settings), "{text}: {problems:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_told_beside_its_field() {
+        let mut draft = LaserDraft::of(&LaserSettings::Controller);
+        let problem = |draft: &LaserDraft, field| {
+            let mut problems = Problems::default();
+            assert_eq!(draft.settings(&mut problems), None);
+            problems.of(field).expect("a problem").to_owned()
+        };
+        draft.from = LaserFrom::Network;
+        assert!(problem(&draft, Field::LaserHost).contains("expected"));
+        assert!(problem(&draft, Field::LaserPort).contains("1 to 65535"));
+        draft.from = LaserFrom::Serial;
+        assert!(problem(&draft, Field::Device).contains("COM3"));
+        draft.device = "COM3".into();
+        draft.baud = "7".into();
+        assert!(problem(&draft, Field::Baud).contains("bits per second"));
+        draft.baud = "9600".into();
+        draft.pattern = "(".into();
+        assert!(problem(&draft, Field::Pattern).contains("regular expression"));
+    }
+}

@@ -1,0 +1,128 @@
+//! The laser distance that the operator reads and types.
+
+use egui::{FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
+
+use crate::app::State;
+use crate::app::commands::RobotCommand;
+use crate::app::theme::{self, GRID};
+use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
+
+/// Longest distance that can be typed (mm).
+const LONGEST_MM: f64 = 1e6;
+/// A distance this far from what is expected may be a slip of the keys (m).
+const FAR_M: f64 = 0.02;
+
+/// What is typed, and of which pose.
+#[derive(Debug, Default)]
+pub struct Typed {
+    label: Option<i64>,
+    text: String,
+    /// Whether it was entered.
+    sent: bool,
+}
+
+/// Nothing is asked for at this moment.
+pub(super) fn forget(state: &mut State) {
+    state.screens.measuring.typed.label = None;
+}
+
+/// Asks for the distance at a pose, where about `expected_m` is expected.
+pub(super) fn show(ui: &mut Ui, state: &mut State, label: i64, expected_m: Option<f64>) {
+    let memory = &mut state.screens.measuring.typed;
+    let is_new = memory.label != Some(label);
+    if is_new {
+        *memory = Typed {
+            label: Some(label),
+            ..Typed::default()
+        };
+    }
+    let name = match label {
+        0 => "Laser distance at home".to_owned(),
+        label => format!("Laser distance at pose {label}"),
+    };
+    ui.add_space(GRID);
+    ui.label(RichText::new(&name).font(theme::strong(15.0)));
+    let mut answer = None;
+    ui.horizontal(|ui| {
+        let edit = TextEdit::singleline(&mut memory.text)
+            .font(FontId::proportional(20.0))
+            .desired_width(36.0 * GRID);
+        let field = ui.add(edit);
+        let value = memory.text.clone();
+        field.widget_info(|| {
+            let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
+            info.label = Some(name.clone());
+            info
+        });
+        if is_new {
+            field.request_focus();
+        }
+        muted(ui, "mm");
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let good = distance_m(&memory.text).is_ok() && !memory.sent;
+        let pressed = primary(ui, "Enter distance", good).clicked();
+        if good && (entered || pressed) {
+            answer = distance_m(&memory.text).ok().map(Some);
+        } else if entered {
+            field.request_focus();
+        }
+    });
+    if ui.button("No return").clicked() {
+        answer = Some(None);
+    }
+    judge(ui, &memory.text, expected_m);
+    if let Some(distance_m) = answer {
+        memory.sent = true;
+        let command = RobotCommand::LaserDistance(label, distance_m);
+        state.outbox.send(command);
+    }
+}
+
+/// What is to be said of what is typed.
+fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
+    if text.trim().is_empty() {
+        match expected_m {
+            Some(expected_m) => muted(ui, &format!("Expected about {:.0} mm.", expected_m * 1e3)),
+            None => muted(ui, "The robot stands still until the distance is entered."),
+        };
+        return;
+    }
+    match (distance_m(text), expected_m) {
+        (Err(problem), _) => verdict(ui, Verdict::Bad, &format!("Laser distance: {problem}.")),
+        (Ok(typed_m), Some(expected_m)) if (typed_m - expected_m).abs() > FAR_M => {
+            let text = format!(
+                "Expected about {:.0} mm: read it once more, or enter it as it is.",
+                expected_m * 1e3
+            );
+            verdict(ui, Verdict::Doubtful, &text);
+        }
+        (Ok(_), Some(_)) => verdict(ui, Verdict::Good, "As expected."),
+        (Ok(_), None) => {}
+    }
+}
+
+/// A typed distance in metres.
+fn distance_m(text: &str) -> Result<f64, String> {
+    let typed_mm = parse_number(text)?;
+    if (0.0..=LONGEST_MM).contains(&typed_mm) {
+        Ok(typed_mm * 1e-3)
+    } else {
+        Err(format!(
+            "found {typed_mm}, expected 0 mm to {LONGEST_MM:.0} mm"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::distance_m;
+
+    #[test]
+    fn distances_are_typed_in_millimetres() {
+        assert_eq!(distance_m(" 412,5 "), Ok(0.4125));
+        for text in ["", "-1", "2e6", "4 1 2", "nan"] {
+            let told = distance_m(text).expect_err(text);
+            assert!(told.contains("expected"), "{told}");
+        }
+    }
+}
