@@ -1,6 +1,6 @@
 //! Where the platform is at a target, as the operator reads it from an instrument of one's own.
 
-use egui::{Key, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Key, RichText, TextEdit, Ui, WidgetInfo};
 use nalgebra::{UnitQuaternion, Vector3};
 use tautline_session::CheckPose;
 
@@ -108,6 +108,7 @@ fn fields(
             });
             if focuses && *name == "x" {
                 field.request_focus();
+                field.scroll_to_me(Some(Align::Center));
             }
             left |= field.lost_focus();
         }

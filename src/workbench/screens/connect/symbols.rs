@@ -10,8 +10,8 @@ use tautline_session::{
 
 use super::draft::{Field, Problems};
 use crate::app::theme::{self, GRID};
-use crate::widgets::{muted, parse_number};
-use crate::wording::count;
+use crate::widgets::{Verdict, muted, parse_number};
+use crate::wording::{count, sentence};
 
 /// What a symbol is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,6 +216,28 @@ impl SymbolRows {
         wrong.or(first)
     }
 
+    /// What the controller says in one sentence, once it was asked.
+    #[must_use]
+    pub fn summary(&self) -> Option<(Verdict, String)> {
+        let checks = match self.checked.as_ref()? {
+            Ok(checks) => checks,
+            Err(error) => return Some((Verdict::Bad, format!("{}.", sentence(error)))),
+        };
+        let number = |is: fn(&SymbolFound) -> bool| checks.iter().filter(|c| is(&c.found)).count();
+        let good = number(|found| matches!(found, SymbolFound::Good { .. }));
+        let missing = number(|found| matches!(found, SymbolFound::Missing(_)));
+        if good == checks.len() {
+            let text = format!("All {} are there and can be used.", count(good, "symbol"));
+            return Some((Verdict::Good, text));
+        }
+        let text = format!(
+            "Of {}, {good} can be used, {missing} are missing, {} are of a wrong type.",
+            count(checks.len(), "symbol"),
+            checks.len() - good - missing
+        );
+        Some((Verdict::Bad, text))
+    }
+
     /// Draws the table; `own`: it can be edited.
     pub fn show(&mut self, ui: &mut Ui, own: bool, problems: &Problems) {
         let found: Vec<Option<SymbolCheck>> = self
@@ -244,7 +266,7 @@ impl SymbolRows {
                         own,
                         &format!("Symbol: {}", row.title),
                         &mut row.symbol,
-                        240.0,
+                        208.0,
                     );
                     if row.need.has_scale() {
                         edit(
@@ -475,7 +497,7 @@ fn title_of(name: &str) -> String {
         .iter()
         .find_map(|unit| rest.strip_suffix(unit));
     let words = plain.unwrap_or(rest).replace(['.', '_'], " ");
-    crate::wording::sentence(&format!("{words}{whose}"))
+    sentence(&format!("{words}{whose}"))
 }
 
 /// The unit at the end of a parameter's name.
@@ -545,6 +567,7 @@ mod tests {
             bytes: 8,
         };
         let missing = SymbolFound::Missing("not found".into());
+        assert_eq!(rows.summary(), None);
         rows.checked = Some(Ok(vec![
             check("W1", good.clone()),
             check("W2", missing.clone()),
@@ -552,6 +575,8 @@ mod tests {
         ]));
         let found = rows.found(&rows.rows[0]).map(|check| &check.found);
         assert_eq!(found, Some(&missing));
+        let text = rows.summary().expect("a sentence").1;
+        assert!(text.contains("2 can be used, 1 are missing"), "{text}");
         assert_eq!(rows.found(&rows.rows[1]), None);
         assert_eq!(
             title_of("{cable}.entry_point.x_m"),
