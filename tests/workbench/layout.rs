@@ -289,8 +289,10 @@ fn every_window_above_the_screen_fits() {
         let mut open = |harness: &mut Harness<'_, App>| {
             let state = &mut harness.state_mut().state;
             state.outbox.send(RobotCommand::Setup(Setup::Open));
-            harness.step();
-            harness.step();
+            // A window takes its size before it is seen.
+            for _ in 0..4 {
+                harness.step();
+            }
             for name in presses {
                 harness.get_by_label(name).click_accesskit();
                 harness.step();

@@ -248,15 +248,19 @@ pub(super) fn look_up(
     for want in &layout.wanted {
         let found = match line.symbol(&want.name) {
             Ok(symbol) => {
-                let checked = symbol.check(want.expected);
-                let checked = checked.and_then(|()| check_count(&symbol, want.count));
+                let wrong = match symbol.check(want.expected) {
+                    Err(_) => Some(format!("expected {}", want.expected.describe())),
+                    Ok(()) => check_count(&symbol, want.count)
+                        .err()
+                        .map(|e| e.to_string()),
+                };
                 let (type_name, bytes) = (symbol.type_name, symbol.size);
-                match checked {
-                    Ok(()) => SymbolFound::Good { type_name, bytes },
-                    Err(error) => SymbolFound::Wrong {
+                match wrong {
+                    None => SymbolFound::Good { type_name, bytes },
+                    Some(why) => SymbolFound::Wrong {
                         type_name,
                         bytes,
-                        why: error.to_string(),
+                        why,
                     },
                 }
             }

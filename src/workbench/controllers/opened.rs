@@ -149,5 +149,7 @@ mod tests {
         let told = |choice: &str| open(choice, &session("mini")).err().map(|e| e.to_string());
         let missing = told("replay:no/such/folder").expect("an error");
         assert!(missing.contains("no/such/folder: not found"), "{missing}");
+        // Nobody is asked before the connection is made.
+        assert_eq!(told("ads:robot/1.2.3.4.1.1"), None);
     }
 }

@@ -1,6 +1,6 @@
 //! Where the platform is at a target, as the operator reads it from an instrument of one's own.
 
-use egui::{Key, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Key, RichText, TextEdit, Ui, WidgetInfo};
 use nalgebra::{UnitQuaternion, Vector3};
 use tautline_session::CheckPose;
 
@@ -47,11 +47,13 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, (number, of): (usize, usize))
     let [x, y, z] = [0, 1, 2].map(|k| commanded.position[k] * 1e3);
     muted(
         ui,
-        &format!("Target {number} of {of}, commanded to {x:.1}, {y:.1}, {z:.1} mm."),
+        &format!(
+            "Target {number} of {of}, commanded to {x:.1}, {y:.1}, {z:.1} mm. Angles only where they are measured."
+        ),
     );
     let (position, angles) = FIELDS.split_at(3);
     let mut last = fields(ui, memory, (position, 0), "mm", is_new);
-    last |= fields(ui, memory, (angles, 3), "degrees, where measured", false);
+    last |= fields(ui, memory, (angles, 3), "degrees", false);
     let pose = pose_of(&memory.texts);
     let entered = last && ui.input(|input| input.key_pressed(Key::Enter));
     let good = pose.is_ok() && !memory.sent;
@@ -96,7 +98,7 @@ fn fields(
     ui.horizontal_wrapped(|ui| {
         for (name, text) in names.iter().zip(&mut memory.texts[first..]) {
             muted(ui, name);
-            let field = ui.add(TextEdit::singleline(text).desired_width(18.0 * GRID));
+            let field = ui.add(TextEdit::singleline(text).desired_width(15.0 * GRID));
             let value = text.clone();
             let label = format!("Measured {}", name.to_lowercase());
             field.widget_info(|| {
@@ -106,6 +108,7 @@ fn fields(
             });
             if focuses && *name == "x" {
                 field.request_focus();
+                field.scroll_to_me(Some(Align::Center));
             }
             left |= field.lost_focus();
         }

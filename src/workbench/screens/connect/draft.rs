@@ -264,15 +264,15 @@ impl Draft {
 
     /// Where the controller is found.
     pub fn place(&self, problems: &mut Problems) -> Option<AdsPlace> {
-        let port = problems.take(Field::Port, port(&self.port));
-        let net_id = problems.take(Field::NetId, net_id(&self.net_id));
-        let ams_port = problems.take(Field::AmsPort, self::port(&self.ams_port));
-        let timeout_s = problems.take(Field::Timeout, parse_number(&self.timeout));
         let host = self.host.trim().to_owned();
         if host.is_empty() {
             let text = "found nothing, expected the name or address of the controller, such as 192.168.0.5";
             problems.add(Field::Host, text);
         }
+        let port = problems.take(Field::Port, port(&self.port));
+        let net_id = problems.take(Field::NetId, net_id(&self.net_id));
+        let ams_port = problems.take(Field::AmsPort, self::port(&self.ams_port));
+        let timeout_s = problems.take(Field::Timeout, parse_number(&self.timeout));
         let place = AdsPlace {
             host,
             port: port?,
@@ -281,9 +281,8 @@ impl Draft {
             timeout_s: timeout_s?,
         };
         let fields = [("/host", Field::Host), ("/timeout_s", Field::Timeout)];
-        let checked = problems.of(Field::Host).is_none();
-        if checked {
-            self::checked(place.check(), &fields, problems)?;
+        if problems.of(Field::Host).is_none() {
+            checked(place.check(), &fields, problems)?;
         }
         Some(place)
     }

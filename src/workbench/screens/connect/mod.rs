@@ -23,7 +23,7 @@ use crate::widgets::{TabOf, Verdict, heading, icon_button, muted, primary, tab_r
 pub use draft::Draft;
 
 /// Width of the window (points), where there is room.
-const WIDTH: f32 = 760.0;
+const WIDTH: f32 = 920.0;
 /// Height around what scrolls (points).
 const AROUND: f32 = 210.0;
 
@@ -226,9 +226,8 @@ fn symbols(
             ui.spinner();
         }
     });
-    if let Some(Err(error)) = &draft.symbols.checked {
-        let text = format!("{}.", crate::wording::sentence(error));
-        verdict(ui, Verdict::Bad, &text);
+    if let Some((kind, text)) = draft.symbols.summary() {
+        verdict(ui, kind, &text);
     }
     if let Some(text) = problems.of(Field::Symbols) {
         verdict(

@@ -10,7 +10,8 @@ use tautline_session::{
 
 use super::draft::{Field, Problems};
 use crate::app::theme::{self, GRID};
-use crate::widgets::{muted, parse_number};
+use crate::widgets::{Verdict, muted, parse_number};
+use crate::wording::{count, sentence};
 
 /// What a symbol is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -204,7 +205,7 @@ impl SymbolRows {
     }
 
     /// What the controller says of a row: the worst of its symbols.
-    fn found(&self, row: &Row) -> Option<&SymbolFound> {
+    fn found(&self, row: &Row) -> Option<&SymbolCheck> {
         let Some(Ok(checks)) = &self.checked else {
             return None;
         };
@@ -212,12 +213,34 @@ impl SymbolRows {
         let mut found = checks.iter().filter(|check| names.contains(&check.name));
         let first = found.clone().next();
         let wrong = found.find(|check| !matches!(check.found, SymbolFound::Good { .. }));
-        wrong.or(first).map(|check| &check.found)
+        wrong.or(first)
+    }
+
+    /// What the controller says in one sentence, once it was asked.
+    #[must_use]
+    pub fn summary(&self) -> Option<(Verdict, String)> {
+        let checks = match self.checked.as_ref()? {
+            Ok(checks) => checks,
+            Err(error) => return Some((Verdict::Bad, format!("{}.", sentence(error)))),
+        };
+        let number = |is: fn(&SymbolFound) -> bool| checks.iter().filter(|c| is(&c.found)).count();
+        let good = number(|found| matches!(found, SymbolFound::Good { .. }));
+        let missing = number(|found| matches!(found, SymbolFound::Missing(_)));
+        if good == checks.len() {
+            let text = format!("All {} are there and can be used.", count(good, "symbol"));
+            return Some((Verdict::Good, text));
+        }
+        let text = format!(
+            "Of {}, {good} can be used, {missing} are missing, {} are of a wrong type.",
+            count(checks.len(), "symbol"),
+            checks.len() - good - missing
+        );
+        Some((Verdict::Bad, text))
     }
 
     /// Draws the table; `own`: it can be edited.
     pub fn show(&mut self, ui: &mut Ui, own: bool, problems: &Problems) {
-        let found: Vec<Option<SymbolFound>> = self
+        let found: Vec<Option<SymbolCheck>> = self
             .rows
             .iter()
             .map(|row| self.found(row).cloned())
@@ -243,7 +266,7 @@ impl SymbolRows {
                         own,
                         &format!("Symbol: {}", row.title),
                         &mut row.symbol,
-                        240.0,
+                        208.0,
                     );
                     if row.need.has_scale() {
                         edit(
@@ -257,7 +280,9 @@ impl SymbolRows {
                         ui.label("");
                     }
                     muted(ui, &row.unit);
-                    state(ui, found.as_ref(), problems.of(Field::Symbol(k)));
+                    let several = row.symbol != found.as_ref().map_or("", |f| &f.name);
+                    let problem = problems.of(Field::Symbol(k));
+                    state(ui, found.as_ref().map(|f| (f, several)), problem);
                     ui.end_row();
                 }
             });
@@ -265,12 +290,12 @@ impl SymbolRows {
 }
 
 fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
-    let response = ui.add_enabled(
-        enabled,
-        TextEdit::singleline(text)
-            .desired_width(width)
-            .clip_text(true),
-    );
+    // A grid gives a field no more than it asks for at least.
+    let field = TextEdit::singleline(text)
+        .desired_width(width)
+        .min_size(egui::vec2(width, 0.0))
+        .clip_text(true);
+    let response = ui.add_enabled(enabled, field);
     let value = text.clone();
     response.widget_info(|| {
         let mut info = WidgetInfo::text_edit(enabled, value.clone(), value.clone(), "");
@@ -279,33 +304,40 @@ fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
     });
 }
 
-/// What is wrong with a row, or what the controller says of it.
-fn state(ui: &mut Ui, found: Option<&SymbolFound>, problem: Option<&str>) {
+/// What is wrong with a row, or what the controller says of it, by name where it stands for several symbols.
+fn state(ui: &mut Ui, found: Option<(&SymbolCheck, bool)>, problem: Option<&str>) {
     let palette = theme::of(ui);
-    let kind = |type_name: &str, bytes: usize| format!("{type_name}, {bytes} bytes");
+    let kind = |type_name: &str, bytes: usize| format!("{type_name}, {}", count(bytes, "byte"));
     let (icon, colour, text) = match (problem, found) {
         (Some(text), _) => (icons::ICON_ERROR, palette.bad, text.to_owned()),
         (None, None) => {
             ui.label("");
             return;
         }
-        (None, Some(SymbolFound::Good { type_name, bytes })) => {
-            let text = format!("found: {}", kind(type_name, *bytes));
-            (icons::ICON_CHECK_CIRCLE, palette.good, text)
-        }
-        (None, Some(SymbolFound::Missing(why))) => {
-            (icons::ICON_ERROR, palette.bad, format!("missing: {why}"))
-        }
-        (
-            None,
-            Some(SymbolFound::Wrong {
-                type_name,
-                bytes,
-                why,
-            }),
-        ) => {
-            let text = format!("wrong type: {}; {why}", kind(type_name, *bytes));
-            (icons::ICON_ERROR, palette.bad, text)
+        (None, Some((check, several))) => {
+            let place = match several {
+                true => format!("{}: ", check.name),
+                false => String::new(),
+            };
+            match &check.found {
+                SymbolFound::Good { type_name, bytes } => {
+                    let text = format!("found: {}", kind(type_name, *bytes));
+                    (icons::ICON_CHECK_CIRCLE, palette.good, text)
+                }
+                SymbolFound::Missing(why) => {
+                    let text = format!("missing: {place}{why}");
+                    (icons::ICON_ERROR, palette.bad, text)
+                }
+                SymbolFound::Wrong {
+                    type_name,
+                    bytes,
+                    why,
+                } => {
+                    let kind = kind(type_name, *bytes);
+                    let text = format!("wrong type: {place}{kind}, {why}");
+                    (icons::ICON_ERROR, palette.bad, text)
+                }
+            }
         }
     };
     ui.horizontal(|ui| {
@@ -465,7 +497,7 @@ fn title_of(name: &str) -> String {
         .iter()
         .find_map(|unit| rest.strip_suffix(unit));
     let words = plain.unwrap_or(rest).replace(['.', '_'], " ");
-    crate::wording::sentence(&format!("{words}{whose}"))
+    sentence(&format!("{words}{whose}"))
 }
 
 /// The unit at the end of a parameter's name.
@@ -535,12 +567,16 @@ mod tests {
             bytes: 8,
         };
         let missing = SymbolFound::Missing("not found".into());
+        assert_eq!(rows.summary(), None);
         rows.checked = Some(Ok(vec![
             check("W1", good.clone()),
             check("W2", missing.clone()),
             check("W11", good),
         ]));
-        assert_eq!(rows.found(&rows.rows[0]), Some(&missing));
+        let found = rows.found(&rows.rows[0]).map(|check| &check.found);
+        assert_eq!(found, Some(&missing));
+        let text = rows.summary().expect("a sentence").1;
+        assert!(text.contains("2 can be used, 1 are missing"), "{text}");
         assert_eq!(rows.found(&rows.rows[1]), None);
         assert_eq!(
             title_of("{cable}.entry_point.x_m"),

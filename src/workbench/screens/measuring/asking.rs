@@ -1,6 +1,6 @@
 //! The laser distance that the operator reads and types.
 
-use egui::{FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Align, FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
 
 use crate::app::State;
 use crate::app::commands::RobotCommand;
@@ -56,6 +56,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, label: i64, expected_m: Optio
         });
         if is_new {
             field.request_focus();
+            field.scroll_to_me(Some(Align::Center));
         }
         muted(ui, "mm");
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
@@ -119,7 +120,8 @@ mod tests {
 
     #[test]
     fn distances_are_typed_in_millimetres() {
-        assert_eq!(distance_m(" 412,5 "), Ok(0.4125));
+        let typed_m = distance_m(" 412,5 ").expect("a distance");
+        assert!((typed_m - 0.4125).abs() < 1e-12);
         for text in ["", "-1", "2e6", "4 1 2", "nan"] {
             let told = distance_m(text).expect_err(text);
             assert!(told.contains("expected"), "{told}");

@@ -101,11 +101,13 @@ fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
     }
     let free = !state.link.connecting;
     ui.horizontal_wrapped(|ui| {
-        if step_button(ui, text, next == Next::Connect, free) {
+        // A robot that is only simulated from its description is no next step towards the real one.
+        let is_next = next == Next::Connect;
+        let is_chosen = offered != Kind::OfDescription;
+        if step_button(ui, text, is_next && is_chosen, free) {
             state.outbox.send(RobotCommand::Connect);
         }
-        let text = "Choose controller…";
-        if icon_button(ui, icons::ICON_SETTINGS, text, free).clicked() {
+        if step_button(ui, "Choose controller…", is_next && !is_chosen, free) {
             state.outbox.send(RobotCommand::Setup(Setup::Open));
         }
         if !free {
