@@ -46,9 +46,9 @@ pub use session::{
     Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation,
     AdsStatus, AdsSymbol, AdsSymbols, Connection, DiagnosisSettings, IdentificationSettings,
     LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings, LogEntry, MeasuredPose,
-    Method, NamedValue, NotATimestamp, Outcome, Phase, PlannedPose, ResultRecord, Session,
-    Settings, Simulator, Stage, Timestamp, ValueChange, Verification, is_per_cable, name_of_cable,
-    parse_session, read_session, write_session,
+    Method, NamedValue, NotATimestamp, Outcome, Phase, PlannedPose, ResultDocument, ResultRecord,
+    Session, Settings, Simulator, Stage, Timestamp, ValueChange, Verification, is_per_cable,
+    name_of_cable, parse_session, read_session, write_session,
 };
 
 /// The schemas of all documents that are read.
