@@ -48,8 +48,9 @@ pub use session::{
     AdsRotation, AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind, DiagnosisSettings,
     IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
     LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, Outcome, Phase, PlannedPose,
-    RecordingPlace, ResultRecord, Session, Settings, Simulator, Stage, Timestamp, ValueChange,
-    Verification, is_per_cable, name_of_cable, parse_session, read_session, write_session,
+    RecordingPlace, ResultDocument, ResultRecord, Session, Settings, Simulator, Stage, Timestamp,
+    ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
+    write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 

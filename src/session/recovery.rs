@@ -7,22 +7,24 @@
 //! session-a1b2c3/
 //!   snapshot.json         the session as it was at some time
 //!   journal.jsonl         poses measured since, one per line
-//!   changes.json          the session without its poses as it was later, if it was changed
+//!   changes.json          the session without its poses and results as it was later, if it was changed
+//!   results.jsonl         results added since, one per line
 //!   origin.json           the file that the session belongs to
 //! ```
 //!
-//! A measured pose is a line of the journal and nothing else; an edit replaces the changes, which hold no
-//! poses; only where measurements come otherwise, as from a file, is there a new snapshot. So what is
+//! A measured pose is a line of the journal and nothing else, a result one of the results; an edit replaces the
+//! changes, which hold neither; only where measurements come otherwise, as from a file, is there a new snapshot. So what is
 //! written grows as what is measured and edited, not as its square.
 //!
 //! A snapshot is complete before the journal is shortened, so that at any moment both together hold
-//! every measured pose. A pose that is in both is recognised by its label. Changes name the snapshot that
+//! every measured pose. A pose that is in both is recognised by its label, a result by its number. Changes name the snapshot that
 //! they follow by its fingerprint: those of an older one count no more.
 
 mod changes;
 mod journal;
 mod keeper;
 mod left_behind;
+mod results;
 
 use std::path::Path;
 
@@ -39,6 +41,7 @@ pub use left_behind::{LeftBehind, Recovered, left_behind};
 const SNAPSHOT: &str = "snapshot.json";
 const JOURNAL: &str = "journal.jsonl";
 const CHANGES: &str = "changes.json";
+const RESULTS: &str = "results.jsonl";
 const ORIGIN: &str = "origin.json";
 /// Beginning of the names of the folders of sessions.
 const PREFIX: &str = "session-";

@@ -8,7 +8,7 @@ use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
-use tautline_session::{Document, LogEntry, Phase, Session, Simulator, Timestamp};
+use tautline_session::{Document, LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp};
 use tautline_workbench::app::document::Diagnosed;
 use tautline_workbench::app::fit::{Fit, FitOrder, fit};
 use tautline_workbench::documents;
@@ -162,7 +162,10 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
 
 fn keep<D: Document>(session: &mut Session, title: &str, document: &D, time: Timestamp) {
     let mut record = documents::record(session, title, document, time);
-    rounding::result(std::sync::Arc::make_mut(&mut record.document));
+    let mut value = record.document.value();
+    rounding::result(&mut value);
+    // Values came from it.
+    record.document = ResultDocument::of(&value).unwrap_or_default();
     session.add_result(record);
 }
 

@@ -49,7 +49,7 @@ fn the_published_method_stands_beside_the_joint_one() {
     press(&mut harness, "Identify");
     harness.get_by_label_contains("The published method misses the readings by");
     let record = &document(&harness).session().results()[0];
-    assert_eq!(record.document["method"], "published");
+    assert_eq!(record.document.value()["method"], "published");
     let settings = &document(&harness).session().settings;
     assert_eq!(settings.identification.method, Method::Published);
 }

@@ -42,12 +42,13 @@ impl Schedule {
         }
     }
 
-    /// Of a row.
-    pub fn moment(&self, row: usize) -> Moment {
+    /// Of a row of [`Self::of`], however long that is.
+    pub fn moment_of(robot: &Robot, row: usize) -> Moment {
+        let time_s = SECONDS_PER_POSE * row as f64;
         Moment {
-            label: self.labels[row],
-            time_s: self.time_s[row],
-            temperature_c: self.temperature_c[row],
+            label: i64::from(robot.home.is_none()) + row as i64,
+            time_s,
+            temperature_c: ambient_temperature_c(time_s),
         }
     }
 }
@@ -160,11 +161,34 @@ pub(crate) fn hold_after_home(
 ) -> Result<Option<Vec<f64>>, KinematicsError> {
     let home = robot.home.map(|home| home.pose());
     let visited = usize::from(home.is_some());
-    let schedule = Schedule::of(robot, visited);
+    let moment = |row| Schedule::moment_of(robot, row);
     let rows = Rows {
-        first: home.as_ref().map(|home| (schedule.moment(0), home)),
-        moment: schedule.moment(visited),
+        first: home.as_ref().map(|home| (moment(0), home)),
+        moment: moment(visited),
         pose,
     };
     hold(robot, effects, &rows, range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::presets;
+
+    #[test]
+    fn the_moment_of_a_row_is_that_of_the_schedule() {
+        let mut robot = presets::find("mini").unwrap().robot;
+        for _ in 0..2 {
+            let schedule = Schedule::of(&robot, 400);
+            for row in [0, 1, 7, 400] {
+                let expected = Moment {
+                    label: schedule.labels[row],
+                    time_s: schedule.time_s[row],
+                    temperature_c: schedule.temperature_c[row],
+                };
+                assert_eq!(Schedule::moment_of(&robot, row), expected);
+            }
+            robot.home = None;
+        }
+    }
 }

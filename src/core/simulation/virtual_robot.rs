@@ -223,11 +223,12 @@ fn visit_poses(
     let mut commanded = Vec::new();
     let mut tensions = Grid::new(robot.cable_count());
     let hold = |poses: &[Pose], pose: &Pose| {
-        let schedule = Schedule::of(truth, poses.len());
+        // Of this row alone: a schedule of all for each would make the time grow as the square of the poses.
+        let moment = |row| Schedule::moment_of(truth, row);
         let rows = Rows {
             // The first row tells time and temperature from which all others count.
-            first: poses.first().map(|first| (schedule.moment(0), first)),
-            moment: schedule.moment(poses.len()),
+            first: poses.first().map(|first| (moment(0), first)),
+            moment: moment(poses.len()),
             pose,
         };
         hold(truth, effects, &rows, &range)

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
 use crate::json::Document;
-use crate::session::{Session, SessionDocument};
+use crate::session::{ResultRecord, Session, SessionDocument};
 
 /// A session without its measured poses, for [`Keeper::changed`](super::Keeper::changed): as large as
 /// what the operator edits, however much is measured.
@@ -26,6 +26,11 @@ impl Changes {
         }
     }
 
+    /// Takes the results out, which are kept otherwise.
+    pub(super) fn take_results(&mut self) -> Vec<ResultRecord> {
+        std::mem::take(self.session.results_mut())
+    }
+
     /// As a document that belongs to the snapshot of this fingerprint.
     pub(super) fn since(self, snapshot: String) -> ChangesDocument {
         ChangesDocument {
@@ -43,7 +48,7 @@ pub(super) struct ChangesDocument {
     pub snapshot: String,
     /// Labels of the poses of the journal that the session had.
     pub measured: Vec<i64>,
-    /// The session without its measured poses.
+    /// The session without its measured poses and its results.
     pub session: SessionDocument,
 }
 

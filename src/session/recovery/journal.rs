@@ -24,6 +24,20 @@ pub(super) struct Entry {
     pub repeats: Option<i64>,
 }
 
+/// A line with its check and its line end.
+pub(super) fn checked_line(body: &str) -> String {
+    let check = Fingerprint::of(body.as_bytes()).to_hex();
+    format!("[\"{check}\",{body}]\n")
+}
+
+/// What a line without its line end says, if nothing of it is missing or changed.
+pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
+    let inside = line.strip_prefix(b"[\"")?.strip_suffix(b"]")?;
+    let (check, rest) = inside.split_at_checked(16)?;
+    let body = rest.strip_prefix(b"\",")?;
+    (Fingerprint::of(body).to_hex().as_bytes() == check).then_some(body)
+}
+
 /// What a journal says.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Journal {
@@ -45,20 +59,12 @@ impl Entry {
 
     /// The line with its line end.
     pub fn line(&self) -> IoResult<String> {
-        let body = serde_json::to_string(self)?;
-        let check = Fingerprint::of(body.as_bytes()).to_hex();
-        Ok(format!("[\"{check}\",{body}]\n"))
+        Ok(checked_line(&serde_json::to_string(self)?))
     }
 
     /// The pose of a line without its line end, if nothing of it is missing or changed.
     fn parse(line: &[u8]) -> Option<Self> {
-        let inside = line.strip_prefix(b"[\"")?.strip_suffix(b"]")?;
-        let (check, rest) = inside.split_at_checked(16)?;
-        let body = rest.strip_prefix(b"\",")?;
-        if Fingerprint::of(body).to_hex().as_bytes() != check {
-            return None;
-        }
-        serde_json::from_slice(body).ok()
+        serde_json::from_slice(checked(line)?).ok()
     }
 }
 
@@ -96,7 +102,8 @@ pub(super) fn append(path: &Path, line: &str) -> Result<(), WriteError> {
 }
 
 fn append_line(path: &Path, line: &str) -> IoResult<()> {
-    let mut file = OpenOptions::new().read(true).append(true).open(path)?;
+    let mut options = OpenOptions::new();
+    let mut file = options.read(true).append(true).create(true).open(path)?;
     let mut text = String::with_capacity(line.len() + 1);
     // What an earlier failure left unfinished gets a line of its own.
     if file.metadata()?.len() > 0 {

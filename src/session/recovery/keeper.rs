@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::changes::Changes;
 use super::journal::{self, Entry, Journal};
-use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, SNAPSHOT, write_origin};
+use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, RESULTS, SNAPSHOT, results, write_origin};
 use crate::atomic::sync_folder;
 use crate::error::WriteError;
 use crate::fingerprint::Fingerprint;
@@ -23,6 +23,8 @@ pub struct Keeper {
     lock: Lock,
     /// Fingerprint of the snapshot; `None` after one that failed.
     snapshot: Option<String>,
+    /// Number of results that are kept.
+    results: usize,
 }
 
 /// A locked file; the operating system unlocks it when the program ends in whatever way.
@@ -65,6 +67,7 @@ impl Keeper {
             folder: own,
             lock: Lock { file, path },
             snapshot: None,
+            results: 0,
         })
     }
 
@@ -74,6 +77,7 @@ impl Keeper {
         write_session(&path, session)?;
         let found = Fingerprint::of_file(&path).map_err(|error| WriteError::io(&path, error))?;
         self.snapshot = Some(found.to_hex());
+        self.results = session.results().len();
         Ok(())
     }
 
@@ -85,6 +89,7 @@ impl Keeper {
         self.write_snapshot(session)?;
         // Those of an older snapshot; ignored where this fails.
         let _ = fs::remove_file(self.folder.join(CHANGES));
+        let _ = fs::remove_file(self.folder.join(RESULTS));
         let path = self.folder.join(JOURNAL);
         let bytes = fs::read(&path).map_err(|error| WriteError::io(&path, error))?;
         let has = |label: &i64| session.measurements.labels.contains(label);
@@ -98,12 +103,15 @@ impl Keeper {
     ///
     /// # Errors
     /// If the last snapshot could not be written, or this cannot; what was kept before is still kept then.
-    pub fn changed(&mut self, changes: Changes) -> Result<(), WriteError> {
+    pub fn changed(&mut self, mut changes: Changes) -> Result<(), WriteError> {
         let path = self.folder.join(CHANGES);
         let Some(snapshot) = self.snapshot.clone() else {
             let message = "the session before this change could not be kept".into();
             return Err(WriteError::Content { path, message });
         };
+        let added = changes.take_results();
+        results::keep(&self.folder.join(RESULTS), &added, self.results)?;
+        self.results = added.len().max(self.results);
         write_document(&path, &changes.since(snapshot))
     }
 

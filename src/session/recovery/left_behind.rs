@@ -9,7 +9,9 @@ use std::time::UNIX_EPOCH;
 use super::changes::ChangesDocument;
 use super::journal::{Entry, Journal};
 use super::keeper::Lock;
-use super::{CHANGES, DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, Origin, PREFIX, SNAPSHOT};
+use super::{
+    CHANGES, DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, Origin, PREFIX, RESULTS, SNAPSHOT, results,
+};
 use crate::atomic::sync_folder;
 use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::fingerprint::Fingerprint;
@@ -150,6 +152,7 @@ impl LeftBehind {
         if let Some(changes) = self.changes(&mut notices) {
             session = changed(session, changes, &journal, &mut notices);
         }
+        notices.extend(results::add(&self.folder.join(RESULTS), &mut session));
         let file = self.folder.join(JOURNAL).display().to_string();
         notices.extend(replay(&mut session, journal, &file));
         let origin = match read_document::<Origin>(&self.folder.join(ORIGIN)) {
@@ -224,8 +227,11 @@ fn changed(
     notices: &mut Vec<String>,
 ) -> Session {
     let ChangesDocument {
-        session, measured, ..
+        mut session,
+        measured,
+        ..
     } = changes;
+    *session.results_mut() = snapshot.results().to_vec();
     let mut session = match session.into_session_with(&snapshot.measurements) {
         Ok(session) => session,
         Err(error) => {
@@ -294,9 +300,11 @@ fn known_row(session: &Session, entry: &Entry) -> Option<bool> {
 
 /// When anything of the session was last written.
 fn last_change(folder: &Path) -> Timestamp {
-    let seconds = [SNAPSHOT, JOURNAL, CHANGES].iter().filter_map(|name| {
-        let changed = fs::metadata(folder.join(name)).ok()?.modified().ok()?;
-        i64::try_from(changed.duration_since(UNIX_EPOCH).ok()?.as_secs()).ok()
-    });
+    let seconds = [SNAPSHOT, JOURNAL, CHANGES, RESULTS]
+        .iter()
+        .filter_map(|name| {
+            let changed = fs::metadata(folder.join(name)).ok()?.modified().ok()?;
+            i64::try_from(changed.duration_since(UNIX_EPOCH).ok()?.as_secs()).ok()
+        });
     Timestamp::from_unix_seconds(seconds.max().unwrap_or_default())
 }

@@ -144,6 +144,11 @@ impl SessionDocument {
         }
     }
 
+    /// Its results.
+    pub fn results_mut(&mut self) -> &mut Vec<ResultRecord> {
+        &mut self.results
+    }
+
     /// The session of a document that passed its check, with these measurements instead of its own.
     pub fn into_session_with(self, measurements: &Measurements) -> Result<Session, FieldError> {
         let measurements = MeasurementTable::of(measurements);

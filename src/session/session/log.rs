@@ -1,12 +1,10 @@
 //! What happened in a session: steps of the operator and results.
 
-use std::sync::Arc;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::Timestamp;
+use super::{ResultDocument, Timestamp};
 
 /// The part of a calibration that a step belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -50,11 +48,9 @@ pub struct ResultRecord {
     pub time: Timestamp,
     /// What the operator calls it.
     pub title: String,
-    /// The document, such as a `tautline-identification` or a `tautline-robot` (a model). It never changes, so that
-    /// copies of a session share it: that of an identification grows with the poses.
-    #[serde(with = "shared")]
+    /// The document, such as a `tautline-identification` or a `tautline-robot` (a model).
     #[schemars(with = "Value")]
-    pub document: Arc<Value>,
+    pub document: ResultDocument,
     /// Fingerprint of the inputs that it was computed from ([`super::Session::basis`]).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub basis: Option<String>,
@@ -64,22 +60,6 @@ impl ResultRecord {
     /// The `format` of the document, if it states one.
     #[must_use]
     pub fn format(&self) -> Option<&str> {
-        self.document.get("format")?.as_str()
-    }
-}
-
-/// A shared value in a file.
-mod shared {
-    use std::sync::Arc;
-
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use serde_json::Value;
-
-    pub fn serialize<S: Serializer>(value: &Arc<Value>, to: S) -> Result<S::Ok, S::Error> {
-        value.as_ref().serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Arc<Value>, D::Error> {
-        Value::deserialize(from).map(Arc::new)
+        self.document.format()
     }
 }

@@ -39,7 +39,10 @@ pub(crate) fn session() -> Session {
     session.add_result(ResultRecord {
         time: Timestamp::from_unix_seconds(1_532_336_900),
         title: "First try".into(),
-        document: json!({"format": "tautline-identification", "version": 9, "chi2": 0.1}).into(),
+        document: ResultDocument::of(
+            &json!({"format": "tautline-identification", "version": 9, "chi2": 0.1}),
+        )
+        .expect("JSON"),
         basis: Some("85944171f73967e8".into()),
     });
     session.exclude(3).expect("a measured pose");

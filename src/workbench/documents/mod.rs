@@ -3,7 +3,7 @@
 pub mod diagnosis;
 pub mod identification;
 
-use tautline_session::{Document, ResultRecord, Session, Timestamp};
+use tautline_session::{Document, ResultDocument, ResultRecord, Session, Timestamp};
 
 /// A result as a session keeps it, with the fingerprint of the data that it was computed from.
 pub fn record<D: Document>(
@@ -17,7 +17,7 @@ pub fn record<D: Document>(
         time,
         title: title.to_owned(),
         // Only keys that are no texts could fail, and there are none.
-        document: serde_json::to_value(document).unwrap_or_default().into(),
+        document: ResultDocument::of(&document).unwrap_or_default(),
         basis: Some(session.basis()),
     }
 }

@@ -159,7 +159,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
 }
 
 /// What the session keeps of a diagnosis from before.
-fn stored(ui: &mut Ui, panel: &Panel<'_>) {
+fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
     let of_diagnosis = |record: &&ResultRecord| record.format() == Some("tautline-diagnosis");
     let results = panel.document.session().results();
     let Some(record) = results.iter().rev().find(of_diagnosis) else {
@@ -169,18 +169,18 @@ fn stored(ui: &mut Ui, panel: &Panel<'_>) {
         ui,
         &format!("From the diagnosis of {} in this session:", record.time),
     );
-    let findings = record
-        .document
-        .get("findings")
-        .and_then(|list| list.as_array());
-    let findings = findings.map_or(&[][..], |list| list);
-    for cause in findings
-        .iter()
-        .filter_map(|finding| finding.get("cause")?.as_str())
-    {
+    let key = (panel.document.identity(), results.len());
+    let causes = panel.memory.stored.get(key, || {
+        let document = record.document.value();
+        let findings = document.get("findings").and_then(|list| list.as_array());
+        let causes = findings.into_iter().flatten();
+        let causes = causes.filter_map(|finding| Some(finding.get("cause")?.as_str()?.to_owned()));
+        causes.collect()
+    });
+    for cause in causes {
         ui.add(egui::Label::new(cause).wrap());
     }
-    if findings.is_empty() {
+    if causes.is_empty() {
         muted(ui, "No cause was found.");
     }
     muted(ui, "Ask again for plots and cards.");

@@ -19,7 +19,7 @@ use egui::Ui;
 use crate::app::command::Outbox;
 use crate::app::document::Stored;
 use crate::app::tasks::Tasks;
-use crate::app::{Document, Selection, State};
+use crate::app::{Document, Memo, Selection, State};
 use crate::views::plots::figure::Figure;
 use crate::widgets::{Verdict, heading, muted, verdict};
 
@@ -53,6 +53,8 @@ pub struct Remembered {
     open: Option<usize>,
     /// Whether it is said in full what the data cannot show.
     show_invisible: bool,
+    /// Causes of the diagnosis that the session keeps from before, by document and number of results.
+    stored: Memo<(u64, usize), Vec<String>>,
 }
 
 impl Remembered {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, Vec2};
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, TextureId, Vec2};
 
 use super::figure::Marker;
 
@@ -75,6 +75,13 @@ impl Screen {
             painter,
             rects: Mesh::default(),
         }
+    }
+
+    /// A picture that fills a rectangle.
+    pub fn picture(&mut self, texture: TextureId, rect: Rect) {
+        self.flush();
+        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        self.painter.image(texture, rect, whole, Color32::WHITE);
     }
 
     fn flush(&mut self) {

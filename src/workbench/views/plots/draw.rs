@@ -195,6 +195,27 @@ pub fn see(figure: &Figure, scale: &Scale, selection: Selection, pixels_per_poin
     }
 }
 
+/// Whether there are so many points that they have no shapes of their own.
+#[must_use]
+pub fn is_dense(seen: &Seen) -> bool {
+    let counts = seen.thinned.iter().map(|thinned| thinned.points.len());
+    counts.sum::<usize>() > MOST_SHAPES
+}
+
+/// The series in the order in which they are drawn, the selected cable last, over the others; and whether each is dimmed.
+pub fn order(figure: &Figure, selection: Selection) -> impl Iterator<Item = (usize, bool)> + '_ {
+    let is_selected =
+        move |series: &Series| series.cable.is_some() && series.cable == selection.cable;
+    [false, true].into_iter().flat_map(move |is_top| {
+        let series = figure.series.iter().enumerate();
+        let series = series.filter(move |(_, series)| is_selected(series) == is_top);
+        series.map(move |(index, series)| {
+            let dimmed = selection.cable.is_some() && series.cable.is_some() && !is_top;
+            (index, dimmed)
+        })
+    })
+}
+
 /// Draws a figure.
 pub fn draw(
     canvas: &mut dyn Canvas,
@@ -203,6 +224,29 @@ pub fn draw(
     scale: &Scale,
     seen: &Seen,
     (selection, palette): (Selection, &Palette),
+) {
+    behind(canvas, figure, layout, scale, palette);
+    let dense = is_dense(seen);
+    for (index, dimmed) in order(figure, selection) {
+        let series = (&figure.series[index], &seen.thinned[index]);
+        if dense {
+            dots(series, scale, palette, dimmed, &mut |rect, colour| {
+                canvas.fill(rect, colour);
+            });
+        } else {
+            points(canvas, series, scale, palette, dimmed);
+        }
+    }
+    before(canvas, figure, layout, scale, seen, (selection, palette));
+}
+
+/// Draws what is behind the points; what follows is limited to the area of the data.
+pub fn behind(
+    canvas: &mut dyn Canvas,
+    figure: &Figure,
+    layout: &Layout,
+    scale: &Scale,
+    palette: &Palette,
 ) {
     canvas.clip(Some(layout.plot));
     canvas.fill(layout.plot, palette.ground);
@@ -214,27 +258,17 @@ pub fn draw(
     for columns in &figure.columns {
         histogram(canvas, columns, scale, palette);
     }
-    let count: usize = seen
-        .thinned
-        .iter()
-        .map(|thinned| thinned.points.len())
-        .sum();
-    // The selected cable is drawn last, over the others.
-    for is_top in [false, true] {
-        for (series, thinned) in figure.series.iter().zip(&seen.thinned) {
-            let is_selected = series.cable.is_some() && series.cable == selection.cable;
-            if is_selected == is_top {
-                let dimmed = selection.cable.is_some() && series.cable.is_some() && !is_selected;
-                points(
-                    canvas,
-                    (series, thinned),
-                    scale,
-                    palette,
-                    (dimmed, count > MOST_SHAPES),
-                );
-            }
-        }
-    }
+}
+
+/// Draws what is over the points and around them.
+pub fn before(
+    canvas: &mut dyn Canvas,
+    figure: &Figure,
+    layout: &Layout,
+    scale: &Scale,
+    seen: &Seen,
+    (selection, palette): (Selection, &Palette),
+) {
     curves(canvas, figure, scale, palette);
     for (s, index) in &seen.selected {
         let point = figure.series[*s].points()[*index];
@@ -333,27 +367,53 @@ fn histogram(canvas: &mut dyn Canvas, columns: &Columns, scale: &Scale, palette:
     }
 }
 
+/// Colours of a series and of its points that are not used.
+fn colours(series: &Series, palette: &Palette, dimmed: bool) -> [Color32; 2] {
+    let strength = if dimmed { 0.3 } else { 1.0 };
+    let colour = series.ink.colour(palette).gamma_multiply(strength);
+    [colour, palette.muted.gamma_multiply(0.6 * strength)]
+}
+
+/// The columns of pixels that have more points than are drawn.
+fn columns(thinned: &Thinned, colour: Color32, fill: &mut dyn FnMut(Rect, Color32)) {
+    for (x, range) in &thinned.columns {
+        let rect = Rect::from_x_y_ranges(Rangef::new(x - 0.5, x + 0.5), *range);
+        fill(rect, colour.gamma_multiply(0.35));
+    }
+}
+
+/// Gives very many points as small squares.
+pub fn dots(
+    (series, thinned): (&Series, &Thinned),
+    scale: &Scale,
+    palette: &Palette,
+    dimmed: bool,
+    fill: &mut dyn FnMut(Rect, Color32),
+) {
+    let [colour, excluded] = colours(series, palette, dimmed);
+    columns(thinned, colour, fill);
+    for index in &thinned.points {
+        let point = series.points()[*index];
+        let colour = if point.excluded { excluded } else { colour };
+        let at = scale.place(point.x, point.y);
+        fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
+    }
+}
+
 fn points(
     canvas: &mut dyn Canvas,
     (series, thinned): (&Series, &Thinned),
     scale: &Scale,
     palette: &Palette,
-    (dimmed, dense): (bool, bool),
+    dimmed: bool,
 ) {
-    let strength = if dimmed { 0.3 } else { 1.0 };
-    let colour = series.ink.colour(palette).gamma_multiply(strength);
-    for (x, range) in &thinned.columns {
-        let rect = Rect::from_x_y_ranges(Rangef::new(x - 0.5, x + 0.5), *range);
-        canvas.fill(rect, colour.gamma_multiply(0.35));
-    }
+    let [colour, excluded] = colours(series, palette, dimmed);
+    columns(thinned, colour, &mut |rect, colour| {
+        canvas.fill(rect, colour);
+    });
     for index in &thinned.points {
         let point = series.points()[*index];
-        let at = scale.place(point.x, point.y);
-        let colour = if point.excluded {
-            palette.muted.gamma_multiply(0.6 * strength)
-        } else {
-            colour
-        };
+        let colour = if point.excluded { excluded } else { colour };
         if point.sd != [0.0, 0.0] {
             let [dx, dy] = point.sd;
             let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
@@ -368,9 +428,8 @@ fn points(
             canvas.line(&across, stroke, false);
             canvas.line(&along, stroke, false);
         }
-        if dense {
-            canvas.fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
-        } else if series.hollow {
+        let at = scale.place(point.x, point.y);
+        if series.hollow {
             canvas.ring(at, 3.25, Stroke::new(1.25, colour));
         } else {
             canvas.marker(at, series.marker, 3.25, colour);

@@ -3,6 +3,7 @@
 mod bar;
 mod canvas;
 mod contour;
+mod dense;
 mod draw;
 mod export;
 pub mod figure;

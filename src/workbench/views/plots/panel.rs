@@ -1,10 +1,16 @@
 //! A figure that can be zoomed, moved, clicked and measured with two cursors.
 
-use egui::{Align2, Key, Popup, Response, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+use std::fmt;
+
+use egui::{
+    Align2, Context, Key, Popup, Rect, Response, Role, Sense, Stroke, TextureHandle,
+    TextureOptions, Theme, Ui, WidgetInfo, vec2,
+};
 
 use super::POSE;
 use super::canvas::{Canvas, Screen};
-use super::draw::{Layout, Seen, TEXT, arrange, draw, see, text_width};
+use super::dense::picture;
+use super::draw::{Layout, Seen, TEXT, arrange, before, behind, draw, see, text_width};
 use super::figure::Figure;
 use super::hit::{Hit, cell_words, nearest, selects, words};
 use super::scale::{Scale, readable};
@@ -27,18 +33,34 @@ pub struct Panel {
     /// The view that shows everything.
     whole: Memo<u64, [[f64; 2]; 2]>,
     seen: Memo<SeenOf, Seen>,
+    /// Very many points as a picture, and where it belongs.
+    dense: Memo<(SeenOf, Theme), Option<Dense>>,
     /// What was drawn last, for files.
     pub drawn: Option<(Layout, Scale)>,
     /// What the context menu is about.
     menu: Selection,
 }
 
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct SeenOf {
     figure: u64,
     scale: Scale,
     selection: Selection,
     pixels_per_point: f32,
+}
+
+/// Very many points on the graphics card.
+struct Dense {
+    texture: TextureHandle,
+    rect: Rect,
+}
+
+impl fmt::Debug for Dense {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Dense")
+            .field("rect", &self.rect)
+            .finish_non_exhaustive()
+    }
 }
 
 /// What the operator did with a plot.
@@ -120,18 +142,21 @@ impl Panel {
             pixels_per_point: ui.ctx().pixels_per_point(),
         };
         let pixels_per_point = key.pixels_per_point;
-        let seen = self.seen.get(key, || {
+        let seen = self.seen.get(key.clone(), || {
             see(shown.figure, &scale, shown.selection, pixels_per_point)
         });
         let mut canvas = Screen::new(painter);
-        draw(
-            &mut canvas,
-            shown.figure,
-            &layout,
-            &scale,
-            seen,
-            (shown.selection, theme::of(ui)),
-        );
+        let with = (shown.selection, theme::of(ui));
+        match self.dense.get((key, ui.theme()), || {
+            dense(ui.ctx(), shown.figure, &scale, seen, with)
+        }) {
+            Some(Dense { texture, rect }) => {
+                behind(&mut canvas, shown.figure, &layout, &scale, with.1);
+                canvas.picture(texture.id(), *rect);
+                before(&mut canvas, shown.figure, &layout, &scale, seen, with);
+            }
+            None => draw(&mut canvas, shown.figure, &layout, &scale, seen, with),
+        }
         let under = response.hover_pos();
         let hit = under.and_then(|at| nearest(shown.figure, &scale, at, shown.selection));
         if let Some(hit) = hit {
@@ -323,6 +348,29 @@ impl Panel {
         }
         frame
     }
+}
+
+/// Very many points as a texture.
+fn dense(
+    context: &Context,
+    figure: &Figure,
+    scale: &Scale,
+    seen: &Seen,
+    with: (Selection, &theme::Palette),
+) -> Option<Dense> {
+    let most = context.input(|input| input.max_texture_side);
+    let picture = picture(
+        figure,
+        scale,
+        seen,
+        with,
+        (context.pixels_per_point(), most),
+    )?;
+    let texture = context.load_texture("points", picture.image, TextureOptions::NEAREST);
+    Some(Dense {
+        texture,
+        rect: picture.rect,
+    })
 }
 
 /// A line at the selected pose, where poses stand along x.

@@ -1,6 +1,7 @@
 //! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use egui::{Color32, Theme};
 use nalgebra::{Matrix3, SymmetricEigen};
@@ -145,11 +146,41 @@ pub struct Points {
     /// Diameter and width of the ring, 0 for a disc (points of the screen); radius (m) that replaces the point once it
     /// is seen larger, 0 for none.
     pub looks: Vec<[f32; 3]>,
-    /// Number of points, from the first, that are drawn while the camera moves.
+    /// Number of points, from the first, that are drawn while the camera moves, where these are poses.
     pub coarse: usize,
 }
 
 impl Points {
+    /// The poses of a scene; those that are drawn while the camera moves come first.
+    #[must_use]
+    pub fn of_poses(scene: &Scene, selection: Selection, theme: Theme) -> Self {
+        let palette = theme::palette(theme);
+        let mut points = Self::default();
+        for position in &scene.planned {
+            points.push(position, palette.accent, [8.0, 1.5, 0.0]);
+        }
+        let size = pose_size(scene.measured.len());
+        let selected = selection
+            .pose
+            .and_then(|label| scene.measured.iter().find(|pose| pose.label == label));
+        if let Some(pose) = selected {
+            let ring = [size + 8.0, 2.0, 0.0];
+            points.push(&pose.position, palette.accent, ring);
+        }
+        let is_coarse = coarse(&scene.measured);
+        for wanted in [true, false] {
+            let poses = scene.measured.iter().zip(&is_coarse);
+            for (pose, _) in poses.filter(|(_, is)| **is == wanted) {
+                let colour = pose.residual.map_or(palette.ghost, |r| palette.residual(r));
+                points.push(&pose.position, colour, [size, 0.0, 0.0]);
+            }
+            if wanted {
+                points.coarse = points.centres.len();
+            }
+        }
+        points
+    }
+
     fn push(&mut self, centre: &Vec3, colour: Color32, look: [f32; 3]) {
         self.centres.push(single(centre));
         self.colours.push(rgba(colour, 1.0));
@@ -178,6 +209,8 @@ pub struct Drawing {
     pub lines: Lines,
     /// Points.
     pub points: Points,
+    /// Planned and measured poses.
+    pub poses: Arc<Points>,
     /// Colour behind everything.
     pub ground: Color32,
     /// Centre (m) and radius (m) of a sphere around everything.
@@ -194,8 +227,23 @@ impl Drawing {
     /// The scene in the colours of `theme`.
     #[must_use]
     pub fn new(scene: &Scene, options: &Options, selection: Selection, theme: Theme) -> Self {
+        let points = || Points::of_poses(scene, selection, theme);
+        let poses = options.poses.then(points).unwrap_or_default();
+        Self::with_poses(Arc::new(poses), scene, options, selection, theme)
+    }
+
+    /// The scene in the colours of `theme`, with these points of its poses.
+    #[must_use]
+    pub fn with_poses(
+        poses: Arc<Points>,
+        scene: &Scene,
+        options: &Options,
+        selection: Selection,
+        theme: Theme,
+    ) -> Self {
         let palette = theme::palette(theme);
         let mut drawing = Self {
+            poses,
             ground: palette.ground,
             bounds: scene.bounds(&options.tips(scene)),
             ..Self::default()
@@ -212,10 +260,6 @@ impl Drawing {
             drawing.pulley(cable, options, size, palette);
         }
         drawing.instruments(scene, palette);
-        drawing.points.coarse = drawing.points.centres.len();
-        if options.poses {
-            drawing.poses(scene, selection, palette);
-        }
         drawing
     }
 
@@ -333,32 +377,6 @@ impl Drawing {
             self.points.push(&beam[0], palette.muted, [7.0, 1.5, 0.0]);
         }
     }
-
-    /// Poses; those that are drawn while the camera moves come first.
-    fn poses(&mut self, scene: &Scene, selection: Selection, palette: &Palette) {
-        for position in &scene.planned {
-            self.points.push(position, palette.accent, [8.0, 1.5, 0.0]);
-        }
-        let size = pose_size(scene.measured.len());
-        let selected = selection
-            .pose
-            .and_then(|label| scene.measured.iter().find(|pose| pose.label == label));
-        if let Some(pose) = selected {
-            let ring = [size + 8.0, 2.0, 0.0];
-            self.points.push(&pose.position, palette.accent, ring);
-        }
-        let is_coarse = coarse(&scene.measured);
-        for wanted in [true, false] {
-            let poses = scene.measured.iter().zip(&is_coarse);
-            for (pose, _) in poses.filter(|(_, is)| **is == wanted) {
-                let colour = pose.residual.map_or(palette.ghost, |r| palette.residual(r));
-                self.points.push(&pose.position, colour, [size, 0.0, 0.0]);
-            }
-            if wanted {
-                self.points.coarse = self.points.centres.len();
-            }
-        }
-    }
 }
 
 /// Which poses are drawn while the camera moves: all if they are few, else those with the largest residuals and every
@@ -443,6 +461,7 @@ pub fn ellipsoid(moved: &Displacement, exaggeration: f64) -> Option<Matrix3<f64>
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::MeasuredPoses;
     use super::*;
 
     #[test]
@@ -503,16 +522,15 @@ mod tests {
                 Selection::pose(20_000),
                 Theme::Dark,
             );
-            drawing.points
+            drawing.poses
         };
-        let bare = draw(&scene);
-        assert_eq!(bare.coarse, bare.centres.len());
-        scene.measured = poses(50_000);
+        assert!(draw(&scene).centres.is_empty());
+        scene.measured = Arc::new(MeasuredPoses::new(poses(50_000)));
         let points = draw(&scene);
         let ring = 1;
-        assert_eq!(points.centres.len(), bare.centres.len() + ring + 50_000);
-        assert!(points.coarse <= bare.coarse + ring + COARSE);
-        let mut places: Vec<f32> = points.centres[bare.centres.len() + ring..]
+        assert_eq!(points.centres.len(), ring + 50_000);
+        assert!(points.coarse <= ring + COARSE);
+        let mut places: Vec<f32> = points.centres[ring..]
             .iter()
             .map(|centre| centre[0])
             .collect();

@@ -24,7 +24,7 @@ pub struct PictureKey {
     pub size: [u32; 2],
     /// Pixels per point of the screen.
     pub scale: f32,
-    /// Whether the camera moves: of very many poses some are left out.
+    /// Whether camera or platform move: of very many poses some are left out.
     pub moves: bool,
 }
 
@@ -63,7 +63,6 @@ impl LineBuffers {
 }
 
 struct PointBuffers {
-    coarse: u32,
     centres: InstanceBuffer<[f32; 3]>,
     colours: InstanceBuffer<[f32; 4]>,
     looks: InstanceBuffer<[f32; 3]>,
@@ -72,11 +71,14 @@ struct PointBuffers {
 impl PointBuffers {
     fn new(context: &Context, points: &Points) -> Self {
         Self {
-            coarse: u32::try_from(points.coarse).unwrap_or(u32::MAX),
             centres: InstanceBuffer::new_with_data(context, &points.centres),
             colours: InstanceBuffer::new_with_data(context, &points.colours),
             looks: InstanceBuffer::new_with_data(context, &points.looks),
         }
+    }
+
+    fn count(&self) -> u32 {
+        self.centres.instance_count()
     }
 }
 
@@ -89,6 +91,12 @@ struct Loaded {
     points: PointBuffers,
 }
 
+/// Points of poses on the graphics card; they stay there while the rest of the drawing changes.
+struct LoadedPoses {
+    points: Arc<Points>,
+    buffers: PointBuffers,
+}
+
 /// What lies on the graphics card.
 struct Card {
     context: Context,
@@ -96,6 +104,7 @@ struct Card {
     line: Program,
     point: Program,
     loaded: Option<Loaded>,
+    poses: Option<LoadedPoses>,
     framebuffer: Option<Framebuffer>,
     shown: Option<PictureKey>,
 }
@@ -164,6 +173,7 @@ impl Card {
             )?,
             context,
             loaded: None,
+            poses: None,
             framebuffer: None,
             shown: None,
         })
@@ -180,6 +190,17 @@ impl Card {
             lines: LineBuffers::new(&self.context, &drawing.lines),
             points: PointBuffers::new(&self.context, &drawing.points),
         });
+        let points = &drawing.poses;
+        if !self
+            .poses
+            .as_ref()
+            .is_some_and(|poses| Arc::ptr_eq(&poses.points, points))
+        {
+            self.poses = Some(LoadedPoses {
+                points: Arc::clone(points),
+                buffers: PointBuffers::new(&self.context, points),
+            });
+        }
     }
 
     /// Makes the picture of `key` unless it is there; says whether it was drawn.
@@ -210,7 +231,13 @@ impl Card {
         };
         self.draw_triangles(&loaded.solids, look, RenderStates::default());
         self.draw_lines(&loaded.lines, look);
-        self.draw_points(&loaded.points, look);
+        self.draw_points(&loaded.points, look, loaded.points.count());
+        if let Some(LoadedPoses { points, buffers }) = &self.poses {
+            let all = buffers.count();
+            let coarse = u32::try_from(points.coarse).unwrap_or(u32::MAX);
+            let count = if look.moves { all.min(coarse) } else { all };
+            self.draw_points(buffers, look, count);
+        }
         let glass = RenderStates {
             write_mask: WriteMask::COLOR,
             blend: Blend::TRANSPARENCY,
@@ -256,13 +283,7 @@ impl Card {
         program.draw_arrays_instanced(RenderStates::default(), look.viewport, 6, count);
     }
 
-    fn draw_points(&self, buffers: &PointBuffers, look: &Look) {
-        let all = buffers.centres.instance_count();
-        let count = if look.moves {
-            all.min(buffers.coarse)
-        } else {
-            all
-        };
+    fn draw_points(&self, buffers: &PointBuffers, look: &Look, count: u32) {
         if count == 0 {
             return;
         }

@@ -30,8 +30,8 @@ pub use canvas::Canvas;
 pub use framebuffer::paint_picture;
 
 use camera::{Camera, StandardView};
-use drawing::{Drawing, Options};
-use scene::{Scene, Subject};
+use drawing::{Drawing, Options, Points};
+use scene::{MeasuredPoses, Scene, Shown, Subject};
 use toolbar::Aim;
 
 use crate::app::commands::ViewCommand;
@@ -40,7 +40,7 @@ use crate::app::theme::GRID;
 use crate::app::{Document, Selection, State};
 use crate::widgets::empty;
 
-/// How long the camera rests before everything is drawn again (s).
+/// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;
 
 /// Where the platform is now and what its sensors say, while it is measured.
@@ -66,10 +66,13 @@ pub struct Robot3d {
     framed: Option<(f64, Vec<Vec3>)>,
     scene: Option<(SceneKey, Arc<Scene>)>,
     drawing: Option<(Arc<Scene>, DrawingKey, Arc<Drawing>)>,
+    poses: Option<(PosesKey, Arc<Points>)>,
     drawings: u64,
     canvas: Canvas,
     hovers: bool,
-    /// When the camera moved last, in time of the window (s).
+    /// Number of the drawing in the last frame.
+    shown: Option<u64>,
+    /// When the camera or the platform moved last, in time of the window (s).
     moved_s: Option<f64>,
 }
 
@@ -101,6 +104,24 @@ struct DrawingKey {
     selection: Selection,
 }
 
+/// What the points of the poses depend on.
+#[derive(Clone)]
+struct PosesKey {
+    measured: Arc<MeasuredPoses>,
+    planned: Vec<Vec3>,
+    pose: Option<i64>,
+    theme: Theme,
+}
+
+impl PartialEq for PosesKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.measured, &other.measured)
+            && self.pose == other.pose
+            && self.theme == other.theme
+            && self.planned == other.planned
+    }
+}
+
 impl SessionKey {
     fn of(document: &Document) -> Self {
         let session = document.session();
@@ -120,7 +141,8 @@ impl SessionKey {
 }
 
 impl SceneKey {
-    fn holds(&self, document: &Document, selection: Selection, view: &Robot3d) -> bool {
+    /// Whether the measured poses are still these, wherever the platform is.
+    fn holds_poses(&self, document: &Document, selection: Selection) -> bool {
         let same_fit = match (&self.fit, document.fit()) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (a, b) => a.is_none() && b.is_none(),
@@ -128,10 +150,15 @@ impl SceneKey {
         same_fit
             && self.session.is_of(document)
             && self.revision == document.revision()
+            && self.selection.cable == selection.cable
+            && self.robot == document.session().robot
+    }
+
+    fn holds(&self, document: &Document, selection: Selection, view: &Robot3d) -> bool {
+        self.holds_poses(document, selection)
             && self.selection == selection
             && self.live == view.live
             && self.planned == view.planned
-            && self.robot == document.session().robot
     }
 }
 
@@ -175,7 +202,10 @@ impl Robot3d {
             live: self.live.as_ref(),
             planned: &self.planned,
         };
-        let scene = Arc::new(subject.scene());
+        let known = self.scene.as_ref();
+        let known = known.filter(|(key, _)| key.holds_poses(document, selection));
+        let measured = known.map(|(_, scene)| Arc::clone(&scene.measured));
+        let scene = Arc::new(subject.scene_with(measured));
         if !self
             .scene
             .as_ref()
@@ -213,10 +243,36 @@ impl Robot3d {
         {
             return Arc::clone(drawing);
         }
-        let drawing = Arc::new(Drawing::new(scene, &self.options, selection, theme));
+        let poses = if self.options.poses {
+            self.poses_of(scene, selection, theme)
+        } else {
+            Arc::default()
+        };
+        let options = &self.options;
+        let drawing = Arc::new(Drawing::with_poses(poses, scene, options, selection, theme));
         self.drawings += 1;
         self.drawing = Some((Arc::clone(scene), key, Arc::clone(&drawing)));
         drawing
+    }
+}
+
+impl Robot3d {
+    /// The points of the poses; they stay while the platform moves.
+    fn poses_of(&mut self, scene: &Scene, selection: Selection, theme: Theme) -> Arc<Points> {
+        let key = PosesKey {
+            measured: Arc::clone(&scene.measured),
+            planned: scene.planned.clone(),
+            pose: selection.pose,
+            theme,
+        };
+        if let Some((of, points)) = &self.poses
+            && *of == key
+        {
+            return Arc::clone(points);
+        }
+        let points = Arc::new(Points::of_poses(scene, selection, theme));
+        self.poses = Some((key, Arc::clone(&points)));
+        points
     }
 }
 
@@ -290,8 +346,8 @@ impl Robot3d {
         let camera = self.camera.get_or_insert_with(start);
         let before = *camera;
         canvas::steer(ui, &response, camera, &extent);
-        // Few points are drawn while the camera moves, all once it rests.
-        let has_more = drawing.points.coarse < drawing.points.centres.len();
+        // Few points are drawn while camera or platform move, all once they rest.
+        let has_more = drawing.poses.coarse < drawing.poses.centres.len();
         let now_s = ui.input(|input| input.time);
         if *camera != before {
             self.moved_s = Some(now_s);
@@ -299,6 +355,11 @@ impl Robot3d {
                 self.framed = None;
             }
         }
+        if scene.shown == Shown::Live && self.shown != Some(self.drawings) {
+            // The platform moves.
+            self.moved_s = Some(now_s);
+        }
+        self.shown = Some(self.drawings);
         let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
         let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0);
         if let Some(left_s) = left_s {

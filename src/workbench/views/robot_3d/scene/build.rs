@@ -1,6 +1,7 @@
 //! From robot, measurements and identification to what is seen.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use nalgebra::Matrix3;
 use tautline_core::estimation::ParameterId;
@@ -10,8 +11,8 @@ use tautline_core::robot::Robot;
 
 use super::residuals::Residuals;
 use super::{
-    Besides, CableView, Displacement, FrameBox, MeasuredPose, PlatformBox, Scene, Shown, cable,
-    platform,
+    Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox, Scene,
+    Shown, cable, platform,
 };
 use crate::app::Selection;
 use crate::app::fit::Fit;
@@ -56,11 +57,22 @@ impl<'a> Subject<'a> {
     /// What there is to see.
     #[must_use]
     pub fn scene(&self) -> Scene {
+        self.scene_with(None)
+    }
+
+    /// What there is to see, with measured poses that are known already; nothing is looked up in the identification then
+    /// while the platform moves.
+    #[must_use]
+    pub fn scene_with(&self, measured: Option<Arc<MeasuredPoses>>) -> Scene {
         let robot = self.robot;
         let directions = camera::directions(robot.gravity());
         let frame = FrameBox::of(robot, &directions);
-        let fitted = self.fit.map(fitted_poses).unwrap_or_default();
-        let residuals = self.fit.map(Residuals::of).unwrap_or_default();
+        let is_needed = self.live.is_none() || measured.is_none();
+        let fit = self.fit.filter(|_| is_needed);
+        let fitted = fit.map(fitted_poses).unwrap_or_default();
+        let residuals = fit.map(Residuals::of).unwrap_or_default();
+        let measured = measured
+            .unwrap_or_else(|| Arc::new(MeasuredPoses::new(self.measured(&fitted, &residuals))));
         let (shown, pose) = self.shown(&fitted);
         Scene {
             directions,
@@ -70,7 +82,7 @@ impl<'a> Subject<'a> {
             platform: PlatformBox::of(robot, frame.size_m),
             laser: platform::laser(self.model(), &pose),
             home_beams: platform::home_beams(robot, &pose),
-            measured: self.measured(&fitted, &residuals),
+            measured,
             planned: self.planned.iter().map(|pose| pose.position).collect(),
             besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
             frame,

@@ -10,7 +10,7 @@ impl Scene {
     #[must_use]
     pub fn compared(mut self, compared: &Comparison) -> Self {
         self.besides = Besides::Other;
-        self.measured.clear();
+        self.measured = Default::default();
         for (cable, pulley) in self.cables.iter_mut().zip(&compared.pulleys) {
             let difference = pulley.relative.unwrap_or(pulley.raw);
             let by = difference.vector_m;

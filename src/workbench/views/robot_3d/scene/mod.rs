@@ -4,16 +4,20 @@ mod build;
 mod cable;
 mod compared;
 mod frame;
+mod measured;
 mod platform;
 mod residuals;
 #[cfg(test)]
 mod tests;
+
+use std::sync::Arc;
 
 use nalgebra::Matrix3;
 use tautline_core::geometry::{Pose, Vec3};
 
 pub use build::Subject;
 pub use frame::{Floor, FrameBox, round_length};
+pub use measured::{MeasuredPose, MeasuredPoses};
 pub use platform::PlatformBox;
 
 use super::camera::Directions;
@@ -120,17 +124,6 @@ pub struct LaserView {
     pub normal: Vec3,
 }
 
-/// A measured pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredPose {
-    /// Its label.
-    pub label: i64,
-    /// Where the platform was, fitted if possible (m).
-    pub position: Vec3,
-    /// Largest residual of its lengths or of the selected cable's, if it was fitted.
-    pub residual: Option<f64>,
-}
-
 /// Which pose is shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Shown {
@@ -165,7 +158,7 @@ pub struct Scene {
     /// Beams of the home platform's sensors, from the sensor to its plane (m).
     pub home_beams: Vec<[Vec3; 2]>,
     /// Measured poses.
-    pub measured: Vec<MeasuredPose>,
+    pub measured: Arc<MeasuredPoses>,
     /// Planned poses (m).
     pub planned: Vec<Vec3>,
     /// What pulleys are shown besides the identified ones.
@@ -204,10 +197,8 @@ impl Scene {
         let frame = &self.frame;
         let points = frame.corners.iter().chain(&frame.floor.corners);
         let points = points.chain(&self.planned).chain(others);
-        let points = points.chain(self.measured.iter().map(|pose| &pose.position));
-        let infinite = Vec3::repeat(f64::INFINITY);
-        let (low, high) = points.fold((infinite, -infinite), |(low, high), p| {
-            (low.inf(p), high.sup(p))
+        let [low, high] = points.fold(self.measured.bounds, |[low, high], p| {
+            [low.inf(p), high.sup(p)]
         });
         let radius = (high - low).norm() / 2.0;
         // Ellipsoids may reach out of it.

@@ -1,0 +1,51 @@
+//! The measured poses: what stays while the platform moves.
+
+use std::ops::Deref;
+
+use tautline_core::geometry::Vec3;
+
+/// A measured pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredPose {
+    /// Its label.
+    pub label: i64,
+    /// Where the platform was, fitted if possible (m).
+    pub position: Vec3,
+    /// Largest residual of its lengths or of the selected cable's, if it was fitted.
+    pub residual: Option<f64>,
+}
+
+/// All measured poses, shared by the scenes that have the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredPoses {
+    poses: Vec<MeasuredPose>,
+    /// Least and greatest coordinates (m); infinite, the wrong way round, where there are none.
+    pub(super) bounds: [Vec3; 2],
+}
+
+impl MeasuredPoses {
+    /// These.
+    #[must_use]
+    pub fn new(poses: Vec<MeasuredPose>) -> Self {
+        let infinite = Vec3::repeat(f64::INFINITY);
+        let positions = poses.iter().map(|pose| &pose.position);
+        let bounds = positions.fold([infinite, -infinite], |[low, high], p| {
+            [low.inf(p), high.sup(p)]
+        });
+        Self { poses, bounds }
+    }
+}
+
+impl Default for MeasuredPoses {
+    fn default() -> Self {
+        Self::new(Vec::new())
+    }
+}
+
+impl Deref for MeasuredPoses {
+    type Target = [MeasuredPose];
+
+    fn deref(&self) -> &[MeasuredPose] {
+        &self.poses
+    }
+}
