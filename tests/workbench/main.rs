@@ -26,6 +26,7 @@ mod robot_3d;
 #[path = "../ads/server.rs"]
 #[allow(dead_code, reason = "the tests of ADS use all of it")]
 mod server;
+mod session_file;
 mod start;
 mod support;
 mod tables;

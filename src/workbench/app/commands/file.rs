@@ -16,6 +16,9 @@ use crate::app::state::State;
 use crate::samples;
 use crate::session_file::settle;
 
+/// Title of writing a session.
+const SAVING: &str = "Saving";
+
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
 pub enum FileCommand {
@@ -206,14 +209,17 @@ fn save(state: &mut State, path: PathBuf) {
     let Some(document) = &state.document else {
         return;
     };
-    if let Err(text) = state.own_file.check(&path) {
+    // A file that is being written by this window looks otherwise as well.
+    if !state.tasks.runs(SAVING)
+        && let Err(text) = state.own_file.check(&path)
+    {
         state.windows.leaving = None;
         state.messages.error(text);
         return;
     }
     let session = document.session().clone();
     let written = (document.identity(), document.revision());
-    state.tasks.start("Saving", move |_| {
+    state.tasks.start(SAVING, move |_| {
         let result = write_session(&path, &session).map_err(|error| error.to_string());
         Outcome::File(FileOutcome::Saved {
             path,

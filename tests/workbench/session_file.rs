@@ -1,0 +1,211 @@
+//! The window and the commands on the same session file: none writes over what the other did.
+
+use std::path::{Path, PathBuf};
+
+use egui_kittest::kittest::Queryable;
+use tautline_core::estimation::Termination;
+use tautline_core::robot::presets;
+use tautline_core::simulation::simulate;
+use tautline_session::{
+    Keeper, MeasuredPose, Phase, Session, Timestamp, read_session, write_session,
+};
+use tautline_validation::program::{Answer, tautline};
+use tautline_validation::truth::preset_options;
+use tautline_workbench::app::commands::{FileCommand, ModelCommand, RobotCommand};
+use tautline_workbench::app::edit::Edit;
+use tautline_workbench::session_file::Held;
+
+use crate::demo::Bench;
+
+fn session(poses: usize) -> Session {
+    let preset = presets::find("mini").expect("a preset");
+    let mut session = Session::new(
+        "mini",
+        preset.robot.clone(),
+        Timestamp::from_unix_seconds(0),
+    );
+    let simulated = simulate(&preset.robot, &preset_options(&preset, poses, 3));
+    session.measurements = simulated.expect("simulated").dataset.measurements;
+    session
+}
+
+fn path(bench: &Bench) -> PathBuf {
+    bench.folder.path().join("session.json")
+}
+
+fn saved(bench: &Bench) -> Session {
+    read_session(&path(bench)).expect("a session").value
+}
+
+fn unsaved(bench: &Bench) -> PathBuf {
+    bench.folder.path().join("session.json.unsaved")
+}
+
+fn rename(bench: &mut Bench, name: &str) {
+    bench.give(Edit::Rename(name.to_owned()));
+    bench.harness.step();
+}
+
+fn save(bench: &mut Bench) {
+    bench.give(FileCommand::Save);
+    bench.settle("saving");
+    bench.harness.step();
+}
+
+fn told(bench: &Bench, part: &str) -> usize {
+    let all = bench.state().messages.all().iter();
+    all.filter(|message| message.text.contains(part)).count()
+}
+
+/// A command that needs the session file for itself, and then asks for a controller that the session has not.
+fn command(bench: &Bench) -> Answer {
+    let file = path(bench);
+    tautline(&[
+        "adjust",
+        file.to_str().expect("text"),
+        "--controller",
+        "sim",
+    ])
+}
+
+/// What a command writes.
+fn changed_by_a_command(path: &Path) {
+    let mut session = read_session(path).expect("a session").value;
+    session.name = "as the command wrote it".into();
+    write_session(path, &session).expect("written");
+}
+
+#[test]
+fn commands_wait_while_the_window_has_unsaved_changes() {
+    let mut bench = Bench::of_session(&session(3));
+    bench.harness.step();
+    assert_eq!(command(&bench).code, Some(2), "no simulated robot");
+    rename(&mut bench, "renamed");
+    assert!(unsaved(&bench).exists());
+    let refused = command(&bench);
+    assert_eq!(refused.code, Some(1));
+    assert!(
+        refused
+            .stderr
+            .contains("another program works on this session"),
+        "{}",
+        refused.stderr
+    );
+    save(&mut bench);
+    assert!(!unsaved(&bench).exists());
+    assert_eq!(saved(&bench).name, "renamed");
+    assert_eq!(command(&bench).code, Some(2));
+    // Saved again, once more by the same window.
+    rename(&mut bench, "again");
+    save(&mut bench);
+    assert_eq!(saved(&bench).name, "again");
+    // What nobody wants to keep does not keep others away.
+    rename(&mut bench, "for nothing");
+    bench.give(FileCommand::Close);
+    bench.press("Do not save");
+    bench.harness.step();
+    assert!(!unsaved(&bench).exists());
+}
+
+#[test]
+fn the_window_does_not_write_over_what_a_command_wrote() {
+    let mut bench = Bench::of_session(&session(3));
+    bench.harness.step();
+    changed_by_a_command(&path(&bench));
+    rename(&mut bench, "renamed");
+    assert_eq!(told(&bench, "another program has changed this session"), 1);
+    save(&mut bench);
+    assert_eq!(told(&bench, "another program has changed this session"), 2);
+    assert_eq!(saved(&bench).name, "as the command wrote it");
+    let other = bench.folder.path().join("other.json");
+    bench.give(FileCommand::SaveAs(other.clone()));
+    bench.settle("saving");
+    assert_eq!(
+        read_session(&other).expect("a session").value.name,
+        "renamed"
+    );
+    assert_eq!(saved(&bench).name, "as the command wrote it");
+}
+
+#[test]
+fn a_command_at_work_is_told_and_keeps_the_window_from_saving() {
+    let mut bench = Bench::new(None);
+    write_session(&path(&bench), &session(3)).expect("written");
+    let held = Held::take(&path(&bench)).expect("held");
+    let file = path(&bench);
+    bench.give(FileCommand::Open(file));
+    bench.wait("the session", |state| state.document.is_some());
+    let busy = "another program works on this session";
+    assert_eq!(told(&bench, busy), 1, "when it is opened");
+    rename(&mut bench, "renamed");
+    assert_eq!(told(&bench, busy), 2, "at the first change");
+    rename(&mut bench, "renamed again");
+    assert_eq!(told(&bench, busy), 2);
+    save(&mut bench);
+    assert_eq!(told(&bench, busy), 3, "when it is to be saved");
+    assert_eq!(saved(&bench).name, "mini");
+    drop(held);
+    save(&mut bench);
+    assert_eq!(saved(&bench).name, "renamed again");
+    assert!(!unsaved(&bench).exists());
+}
+
+#[test]
+fn what_a_killed_command_has_left_is_taken_over() {
+    let mut bench = Bench::new(None);
+    let whole = session(3);
+    let mut begun = whole.clone();
+    begun.measurements = whole.measurements.select(&[0, 1]);
+    write_session(&path(&bench), &begun).expect("written");
+    std::fs::create_dir(unsaved(&bench)).expect("a folder");
+    let file = path(&bench);
+    let mut keeper = Keeper::begin(&unsaved(&bench), Some(&file), &begun).expect("kept");
+    let m = &whole.measurements;
+    let pose = MeasuredPose {
+        label: m.labels[2],
+        commanded: m.commanded[2],
+        revolutions: m.revolutions.row(2).to_vec(),
+        force_n: m.force_n.row(2).to_vec(),
+        laser_m: m.laser_m.get(2).copied(),
+        ..MeasuredPose::default()
+    };
+    keeper.measured(&pose).expect("kept");
+    drop(keeper);
+    bench.give(FileCommand::Open(file));
+    bench.wait("the session", |state| state.document.is_some());
+    assert_eq!(bench.session().measurements.labels, m.labels[..3]);
+    assert_eq!(told(&bench, "1 pose that a program had measured"), 1);
+    assert!(!unsaved(&bench).exists());
+    assert_eq!(saved(&bench), *bench.session());
+    assert!(
+        saved(&bench)
+            .log()
+            .iter()
+            .any(|entry| entry.phase == Phase::Poses)
+    );
+}
+
+#[test]
+fn values_that_did_not_converge_are_asked_about() {
+    let mut bench = Bench::of_session(&session(12));
+    bench.give(ModelCommand::Identify);
+    bench.settle("an identification");
+    bench.give(RobotCommand::Write);
+    assert!(!bench.state().windows.unconverged);
+    let document = bench.harness.state_mut().state.document.as_mut();
+    let document = document.expect("a session");
+    let mut fit = document.fit().expect("a fit").as_ref().clone();
+    fit.solution.termination = Termination::IterationLimit;
+    let inputs = document.inputs();
+    document.set_fit(fit, inputs);
+    bench.give(RobotCommand::Write);
+    bench.harness.step();
+    bench
+        .harness
+        .get_by_label_contains("did not converge: its values can make the robot");
+    bench.press("Do not write");
+    assert!(!bench.state().windows.unconverged);
+    bench.give(RobotCommand::Write);
+    bench.press("Write all the same");
+    assert!(!bench.state().windows.unconverged);
+}
