@@ -1,4 +1,4 @@
-//! Poses to measure, for the window and the commands.
+//! Poses to measure and what to expect of them, for the window and the commands.
 
 use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Control, Method};
@@ -25,62 +25,6 @@ pub struct Outlook {
     pub after_m: Vec<Option<f64>>,
     /// Length of the way (m).
     pub way_m: f64,
-}
-
-impl Outlook {
-    fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
-        Self {
-            poses,
-            expected: planned.expected.indices,
-            random: planned.random.indices,
-            after_m: (0..=planned.poses.len())
-                .map(|count| planned.after(count).indices.mean_m)
-                .collect(),
-            way_m: planned.order.travel_m,
-        }
-    }
-}
-
-/// Chooses so many poses with a seed, after those that are measured already.
-///
-/// # Errors
-/// One sentence, if there is no such plan or the observer cancelled it.
-pub fn outlook(
-    session: &Session,
-    (poses, seed): (usize, u64),
-    observe: &mut dyn FnMut(&PlanProgress) -> Control,
-) -> Result<Outlook, String> {
-    let effects = effects(session)?;
-    let measured = session.dataset().measurements;
-    let options = options(session, &effects, &measured, (poses, seed));
-    let planned = plan(&session.robot, &options, observe);
-    let planned = planned.map_err(|error| error.to_string())?;
-    Ok(Outlook::of(with_home(session, &planned), &planned))
-}
-
-/// What the plan that a session has promises, built on what was measured outside of it.
-///
-/// # Errors
-/// One sentence, if a pose of the plan cannot be held or the observer cancelled.
-pub fn stored_outlook(
-    session: &Session,
-    observe: &mut dyn FnMut(&PlanProgress) -> Control,
-) -> Result<Outlook, String> {
-    let effects = effects(session)?;
-    let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
-    let measured = session.dataset().measurements;
-    let others: Vec<usize> = (0..measured.len())
-        .filter(|row| measured.labels[*row] == 0 || !is_planned(measured.labels[*row]))
-        .collect();
-    let measured = measured.select(&others);
-    let poses: Vec<Pose> = (session.plan.iter())
-        .filter(|pose| pose.label != 0)
-        .map(PlannedPose::pose)
-        .collect();
-    let options = options(session, &effects, &measured, (poses.len(), SEED));
-    let planned = expect(&session.robot, &poses, &options, observe);
-    let planned = planned.map_err(|error| error.to_string())?;
-    Ok(Outlook::of(session.plan.clone(), &planned))
 }
 
 /// What is planned: the options that depend on the session alone.
@@ -110,6 +54,62 @@ fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
         .map(|setting| BoundEffect::from_setting(setting, &session.robot))
         .collect();
     effects.map_err(|error| error.to_string())
+}
+
+/// Chooses so many poses with a seed, after those that are measured already.
+///
+/// # Errors
+/// One sentence, if there is no such plan or the observer cancelled it.
+pub fn outlook(
+    session: &Session,
+    wanted: (usize, u64),
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let measured = session.dataset().measurements;
+    let options = options(session, &effects, &measured, wanted);
+    let planned = plan(&session.robot, &options, observe);
+    let planned = planned.map_err(|error| error.to_string())?;
+    Ok(Outlook::of(with_home(session, &planned), &planned))
+}
+
+impl Outlook {
+    fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
+        Self {
+            poses,
+            expected: planned.expected.indices,
+            random: planned.random.indices,
+            after_m: (0..=planned.poses.len())
+                .map(|count| planned.after(count).indices.mean_m)
+                .collect(),
+            way_m: planned.order.travel_m,
+        }
+    }
+}
+
+/// What the plan of a session promises, built on what was measured outside of it.
+///
+/// # Errors
+/// One sentence, if nothing can be said or the observer cancelled it.
+pub fn stored(
+    session: &Session,
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
+    let measured = session.dataset().measurements;
+    let others: Vec<usize> = (0..measured.len())
+        .filter(|row| measured.labels[*row] == 0 || !is_planned(measured.labels[*row]))
+        .collect();
+    let measured = measured.select(&others);
+    let poses: Vec<Pose> = (session.plan.iter())
+        .filter(|pose| pose.label != 0)
+        .map(PlannedPose::pose)
+        .collect();
+    let options = options(session, &effects, &measured, (poses.len(), SEED));
+    let planned = expect(&session.robot, &poses, &options, observe);
+    let planned = planned.map_err(|error| error.to_string())?;
+    Ok(Outlook::of(session.plan.clone(), &planned))
 }
 
 /// The poses with labels of their own, after the home pose where that is not measured yet.

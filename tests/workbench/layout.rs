@@ -123,13 +123,12 @@ fn check(harness: &mut Harness<'_, App>, what: &str) {
     });
 }
 
+/// Something that is done to the window.
+type Act<'a> = &'a mut dyn FnMut(&mut Harness<'_, App>);
+
 /// What is wrong with a window that is opened over the screen and closed again: it is looked at alone, and all of it
 /// has to be in the window of the program.
-fn check_dialog(
-    harness: &mut Harness<'_, App>,
-    what: &str,
-    [open, close]: [&mut dyn FnMut(&mut Harness<'_, App>); 2],
-) {
+fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [Act<'_>; 2]) {
     check_with(harness, what, &mut |harness| {
         harness.run_ok();
         let behind = seen(harness);

@@ -331,6 +331,24 @@ fn a_fast_simulation_needs_few_ticks() {
 }
 
 #[test]
+fn more_poses_leave_less_open_until_it_is_good_enough() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let data = measured(&preset, 20, &mut robot, &clock);
+    let after = |rows: usize| {
+        let mut part = data.clone();
+        part.measurements = part.measurements.select(&(0..=rows).collect::<Vec<_>>());
+        largest_sd_m(&identified(&part)).unwrap()
+    };
+    let [few, some, many] = [5, 10, 20].map(after);
+    assert!(few > some && some > many, "{few} {some} {many}");
+    assert!(many < 0.8 * few, "{few} {many}");
+    let mut open = identified(&data);
+    open.covariance = None;
+    assert_eq!(largest_sd_m(&open), None);
+}
+
+#[test]
 fn a_typed_distance_is_that_of_the_pose_at_which_it_was_asked_for() {
     let preset = preset("mini");
     let (robot, clock) = armed(&preset, |_| ());
@@ -402,22 +420,4 @@ fn a_pose_that_is_left_needs_another_typed_distance() {
         reason(&events).contains("the laser has no return"),
         "{events:?}"
     );
-}
-
-#[test]
-fn more_poses_leave_less_open_until_it_is_good_enough() {
-    let preset = preset("mini");
-    let (mut robot, clock) = armed(&preset, |_| ());
-    let data = measured(&preset, 20, &mut robot, &clock);
-    let after = |rows: usize| {
-        let mut part = data.clone();
-        part.measurements = part.measurements.select(&(0..=rows).collect::<Vec<_>>());
-        largest_sd_m(&identified(&part)).unwrap()
-    };
-    let [few, some, many] = [5, 10, 20].map(after);
-    assert!(few > some && some > many, "{few} {some} {many}");
-    assert!(many < 0.8 * few, "{few} {many}");
-    let mut open = identified(&data);
-    open.covariance = None;
-    assert_eq!(largest_sd_m(&open), None);
 }

@@ -53,7 +53,11 @@ fn parts_of_a_report_are_chosen() {
     assert!(text.contains(">Result</h2>") && !text.contains(">Robot</h2>"));
     let out = folder.join("r.html");
     let wrong = ["report", &data, "--out", &out, "--without", "nonsense"];
-    tautline(&wrong).refused(&["nonsense", "adjustments"]);
+    let answer = tautline(&wrong);
+    assert_eq!(answer.code, Some(2));
+    for part in ["nonsense", "adjustments"] {
+        assert!(answer.stderr.contains(part), "{}", answer.stderr);
+    }
 }
 
 #[test]

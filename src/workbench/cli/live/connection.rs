@@ -36,10 +36,10 @@ enum Pace {
 pub struct Connection {
     /// The controller, behind its limits.
     pub controller: Box<dyn Controller>,
-    /// The laser to which the operator answers.
-    pub asked: Option<ManualLaser>,
     /// The external instrument of a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
+    /// The laser whose distances the operator types.
+    pub asked: Option<ManualLaser>,
     clock: FastClock,
     pace: Pace,
 }
@@ -61,8 +61,8 @@ impl Connection {
         controller.connect().map_err(link_error)?;
         Ok(Self {
             controller,
-            asked: opened.asked,
             instrument: opened.instrument,
+            asked: opened.asked,
             clock: opened.clock,
             pace,
         })

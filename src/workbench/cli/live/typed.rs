@@ -21,14 +21,3 @@ pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T
     }
     None
 }
-
-/// Asks for a distance in millimetres, and gives it in metres.
-pub fn distance_m(question: &str) -> Option<f64> {
-    let read = |line: &str| {
-        line.trim()
-            .parse()
-            .ok()
-            .filter(|mm: &f64| mm.is_finite() && *mm >= 0.0)
-    };
-    answer(question, "a distance in mm", read).map(|mm: f64| mm * 1e-3)
-}

@@ -48,8 +48,6 @@ pub struct Ended {
 /// A run with what its end depends on.
 pub struct Drive {
     run: MeasuringRun,
-    /// The laser to which the operator answers.
-    asked: Option<ManualLaser>,
     poses: usize,
     stop_at_m: Option<f64>,
     retries: usize,
@@ -59,12 +57,7 @@ pub struct Drive {
 
 impl Drive {
     /// The poses of the session's plan that are not measured yet.
-    pub fn new(
-        session: &Session,
-        rig: &Rig,
-        asked: Option<ManualLaser>,
-        (stop_at_m, retries): (Option<f64>, usize),
-    ) -> Self {
+    pub fn new(session: &Session, rig: &Rig, stop_at_m: Option<f64>, retries: usize) -> Self {
         let planned = session.plan.iter();
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
         let mut options = MeasuringOptions::of(rig.robot());
@@ -72,11 +65,9 @@ impl Drive {
         let poses = plan.len();
         let run = MeasuringRun::new(plan, rig.robot(), options)
             .predicting(predict_by(rig.robot(), rig.tension()))
-            .continuing(&session.measurements.labels)
-            .asking(asked.clone());
+            .continuing(&session.measurements.labels);
         Self {
             run,
-            asked,
             poses,
             stop_at_m,
             retries,
@@ -93,6 +84,7 @@ impl Drive {
     /// Drives until the end; then everything is in the session's file and nothing is left beside it.
     pub fn run(mut self, file: &mut SessionFile, connection: &mut Connection) -> Result<Ended> {
         let mut keeper = file.keep()?;
+        self.run = self.run.asking(connection.asked.clone());
         let measured = self.measure(file, connection, &mut keeper);
         if self.run.stage() != Stage::Ended || measured.is_err() {
             connection.stop();
@@ -131,8 +123,12 @@ impl Drive {
                             return Ok(End::GoodEnough);
                         }
                     }
-                    MeasuringEvent::LaserWanted { label } => self.ask(label)?,
                     MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
+                    MeasuringEvent::LaserWanted { label } => {
+                        if let Some(laser) = &connection.asked {
+                            ask_distance(label, laser)?;
+                        }
+                    }
                     MeasuringEvent::Paused { reason } => self.paused(&reason, connection)?,
                     MeasuringEvent::Finished => return Ok(End::Finished),
                     MeasuringEvent::Failed(text) => return Ok(End::Failed(text)),
@@ -165,17 +161,6 @@ impl Drive {
         );
         self.run.confirm_stored(label);
         Ok(())
-    }
-
-    /// Asks the operator for the laser distance at a pose.
-    fn ask(&self, label: i64) -> Result<()> {
-        let Some(laser) = &self.asked else {
-            return Ok(());
-        };
-        let distance_m = typed::distance_m(&format!("laser distance at pose {label} [mm]?"));
-        laser
-            .answer(label, distance_m)
-            .map_err(|error| anyhow!("{error}"))
     }
 
     /// Tries a pose again, or leaves it out.
@@ -219,4 +204,20 @@ impl Drive {
         self.ended.largest_sd_m = fit.and_then(|fit| largest_sd_m(&fit.solution));
         self.ended.largest_sd_m.is_some_and(|sd_m| sd_m <= limit_m)
     }
+}
+
+/// Asks the operator for the laser distance at a pose.
+fn ask_distance(label: i64, laser: &ManualLaser) -> Result<()> {
+    let question =
+        format!("Laser distance at pose {label} [mm], or - where the laser has no return?");
+    let read = |line: &str| match line.trim() {
+        "-" => Some(None),
+        number => number.parse().ok().map(|mm: f64| Some(mm * 1e-3)),
+    };
+    let typed = typed::answer(&question, "a number of millimetres or -", read);
+    let distance_m =
+        typed.with_context(|| format!("no laser distance was typed for pose {label}"))?;
+    laser
+        .answer(label, distance_m)
+        .map_err(|error| anyhow!("{error}"))
 }

@@ -100,9 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .controller
         .arm()
         .map_err(super::live::link_error)?;
-    let asked = connection.asked.clone();
-    let limits = (stop_at_m, arguments.retries);
-    let drive = Drive::new(&file.session, &rig, asked, limits);
+    let drive = Drive::new(&file.session, &rig, stop_at_m, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
     let enough = is_enough(&file.session);
     let document = MeasuringDocument::of(&file.session, &ended, enough);

@@ -129,7 +129,7 @@ mod tests {
         });
         assert_eq!(
             words(0, &cable),
-            "Pulley 1: entry point and displacement, mm\nx  501.20   +1.20 ± 0.12\ny  -378.0   -0.4 ± 2.0\nz  441.50   +0.00"
+            "Pulley 1: entry point and displacement, mm\nx  501.20   +1.20 ± 0.12\ny  -378.0   -0.4 ± 2.0\nz  441.50   0.00"
         );
     }
 

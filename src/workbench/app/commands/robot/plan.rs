@@ -2,7 +2,7 @@
 
 use tautline_core::estimation::Control;
 use tautline_core::planning::PlanProgress;
-use tautline_session::{Phase, PlannedPose, Session};
+use tautline_session::{Phase, PlannedPose};
 
 use super::RobotOutcome;
 use crate::app::Document;
@@ -10,7 +10,7 @@ use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::planning::{Outlook, SEED, outlook, stored_outlook};
+use crate::planning::{Outlook, SEED, outlook, stored};
 use crate::wording;
 
 /// Title of the task that plans.
@@ -29,14 +29,9 @@ pub(super) fn start(state: &mut State, poses: usize) {
     state.tasks.start(PLANNING, move |task| {
         Outcome::Robot(RobotOutcome::Planned {
             document: identity,
-            result: foresee(&session, poses, task).map(Box::new),
+            result: outlook(&session, (poses, SEED), &mut |p| tell(task, p, poses)).map(Box::new),
         })
     });
-}
-
-fn foresee(session: &Session, poses: usize, task: &TaskHandle) -> Result<Outlook, String> {
-    let mut observe = |progress: &PlanProgress| tell(task, progress, poses);
-    outlook(session, (poses, SEED), &mut observe)
 }
 
 /// Computes what to expect of the plan that the session has.
@@ -51,14 +46,9 @@ pub(super) fn expect_stored(state: &mut State) {
     state.tasks.start(EXPECTING, move |task| {
         Outcome::Robot(RobotOutcome::Expected {
             document: identity,
-            result: stored(&session, task).map(Box::new),
+            result: stored(&session, &mut |p| tell(task, p, session.plan.len())).map(Box::new),
         })
     });
-}
-
-fn stored(session: &Session, task: &TaskHandle) -> Result<Outlook, String> {
-    let mut observe = |progress: &PlanProgress| tell(task, progress, session.plan.len());
-    stored_outlook(session, &mut observe)
 }
 
 /// Takes what to expect of a stored plan, if it still is the plan.
