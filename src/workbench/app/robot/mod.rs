@@ -180,7 +180,6 @@ impl Link {
         self.parameters.clear();
         self.parameters_version += 1;
         self.verifying = None;
-        self.connecting = false;
         self.writing = false;
     }
 

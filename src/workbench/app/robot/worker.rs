@@ -304,7 +304,15 @@ impl Worker {
     }
 
     fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
-        self.close(BY_OPERATOR);
+        let had_another = self.close(BY_OPERATOR);
+        let made = self.make(rig, document);
+        if made.is_err() && had_another {
+            self.tell.report(Report::Disconnected(None));
+        }
+        made
+    }
+
+    fn make(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
         let opened = rig.open(self.speed).map_err(|error| match error {
             OpenError::Link(error) => error,
             OpenError::Read(error) => LinkError::Setup(error.to_string()),
