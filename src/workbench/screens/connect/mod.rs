@@ -1,6 +1,7 @@
 //! The window that connects: which controller, where it is, its symbols, the laser.
 
 mod draft;
+mod entry;
 mod field;
 mod laser;
 mod symbols;
