@@ -154,7 +154,7 @@ impl SymbolRows {
             return Some((Verdict::Good, text));
         }
         let text = format!(
-            "Of {}, {good} can be used, {missing} are missing, {} are of a wrong type.",
+            "Of {}, {good} can be used. Missing: {missing}. Of a wrong type: {}.",
             count(checks.len(), "symbol"),
             checks.len() - good - missing
         );
@@ -338,7 +338,7 @@ mod tests {
         let found = rows.found(&rows.rows[0]).map(|check| &check.found);
         assert_eq!(found, Some(&missing));
         let text = rows.summary().expect("a sentence").1;
-        assert!(text.contains("2 can be used, 1 are missing"), "{text}");
+        assert!(text.contains("2 can be used. Missing: 1."), "{text}");
         assert_eq!(rows.found(&rows.rows[1]), None);
         assert_eq!(
             title_of("{cable}.entry_point.x_m"),
