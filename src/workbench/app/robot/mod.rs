@@ -5,6 +5,7 @@
 mod connection;
 mod message;
 mod run;
+mod teller;
 mod whereabouts;
 mod work;
 mod worker;
@@ -21,7 +22,8 @@ use tautline_session::{CheckPose, Stage};
 
 use crate::controllers::Rig;
 use message::{MeasuringOrder, Order};
-use worker::{Teller, serve};
+use teller::Teller;
+use worker::serve;
 
 pub use message::{Doing, Live, Lost, Purpose, Report, Surprise};
 pub use run::{Pending, RunLog};
@@ -180,7 +182,6 @@ impl Link {
         self.parameters.clear();
         self.parameters_version += 1;
         self.verifying = None;
-        self.connecting = false;
         self.writing = false;
     }
 

@@ -1,8 +1,7 @@
 //! The thread that owns the controller.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::{
@@ -15,6 +14,7 @@ use tautline_session::Stage;
 
 use super::connection::{BringBack, Connection, Unsettled};
 use super::message::{Live, Lost, Order, Purpose, Report};
+use super::teller::{PICTURE, Teller};
 use super::work::{Verifying, Work};
 use crate::controllers::{Kind, OpenError, Rig};
 
@@ -26,52 +26,8 @@ const SHORTEST_TICK: Duration = Duration::from_millis(1);
 const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the time that is left until a lost connection is tried again.
 const COUNTDOWN: Duration = Duration::from_millis(250);
-/// Between two pictures of the window.
-const PICTURE: Duration = Duration::from_millis(50);
 /// Why something ends if nothing is wrong.
 const BY_OPERATOR: &str = "it was stopped by the operator";
-
-/// Tells the window; wakes it no more often than it can show.
-pub(super) struct Teller {
-    pub reports: Sender<Report>,
-    pub live: Arc<Mutex<Live>>,
-    pub context: egui::Context,
-    pub woken: Option<Instant>,
-}
-
-impl Teller {
-    pub fn report(&mut self, report: Report) {
-        // Nobody listens any more when the program ends.
-        let _ = self.reports.send(report);
-        self.wake();
-    }
-
-    fn wake(&mut self) {
-        let since = self.woken.map_or(PICTURE, |woken| woken.elapsed());
-        if since >= PICTURE {
-            self.woken = Some(Instant::now());
-            self.context.request_repaint();
-        } else {
-            self.context.request_repaint_after(PICTURE - since);
-        }
-    }
-
-    /// Puts what is going on where the window finds it.
-    fn put(&mut self, live: Live) {
-        *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
-        self.wake();
-    }
-
-    /// Whether what the window finds is so.
-    fn shows(&self, is_so: impl FnOnce(&Live) -> bool) -> bool {
-        is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Whether a picture is due.
-    fn is_due(&self) -> bool {
-        self.woken.is_none_or(|woken| woken.elapsed() >= PICTURE)
-    }
-}
 
 struct Worker {
     tell: Teller,
@@ -304,7 +260,15 @@ impl Worker {
     }
 
     fn connect(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
-        self.close(BY_OPERATOR);
+        let had_another = self.close(BY_OPERATOR);
+        let made = self.make(rig, document);
+        if made.is_err() && had_another {
+            self.tell.report(Report::Disconnected(None));
+        }
+        made
+    }
+
+    fn make(&mut self, rig: Box<Rig>, document: u64) -> Result<(), LinkError> {
         let opened = rig.open(self.speed).map_err(|error| match error {
             OpenError::Link(error) => error,
             OpenError::Read(error) => LinkError::Setup(error.to_string()),

@@ -178,15 +178,11 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// The settings of a session; where it has none, those that were used last.
+    /// The settings of a session; of what it does not have, those that were used last.
     #[must_use]
     pub fn of(session: &Session, document: u64, reached: &Reached) -> Self {
         let connection = &session.connection;
         let place = connection.place.clone().or_else(|| reached.place.clone());
-        let laser = match &session.laser_source {
-            LaserSettings::Controller if connection.is_empty() => &reached.laser,
-            laser => laser,
-        };
         let number = |value: Option<f64>| format!("{}", value.unwrap_or(1.0));
         let text = |of: fn(&AdsPlace) -> String, usual: &str| {
             place.as_ref().map_or_else(|| usual.to_owned(), of)
@@ -213,7 +209,7 @@ impl Draft {
             timeout: number(place.as_ref().map(|place| place.timeout_s)),
             own: connection.ads.is_some(),
             symbols: SymbolRows::of(mapping, &session.robot),
-            laser: LaserDraft::of(laser),
+            laser: LaserDraft::of(&session.laser_source, &reached.laser),
             refused: None,
             connects: false,
         }

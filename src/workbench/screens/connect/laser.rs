@@ -43,13 +43,13 @@ pub struct LaserDraft {
 }
 
 impl LaserDraft {
-    /// The settings of a session.
+    /// The settings of a session; of a device that it does not have those that were used last.
     #[must_use]
-    pub fn of(settings: &LaserSettings) -> Self {
+    pub fn of(settings: &LaserSettings, last: &LaserSettings) -> Self {
         let usual = LineLaserSettings::new(LaserPort::serial(String::new()));
-        let base = match settings {
-            LaserSettings::Line(line) => line.clone(),
-            LaserSettings::Controller | LaserSettings::Manual => usual,
+        let base = match (settings, last) {
+            (LaserSettings::Line(line), _) | (_, LaserSettings::Line(line)) => line.clone(),
+            _ => usual,
         };
         let (host, port, device, baud, from) = match &base.port {
             LaserPort::Tcp { host, port } => {
@@ -90,6 +90,11 @@ impl LaserDraft {
             ports: None,
             test: None,
         }
+    }
+
+    /// Ends trying the laser, which is free for a connection after this.
+    pub fn release(&mut self) {
+        self.test = None;
     }
 
     /// The settings that it makes.
@@ -343,14 +348,15 @@ mod tests {
         ] {
             let settings: LaserSettings = text.parse().expect(text);
             let mut problems = Problems::default();
-            let made = LaserDraft::of(&settings).settings(&mut problems);
+            let made =
+                LaserDraft::of(&settings, &LaserSettings::Controller).settings(&mut problems);
             assert_eq!(made, Some(settings), "{text}: {problems:?}");
         }
     }
 
     #[test]
     fn what_is_missing_is_told_beside_its_field() {
-        let mut draft = LaserDraft::of(&LaserSettings::Controller);
+        let mut draft = LaserDraft::of(&LaserSettings::Controller, &LaserSettings::Manual);
         let problem = |draft: &LaserDraft, field| {
             let mut problems = Problems::default();
             assert_eq!(draft.settings(&mut problems), None);

@@ -1,6 +1,7 @@
 //! The window that connects: which controller, where it is, its symbols, the laser.
 
 mod draft;
+mod entry;
 mod field;
 mod laser;
 mod symbols;
@@ -39,12 +40,6 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     else {
         return;
     };
-    if draft.connects && !state.link.connecting {
-        draft.connects = false;
-        if state.link.is_connected() {
-            return;
-        }
-    }
     let mut open = true;
     let modal = Modal::new(Id::unique("connect")).show(ui.ctx(), |ui| {
         let room = ui.ctx().content_rect().size();
@@ -280,6 +275,7 @@ fn footer(
             draft.refused = None;
             if connect {
                 draft.connects = true;
+                draft.laser.release();
                 state.outbox.send(RobotCommand::Connect);
             }
             open = connect;

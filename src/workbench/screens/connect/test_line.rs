@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use tautline_link::laser::LineLaser;
@@ -27,7 +27,7 @@ pub struct TestLine {
     /// What it is tried with.
     pub settings: LineLaserSettings,
     heard: Arc<Mutex<Heard>>,
-    _end: Sender<()>,
+    running: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl TestLine {
@@ -39,7 +39,7 @@ impl TestLine {
         let (laser, shared) = (settings.clone(), Arc::clone(&heard));
         let thread = thread::Builder::new().name("laser test".into());
         let started = thread.spawn(move || listen(laser, &shared, &ends, &context));
-        if let Err(error) = started {
+        if let Err(error) = &started {
             tell(&heard, |heard| {
                 heard.understood = Some(Err(error.to_string()));
             });
@@ -47,7 +47,7 @@ impl TestLine {
         Self {
             settings,
             heard,
-            _end: end,
+            running: started.ok().map(|thread| (end, thread)),
         }
     }
 
@@ -58,6 +58,17 @@ impl TestLine {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
+    }
+}
+
+impl Drop for TestLine {
+    /// The device is free for another connection after this.
+    fn drop(&mut self) {
+        if let Some((end, thread)) = self.running.take() {
+            drop(end);
+            // A thread that broke down has ended, too.
+            let _ = thread.join();
+        }
     }
 }
 

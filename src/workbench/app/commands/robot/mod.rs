@@ -190,6 +190,8 @@ pub fn reported(state: &mut State, report: Report) {
             document,
         } => {
             state.link.connecting = false;
+            // The window that connects has done what it was opened for.
+            state.screens.connect.take_if(|draft| draft.connects);
             state.messages.info(format!("Connected: {identity}."));
             state.link.identity = identity;
             state.link.connected = Some(Connected { document, rig });
@@ -227,6 +229,7 @@ fn refused(state: &mut State, text: &str) {
         && let Some(draft) = &mut state.screens.connect
     {
         draft.refused = Some(text.clone());
+        draft.connects = false;
     }
     state.link.connecting = false;
     state.messages.error(text);

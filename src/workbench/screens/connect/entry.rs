@@ -1,0 +1,246 @@
+//! What symbols are for, and where that is in a mapping.
+
+use tautline_session::{AdsCommand, AdsMapping, AdsNames, AdsPose, AdsSymbol, AdsSymbols};
+
+/// What a symbol is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    Revolutions,
+    Force,
+    Swivel,
+    Laser,
+    LaserValid,
+    Temperature,
+    Time,
+    Inclination,
+    Pose,
+    Moving,
+    Fault,
+    FaultText,
+    Target,
+    Kind,
+    Number,
+    Acknowledged,
+    Release,
+    Watchdog,
+    /// A parameter by its place in the mapping.
+    Parameter(usize),
+}
+
+impl Need {
+    /// All but parameters, with what the operator reads and the unit that a scale of 1 stands for.
+    pub const FIXED: [(Self, &'static str, &'static str); 18] = [
+        (Self::Revolutions, "Motor revolutions", "revolutions"),
+        (Self::Force, "Force readings", "N"),
+        (Self::Swivel, "Swivel angles", "rad"),
+        (Self::Laser, "Laser distance", "m"),
+        (Self::LaserValid, "Laser has a return", ""),
+        (Self::Temperature, "Temperature", "°C"),
+        (Self::Time, "Time", "s"),
+        (Self::Inclination, "Roll, pitch and yaw", "rad"),
+        (Self::Pose, "Commanded pose", "m"),
+        (Self::Moving, "Platform is moving", ""),
+        (Self::Fault, "Fault", ""),
+        (Self::FaultText, "Fault in words", ""),
+        (Self::Target, "Target pose", "m"),
+        (Self::Kind, "Kind of command", ""),
+        (Self::Number, "Number of command", ""),
+        (Self::Acknowledged, "Number taken", ""),
+        (Self::Release, "Release", ""),
+        (Self::Watchdog, "Count of samples", ""),
+    ];
+
+    pub fn has_scale(self) -> bool {
+        use Need::{
+            Force, Inclination, Laser, Parameter, Pose, Revolutions, Swivel, Target, Temperature,
+            Time,
+        };
+        matches!(
+            self,
+            Revolutions
+                | Force
+                | Swivel
+                | Laser
+                | Temperature
+                | Time
+                | Inclination
+                | Pose
+                | Target
+                | Parameter(_)
+        )
+    }
+
+    pub fn is_of_command(self) -> bool {
+        matches!(
+            self,
+            Self::Target | Self::Kind | Self::Number | Self::Acknowledged
+        )
+    }
+}
+
+/// A command whose symbols are not known yet.
+pub fn no_command() -> AdsCommand {
+    AdsCommand {
+        target: AdsPose {
+            symbol: AdsNames::One(String::new()),
+            rotation: Default::default(),
+            length_scale: 1.0,
+            angle_scale: 1.0,
+        },
+        kind: String::new(),
+        number: String::new(),
+        acknowledged: String::new(),
+    }
+}
+
+fn text_of(names: &AdsNames) -> String {
+    match names {
+        AdsNames::One(name) => name.clone(),
+        AdsNames::Each(names) => names.join(", "),
+    }
+}
+
+fn names_of(text: &str) -> AdsNames {
+    match text.contains(',') {
+        true => AdsNames::Each(text.split(',').map(|name| name.trim().to_owned()).collect()),
+        false => AdsNames::One(text.to_owned()),
+    }
+}
+
+/// Name and scale of a need; nothing where the mapping does not have it.
+pub fn read(mapping: &AdsMapping, need: Need) -> (String, Option<f64>) {
+    let readings = &mapping.readings;
+    let list = |s: &AdsSymbols| (text_of(&s.symbol), Some(s.scale));
+    let lists = |s: &Option<AdsSymbols>| s.as_ref().map_or((String::new(), Some(1.0)), list);
+    let value = |s: &Option<AdsSymbol>| {
+        let known = s.as_ref().map(|s| (s.symbol.clone(), Some(s.scale)));
+        known.unwrap_or((String::new(), Some(1.0)))
+    };
+    let pose = |p: Option<&AdsPose>| {
+        let known = p.map(|p| (text_of(&p.symbol), Some(p.length_scale)));
+        known.unwrap_or((String::new(), Some(1.0)))
+    };
+    let name = |s: &Option<String>| (s.clone().unwrap_or_default(), None);
+    let command = mapping.command.as_ref();
+    let told = |of: fn(&AdsCommand) -> &String| {
+        let name = command.map(of).cloned();
+        (name.unwrap_or_default(), None)
+    };
+    match need {
+        Need::Revolutions => list(&readings.revolutions),
+        Need::Force => lists(&readings.force),
+        Need::Swivel => lists(&readings.swivel),
+        Need::Laser => value(&readings.laser),
+        Need::LaserValid => name(&readings.laser_valid),
+        Need::Temperature => value(&readings.temperature),
+        Need::Time => value(&readings.time),
+        Need::Inclination => lists(&readings.inclination),
+        Need::Pose => pose(readings.pose.as_ref()),
+        Need::Moving => name(&mapping.state.moving),
+        Need::Fault => name(&mapping.state.fault),
+        Need::FaultText => name(&mapping.state.fault_text),
+        Need::Target => pose(command.map(|c| &c.target)),
+        Need::Kind => told(|c| &c.kind),
+        Need::Number => told(|c| &c.number),
+        Need::Acknowledged => told(|c| &c.acknowledged),
+        Need::Release => name(&mapping.release),
+        Need::Watchdog => name(&mapping.watchdog),
+        Need::Parameter(_) => (String::new(), None),
+    }
+}
+
+/// Writes name and scale of a need into a mapping; the error says what is missing.
+pub fn write(
+    mapping: &mut AdsMapping,
+    need: Need,
+    (symbol, scale): (&str, f64),
+) -> Result<(), String> {
+    let text = symbol.trim();
+    let wanted = !text.is_empty();
+    let missing = || Err("found nothing, expected the name of a symbol".to_owned());
+    let list = |old: &Option<AdsSymbols>| {
+        wanted.then(|| AdsSymbols {
+            symbol: names_of(text),
+            scale,
+            offset: old.as_ref().map_or(0.0, |old| old.offset),
+        })
+    };
+    let value = |old: &Option<AdsSymbol>| {
+        wanted.then(|| AdsSymbol {
+            symbol: text.to_owned(),
+            scale,
+            offset: old.as_ref().map_or(0.0, |old| old.offset),
+        })
+    };
+    let pose = |old: Option<&AdsPose>| AdsPose {
+        symbol: names_of(text),
+        length_scale: scale,
+        rotation: old.map_or_else(Default::default, |old| old.rotation),
+        angle_scale: old.map_or(1.0, |old| old.angle_scale),
+    };
+    let name = || wanted.then(|| text.to_owned());
+    let readings = &mut mapping.readings;
+    match need {
+        Need::Revolutions if !wanted => return missing(),
+        Need::Revolutions => {
+            readings.revolutions.symbol = names_of(text);
+            readings.revolutions.scale = scale;
+        }
+        Need::Force => readings.force = list(&readings.force),
+        Need::Swivel => readings.swivel = list(&readings.swivel),
+        Need::Laser => readings.laser = value(&readings.laser),
+        Need::LaserValid => readings.laser_valid = name(),
+        Need::Temperature => readings.temperature = value(&readings.temperature),
+        Need::Time => readings.time = value(&readings.time),
+        Need::Inclination => readings.inclination = list(&readings.inclination),
+        Need::Pose => readings.pose = wanted.then(|| pose(readings.pose.as_ref())),
+        Need::Moving => mapping.state.moving = name(),
+        Need::Fault => mapping.state.fault = name(),
+        Need::FaultText => mapping.state.fault_text = name(),
+        Need::Release => mapping.release = name(),
+        Need::Watchdog => mapping.watchdog = name(),
+        Need::Target | Need::Kind | Need::Number | Need::Acknowledged => {
+            let Some(command) = &mut mapping.command else {
+                return Ok(());
+            };
+            if !wanted {
+                return missing();
+            }
+            match need {
+                Need::Target => command.target = pose(Some(&command.target)),
+                Need::Kind => command.kind = text.to_owned(),
+                Need::Number => command.number = text.to_owned(),
+                _ => command.acknowledged = text.to_owned(),
+            }
+        }
+        Need::Parameter(k) => {
+            if let Some(parameter) = mapping.parameters.get_mut(k) {
+                parameter.symbol = text.to_owned();
+                parameter.scale = scale;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// "{cable}.entry_point.x_m" as "Entry point x of every cable".
+pub fn title_of(name: &str) -> String {
+    let (whose, rest) = match name.strip_prefix("{cable}.") {
+        Some(rest) => (" of every cable", rest),
+        None => ("", name),
+    };
+    let plain = ["_rad", "_mm", "_m", "_n"]
+        .iter()
+        .find_map(|unit| rest.strip_suffix(unit));
+    let words = plain.unwrap_or(rest).replace(['.', '_'], " ");
+    crate::wording::sentence(&format!("{words}{whose}"))
+}
+
+/// The unit at the end of a parameter's name.
+pub fn unit_of(name: &str) -> &'static str {
+    match name.rsplit('_').next() {
+        Some("m") => "m",
+        Some("rad") => "rad",
+        _ => "",
+    }
+}
