@@ -159,7 +159,7 @@ fn what_a_killed_command_has_left_is_taken_over() {
     write_session(&path(&bench), &begun).expect("written");
     std::fs::create_dir(unsaved(&bench)).expect("a folder");
     let file = path(&bench);
-    let keeper = Keeper::begin(&unsaved(&bench), Some(&file), &begun).expect("kept");
+    let mut keeper = Keeper::begin(&unsaved(&bench), Some(&file), &begun).expect("kept");
     let m = &whole.measurements;
     let pose = MeasuredPose {
         label: m.labels[2],
