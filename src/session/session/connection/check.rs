@@ -25,7 +25,7 @@ pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Check
     };
     let missing = |part: &str| {
         let message = "found nothing, expected where the controller is found";
-        fail(&format!("/connection/{part}"), message)
+        fail(format!("/connection/{part}"), message)
     };
     match &connection.recording {
         Some(place) => place.check().map_err(below("recording"))?,
