@@ -41,7 +41,7 @@ impl TestLine {
         let started = thread.spawn(move || listen(laser, &shared, &ends, &context));
         if let Err(error) = started {
             tell(&heard, |heard| {
-                heard.understood = Some(Err(error.to_string()))
+                heard.understood = Some(Err(error.to_string()));
             });
         }
         Self {
