@@ -1,7 +1,7 @@
 //! What the built program answers, checked.
 
 use serde_json::Value;
-pub use tautline_validation::program::{Folder, tautline};
+pub use tautline_validation::program::{Answer, Folder, tautline};
 
 /// Insists that the document satisfies the schema that the program publishes for it.
 pub fn assert_valid(document: &Value) {
