@@ -158,7 +158,6 @@ impl Folder {
     ///
     /// # Panics
     /// If it cannot be written.
-    #[must_use]
     pub fn write(&self, name: &str, text: &str) -> String {
         std::fs::write(self.path().join(name), text).expect("written");
         self.join(name)
