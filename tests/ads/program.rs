@@ -1,6 +1,6 @@
 //! The program itself, through real frames: the whole loop as a user runs it, and what interrupts it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -26,7 +26,7 @@ fn session(path: &str) -> Session {
 }
 
 /// What the controller holds, by a client of its own.
-fn held(plant: &Plant) -> Vec<(String, f64)> {
+fn held(plant: &Plant) -> BTreeMap<String, f64> {
     let mut reader = plant.client();
     reader.connect().expect("connected");
     let parameters = reader.parameters().expect("parameters").into_iter();
@@ -34,7 +34,7 @@ fn held(plant: &Plant) -> Vec<(String, f64)> {
 }
 
 /// Values of the description, as the controller held them at first.
-fn drawn() -> Vec<(String, f64)> {
+fn drawn() -> BTreeMap<String, f64> {
     let robot = presets::find("mini").expect("a preset").robot;
     let parameters = parameters_of(&robot).into_iter();
     parameters.map(|p| (p.name, p.value)).collect()
@@ -125,16 +125,12 @@ fn measured_verified_adjusted_verified() {
         (&"written".into(), &"new".into())
     );
     let held = held(&plant);
-    let value = |name: &Value| {
-        held.iter()
-            .find(|(known, _)| Some(known.as_str()) == name.as_str())
-    };
     let rows = adjusted["differences"].as_array().expect("rows").iter();
     let written: Vec<&Value> = rows.filter(|row| row["changes"] == true).collect();
     assert!(written.len() > 20, "{}", written.len());
     for row in written {
-        let (_, now) = value(&row["name"]).expect("a parameter");
-        assert_eq!(Some(*now), row["identified"].as_f64(), "{}", row["name"]);
+        let now = row["name"].as_str().and_then(|name| held.get(name));
+        assert_eq!(now.copied(), row["identified"].as_f64(), "{}", row["name"]);
     }
     let after = verified(&verify, "after", &mut tracker);
     println!("largest AP {:.3} -> {:.3} mm", 1e3 * before, 1e3 * after);

