@@ -7,6 +7,7 @@ use std::thread::{self, JoinHandle};
 use tautline_session::{Changes, Keeper, LeftBehind, MeasuredPose, Session, WriteError};
 
 use super::document::Document;
+use super::memory;
 
 /// What the thread is to do.
 enum Job {
@@ -203,10 +204,15 @@ fn work(folder: &Path, orders: &mpsc::Receiver<Job>, tell: impl Fn(Kept)) {
     while let Ok(first) = orders.recv() {
         let mut jobs = vec![first];
         jobs.extend(orders.try_iter());
-        for job in newest(jobs) {
+        let jobs = newest(jobs);
+        let wrote_much = jobs.iter().any(|job| matches!(job, Job::Snapshot { .. }));
+        for job in jobs {
             if let Err(message) = perform(folder, &mut keeper, job, &tell) {
                 tell(Kept::Failed(message));
             }
+        }
+        if wrote_much {
+            memory::give_back();
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod fit;
 mod frame;
 mod keeping;
 mod memo;
+mod memory;
 mod menu;
 mod messages;
 mod observed;
@@ -49,6 +50,7 @@ impl App {
         }
         let mut state = State::new(&creation.egui_ctx, options);
         commands::restore(&state);
+        commands::search(&mut state);
         if let Some(path) = state.options.path.clone() {
             state.outbox.send(FileCommand::Open(path));
         }

@@ -2,23 +2,46 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::thread;
 
-use egui::accesskit::{Node, NodeId, Toggled};
+use egui::accesskit::{Node, NodeId, Toggled, TreeUpdate};
 use egui::{Context, FullOutput, Plugin};
 
 /// Writes after every frame what the window shows: in the first line the number of frames; then for each element its
 /// role, its name, its place in pixels from the upper left corner of the window (x, y, width, height), and whether it
 /// is selected, separated by tabs.
 struct Observer {
-    path: PathBuf,
     frames: u64,
+    describe: mpsc::Sender<Seen>,
 }
 
-/// From now on the window is described in the file `path`.
+/// What the window shows in a frame.
+struct Seen {
+    frame: u64,
+    update: TreeUpdate,
+    pixels_per_point: f64,
+}
+
+/// From now on the window is described in the file `path`, by a thread of its own, so that whoever measures the window's
+/// thread does not measure the description.
 pub fn observe(context: &Context, path: PathBuf) {
+    let (describe, seen) = mpsc::channel::<Seen>();
+    let write = move || {
+        while let Ok(first) = seen.recv() {
+            // Of frames that came meanwhile the last counts.
+            let last = seen.try_iter().last().unwrap_or(first);
+            last.write(&path);
+        }
+    };
+    // Without the thread there is no description, and whoever waits for it says so.
+    let _ = thread::Builder::new().name("observer".into()).spawn(write);
     context.enable_accesskit();
-    context.add_plugin(Observer { path, frames: 0 });
+    context.add_plugin(Observer {
+        frames: 0,
+        describe,
+    });
 }
 
 impl Plugin for Observer {
@@ -28,17 +51,30 @@ impl Plugin for Observer {
 
     fn output_hook(&mut self, context: &Context, output: &mut FullOutput) {
         self.frames += 1;
-        let Some(update) = &output.platform_output.accesskit_update else {
+        // Taken, not copied: who observes the window needs no screen reader.
+        let Some(update) = output.platform_output.accesskit_update.take() else {
             return;
         };
-        let mut text = format!("{}\n", self.frames);
-        let scale = f64::from(context.pixels_per_point());
-        for (_, node) in &update.nodes {
-            text.push_str(&line(node, &update.nodes, scale).unwrap_or_default());
+        let seen = Seen {
+            frame: self.frames,
+            update,
+            pixels_per_point: f64::from(context.pixels_per_point()),
+        };
+        // The thread ends with the program only.
+        let _ = self.describe.send(seen);
+    }
+}
+
+impl Seen {
+    fn write(&self, path: &Path) {
+        let mut text = format!("{}\n", self.frame);
+        let nodes = &self.update.nodes;
+        for (_, node) in nodes {
+            text.push_str(&line(node, nodes, self.pixels_per_point).unwrap_or_default());
         }
         // Renamed when it is whole, so that nobody reads half of it; who cannot read it sees that the file is old.
-        let whole = self.path.with_extension("part");
-        let _ = fs::write(&whole, text).and_then(|()| fs::rename(&whole, &self.path));
+        let whole = path.with_extension("part");
+        let _ = fs::write(&whole, text).and_then(|()| fs::rename(&whole, path));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use tautline_session::{Folders, LeftBehind, Preferences, left_behind};
+use tautline_session::{Folders, LeftBehind, Preferences};
 
 use super::breakdown::Breakdown;
 use super::command::Outbox;
@@ -83,7 +83,7 @@ pub struct State {
     pub folders: Folders,
     /// Choices of the user.
     pub preferences: Preferences,
-    /// What programs that ended without saving have left behind.
+    /// What programs that ended without saving have left behind, once it was looked for.
     pub left_behind: Vec<LeftBehind>,
     /// A panic that was caught, until the operator has seen it.
     pub breakdown: Option<Breakdown>,
@@ -117,10 +117,6 @@ impl State {
             messages.warning(notice);
         }
         let recovery = folders.recovery();
-        let left_behind = left_behind(&recovery).unwrap_or_else(|error| {
-            messages.error(error.to_string());
-            Vec::new()
-        });
         let views = Views {
             plots: Panes::of(&preferences.value.plots),
             ..Views::default()
@@ -129,7 +125,7 @@ impl State {
             keeping: Keeping::new(recovery, context.clone()),
             folders,
             preferences: preferences.value,
-            left_behind,
+            left_behind: Vec::new(),
             breakdown: None,
             link: Link::new(context.clone(), options.robot_speed.unwrap_or(1.0)),
             options,

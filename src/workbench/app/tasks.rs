@@ -6,6 +6,7 @@ use std::thread;
 
 use super::breakdown::{self, Breakdown};
 use super::command::Outcome;
+use super::memory;
 
 /// State of a running task.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -126,6 +127,7 @@ impl Tasks {
             // Nobody listens any more when the program ends.
             let _ = sender.send((id, outcome));
             context.request_repaint();
+            memory::give_back();
         };
         if thread::Builder::new()
             .name(title.clone())

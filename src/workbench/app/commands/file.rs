@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
 use tautline_session::Outcome::Begun;
-use tautline_session::{Import, Loaded, Session, import, write_session};
+use tautline_session::{Import, LeftBehind, Loaded, Session, import, left_behind, write_session};
 
 use super::tables;
 use crate::app::Document;
@@ -90,6 +90,8 @@ pub enum FileOutcome {
     },
     /// The demonstration is ready, or one sentence.
     Demo(Result<Box<Session>, String>),
+    /// What programs that ended without saving have left behind, or one sentence.
+    LeftBehind(Result<Vec<LeftBehind>, String>),
     /// A session was written.
     Saved {
         /// Its file.
@@ -305,6 +307,18 @@ fn set_aside(state: &mut State, place: usize) {
     }
 }
 
+/// Looks for what programs that ended without saving have left behind; each is read whole, which may take a while.
+pub fn search(state: &mut State) {
+    let folder = state.folders.recovery();
+    if !folder.is_dir() {
+        return;
+    }
+    state.tasks.start("Looking for unsaved sessions", move |_| {
+        let left = left_behind(&folder).map_err(|error| error.to_string());
+        FileOutcome::LeftBehind(left).into()
+    });
+}
+
 fn tell(state: &mut State, notices: Vec<String>) {
     for notice in notices {
         state.messages.warning(notice);
@@ -321,7 +335,9 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
         FileOutcome::Read {
             result: Err(error), ..
         }
-        | FileOutcome::Demo(Err(error)) => state.messages.error(error),
+        | FileOutcome::Demo(Err(error))
+        | FileOutcome::LeftBehind(Err(error)) => state.messages.error(error),
+        FileOutcome::LeftBehind(Ok(left)) => state.left_behind = left,
         FileOutcome::Saved {
             path,
             state: written,

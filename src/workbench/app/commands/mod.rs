@@ -12,7 +12,7 @@ mod view;
 
 pub use crate::comparison::{Side, Source};
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
-pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose};
+pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose, search};
 pub use import::{ImportCommand, ImportOutcome};
 pub use model::{DIAGNOSING, IDENTIFYING, ModelCommand, ModelOutcome};
 pub use plots::{PlotCommand, PlotOutcome};
