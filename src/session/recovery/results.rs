@@ -39,25 +39,30 @@ pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
             return Some(format!("{error}; results computed last may be missing"));
         }
     };
+    let mut is_torn = false;
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
         let body = line.strip_suffix(b"\n").and_then(checked);
         let entry: Option<Numbered<ResultRecord>> =
             body.and_then(|body| serde_json::from_slice(body).ok());
+        is_torn = entry.is_none();
         let known = session.results().len();
         match entry {
-            // The snapshot was written after it.
-            Some(entry) if entry.number < known => {}
             Some(entry) if entry.number == known => session.add_result(entry.result),
-            // A line that was begun before one that was written to its end.
-            None if line == b"\n" => {}
-            _ => {
+            Some(entry) if entry.number > known => {
+                let file = path.display();
                 return Some(format!(
-                    "{}: result {} is damaged, it and those after it are missing",
-                    path.display(),
+                    "{file}: result {} is damaged, it and those after it are missing",
                     known + 1
                 ));
             }
+            // One that the snapshot has, or a line that was written again after it was torn.
+            _ => {}
         }
     }
-    None
+    is_torn.then(|| {
+        let file = path.display();
+        format!(
+            "{file}: the program ended while a result was being written, that result is missing"
+        )
+    })
 }

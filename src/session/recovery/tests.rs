@@ -8,7 +8,9 @@ use tautline_core::measurement::Measurements;
 use super::*;
 use crate::phases::PhaseData;
 use crate::session::tests::session;
-use crate::session::{MeasuredPose, Session, Settings};
+use crate::session::{
+    MeasuredPose, ResultDocument, ResultRecord, Session, Settings, Timestamp, write_session,
+};
 
 fn pose(label: i64) -> MeasuredPose {
     MeasuredPose {
@@ -275,6 +277,64 @@ fn a_pose_that_was_taken_back_in_after_it_was_repeated_stays_in() {
     keeper.changed(Changes::of(&now, rows)).expect("kept");
     drop(keeper);
     bench.assert_recovers(&now);
+}
+
+fn result(k: i64) -> ResultRecord {
+    ResultRecord {
+        time: Timestamp::from_unix_seconds(2_000_000_000 + k),
+        title: format!("Result {k}"),
+        document: ResultDocument::of(&vec![k; 2000]).expect("JSON"),
+        basis: None,
+    }
+}
+
+#[test]
+fn a_result_is_written_once_however_often_the_session_is_edited() {
+    let bench = Bench::new();
+    let mut now = session();
+    now.add_result(result(0));
+    let mut keeper = bench.begin(&now);
+    let rows = now.measurements.len();
+    for k in 1..4 {
+        now.add_result(result(k));
+        for name in ["a", "b", "c"] {
+            now.name = name.into();
+            keeper.changed(Changes::of(&now, rows)).expect("kept");
+        }
+        let changes = fs::metadata(bench.file(CHANGES)).expect("changes").len();
+        assert!(changes < 4000, "{changes}");
+    }
+    let kept = fs::read(bench.file(RESULTS)).expect("results");
+    assert_eq!(kept.split(|byte| *byte == b'\n').count(), 3 + 1);
+    drop(keeper);
+    bench.assert_recovers(&now);
+    // A kill between the snapshot and the end of what it makes needless.
+    write_session(&bench.file(SNAPSHOT), &now).expect("a snapshot");
+    bench.assert_recovers(&now);
+}
+
+#[test]
+fn a_torn_result_is_told_and_can_be_written_again() {
+    let bench = Bench::new();
+    let mut now = session();
+    let keeper = bench.begin(&now);
+    drop(keeper);
+    let path = bench.file(RESULTS);
+    now.add_result(result(1));
+    let old = session().results().len();
+    results::keep(&path, now.results(), old).expect("kept");
+    let whole = fs::read(&path).expect("results");
+    fs::write(&path, &whole[..50]).expect("a disk that was full");
+    let (recovered, notices) = bench.recovered();
+    assert_eq!(recovered.results().len(), old);
+    assert!(
+        notices[0].contains("while a result was being written"),
+        "{notices:?}"
+    );
+    results::keep(&path, now.results(), old).expect("kept");
+    let (recovered, notices) = bench.recovered();
+    assert_eq!(recovered.results(), now.results());
+    assert!(notices.is_empty(), "{notices:?}");
 }
 
 #[test]
