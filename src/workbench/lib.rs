@@ -1,19 +1,8 @@
-//! The Tautline program: workbench and headless commands.
+//! The Tautline program: the window.
 
-mod adjusting;
 pub mod app;
-pub mod cli;
-mod comparison;
-pub mod controllers;
-pub mod documents;
-mod fonts;
 pub mod offscreen;
-pub mod planning;
-mod precalibration;
-pub mod report;
-pub mod samples;
+pub mod report_picture;
 mod screens;
-pub mod session_file;
 pub mod views;
 mod widgets;
-mod wording;

@@ -1,7 +1,25 @@
-//! The `tautline` program.
+//! The `tautline` program: the window, or the commands without one.
 
 use std::process::ExitCode;
 
+use anyhow::anyhow;
+use tautline_cli::{Window, WindowOptions};
+use tautline_workbench::app::{self, Options};
+use tautline_workbench::report_picture::report_picture;
+
 fn main() -> ExitCode {
-    tautline_workbench::cli::run()
+    tautline_cli::run(&Window {
+        open,
+        picture: |session, fit| report_picture(session, fit, &Default::default()),
+    })
+}
+
+fn open(options: WindowOptions) -> anyhow::Result<()> {
+    let options = Options {
+        path: options.path,
+        observed: options.observed,
+        robot_speed: options.robot_speed,
+        ..Options::default()
+    };
+    app::run(options).map_err(|error| anyhow!("cannot open a window: {error}"))
 }

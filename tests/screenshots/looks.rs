@@ -10,7 +10,7 @@ use tautline_workbench::app::commands::{
 };
 use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::Step;
-use tautline_workbench::report::ReportFormat;
+use tautline_workflow::report::ReportFormat;
 
 use super::stage::{LARGE, Stage};
 use super::{files, open, phase};

@@ -10,9 +10,9 @@ use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Document, LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp};
 use tautline_workbench::app::document::Diagnosed;
-use tautline_workbench::app::fit::{Fit, FitOrder, fit};
-use tautline_workbench::documents;
-use tautline_workbench::samples::tables::{bench, home_platform};
+use tautline_workflow::documents;
+use tautline_workflow::identification::{Fit, FitOrder, fit};
+use tautline_workflow::samples::tables::{bench, home_platform};
 
 use super::recipes::{Hidden, Recipe};
 use super::rounding;

@@ -15,8 +15,9 @@ use tautline_workbench::app::State;
 use tautline_workbench::app::command::Command;
 use tautline_workbench::app::commands::RobotCommand;
 use tautline_workbench::app::commands::robot::Setup;
-use tautline_workbench::app::robot::{Doing, Purpose};
+use tautline_workbench::app::robot::Doing;
 use tautline_workbench::app::screen::Step;
+use tautline_workflow::adjusting::Purpose;
 
 use crate::demo::Bench;
 use crate::names::{Style, global};

@@ -12,8 +12,8 @@ use tautline_workbench::app::commands::{
 };
 use tautline_workbench::app::edit::Edit;
 use tautline_workbench::app::screen::{Screen, Step};
-use tautline_workbench::report::ReportFormat;
 use tautline_workbench::views::plots::Panes;
+use tautline_workflow::report::ReportFormat;
 
 use crate::measured::{Measured, give};
 use crate::support::settle;

@@ -7,12 +7,12 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 use tautline_session::{Session, Timestamp};
-use tautline_workbench::app::fit::{FitOrder, fit};
 use tautline_workbench::app::screen::{Screen, Step};
 use tautline_workbench::app::{App, Document, Selection};
 use tautline_workbench::views::robot_3d::Live;
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
+use tautline_workflow::identification::{FitOrder, fit};
 
 use crate::support::{settle, workbench};
 

@@ -12,7 +12,7 @@ use tautline_validation::program::{Answer, tautline};
 use tautline_validation::truth::preset_options;
 use tautline_workbench::app::commands::{FileCommand, ModelCommand, RobotCommand};
 use tautline_workbench::app::edit::Edit;
-use tautline_workbench::session_file::Held;
+use tautline_workflow::session_file::Held;
 
 use crate::demo::Bench;
 

@@ -8,7 +8,7 @@ use tautline_core::diagnosis::{Finding, Verdict};
 use tautline_core::estimation::{Control, Options, Problem, solve};
 use tautline_session::{Session, read_session, write_session};
 use tautline_validation::sessions::{Made, RECIPES, Recipe, folder, make};
-use tautline_workbench::samples;
+use tautline_workflow::samples;
 
 fn recipe(file: &str) -> &'static Recipe {
     let mut recipes = RECIPES.iter();

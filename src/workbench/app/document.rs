@@ -7,12 +7,12 @@ use std::sync::{Arc, OnceLock};
 use tautline_core::robot::FieldError;
 use tautline_session::{Document as _, LogEntry, MeasuredPose, Phase, ResultRecord, Session};
 
-use super::clock;
 use super::edit::{Edit, History, Inputs};
-use super::fit::Fit;
-pub use crate::documents::diagnosis::Diagnosed;
-use crate::documents::identification::Identification;
-use crate::precalibration::Calibration;
+use tautline_workflow::clock;
+pub use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::documents::identification::Identification;
+use tautline_workflow::identification::Fit;
+use tautline_workflow::precalibration::Calibration;
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other document. A document is known
 /// by the first of its own.

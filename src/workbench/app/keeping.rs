@@ -279,8 +279,8 @@ mod tests {
     use tautline_session::left_behind;
 
     use super::*;
-    use crate::app::clock;
     use crate::app::edit::Edit;
+    use tautline_workflow::clock;
 
     fn pose(label: i64) -> MeasuredPose {
         MeasuredPose {

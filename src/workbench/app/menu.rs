@@ -10,7 +10,7 @@ use super::commands::{
 };
 use super::screen::{Screen, Step};
 use super::state::State;
-use crate::report::ReportFormat;
+use tautline_workflow::report::ReportFormat;
 
 /// A menu.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

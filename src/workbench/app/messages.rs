@@ -2,7 +2,7 @@
 
 use tautline_session::Timestamp;
 
-use super::clock;
+use tautline_workflow::clock;
 
 /// How much a message matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,12 +1,11 @@
 //! The workbench: what it knows, what it can do, and its window.
 
 mod breakdown;
-pub(crate) mod clock;
 pub mod command;
 pub mod commands;
+pub mod compared;
 pub mod document;
 pub mod edit;
-pub mod fit;
 mod frame;
 mod keeping;
 mod memo;
@@ -14,6 +13,7 @@ mod memory;
 mod menu;
 mod messages;
 mod observed;
+mod own_file;
 pub mod robot;
 pub mod screen;
 mod selection;

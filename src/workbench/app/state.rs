@@ -11,12 +11,12 @@ use super::document::Document;
 use super::frame::Part;
 use super::keeping::Keeping;
 use super::messages::Messages;
+use super::own_file::OwnFile;
 use super::robot::Link;
 use super::screen::Screen;
 use super::selection::Selection;
 use super::tasks::Tasks;
 use crate::screens::Screens;
-use crate::session_file::OwnFile;
 use crate::views::Views;
 use crate::views::plots::Panes;
 

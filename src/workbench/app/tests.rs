@@ -44,7 +44,7 @@ fn workbench(folder: &std::path::Path) -> Harness<'static, Trapped> {
         });
     let robot = presets::find("mini").expect("a preset").robot;
     let state = &mut harness.state_mut().app.state;
-    let session = Session::new("MINI", robot, clock::now());
+    let session = Session::new("MINI", robot, tautline_workflow::clock::now());
     state.document = Some(Document::new(session, None));
     state.screen = Screen::Phase(Step::Measuring);
     harness.run_ok();

@@ -184,8 +184,8 @@ pub fn install(ctx: &egui::Context) {
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
     let files = [
-        ("inter", crate::fonts::REGULAR),
-        ("inter-strong", crate::fonts::STRONG),
+        ("inter", tautline_workflow::fonts::REGULAR),
+        ("inter-strong", tautline_workflow::fonts::STRONG),
     ];
     for (name, bytes) in files {
         fonts

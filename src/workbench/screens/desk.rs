@@ -10,10 +10,10 @@ use crate::app::commands::{ImportCommand, ViewCommand};
 use crate::app::edit::Edit;
 use crate::app::theme;
 use crate::app::{Document, Messages, Selection};
-use crate::precalibration::{Calibration, PerCable, Proposal, Table};
 use crate::views::plots::figure::{Axis, Band, Figure, Point, Series};
 use crate::views::plots::small;
 use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
+use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
 /// The open session with what its tables tell, and where commands go.
 pub struct Desk<'a> {

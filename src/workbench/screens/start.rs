@@ -8,8 +8,8 @@ use egui_material_icons::icons;
 use crate::app::State;
 use crate::app::commands::{CompareCommand, FileCommand};
 use crate::app::theme::{self, GRID};
-use crate::samples::{self, Sample};
 use crate::widgets::{icon_button, icon_only, muted, primary, section};
+use tautline_workflow::samples::{self, Sample};
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]

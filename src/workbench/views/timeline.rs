@@ -10,7 +10,7 @@ use crate::app::commands::{PoseStep, ViewCommand};
 use crate::app::theme::{self, GRID, Palette};
 use crate::app::{Document, Selection, State};
 use crate::widgets::{icon_only, muted};
-use crate::wording::count;
+use tautline_workflow::wording::count;
 
 /// Height of the time line with its margins (points).
 pub const HEIGHT: f32 = 40.0;

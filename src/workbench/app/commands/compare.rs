@@ -6,11 +6,13 @@ use std::sync::Arc;
 use tautline_core::estimation::{Control, Progress};
 use tautline_session::{Session, import};
 
+use crate::app::Document;
+use crate::app::compared::{Compared, Run, Side, Source};
 use crate::app::screen::Screen;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::app::{Document, clock};
-use crate::comparison::{Compared, Run, Side, Source, as_session, identify_to_compare};
+use tautline_workflow::clock;
+use tautline_workflow::comparison::{as_session, identify_to_compare};
 
 /// Title of the task.
 pub const COMPARING: &str = "Comparing";

@@ -8,13 +8,13 @@ use tautline_session::{Import, LeftBehind, Loaded, Session, import, left_behind,
 
 use super::tables;
 use crate::app::Document;
-use crate::app::clock;
 use crate::app::command::Outcome;
 use crate::app::frame::Answer;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
-use crate::samples;
-use crate::session_file::settle;
+use tautline_workflow::clock;
+use tautline_workflow::samples;
+use tautline_workflow::session_file::settle;
 
 /// Title of writing a session.
 const SAVING: &str = "Saving";

@@ -8,8 +8,8 @@ use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
-use crate::precalibration::{Table, TableRows};
 use crate::screens::precalibration::Part;
+use tautline_workflow::precalibration::{Table, TableRows};
 
 /// Imports a table.
 #[derive(Debug, Clone)]
@@ -102,7 +102,7 @@ pub(super) fn take(state: &mut State, name: &str, loaded: Loaded<TableRows>) {
     for notice in loaded.notices {
         state.messages.warning(notice);
     }
-    let count = rows.len();
+    let count = rows.row_count();
     let mut phases = document.session().phases.clone();
     rows.replace(&mut phases);
     document.edit(Edit::SetPhases(Box::new(phases), format!("import {name}")));

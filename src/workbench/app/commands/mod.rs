@@ -10,7 +10,7 @@ pub mod robot;
 mod tables;
 mod view;
 
-pub use crate::comparison::{Side, Source};
+pub use crate::app::compared::{Side, Source};
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
 pub use file::{FileCommand, FileOutcome, Leaving, Opening, Purpose, search};
 pub use import::{ImportCommand, ImportOutcome};

@@ -10,16 +10,16 @@ use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
 use tautline_session::{Document as _, Method, Phase, ResultRecord, Session};
 
-use crate::app::clock;
 use crate::app::document::{Diagnosed, Document, Stored};
-use crate::app::fit::{Fit, FitOrder, compare_published, fit};
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::documents::diagnosis::{DiagnosisDocument, stage};
-use crate::documents::record;
 use crate::screens::identification::{Before, Half, Live, discrepancy_figures};
 use crate::views::plots::figure::Figure;
-use crate::wording::{count, ratio};
+use tautline_workflow::clock;
+use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
+use tautline_workflow::documents::record;
+use tautline_workflow::identification::{Fit, FitOrder, compare_published, fit};
+use tautline_workflow::wording::{count, ratio};
 
 /// Title of the task that identifies.
 pub const IDENTIFYING: &str = "Identifying";

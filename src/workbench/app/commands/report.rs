@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::app::clock;
 use crate::app::command::Outcome;
 use crate::app::state::State;
-use crate::report::{ReportChoice, ReportFormat, ReportInput, report_picture, write_report};
+use crate::report_picture::report_picture;
+use tautline_workflow::clock;
+use tautline_workflow::report::{ReportChoice, ReportFormat, ReportInput, write_report};
 
 /// Saves the report of the session.
 #[derive(Debug, Clone)]

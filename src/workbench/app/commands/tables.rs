@@ -7,7 +7,7 @@ use crate::app::Document;
 use crate::app::edit::Edit;
 use crate::app::screen::{Screen, Step};
 use crate::app::state::State;
-use crate::precalibration::TableRows;
+use tautline_workflow::precalibration::TableRows;
 
 /// Takes a table into the open session; `file` is its name for messages.
 pub(super) fn take(state: &mut State, file: &str, table: Import) {

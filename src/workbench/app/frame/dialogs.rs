@@ -6,8 +6,8 @@ use egui_material_icons::icons;
 use crate::app::commands::{FileCommand, ReportCommand, RobotCommand, SavingReport};
 use crate::app::state::State;
 use crate::app::theme::{self, GRID};
-use crate::report::{Part, ReportChoice};
 use crate::widgets::{heading, icon_button, muted, primary, section};
+use tautline_workflow::report::{Part, ReportChoice};
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {

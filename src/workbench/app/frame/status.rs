@@ -9,9 +9,9 @@ use crate::app::commands::{RobotCommand, ViewCommand};
 use crate::app::messages::Severity;
 use crate::app::state::State;
 use crate::app::theme;
-use crate::controllers::Kind;
 use crate::screens::measuring::controller::lost_words;
 use crate::widgets::{icon_only, muted};
+use tautline_workflow::controllers::Kind;
 
 /// Draws the bar.
 pub fn show(ui: &mut Ui, state: &mut State) {

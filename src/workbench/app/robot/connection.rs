@@ -9,10 +9,11 @@ use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::reconnecting::{Attempts, BackOff, Reconnect, ReconnectPolicy, Reconnected};
 use tautline_link::{Activity, Controller, ControllerState, Instrument, LinkError, Station};
 
-use super::message::{Doing, Lost, MeasuringOrder, Purpose};
+use super::message::{Doing, Lost, MeasuringOrder};
 use super::whereabouts::Whereabouts;
 use super::work::Measuring;
-use crate::controllers::{FastClock, Opened, Rig};
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::controllers::{FastClock, Opened, Rig};
 
 /// Attempts to make a connection anew that broke while values were written, before that goes on in the background.
 const ATTEMPTS: u32 = 6;

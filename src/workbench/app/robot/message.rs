@@ -10,7 +10,8 @@ use tautline_link::verifying::CheckTarget;
 use tautline_link::{ControllerState, ParameterInfo, Sample};
 use tautline_session::{CheckPose, CheckRow, Stage};
 
-use crate::controllers::Rig;
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::controllers::Rig;
 
 /// What the thread is to do.
 pub(super) enum Order {
@@ -50,15 +51,6 @@ pub(super) struct MeasuringOrder {
     pub measured: Vec<i64>,
     /// What readings are compared with.
     pub model: Robot,
-}
-
-/// Why values are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// Identified values.
-    Adjust,
-    /// Those that were there before.
-    RollBack,
 }
 
 /// How far a new pose is from what was expected of it.

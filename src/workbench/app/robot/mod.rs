@@ -20,13 +20,14 @@ use tautline_link::ParameterInfo;
 use tautline_link::verifying::CheckTarget;
 use tautline_session::{CheckPose, Stage};
 
-use crate::controllers::Rig;
 use message::{MeasuringOrder, Order};
+use tautline_workflow::controllers::Rig;
 use teller::Teller;
 use worker::serve;
 
-pub use message::{Doing, Live, Lost, Purpose, Report, Surprise};
+pub use message::{Doing, Live, Lost, Report, Surprise};
 pub use run::{Pending, RunLog};
+use tautline_workflow::adjusting::Purpose;
 
 /// The connection as the window knows it.
 #[derive(Debug, Clone)]

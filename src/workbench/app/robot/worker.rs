@@ -13,10 +13,11 @@ use tautline_link::{Activity, Clock, Controller, LinkError};
 use tautline_session::Stage;
 
 use super::connection::{BringBack, Connection, Unsettled};
-use super::message::{Live, Lost, Order, Purpose, Report};
+use super::message::{Live, Lost, Order, Report};
 use super::teller::{PICTURE, Teller};
 use super::work::{Verifying, Work};
-use crate::controllers::{Kind, OpenError, Rig};
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::controllers::{Kind, OpenError, Rig};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);

@@ -1,9 +1,9 @@
 //! How far the measured poses are.
 
-use crate::app::commands::robot::missing;
 use crate::app::document::Document;
 use crate::app::screen::{Progress, Standing};
-use crate::wording::count;
+use tautline_workflow::planning::missing;
+use tautline_workflow::wording::count;
 
 /// How many poses are measured and how many are still planned.
 pub(super) fn whole(document: &Document) -> Standing {

@@ -10,8 +10,8 @@ pub use precalibration::{force_sensors, home, winches};
 
 use super::document::{Document, Stored};
 use super::screen::{Progress, Standing, Step};
-use crate::documents::identification::Explains;
-use crate::wording::count;
+use tautline_workflow::documents::identification::Explains;
+use tautline_workflow::wording::count;
 
 /// How far a phase of this session is.
 #[must_use]

@@ -3,7 +3,7 @@
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
 
 use crate::app::screen::{Progress, Standing};
-use crate::precalibration::{Calibration, PerCable, Proposal};
+use tautline_workflow::precalibration::{Calibration, PerCable, Proposal};
 
 /// The whole phase: its part that is furthest from done, among those that were begun.
 #[must_use]

@@ -2,7 +2,7 @@
 
 use tautline_session::{Session, Stage, Verification};
 
-use crate::cli::accuracy;
+use tautline_workflow::accuracy;
 
 /// One figure of accuracy (m), before and after.
 #[derive(Debug, Clone, PartialEq)]

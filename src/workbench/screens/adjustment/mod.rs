@@ -20,9 +20,9 @@ use crate::app::commands::{ModelCommand, RobotCommand, ViewCommand};
 use crate::app::screen::{Screen, Step};
 use crate::app::theme::GRID;
 use crate::app::{Memo, State};
-use crate::controllers::Kind;
-use crate::documents::identification::Explains;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use tautline_workflow::controllers::Kind;
+use tautline_workflow::documents::identification::Explains;
 
 /// Identity and revision of the document, place of its fit, count of the parameters' changes.
 type Key = (u64, u64, Option<usize>, u64);

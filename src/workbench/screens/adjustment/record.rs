@@ -5,7 +5,7 @@ use tautline_session::{Adjustment, Outcome};
 
 use crate::app::State;
 use crate::widgets::{Verdict, muted, section, verdict};
-use crate::wording::count;
+use tautline_workflow::wording::count;
 
 /// Draws the last outcome and the record.
 pub(super) fn show(ui: &mut Ui, state: &State) {

@@ -8,8 +8,8 @@ use crate::app::commands::ViewCommand;
 use crate::app::theme::{self, GRID};
 use crate::app::{Selection, State};
 use crate::widgets::{Cell, Column, muted, table};
-use crate::wording::parameters::{cable_of, title, unit};
-use crate::wording::units::{fixed, people, signed};
+use tautline_workflow::wording::parameters::{cable_of, title, unit};
+use tautline_workflow::wording::units::{fixed, people, signed};
 
 /// Columns; the unit has its own, because that of an effect can be any.
 const COLUMNS: [Column<'static>; 6] = [

@@ -11,8 +11,8 @@ use crate::app::commands::robot::Export;
 use crate::app::commands::{FileCommand, RobotCommand};
 use crate::app::robot::Doing;
 use crate::app::theme::{self, GRID};
-use crate::controllers::Kind;
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+use tautline_workflow::controllers::Kind;
 
 /// Draws buttons, progress and the table of both runs.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {

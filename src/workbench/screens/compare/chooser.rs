@@ -7,11 +7,11 @@ use egui_material_icons::icons;
 
 use crate::app::State;
 use crate::app::commands::{CompareCommand, ViewCommand};
+use crate::app::compared::{Side, Source};
 use crate::app::screen::{Screen, Step};
 use crate::app::theme::{self, GRID};
-use crate::comparison::{Side, Source};
-use crate::samples;
 use crate::widgets::{heading, icon_button};
+use tautline_workflow::samples;
 
 /// Height of a row and width of the name before it (points).
 const ROW: f32 = 7.0 * GRID;

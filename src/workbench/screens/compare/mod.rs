@@ -9,12 +9,13 @@ use std::sync::Arc;
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 
 use crate::app::commands::{COMPARING, CompareCommand, ViewCommand};
+use crate::app::compared::{Compared, Side, Source};
 use crate::app::theme::{self, GRID};
 use crate::app::{Part, State};
-use crate::comparison::{Compared, Side, Source, unexplained, verdict as in_words};
-use crate::samples::Sample;
 use crate::views::plots::small;
 use crate::widgets::{Verdict, empty, muted, section, verdict};
+use tautline_workflow::comparison::{unexplained, verdict as in_words};
+use tautline_workflow::samples::Sample;
 
 /// What the comparison remembers.
 #[derive(Debug, Default)]

@@ -5,12 +5,13 @@ use egui_material_icons::icons;
 use tautline_core::comparison::{Comparison, ScalarDifference, Test};
 use tautline_core::effect::find;
 
+use crate::app::compared::Compared;
 use crate::app::theme;
-use crate::comparison::{Compared, by_chance, differs, effect_name};
-use crate::documents::identification::Explains;
 use crate::widgets::{Cell, Column, muted, section, table};
-use crate::wording::sentence;
-use crate::wording::units::{decimals, people, quantity, unit_of, with_sd};
+use tautline_workflow::comparison::{by_chance, differs, effect_name};
+use tautline_workflow::documents::identification::Explains;
+use tautline_workflow::wording::sentence;
+use tautline_workflow::wording::units::{decimals, people, quantity, unit_of, with_sd};
 
 /// Draws the parts.
 pub fn show(ui: &mut Ui, compared: &Compared) {

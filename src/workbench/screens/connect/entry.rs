@@ -233,7 +233,7 @@ pub fn title_of(name: &str) -> String {
         .iter()
         .find_map(|unit| rest.strip_suffix(unit));
     let words = plain.unwrap_or(rest).replace(['.', '_'], " ");
-    crate::wording::sentence(&format!("{words}{whose}"))
+    tautline_workflow::wording::sentence(&format!("{words}{whose}"))
 }
 
 /// The unit at the end of a parameter's name.

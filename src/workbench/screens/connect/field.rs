@@ -23,7 +23,7 @@ pub fn line(ui: &mut Ui, (name, hint): (&str, &str), text: &mut String, problem:
         });
         if let Some(problem) = problem {
             let colour = theme::of(ui).bad;
-            let sentence = crate::wording::sentence(&format!("{problem}."));
+            let sentence = tautline_workflow::wording::sentence(&format!("{problem}."));
             let text = RichText::new(sentence).small().color(colour);
             ui.add(egui::Label::new(text).wrap());
         }

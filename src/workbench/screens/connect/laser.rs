@@ -302,7 +302,7 @@ impl LaserDraft {
                 verdict(ui, Verdict::Good, &text);
             }
             Some(Err(why)) => {
-                let text = format!("{}.", crate::wording::sentence(&why));
+                let text = format!("{}.", tautline_workflow::wording::sentence(&why));
                 verdict(ui, Verdict::Doubtful, &text);
             }
             None => {}

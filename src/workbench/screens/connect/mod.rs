@@ -228,7 +228,7 @@ fn symbols(
         verdict(
             ui,
             Verdict::Bad,
-            &crate::wording::sentence(&format!("{text}.")),
+            &tautline_workflow::wording::sentence(&format!("{text}.")),
         );
     }
     let own = draft.own;

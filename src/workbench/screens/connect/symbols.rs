@@ -10,7 +10,7 @@ use super::draft::{Field, Problems};
 use super::entry::{Need, no_command, read, title_of, unit_of, write};
 use crate::app::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
-use crate::wording::{count, sentence};
+use tautline_workflow::wording::{count, sentence};
 
 /// A row.
 #[derive(Debug, Clone)]

@@ -9,9 +9,9 @@ use super::rows::{Cell, heads, row};
 use super::{Panel, card, gain};
 use crate::app::edit::Edit;
 use crate::app::theme::{self, GRID};
-use crate::documents::diagnosis::Diagnosed;
 use crate::widgets::{Verdict, muted, verdict};
-use crate::wording::count;
+use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::wording::count;
 
 /// Width that a cause needs to stand beside others (points).
 const NARROWEST: f32 = 150.0;

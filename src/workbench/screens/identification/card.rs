@@ -7,10 +7,10 @@ use tautline_core::effect::{Effect, EffectSetting, Unknown};
 use super::{Panel, ambiguous, effects, gain};
 use crate::app::edit::Edit;
 use crate::app::theme::{self, GRID};
-use crate::documents::diagnosis::Diagnosed;
 use crate::widgets::{Verdict, muted, verdict};
-use crate::wording::units::{range, unit_of};
-use crate::wording::{count, odds};
+use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::wording::units::{range, unit_of};
+use tautline_workflow::wording::{count, odds};
 
 /// Lead in evidence (twice its logarithm) from which the next best cause is far behind, and clearly behind.
 const FAR: f64 = 20.0;

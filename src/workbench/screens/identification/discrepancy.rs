@@ -12,11 +12,11 @@ use tautline_core::measurement::{Dataset, Variable};
 use super::Panel;
 use crate::app::commands::ViewCommand;
 use crate::app::{Selection, theme};
-use crate::documents::diagnosis::Diagnosed;
 use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::views::plots::small;
 use crate::widgets::{muted, section};
-use crate::wording::{list, ratio, readings, sentence};
+use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::wording::{list, ratio, readings, sentence};
 
 /// Readings of which dependences are shown, the worst.
 const SHOWN: usize = 5;

@@ -6,9 +6,9 @@ use tautline_session::ResultRecord;
 use super::{Panel, card, discrepancy, effects, results};
 use crate::app::commands::{DIAGNOSING, ModelCommand};
 use crate::app::theme::GRID;
-use crate::documents::diagnosis::{Diagnosed, adequacy};
 use crate::widgets::{Verdict, muted, primary, section, verdict};
-use crate::wording::sentence;
+use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
+use tautline_workflow::wording::sentence;
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {

@@ -7,11 +7,11 @@ use tautline_core::estimation::ParameterId;
 use super::Panel;
 use crate::app::Document;
 use crate::app::edit::{Edit, same_effect};
-use crate::app::fit::Fit;
 use crate::app::theme;
 use crate::widgets::muted;
-use crate::wording::list;
-use crate::wording::units::{significant, unit_of, with_sd};
+use tautline_workflow::identification::Fit;
+use tautline_workflow::wording::list;
+use tautline_workflow::wording::units::{significant, unit_of, with_sd};
 
 /// Draws the list.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {

@@ -4,9 +4,9 @@ use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use tautline_core::diagnosis::Gain;
 
 use crate::app::theme::{self, GRID};
-use crate::documents::diagnosis;
 use crate::widgets::muted;
-use crate::wording::{count, ratio};
+use tautline_workflow::documents::diagnosis;
+use tautline_workflow::wording::{count, ratio};
 
 /// Draws the words and, where poses were held out, the two figures on one scale.
 pub fn show(ui: &mut Ui, gain: &Gain) {
@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, gain: &Gain) {
 }
 
 fn first_upper(text: &str) -> String {
-    crate::wording::sentence(text)
+    tautline_workflow::wording::sentence(text)
 }
 
 fn kinds(gain: &Gain) -> String {

@@ -8,7 +8,7 @@ use crate::app::commands::{IDENTIFYING, ModelCommand};
 use crate::app::edit::Edit;
 use crate::app::theme::{self, GRID};
 use crate::widgets::{muted, primary, section};
-use crate::wording::ratio;
+use tautline_workflow::wording::ratio;
 
 /// Name, sentence and explanation of each method.
 const METHODS: [(Method, &str, &str, &str); 3] = [

@@ -10,12 +10,12 @@ use super::rows::{Cell, deviation, heads, millimetres, row};
 use super::{Panel, doctor, identify, suspects};
 use crate::app::Selection;
 use crate::app::commands::{IDENTIFYING, ViewCommand};
-use crate::app::fit::Fit;
 use crate::app::theme::{self, GRID};
-use crate::documents::identification::{Explains, entry_point_sd, extrapolated};
 use crate::widgets::{Verdict, muted, section, verdict};
-use crate::wording::units::with_sd;
-use crate::wording::{ratio, sentence};
+use tautline_workflow::documents::identification::{Explains, entry_point_sd, extrapolated};
+use tautline_workflow::identification::Fit;
+use tautline_workflow::wording::units::with_sd;
+use tautline_workflow::wording::{ratio, sentence};
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {

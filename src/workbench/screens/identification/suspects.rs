@@ -6,10 +6,10 @@ use tautline_core::estimation::Reading;
 use super::Panel;
 use crate::app::commands::ViewCommand;
 use crate::app::edit::Edit;
-use crate::app::fit::Fit;
 use crate::app::{Selection, theme};
 use crate::widgets::{muted, section};
-use crate::wording::count;
+use tautline_workflow::identification::Fit;
+use tautline_workflow::wording::count;
 
 /// Most suspect poses that are listed.
 const SHOWN: usize = 5;

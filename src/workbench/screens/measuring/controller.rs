@@ -12,8 +12,8 @@ use crate::app::commands::RobotCommand;
 use crate::app::commands::robot::Setup;
 use crate::app::robot::Lost;
 use crate::app::theme;
-use crate::controllers::Kind;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use tautline_workflow::controllers::Kind;
 
 /// Speeds that are offered for simulated robots.
 const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
@@ -121,7 +121,7 @@ fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
 fn gone(ui: &mut Ui, state: &mut State, lost: &Lost) {
     let text = format!("{} The robot is not armed any more.", lost_words(lost));
     verdict(ui, Verdict::Bad, &text);
-    let why = crate::wording::sentence(lost.why.trim_end_matches('.'));
+    let why = tautline_workflow::wording::sentence(lost.why.trim_end_matches('.'));
     let why = egui::RichText::new(format!("{why}.")).color(theme::of(ui).muted);
     ui.add(egui::Label::new(why).wrap());
     ui.horizontal_wrapped(|ui| {

@@ -14,12 +14,13 @@ use egui::{DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_session::PlannedPose;
 
-use crate::app::commands::robot::{Export, Outlook, PLANNING, missing};
+use crate::app::commands::robot::{Export, Outlook, PLANNING};
 use crate::app::commands::{FileCommand, RobotCommand, ViewCommand};
 use crate::app::screen::{Screen, Step};
 use crate::app::theme::GRID;
 use crate::app::{Memo, State};
 use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
+use tautline_workflow::planning::missing;
 
 /// What the panel remembers.
 #[derive(Debug)]

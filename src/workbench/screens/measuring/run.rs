@@ -4,13 +4,14 @@ use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
 use egui_material_icons::icons;
 
 use super::{Next, asking, readings, step_button};
-use crate::app::commands::robot::{missing, sentence};
+use crate::app::commands::robot::sentence;
 use crate::app::commands::{RobotCommand, ViewCommand};
 use crate::app::robot::{Doing, RunLog};
 use crate::app::theme::{self, GRID};
 use crate::app::{Selection, State};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
-use crate::wording::count;
+use tautline_workflow::planning::missing;
+use tautline_workflow::wording::count;
 
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;

@@ -5,7 +5,6 @@ use tautline_core::cable::ElongationSurface;
 use tautline_session::{ElongationPoint, PhaseData};
 
 use crate::app::theme;
-use crate::precalibration::{ElongationFit, Table};
 use crate::screens::desk::{Desk, or_dash};
 use crate::screens::precalibration::Typed;
 use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
@@ -14,6 +13,7 @@ use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, value,
     verdict,
 };
+use tautline_workflow::precalibration::{ElongationFit, Table};
 
 const FIELDS: [RowField; 3] = [
     RowField {

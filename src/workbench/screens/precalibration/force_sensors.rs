@@ -5,9 +5,9 @@ use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, ForceSensorCalibration};
 use tautline_session::{ForcePair, PhaseData};
 
 use super::pairs::{ByPairs, Pair, Quality, Words};
-use crate::precalibration::{Calibration, PerCable, Table};
 use crate::screens::desk::{Desk, decimals_for, or_dash};
 use crate::widgets::{Cell, Column, Numbers, RowField, section, table};
+use tautline_workflow::precalibration::{Calibration, PerCable, Table};
 
 const FIELDS: [RowField; 2] = [
     RowField {

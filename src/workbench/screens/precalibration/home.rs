@@ -8,11 +8,11 @@ use tautline_session::{HomeReading, PhaseData};
 
 use super::{Typed, home_picture};
 use crate::app::theme;
-use crate::precalibration::Table;
 use crate::screens::desk::{Desk, decimals_for, or_dash};
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
+use tautline_workflow::precalibration::Table;
 
 const SENSOR: RowField = RowField {
     title: "Sensor",

@@ -7,8 +7,8 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::{HomePlatform, HomeSensor, Plane};
 
 use crate::app::theme::{self, GRID};
-use crate::precalibration::home_start_in_reference;
 use crate::screens::desk::Desk;
+use tautline_workflow::precalibration::home_start_in_reference;
 
 /// Height of the picture (points).
 const HEIGHT: f32 = 208.0;

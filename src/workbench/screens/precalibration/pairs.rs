@@ -4,12 +4,12 @@ use egui::Ui;
 use tautline_session::PhaseData;
 
 use super::Typed;
-use crate::precalibration::{Calibration, PerCable, Table};
 use crate::screens::desk::{Desk, Residuals, or_dash, verdict_cell};
 use crate::views::plots::figure::{Axis, Point};
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
+use tautline_workflow::precalibration::{Calibration, PerCable, Table};
 
 /// A pair of a table.
 pub trait Pair: Sized {

@@ -5,9 +5,9 @@ use tautline_core::instrument::{WINCH_RESIDUAL_LIMIT_M, WinchCalibration};
 use tautline_session::{PhaseData, WinchPair};
 
 use super::pairs::{ByPairs, Pair, Quality, Words};
-use crate::precalibration::{Calibration, PerCable, Table};
 use crate::screens::desk::{Desk, decimals_for};
 use crate::widgets::{Cell, Column, Numbers, RowField, section, table};
+use tautline_workflow::precalibration::{Calibration, PerCable, Table};
 
 const FIELDS: [RowField; 3] = [
     RowField {

@@ -27,7 +27,6 @@ use egui::{Spinner, Ui};
 use crate::app::commands::{PlotCommand, ViewCommand};
 use crate::app::document::Diagnosed;
 use crate::app::edit::Edit;
-use crate::app::fit::Fit;
 use crate::app::{Document, Selection, State};
 use crate::widgets::{Verdict, empty, verdict};
 pub use export::Format;
@@ -40,6 +39,7 @@ pub use sources::residuals::of_both as residuals_of_both;
 use sources::tensions::Shown as Tensions;
 use sources::variable::Choice;
 pub use tab::Tab;
+use tautline_workflow::identification::Fit;
 
 /// Label of an axis along which poses stand.
 pub const POSE: &str = "Pose";

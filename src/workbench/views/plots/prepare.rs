@@ -9,7 +9,7 @@ use tautline_core::measurement::{Dataset, Variable};
 use tautline_core::robot::Robot;
 
 use crate::app::document::Diagnosed;
-use crate::app::fit::{Fit, FitOrder, fit};
+use tautline_workflow::identification::{Fit, FitOrder, fit};
 
 /// Readings of one kind and cable with what they may depend on.
 #[derive(Debug, Clone)]

@@ -35,10 +35,10 @@ use scene::{MeasuredPoses, Scene, Shown, Subject};
 use toolbar::Aim;
 
 use crate::app::commands::ViewCommand;
-use crate::app::fit::Fit;
 use crate::app::theme::GRID;
 use crate::app::{Document, Selection, State};
 use crate::widgets::empty;
+use tautline_workflow::identification::Fit;
 
 /// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;

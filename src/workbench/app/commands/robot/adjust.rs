@@ -5,12 +5,12 @@ use tautline_link::verifying::{circle, cube_poses, line};
 use tautline_session::{Adjustment, CheckRow, NamedValue, Phase, Stage, Verification};
 
 use super::is_true_to_session;
-use crate::adjusting;
-pub use crate::adjusting::title;
-use crate::app::clock;
-use crate::app::robot::Purpose;
 use crate::app::state::State;
-use crate::wording::sentence;
+use tautline_workflow::adjusting;
+use tautline_workflow::adjusting::Purpose;
+pub use tautline_workflow::adjusting::title;
+use tautline_workflow::clock;
+use tautline_workflow::wording::sentence;
 
 /// Points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);

@@ -13,15 +13,15 @@ use tautline_session::{CheckPose, Phase, Stage};
 
 use crate::app::robot::{Connected, Report};
 use crate::app::state::State;
-use crate::controllers::{Kind, Rig};
-use crate::wording;
+use tautline_workflow::controllers::{Kind, Rig};
+use tautline_workflow::wording;
 
-pub use crate::planning::Outlook;
 pub use adjust::{differences, revertible, title};
 pub use files::Export;
 pub use plan::{EXPECTING, PLANNING};
-pub use run::{kept, missing, not_kept, sentence};
+pub use run::{kept, not_kept, sentence};
 pub use setup::{CHECKING, Setup, SetupOutcome};
+pub use tautline_workflow::planning::Outlook;
 
 /// Concerns the robot: what to measure, its controller, what it is told.
 #[derive(Debug, Clone)]

@@ -10,8 +10,8 @@ use crate::app::command::Outcome;
 use crate::app::edit::Edit;
 use crate::app::state::State;
 use crate::app::tasks::TaskHandle;
-use crate::planning::{Outlook, SEED, outlook, stored};
-use crate::wording;
+use tautline_workflow::planning::{Outlook, SEED, outlook, stored};
+use tautline_workflow::wording;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";

@@ -1,30 +1,16 @@
 //! The measuring run: a pose is kept on disk before it is in the session, and in the session before the next one begins.
 
-use std::collections::HashSet;
-
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::measuring::Accepted;
-use tautline_session::{Phase, Session};
+use tautline_session::Phase;
 
 use crate::app::Document;
 use crate::app::robot::{Pending, Report};
 use crate::app::state::State;
 use crate::views::robot_3d::Live;
-use crate::wording::{self, count};
-
-/// Number of poses of the plan that are not measured yet.
-#[must_use]
-pub fn missing(session: &Session) -> usize {
-    if session.plan.is_empty() {
-        return 0;
-    }
-    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
-    let planned = session.plan.iter();
-    planned
-        .filter(|pose| !measured.contains(&pose.label))
-        .count()
-}
+use tautline_workflow::planning::missing;
+use tautline_workflow::wording::{self, count};
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
 fn model(document: &Document) -> Robot {

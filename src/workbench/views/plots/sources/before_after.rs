@@ -2,9 +2,9 @@
 
 use tautline_core::diagnosis::Quantity;
 
-use crate::app::fit::Fit;
 use crate::views::plots::figure::{Axis, Columns, Curve, Figure, Ink};
 use crate::views::plots::prepare::{Prepared, residuals};
+use tautline_workflow::identification::Fit;
 
 /// Half of the width that is shown (standard deviations); what is beyond counts in the outermost columns.
 const MOST: f64 = 6.0;

@@ -1,7 +1,7 @@
 //! Chi-square after each step of an identification.
 
-use crate::app::fit::Fit;
 use crate::views::plots::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
+use tautline_workflow::identification::Fit;
 
 /// The way of a fit to its solution.
 #[must_use]

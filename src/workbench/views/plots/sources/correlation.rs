@@ -2,8 +2,8 @@
 
 use tautline_core::estimation::{Parameter, ParameterId};
 
-use crate::app::fit::Fit;
 use crate::views::plots::figure::{Axis, Figure, Heat, Shades};
+use tautline_workflow::identification::Fit;
 
 /// Cable that a parameter belongs to.
 fn cable_of(parameter: &Parameter) -> Option<usize> {

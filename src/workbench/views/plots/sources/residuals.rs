@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use tautline_core::estimation::{Reading, ReadingKind};
 
 use super::over_pose;
-use crate::app::fit::Fit;
 use crate::views::plots::POSE;
 use crate::views::plots::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
+use tautline_workflow::identification::Fit;
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::over_pose;
-use crate::app::fit::Fit;
 use crate::views::plots::POSE;
 use crate::views::plots::figure::{Axis, Band, Figure, Point, Series};
+use tautline_workflow::identification::Fit;
 
 /// What is shown of tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -8,9 +8,9 @@ use tautline_core::measurement::Variable;
 
 use super::at_row;
 use crate::app::document::Diagnosed;
-use crate::app::fit::Fit;
 use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::views::plots::prepare::{Prepared, residuals};
+use tautline_workflow::identification::Fit;
 
 /// Places along a fitted curve.
 const PLACES: usize = 120;

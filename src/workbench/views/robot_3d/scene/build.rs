@@ -15,9 +15,9 @@ use super::{
     Shown, cable, platform,
 };
 use crate::app::Selection;
-use crate::app::fit::Fit;
 use crate::views::robot_3d::Live;
 use crate::views::robot_3d::camera;
+use tautline_workflow::identification::Fit;
 
 /// What is looked at.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use tautline_core::estimation::{Reading, ReadingKind};
 
 use super::Residual;
-use crate::app::fit::Fit;
+use tautline_workflow::identification::Fit;
 
 /// Normalised residuals of the lengths of a fit.
 #[derive(Debug, Default)]

@@ -1,0 +1,161 @@
+//! What `adjust` did: as a document, and in words.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::robot::FieldError;
+use tautline_link::adjusting::{Difference, Holds};
+use tautline_session::{Document, Outcome};
+
+use super::interrupted::Found;
+use super::writing::Written;
+use crate::output::say;
+use crate::table;
+use tautline_workflow::wording::units::people;
+
+/// An attempt to write identified values to a controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdjustmentDocument {
+    /// Which controller.
+    pub controller: String,
+    /// How the values were identified; null where none were.
+    pub method: Option<String>,
+    /// What was found after an interrupted adjustment: old, new or mixed values; null if there was none.
+    pub interrupted: Option<String>,
+    /// Controller and identified values.
+    pub differences: Vec<DifferenceRow>,
+    /// written, rolled_back, failed, not_written (--dry-run) or nothing_to_write.
+    pub outcome: String,
+    /// What the controller holds after an attempt to write: all new values, all old ones, mixed or unknown; null
+    /// where nothing was written.
+    pub holds: Option<String>,
+    /// What came of it, and what to do next.
+    pub text: Option<String>,
+}
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DifferenceRow {
+    /// Its name in the controller.
+    pub name: String,
+    /// SI unit; "1" for a ratio.
+    pub unit: String,
+    /// What the controller held; null if it has no such parameter.
+    pub controller: Option<f64>,
+    /// What was identified.
+    pub identified: f64,
+    /// Identified less controller.
+    pub difference: Option<f64>,
+    /// Standard deviation of the identified value, where it was estimated.
+    pub sd: Option<f64>,
+    /// Whether it is written.
+    pub changes: bool,
+}
+
+impl Document for AdjustmentDocument {
+    const FORMAT: &'static str = "tautline-adjustment";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 64 << 20;
+
+    fn check(&self) -> Result<(), FieldError> {
+        Ok(())
+    }
+}
+
+impl AdjustmentDocument {
+    /// Nothing done yet.
+    pub fn new(controller: String) -> Self {
+        Self {
+            controller,
+            method: None,
+            interrupted: None,
+            differences: Vec::new(),
+            outcome: String::new(),
+            holds: None,
+            text: None,
+        }
+    }
+
+    /// What is to be written.
+    pub fn set_differences(&mut self, differences: &[Difference]) {
+        let rows = differences.iter().map(|line| DifferenceRow {
+            name: line.name.clone(),
+            unit: line.unit.to_owned(),
+            controller: line.controller,
+            identified: line.identified,
+            difference: line.difference,
+            sd: line.sd,
+            changes: line.is_writable_change(),
+        });
+        self.differences = rows.collect();
+    }
+
+    /// What was found of an interrupted adjustment.
+    pub fn set_interrupted(&mut self, found: Found) {
+        let word = match found {
+            Found::Old => "old",
+            Found::New => "new",
+            Found::Mixed(_) => "mixed",
+        };
+        self.interrupted = Some(word.to_owned());
+    }
+
+    /// What came of it.
+    pub fn take(&mut self, written: &Written) {
+        self.outcome = match written.outcome {
+            Outcome::Written => "written",
+            Outcome::RolledBack => "rolled_back",
+            Outcome::Failed(_) | Outcome::Begun => "failed",
+        }
+        .to_owned();
+        let holds = written.attempt.as_ref().map(|attempt| match attempt.holds {
+            Holds::New => "new",
+            Holds::Old => "old",
+            Holds::Mixed(_) => "mixed",
+            Holds::Unknown => "unknown",
+        });
+        self.holds = holds.map(str::to_owned);
+        self.text = Some(written.text.clone());
+    }
+}
+
+/// Prints it.
+pub fn print(document: &AdjustmentDocument) {
+    let told = |row: &&DifferenceRow| row.changes || row.sd.is_some();
+    let rows: Vec<&DifferenceRow> = document.differences.iter().filter(told).collect();
+    if !document.differences.is_empty() {
+        let mut lines = table::numbers(&[
+            "Parameter",
+            "unit",
+            "controller",
+            "identified",
+            "difference",
+            "sd",
+        ]);
+        for row in &rows {
+            let (scale, unit) = people(&row.unit);
+            let number = |value: Option<f64>| {
+                value.map_or_else(|| "-".to_owned(), |v| format!("{:.4}", v * scale))
+            };
+            let cells = [
+                row.name.clone(),
+                unit.to_owned(),
+                number(row.controller),
+                number(Some(row.identified)),
+                number(row.difference),
+                number(row.sd),
+            ];
+            table::push(&mut lines, &cells);
+        }
+        say!("{lines}");
+        let same = document.differences.len() - rows.len();
+        say!("{same} other parameters do not change");
+    }
+    let text = document
+        .text
+        .as_deref()
+        .unwrap_or(match document.outcome.as_str() {
+            "nothing_to_write" => "The controller holds the identified values already.",
+            _ => "Nothing was written.",
+        });
+    say!("{}: {text}", document.controller);
+}

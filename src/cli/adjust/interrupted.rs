@@ -1,0 +1,153 @@
+//! An adjustment that the end of the program interrupted.
+
+use anyhow::{Result, anyhow};
+use tautline_link::ParameterInfo;
+use tautline_link::adjusting::Difference;
+use tautline_session::{Adjustment, Outcome, Session, ValueChange};
+
+use super::document::AdjustmentDocument;
+use super::writing::{Written, attempt, conclude};
+use super::{Arguments, parameters, tell};
+use crate::live::{Connection, SessionFile, link_error};
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::adjusting::former_values;
+use tautline_workflow::wording::count;
+
+/// What a controller holds after an interrupted adjustment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Found {
+    /// All old values.
+    Old,
+    /// All new values.
+    New,
+    /// Some of both, or others: so many are not the old ones.
+    Mixed(usize),
+}
+
+/// Whether the last adjustment was interrupted.
+pub fn is(session: &Session) -> bool {
+    let last = session.adjustments().last();
+    last.is_some_and(|last| last.outcome == Outcome::Begun)
+}
+
+/// Compares what a controller holds with what was there and what was to be written.
+pub fn found(adjustment: &Adjustment, parameters: &[ParameterInfo]) -> Found {
+    let is_held = |change: &ValueChange, value: f64| {
+        let known = parameters.iter().find(|p| p.name == change.name);
+        known.is_some_and(|p| {
+            let compared = Difference {
+                name: String::new(),
+                unit: p.unit,
+                controller: Some(p.value),
+                identified: value,
+                difference: None,
+                sd: None,
+            };
+            !compared.is_writable_change()
+        })
+    };
+    let changes = &adjustment.changes;
+    let others = changes.iter().filter(|c| !is_held(c, c.before)).count();
+    if others == 0 {
+        Found::Old
+    } else if changes.iter().all(|c| is_held(c, c.after)) {
+        Found::New
+    } else {
+        Found::Mixed(others)
+    }
+}
+
+/// Tells what the controller holds, and brings the old values back unless all are new.
+pub fn settle(
+    arguments: &Arguments,
+    file: &mut SessionFile,
+    connection: &mut Connection,
+) -> Result<()> {
+    let Some(begun) = file.session.adjustments().last().cloned() else {
+        return Ok(());
+    };
+    let found = found(&begun, &parameters(connection)?);
+    let values = count(begun.changes.len(), "value");
+    let what = match found {
+        Found::Old => format!("the controller holds all {values} as they were before"),
+        Found::New => format!("the controller holds all {values} as they were to be written"),
+        Found::Mixed(others) => {
+            format!(
+                "the controller holds {others} of {values} otherwise than before: old and new ones are mixed"
+            )
+        }
+    };
+    tell(
+        arguments,
+        &format!("The adjustment of {} was interrupted: {what}.", begun.time),
+    );
+    let mut document = AdjustmentDocument::new(connection.controller.identity());
+    document.set_interrupted(found);
+    if arguments.dry_run {
+        document.outcome = "not_written".to_owned();
+        return arguments.deliver(&document);
+    }
+    let written = match found {
+        Found::New => Written {
+            attempt: None,
+            outcome: Outcome::Written,
+            text: "The adjustment is complete.".to_owned(),
+        },
+        Found::Old => Written {
+            attempt: None,
+            outcome: Outcome::Failed("The program ended before a value was written.".to_owned()),
+            text: "Nothing was written; the same command writes the values.".to_owned(),
+        },
+        Found::Mixed(_) => {
+            let robot = &arguments.robot_arguments;
+            robot.require_arm("The old values were not brought back")?;
+            connection.controller.arm().map_err(link_error)?;
+            attempt(connection, &former_values(&begun), Purpose::RollBack)
+        }
+    };
+    conclude(file, connection, &written)?;
+    document.take(&written);
+    arguments.deliver(&document)?;
+    match (found, &written.outcome) {
+        (Found::Mixed(_), Outcome::Failed(text)) => Err(anyhow!("{text}")),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(name: &str) -> ValueChange {
+        ValueChange {
+            name: name.into(),
+            unit: "m".into(),
+            before: 1.0,
+            after: 1.5,
+        }
+    }
+
+    #[test]
+    fn what_the_controller_holds_is_told_from_its_values() {
+        let adjustment = Adjustment {
+            time: tautline_workflow::clock::now(),
+            operator: String::new(),
+            controller: String::new(),
+            changes: ["a", "b", "c"].map(change).to_vec(),
+            outcome: Outcome::Begun,
+        };
+        let holding = |values: [f64; 3]| {
+            let named = ["a", "b", "c"].iter().zip(values);
+            let parameters = named.map(|(name, value)| ParameterInfo {
+                name: (*name).to_owned(),
+                unit: "m",
+                value,
+            });
+            found(&adjustment, &parameters.collect::<Vec<_>>())
+        };
+        assert_eq!(holding([1.0, 1.0, 1.0]), Found::Old);
+        assert_eq!(holding([1.5, 1.5, 1.5 + 1e-8]), Found::New);
+        assert_eq!(holding([1.5, 1.0, 1.0]), Found::Mixed(1));
+        assert_eq!(holding([1.5, 1.5, 1.2]), Found::Mixed(3));
+    }
+}

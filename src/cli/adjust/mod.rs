@@ -1,0 +1,182 @@
+//! `tautline adjust`.
+
+mod document;
+mod files;
+mod identified;
+mod interrupted;
+mod writing;
+
+use std::path::PathBuf;
+
+use anyhow::{Result, anyhow};
+use tautline_link::ParameterInfo;
+use tautline_link::adjusting::plan_adjustment;
+use tautline_session::Outcome;
+
+use super::BadInput;
+use super::live::{Connection, RobotArguments, SessionFile, link_error};
+use super::measure::require_simulated;
+use super::output::{is_readable, say, tell_error, write_json};
+pub use document::AdjustmentDocument;
+use identified::{Identified, MethodName};
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::adjusting::{former_values, revertible, values_to_write};
+use tautline_workflow::controllers::Rig;
+use writing::write;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Session file
+    #[arg(value_name = "SESSION")]
+    session: PathBuf,
+    #[command(flatten)]
+    robot_arguments: RobotArguments,
+    /// How to identify; by default as the session says
+    #[arg(long, value_enum)]
+    method: Option<MethodName>,
+    /// Write the values of an identification that did not converge, too
+    #[arg(long)]
+    unconverged: bool,
+    /// Show what would be written, and write nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Write the values that were there before the last adjustment
+    #[arg(long, conflicts_with_all = ["method", "dry_run", "unconverged"])]
+    roll_back: bool,
+    /// Write controller and identified values as a table
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write the identified values as constants in Structured Text
+    #[arg(long, value_name = "FILE")]
+    structured_text: Option<PathBuf>,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl Arguments {
+    fn deliver(&self, document: &AdjustmentDocument) -> Result<()> {
+        if let Some(path) = &self.json {
+            write_json(path, &tautline_session::document(document))?;
+        }
+        if is_readable(self.json.as_deref()) {
+            document::print(document);
+        }
+        Ok(())
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let choice = arguments.robot_arguments.choice()?;
+    let mut file = SessionFile::open(&arguments.session, || Ok(None), &mut tell_error)?;
+    let place = arguments.session.display().to_string();
+    require_simulated(&file.session, &choice, &place)?;
+    let symbols = &arguments.robot_arguments.symbols;
+    let renamed = symbols.take(&mut file.session, &choice)?;
+    if interrupted::is(&file.session) {
+        let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+        return interrupted::settle(arguments, &mut file, &mut connection);
+    }
+    if !arguments.dry_run {
+        let robot = &arguments.robot_arguments;
+        robot.require_arm("Nothing was written to the controller")?;
+    }
+    if arguments.roll_back {
+        let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+        return roll_back(arguments, &mut file, &mut connection);
+    }
+    let identified = Identified::of(&file.session, arguments.method)?;
+    check_converged(arguments, &identified)?;
+    let effects = &identified.model.effects;
+    let rig = Rig::chosen(&file.session, effects, &choice, Some(&file.controller()));
+    let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    if renamed && !arguments.dry_run {
+        file.save()?;
+    }
+    adjust(arguments, &mut file, &mut connection, &identified)
+}
+
+/// Values that were still changing when the identification ended are written only where somebody wants that.
+fn check_converged(arguments: &Arguments, identified: &Identified) -> Result<()> {
+    let Some(why) = &identified.unconverged else {
+        return Ok(());
+    };
+    if arguments.dry_run || arguments.unconverged {
+        eprintln!("{why}.");
+        return Ok(());
+    }
+    Err(anyhow!(
+        "{why}: nothing was written to the controller; --unconverged writes the values all the same"
+    ))
+}
+
+fn adjust(
+    arguments: &Arguments,
+    file: &mut SessionFile,
+    connection: &mut Connection,
+    identified: &Identified,
+) -> Result<()> {
+    let parameters = parameters(connection)?;
+    let solution = identified.solution();
+    let differences = plan_adjustment(&parameters, &identified.model, solution);
+    files::write(arguments, &identified.model, &differences)?;
+    let mut document = AdjustmentDocument::new(connection.controller.identity());
+    document.method = Some(identified.method.clone());
+    document.set_differences(&differences);
+    let values = values_to_write(differences);
+    if arguments.dry_run || values.is_empty() {
+        document.outcome = if values.is_empty() {
+            "nothing_to_write"
+        } else {
+            "not_written"
+        }
+        .to_owned();
+        return arguments.deliver(&document);
+    }
+    file.session.add_result(identified.record(&file.session));
+    let written = write(file, connection, &parameters, &values, Purpose::Adjust)?;
+    document.take(&written);
+    arguments.deliver(&document)?;
+    match written.outcome {
+        Outcome::Written => Ok(()),
+        _ => Err(anyhow!("{}", written.text)),
+    }
+}
+
+fn roll_back(
+    arguments: &Arguments,
+    file: &mut SessionFile,
+    connection: &mut Connection,
+) -> Result<()> {
+    let Some(last) = revertible(&file.session) else {
+        let place = arguments.session.display();
+        return Err(BadInput::new(format!(
+            "{place}: the last adjustment was not written, so there is nothing to take back"
+        )));
+    };
+    let values = former_values(last);
+    let parameters = parameters(connection)?;
+    let mut document = AdjustmentDocument::new(connection.controller.identity());
+    let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
+    document.take(&written);
+    arguments.deliver(&document)?;
+    match written.outcome {
+        Outcome::RolledBack => Ok(()),
+        _ => Err(anyhow!("{}", written.text)),
+    }
+}
+
+fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
+    connection.controller.parameters().map_err(link_error)
+}
+
+/// Says something beside what a document has.
+fn tell(arguments: &Arguments, text: &str) {
+    if is_readable(arguments.json.as_deref()) {
+        say!("{text}");
+    } else {
+        eprintln!("{text}");
+    }
+}

@@ -1,0 +1,119 @@
+//! One line on the terminal that tells what a long diagnosis is about.
+
+use std::io::{IsTerminal, Write};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use tautline_core::diagnosis::DiagnosisProgress;
+use tautline_core::estimation::Control;
+
+use tautline_workflow::documents::diagnosis::stage;
+
+/// A diagnosis that is done sooner shows nothing.
+const QUIET: Duration = Duration::from_secs(1);
+/// How long to wait for news once the latest are shown.
+const PATIENCE: Duration = Duration::from_secs(3600);
+
+/// The line, as long as this value lives; there is none where nobody watches.
+pub struct Shown(Option<(Sender<DiagnosisProgress>, JoinHandle<()>)>);
+
+impl Shown {
+    /// Begins to watch; the line comes when the diagnosis takes long.
+    pub fn start() -> Self {
+        if !std::io::stderr().is_terminal() {
+            return Self(None);
+        }
+        let (sender, receiver) = channel();
+        let thread = std::thread::spawn(move || show(&receiver, &mut std::io::stderr(), QUIET));
+        Self(Some((sender, thread)))
+    }
+
+    /// Tells where the diagnosis is.
+    pub fn tell(&mut self, progress: DiagnosisProgress) -> Control {
+        if let Some((sender, _)) = &self.0 {
+            // Nobody listens only if standard error is gone; the result matters all the same.
+            let _ = sender.send(progress);
+        }
+        Control::Continue
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        if let Some((sender, thread)) = self.0.take() {
+            drop(sender);
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Shows the latest news until the sender is gone, then clears the line.
+fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duration) {
+    let started = Instant::now();
+    let mut latest = None;
+    let mut shown = None;
+    loop {
+        let wait = if shown == latest {
+            PATIENCE
+        } else {
+            quiet.saturating_sub(started.elapsed())
+        };
+        match news.recv_timeout(wait) {
+            Ok(progress) => latest = Some(progress),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+        if started.elapsed() < quiet || shown == latest {
+            continue;
+        }
+        shown = latest;
+        if let Some(progress) = latest {
+            let _ = write!(out, "\r\x1b[2K{}", words(&progress));
+            let _ = out.flush();
+        }
+    }
+    if shown.is_some() {
+        let _ = write!(out, "\r\x1b[2K");
+        let _ = out.flush();
+    }
+}
+
+fn words(progress: &DiagnosisProgress) -> String {
+    let stage = stage(progress.stage);
+    match progress.findings {
+        0 => format!("{stage} ..."),
+        found => format!("{found} found, {stage} ..."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::diagnosis::Stage;
+
+    use super::*;
+
+    fn shown(quiet: Duration) -> String {
+        let (sender, receiver) = channel();
+        for (stage, findings) in [(Stage::BaseFit, 0), (Stage::Refits, 2)] {
+            let progress = DiagnosisProgress { stage, findings };
+            sender.send(progress).expect("a listener");
+        }
+        drop(sender);
+        let mut out = Vec::new();
+        show(&receiver, &mut out, quiet);
+        String::from_utf8(out).expect("UTF-8")
+    }
+
+    #[test]
+    fn the_line_tells_the_stage_and_is_cleared() {
+        let text = shown(Duration::ZERO);
+        assert!(text.contains("fitting the model as it is ..."), "{text:?}");
+        assert!(text.ends_with("2 found, fitting the likeliest causes ...\r\x1b[2K"));
+    }
+
+    #[test]
+    fn a_short_diagnosis_shows_nothing() {
+        assert_eq!(shown(Duration::from_secs(60)), "");
+    }
+}

@@ -1,0 +1,55 @@
+//! One finding in the report.
+
+use tautline_core::diagnosis::{Finding, Separation};
+use tautline_core::effect::{Effect, Unknown};
+
+use super::Diagnosed;
+use crate::table;
+use tautline_workflow::documents::diagnosis::gain;
+
+/// What stands before the lines below a heading.
+const INDENT: &str = "   ";
+
+/// Heading and body of a finding.
+pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<String> {
+    let mut body = vec![finding.sentence.clone()];
+    if finding.cause.effect().id() != Unknown.id() {
+        let size = diagnosed.size(&finding.parameters);
+        body.extend(size.map(|size| format!("Size: {size}")));
+    }
+    body.push(format!("What it gains: {}", gain(&finding.gain)));
+    if !finding.advice.is_empty() {
+        body.push(format!("What to do: {}", finding.advice));
+    }
+    if let Some(separation) = &finding.separation {
+        body.extend(separating(separation));
+    }
+    let mut lines = vec![format!("{number}. {}", diagnosed.heading(finding))];
+    lines.extend(body.into_iter().map(|line| format!("{INDENT}{line}")));
+    lines
+}
+
+/// What would tell causes apart.
+fn separating(separation: &Separation) -> Vec<String> {
+    let mut lines = vec![format!("To tell them apart: {}", separation.advice)];
+    if separation.poses.is_empty() {
+        return lines;
+    }
+    let mut poses = table::numbers(&["Pose", "x mm", "y mm", "z mm", "rx °", "ry °", "rz °"]);
+    for (index, pose) in separation.poses.iter().enumerate() {
+        let position: [f64; 3] = pose.position.into();
+        let rotation: [f64; 3] = pose.orientation.scaled_axis().into();
+        let mut cells = vec![(index + 1).to_string()];
+        cells.extend(position.map(|v| table::mm(v, 0)));
+        cells.extend(rotation.map(|angle| format!("{:.1}", angle.to_degrees())));
+        table::push(&mut poses, &cells);
+    }
+    lines.extend(
+        poses
+            .to_string()
+            .lines()
+            .map(|row| row.trim_end().to_owned()),
+    );
+    lines.push("rx, ry, rz: rotation vector about the axes of the base".to_owned());
+    lines
+}

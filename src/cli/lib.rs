@@ -1,0 +1,167 @@
+//! Headless commands: arguments, exit codes, output.
+
+mod accuracy;
+mod adjust;
+mod compare;
+mod diagnose;
+mod effects;
+mod evaluate;
+mod fitted;
+mod identify;
+mod input;
+mod live;
+mod measure;
+mod output;
+mod plan;
+mod precalibrate;
+mod published;
+mod report;
+mod schemas;
+mod simulate;
+mod symbols;
+mod table;
+mod verify;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use tautline_session::{ReadError, Session};
+use tautline_workflow::BadInput;
+use tautline_workflow::identification::Fit;
+
+/// Calibrate cable-driven parallel robots.
+#[derive(Debug, Parser)]
+#[command(
+    name = "tautline",
+    version,
+    about,
+    args_conflicts_with_subcommands = true
+)]
+struct Arguments {
+    /// Session, robot.json or dataset folder to open in the workbench
+    #[arg(value_name = "PATH")]
+    path: Option<PathBuf>,
+    /// File that describes what the window shows after every frame, for programs that drive it
+    #[arg(long, value_name = "FILE", hide = true)]
+    observed: Option<PathBuf>,
+    /// How many times faster than real the simulated robot moves, for programs that measure the window.
+    #[arg(long, value_name = "TIMES", hide = true)]
+    robot_speed: Option<f64>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a dataset of a virtual robot
+    Simulate(simulate::Arguments),
+    /// Choose the poses to measure and say what to expect of them
+    Plan(plan::Arguments),
+    /// Drive a robot from pose to pose and measure; goes on where an earlier run ended
+    Measure(measure::Arguments),
+    /// Find the pulleys from a dataset
+    Identify(identify::Arguments),
+    /// Say whether the model explains a dataset, what it gets wrong and what to do about it
+    Diagnose(diagnose::Arguments),
+    /// Fit poses only, with the geometry and effects of a model held
+    Evaluate(evaluate::Arguments),
+    /// Say which pulleys differ between two runs and what is noise
+    Compare(compare::Arguments),
+    /// Accuracy figures of ISO 9283 from a check.csv
+    Accuracy(accuracy::Arguments),
+    /// Fit winches, force sensors, home platform and cable elongation of a dataset
+    Precalibrate(precalibrate::Arguments),
+    /// Identify, diagnose and write a report as HTML or PDF
+    Report(report::Arguments),
+    /// Identify and write the values to the controller, or bring the old ones back
+    Adjust(adjust::Arguments),
+    /// Drive to test poses and paths, and say how exactly the robot moves
+    Verify(verify::Arguments),
+    /// Print the default names of a controller's symbols, as --symbols reads them
+    Symbols(symbols::Arguments),
+    /// List the physical effects that simulate can hide and identify can free
+    Effects,
+    /// Write the JSON Schemas of the file formats
+    Schemas {
+        /// Folder to write to
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+    },
+}
+
+/// How the window is to be opened.
+#[derive(Debug, Clone, Default)]
+pub struct WindowOptions {
+    /// Session, robot.json or dataset folder to open.
+    pub path: Option<PathBuf>,
+    /// File that describes what the window shows after every frame.
+    pub observed: Option<PathBuf>,
+    /// How many times faster than real the simulated robot moves.
+    pub robot_speed: Option<f64>,
+}
+
+/// What the commands need from the window's crate, which they do not depend on.
+pub struct Window {
+    /// Opens the window and returns once it is closed.
+    pub open: fn(WindowOptions) -> anyhow::Result<()>,
+    /// Draws the robot for a report (PNG).
+    pub picture: fn(&Session, Option<&Fit>) -> Result<Vec<u8>, String>,
+}
+
+/// Runs the command line.
+pub fn run(window: &Window) -> ExitCode {
+    let arguments = Arguments::parse();
+    let Some(command) = arguments.command else {
+        return finish(open(
+            window,
+            WindowOptions {
+                path: arguments.path,
+                observed: arguments.observed,
+                robot_speed: arguments.robot_speed,
+            },
+        ));
+    };
+    finish(match command {
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Measure(arguments) => measure::run(&arguments),
+        Command::Identify(arguments) => identify::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Evaluate(arguments) => evaluate::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
+        Command::Precalibrate(arguments) => precalibrate::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments, window),
+        Command::Adjust(arguments) => adjust::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Symbols(arguments) => symbols::run(&arguments),
+        Command::Effects => {
+            effects::run();
+            Ok(())
+        }
+        Command::Schemas { out } => schemas::run(&out),
+    })
+}
+
+fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {
+    if let Some(missing) = options.path.as_deref().filter(|path| !path.exists()) {
+        let message = format!(
+            "{}: is neither a command nor a file or folder",
+            missing.display()
+        );
+        return Err(BadInput::new(message));
+    }
+    (window.open)(options)
+}
+
+/// Prints what went wrong, in one line, and gives the exit code.
+fn finish(result: anyhow::Result<()>) -> ExitCode {
+    let Err(error) = result else {
+        return ExitCode::SUCCESS;
+    };
+    let bad_input = error.is::<ReadError>() || error.is::<BadInput>();
+    let message = format!("{error:#}");
+    eprintln!("{}", message.replace('\n', " "));
+    ExitCode::from(if bad_input { 2 } else { 1 })
+}

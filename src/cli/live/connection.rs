@@ -1,0 +1,140 @@
+//! A connected controller and how its time passes.
+
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Result, anyhow};
+use tautline_link::laser::ManualLaser;
+use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
+
+use crate::BadInput;
+use tautline_workflow::controllers::{FastClock, OpenError, Rig};
+
+/// Between two samples at the speed of real time.
+const TICK: Duration = Duration::from_millis(20);
+/// Shortest time between two samples of a robot whose time runs faster.
+const SHORTEST_TICK: Duration = Duration::from_millis(1);
+/// Between two samples of a robot whose time runs as fast as it computes (s).
+const STEP_S: f64 = 0.05;
+/// Longest step of a simulated robot's time (s).
+const LONGEST_STEP_S: f64 = 0.2;
+/// Longest time that the way home may take (s), by the clock.
+const HOMING_S: f64 = 120.0;
+
+/// How time passes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pace {
+    /// In equal steps, without waiting.
+    Computed,
+    /// By the wall's clock, faster for a simulated robot.
+    Faster(f64),
+    /// By the wall's clock.
+    Real,
+}
+
+/// A connected controller.
+pub struct Connection {
+    /// The controller, behind its limits.
+    pub controller: Box<dyn Controller>,
+    /// The external instrument of a simulated robot.
+    pub instrument: Option<Box<dyn Instrument>>,
+    /// The laser whose distances the operator types.
+    pub asked: Option<ManualLaser>,
+    clock: FastClock,
+    pace: Pace,
+}
+
+impl Connection {
+    /// Opens and connects; without a `speed` the time of a robot that is not real runs as fast as it computes.
+    pub fn open(rig: &Rig, speed: Option<f64>) -> Result<Self> {
+        let pace = match speed {
+            _ if rig.runs_in_real_time() => Pace::Real,
+            Some(speed) => Pace::Faster(speed),
+            None => Pace::Computed,
+        };
+        let opened = rig.open(speed.unwrap_or(1.0));
+        let opened = opened.map_err(|error| match error {
+            OpenError::Read(error) => error.into(),
+            OpenError::Link(error) => link_error(error),
+        })?;
+        let mut controller: Box<dyn Controller> = Box::new(opened.controller);
+        controller.connect().map_err(link_error)?;
+        Ok(Self {
+            controller,
+            instrument: opened.instrument,
+            asked: opened.asked,
+            clock: opened.clock,
+            pace,
+        })
+    }
+
+    /// Time (s) by the clock that drives it.
+    pub fn now_s(&self) -> f64 {
+        self.clock.now_s()
+    }
+
+    /// Lets time pass until the next sample.
+    pub fn step(&self) {
+        match self.pace {
+            Pace::Computed => self.clock.advance(STEP_S),
+            Pace::Faster(speed) => {
+                thread::sleep(TICK.div_f64(speed.max(1.0)).max(SHORTEST_TICK));
+                self.clock.go_on(Some(LONGEST_STEP_S));
+            }
+            Pace::Real => {
+                thread::sleep(TICK);
+                self.clock.go_on(None);
+            }
+        }
+    }
+
+    /// Drives home and waits until the platform is there; `false` where the operator interrupted it.
+    pub fn go_home(&mut self) -> Result<bool> {
+        let begun_s = self.now_s();
+        self.controller.home().map_err(link_error)?;
+        loop {
+            self.step();
+            // A controller tells what it does with its readings, and stops where nobody asks for them.
+            self.controller.sample().map_err(link_error)?;
+            match self.controller.state().activity {
+                Activity::Moving => {}
+                Activity::Fault(text) => return Err(link_error(LinkError::Fault(text))),
+                Activity::Disconnected => {
+                    return Err(anyhow!("the connection to the controller is lost"));
+                }
+                Activity::Connected | Activity::Still => return Ok(true),
+            }
+            if super::interrupt::requested() {
+                self.stop();
+                return Ok(false);
+            }
+            if self.now_s() - begun_s > HOMING_S {
+                self.stop();
+                return Err(anyhow!(
+                    "the platform has not come home after {HOMING_S:.0} s"
+                ));
+            }
+        }
+    }
+
+    /// Stops the platform.
+    pub fn stop(&mut self) {
+        if let Err(error) = self.controller.stop() {
+            eprintln!("The platform could not be told to stop: {error}");
+        }
+    }
+}
+
+impl Drop for Connection {
+    fn drop(&mut self) {
+        self.controller.disconnect();
+    }
+}
+
+/// What cannot be set up is for the user to correct.
+pub fn link_error(error: LinkError) -> anyhow::Error {
+    match error {
+        LinkError::Setup(text) => BadInput::new(text),
+        other => anyhow!("{other}"),
+    }
+}

@@ -1,0 +1,85 @@
+//! What the commands that work with a robot have in common: the session's file, the connection, the interrupt.
+
+mod connection;
+pub mod interrupt;
+pub mod typed;
+
+pub use connection::{Connection, link_error};
+pub use tautline_workflow::session_file::SessionFile;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tautline_session::{Session, read_symbols};
+
+use super::BadInput;
+use tautline_workflow::controllers::ControllerChoice;
+
+/// Which robot, and whether it may move.
+#[derive(Debug, clap::Args)]
+pub struct RobotArguments {
+    /// sim (the session's simulated robot), replay:DIR (a recorded dataset) or ads:HOST[:PORT]/NETID
+    #[arg(long, value_name = "CONTROLLER")]
+    pub controller: String,
+    /// Allow the robot to move and its values to be changed
+    #[arg(long)]
+    pub arm: bool,
+    /// Let the time of a simulated or recorded robot run X times faster than real; by default as fast as it computes
+    #[arg(long, value_name = "X")]
+    pub speed: Option<f64>,
+    #[command(flatten)]
+    pub symbols: SymbolsArgument,
+}
+
+/// What the controller calls its variables.
+#[derive(Debug, clap::Args)]
+pub struct SymbolsArgument {
+    /// Names of the symbols of an ads: controller, as `tautline symbols` writes the default ones; kept in the session
+    #[arg(long = "symbols", value_name = "FILE.json")]
+    file: Option<PathBuf>,
+}
+
+impl SymbolsArgument {
+    /// Gives the session the symbols of the file, if one was named; whether there are new ones.
+    pub fn take(&self, session: &mut Session, choice: &ControllerChoice) -> Result<bool> {
+        let Some(path) = &self.file else {
+            return Ok(false);
+        };
+        if !matches!(choice, ControllerChoice::Ads(_)) {
+            let message =
+                format!("--symbols: found the controller {choice}, expected ads:HOST[:PORT]/NETID");
+            return Err(BadInput::new(message));
+        }
+        let read = read_symbols(path, &session.robot)?;
+        for notice in &read.notices {
+            eprintln!("{notice}");
+        }
+        let new = Some(read.value);
+        let differs = session.connection.ads != new;
+        session.connection.ads = new;
+        Ok(differs)
+    }
+}
+
+impl RobotArguments {
+    /// The controller that is asked for.
+    pub fn choice(&self) -> Result<ControllerChoice> {
+        if let Some(speed) = self.speed
+            && !(speed.is_finite() && speed > 0.0)
+        {
+            let message = format!("--speed: found {speed}, expected a positive number");
+            return Err(BadInput::new(message));
+        }
+        let choice = self.controller.parse();
+        choice.map_err(|error| BadInput::new(format!("--controller: {error}")))
+    }
+
+    /// Refuses to do anything to a robot without leave.
+    pub fn require_arm(&self, what: &str) -> Result<()> {
+        if self.arm {
+            return Ok(());
+        }
+        let message = format!("{what}: add --arm once nobody is near the robot");
+        Err(BadInput::new(message))
+    }
+}

@@ -1,0 +1,68 @@
+//! A new session.
+
+use anyhow::Result;
+use tautline_core::robot::{Robot, presets};
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, true_robot};
+use tautline_session::{LogEntry, Phase, Session, Simulator};
+
+use super::Arguments;
+use crate::{BadInput, input, simulate};
+use tautline_workflow::clock;
+use tautline_workflow::controllers::ControllerChoice;
+
+/// The robot of this name or in this file.
+pub fn robot(name: &str) -> Result<Robot> {
+    match presets::find(name) {
+        Some(preset) => Ok(preset.robot),
+        None => simulate::robot_from_file(name),
+    }
+}
+
+/// A session of the robot that is asked for, nothing measured yet.
+pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Session> {
+    let robot = match (&arguments.robot, choice) {
+        (Some(name), _) => robot(name)?,
+        (None, ControllerChoice::Replay(folder)) => input::dataset(folder)?.robot,
+        (None, _) => {
+            let place = arguments.session.display();
+            let message = format!("{place}: not found, expected --robot to begin a new session");
+            return Err(BadInput::new(message));
+        }
+    };
+    let stem = arguments.session.file_stem();
+    let name = stem.map_or(robot.name.clone(), |s| s.to_string_lossy().into_owned());
+    let now = clock::now();
+    let mut session = Session::new(name, robot, now);
+    if *choice == ControllerChoice::Simulated {
+        session.simulator = Some(Simulator {
+            truth: truth(&session.robot, arguments)?,
+            seed: arguments.seed,
+            revealed: false,
+        });
+    } else if !arguments.effects.is_empty() {
+        let message = "--effect: only a new session with --controller sim can have hidden effects";
+        return Err(BadInput::new(message));
+    }
+    session.record(LogEntry {
+        time: now,
+        phase: Phase::Session,
+        text: format!("Begun by command with the controller {choice}."),
+    });
+    Ok(session)
+}
+
+/// The robot as it really is: the measured one of a preset, else drawn from the priors.
+fn truth(robot: &Robot, arguments: &Arguments) -> Result<Robot> {
+    let preset = arguments.robot.as_deref().and_then(presets::find);
+    let measured = preset
+        .as_ref()
+        .and_then(|p| p.measured_entry_points_m.clone());
+    let effects = arguments.effects.iter();
+    let effects: Result<Vec<_>> = effects.map(|e| simulate::parse_effect(e, robot)).collect();
+    let options = SimulationOptions {
+        geometry: measured.map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
+        effects: effects?,
+        ..SimulationOptions::new(0, arguments.seed)
+    };
+    Ok(true_robot(robot, &options))
+}

@@ -1,0 +1,229 @@
+//! The run itself: no pose is commanded before the one before it is on disk.
+
+use std::collections::HashMap;
+
+use anyhow::{Context, Result, anyhow};
+use tautline_core::estimation::Control;
+use tautline_core::geometry::Pose;
+use tautline_link::laser::ManualLaser;
+use tautline_link::measuring::{
+    Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
+};
+use tautline_session::{Keeper, Session};
+
+use crate::BadInput;
+use crate::live::{Connection, SessionFile, interrupt, typed};
+use tautline_workflow::comparison::identify;
+use tautline_workflow::controllers::Rig;
+use tautline_workflow::wording::sentence;
+
+/// Poses, home included, before which nobody asks whether it is good enough.
+const LEAST: usize = 6;
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum End {
+    /// Every pose is measured or left out.
+    Finished,
+    /// What is measured is good enough.
+    GoodEnough,
+    /// The operator interrupted it.
+    Interrupted,
+    /// Something went wrong; one sentence.
+    Failed(String),
+    /// Nobody typed what was asked for; one sentence.
+    NotTyped(String),
+}
+
+/// What a run did.
+#[derive(Debug, Clone)]
+pub struct Ended {
+    /// How it ended.
+    pub end: End,
+    /// Labels of the poses that were measured in it.
+    pub measured: Vec<i64>,
+    /// Poses that were left out, and why.
+    pub skipped: Vec<(i64, String)>,
+    /// Largest standard deviation of a coordinate that the readings lead to (m), where it was asked for.
+    pub largest_sd_m: Option<f64>,
+}
+
+/// A run with what its end depends on.
+pub struct Drive {
+    run: MeasuringRun,
+    poses: usize,
+    stop_at_m: Option<f64>,
+    retries: usize,
+    tried: HashMap<i64, usize>,
+    ended: Ended,
+}
+
+impl Drive {
+    /// The poses of the session's plan that are not measured yet.
+    pub fn new(session: &Session, rig: &Rig, stop_at_m: Option<f64>, retries: usize) -> Self {
+        let planned = session.plan.iter();
+        let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
+        let mut options = MeasuringOptions::of(rig.robot());
+        options.tension = rig.tension();
+        let poses = plan.len();
+        let run = MeasuringRun::new(plan, rig.robot(), options)
+            .predicting(predict_by(rig.robot(), rig.tension()))
+            .continuing(&session.measurements.labels);
+        Self {
+            run,
+            poses,
+            stop_at_m,
+            retries,
+            tried: HashMap::new(),
+            ended: Ended {
+                end: End::Finished,
+                measured: Vec::new(),
+                skipped: Vec::new(),
+                largest_sd_m: None,
+            },
+        }
+    }
+
+    /// Drives until the end; then everything is in the session's file and nothing is left beside it.
+    pub fn run(mut self, file: &mut SessionFile, connection: &mut Connection) -> Result<Ended> {
+        let mut keeper = file.keep()?;
+        self.run = self.run.asking(connection.asked.clone());
+        let measured = self.measure(file, connection, &mut keeper);
+        if self.run.stage() != Stage::Ended || measured.is_err() {
+            connection.stop();
+        }
+        match measured {
+            Ok(end) => self.ended.end = end,
+            // What is kept stays beside the file for the next command, should the file not be written below.
+            Err(error) if error.is::<BadInput>() => {
+                self.ended.end = End::NotTyped(error.to_string());
+            }
+            Err(error) => self.ended.end = End::Failed(format!("{error:#}")),
+        }
+        super::logged(file, &self.ended);
+        file.save()?;
+        keeper.finish()?;
+        Ok(self.ended)
+    }
+
+    fn measure(
+        &mut self,
+        file: &mut SessionFile,
+        connection: &mut Connection,
+        keeper: &mut Keeper,
+    ) -> Result<End> {
+        if self.is_good_enough(&file.session) {
+            return Ok(End::GoodEnough);
+        }
+        loop {
+            if interrupt::requested() {
+                return Ok(End::Interrupted);
+            }
+            connection.step();
+            let now_s = connection.now_s();
+            for event in self.run.tick(&mut *connection.controller, now_s) {
+                match event {
+                    MeasuringEvent::Measured(accepted) => {
+                        self.store(&accepted, &mut file.session, keeper)?;
+                        if self.is_good_enough(&file.session) {
+                            return Ok(End::GoodEnough);
+                        }
+                    }
+                    MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
+                    MeasuringEvent::LaserWanted { label } => {
+                        if let Some(laser) = &connection.asked {
+                            ask_distance(label, laser)?;
+                        }
+                    }
+                    MeasuringEvent::Paused { reason } => self.paused(&reason, connection)?,
+                    MeasuringEvent::Finished => return Ok(End::Finished),
+                    MeasuringEvent::Failed(text) => return Ok(End::Failed(text)),
+                    MeasuringEvent::Commanded { .. }
+                    | MeasuringEvent::Settling { .. }
+                    | MeasuringEvent::Sampling { .. }
+                    | MeasuringEvent::Skipped { .. } => {}
+                }
+            }
+        }
+    }
+
+    /// A pose is on disk before it is told, and told before the next one is commanded.
+    fn store(
+        &mut self,
+        accepted: &Accepted,
+        session: &mut Session,
+        keeper: &mut Keeper,
+    ) -> Result<()> {
+        let pose = accepted.measured_pose();
+        let label = pose.label;
+        keeper.measured(&pose)?;
+        let appended = session.append_pose(&pose);
+        appended.map_err(|error| anyhow!("pose {label} cannot be used: {error}"))?;
+        self.ended.measured.push(label);
+        eprintln!(
+            "pose {label} is on disk ({} of {})",
+            session.measurements.len(),
+            self.poses
+        );
+        self.run.confirm_stored(label);
+        Ok(())
+    }
+
+    /// Tries a pose again, or leaves it out.
+    fn paused(&mut self, reason: &str, connection: &Connection) -> Result<()> {
+        let state = connection.controller.state();
+        let label = self.run.under_way().context("the run waits")?;
+        if !state.armed {
+            return Err(anyhow!("{}", sentence(reason)));
+        }
+        let tried = self.tried.entry(label).or_default();
+        *tried += 1;
+        if *tried <= self.retries {
+            eprintln!("{}: tried again.", sentence(reason.trim_end_matches('.')));
+            self.run.resume();
+            return Ok(());
+        }
+        if label == 0 {
+            return Err(anyhow!(
+                "the home pose, from which all lengths count, cannot be measured: {reason}"
+            ));
+        }
+        eprintln!(
+            "{}: pose {label} is left out.",
+            sentence(reason.trim_end_matches('.'))
+        );
+        self.ended.skipped.push((label, reason.to_owned()));
+        self.run.skip();
+        Ok(())
+    }
+
+    fn is_good_enough(&mut self, session: &Session) -> bool {
+        let Some(limit_m) = self.stop_at_m else {
+            return false;
+        };
+        if session.measurements.len() < LEAST {
+            return false;
+        }
+        let quiet = &mut |_: &_| Control::Continue;
+        let fit = identify(session, quiet).ok();
+        let fit = fit.filter(|fit| fit.solution.converged() && fit.open.is_empty());
+        self.ended.largest_sd_m = fit.and_then(|fit| largest_sd_m(&fit.solution));
+        self.ended.largest_sd_m.is_some_and(|sd_m| sd_m <= limit_m)
+    }
+}
+
+/// Asks the operator for the laser distance at a pose.
+fn ask_distance(label: i64, laser: &ManualLaser) -> Result<()> {
+    let question =
+        format!("Laser distance at pose {label} [mm], or - where the laser has no return?");
+    let read = |line: &str| match line.trim() {
+        "-" => Some(None),
+        number => number.parse().ok().map(|mm: f64| Some(mm * 1e-3)),
+    };
+    let typed = typed::answer(&question, "a number of millimetres or -", read);
+    let missing = || BadInput::new(format!("No laser distance was typed for pose {label}."));
+    let distance_m = typed.ok_or_else(missing)?;
+    laser
+        .answer(label, distance_m)
+        .map_err(|error| anyhow!("{error}"))
+}

@@ -1,0 +1,218 @@
+//! `tautline measure`.
+
+mod begin;
+mod document;
+mod drive;
+mod plan;
+
+use std::cell::Cell;
+use std::path::PathBuf;
+
+use anyhow::{Result, anyhow};
+use tautline_session::{LaserSettings, Outcome, Phase, Session};
+
+use super::BadInput;
+use super::live::{Connection, RobotArguments, SessionFile, interrupt, typed};
+use super::output::{is_readable, tell_error, write_json};
+pub use begin::robot;
+pub use document::MeasuringDocument;
+use drive::{Drive, End};
+use tautline_workflow::comparison::identify;
+use tautline_workflow::controllers::{ControllerChoice, Rig};
+use tautline_workflow::identification::Fit;
+use tautline_workflow::wording::count;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Session file to make, or to go on with
+    #[arg(value_name = "SESSION")]
+    session: PathBuf,
+    #[command(flatten)]
+    robot_arguments: RobotArguments,
+    /// Robot of a new session: a preset (mini, hall, suspended, planar) or a robot.json
+    #[arg(long, value_name = "PRESET|FILE")]
+    robot: Option<String>,
+    /// Poses to measure, as a table pose,x_m,y_m,z_m,qw,qx,qy,qz
+    #[arg(long, value_name = "FILE.csv")]
+    plan: Option<PathBuf>,
+    /// Number of poses to plan where there is no plan, without the home pose
+    #[arg(long, value_name = "N", default_value_t = 25)]
+    poses: usize,
+    /// Seed of the plan and of a new simulated robot
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Hide an effect in a new simulated robot; may be repeated
+    #[arg(long = "effect", value_name = "ID[:CABLE][:k=v,...]")]
+    effects: Vec<String>,
+    /// End as soon as no coordinate of an entry point has a larger standard deviation than this (mm)
+    #[arg(long, value_name = "MM")]
+    stop_at: Option<f64>,
+    /// Where laser distances come from: controller, manual (typed at each pose), tcp:HOST:PORT or serial:PORT[:BAUD],
+    /// both with ?pattern=..&unit=mm; kept in the session
+    #[arg(long, value_name = "SOURCE")]
+    laser: Option<LaserSettings>,
+    /// How often a pose at which the run pauses is tried again before it is left out
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    retries: usize,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The precision that is enough (m).
+    fn stop_at_m(&self) -> Result<Option<f64>> {
+        match self.stop_at {
+            Some(mm) if !(mm.is_finite() && mm > 0.0) => Err(BadInput::new(format!(
+                "--stop-at: found {mm}, expected a positive number of millimetres"
+            ))),
+            limit => Ok(limit.map(|mm| mm * 1e-3)),
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let choice = arguments.robot_arguments.choice()?;
+    let stop_at_m = arguments.stop_at_m()?;
+    arguments
+        .robot_arguments
+        .require_arm("The robot was not moved")?;
+    let is_new = Cell::new(false);
+    let mut file = SessionFile::open(
+        &arguments.session,
+        || {
+            is_new.set(true);
+            begin::session(arguments, &choice).map(Some)
+        },
+        &mut tell_error,
+    )?;
+    if !is_new.get() && !arguments.effects.is_empty() {
+        let place = arguments.session.display();
+        eprintln!(
+            "{place}: goes on with the simulated robot that it has, --effect changes nothing"
+        );
+    }
+    check(&file, arguments, &choice)?;
+    let symbols = &arguments.robot_arguments.symbols;
+    symbols.take(&mut file.session, &choice)?;
+    let laser = arguments
+        .laser
+        .as_ref()
+        .unwrap_or(&file.session.laser_source);
+    if *laser == LaserSettings::Manual {
+        typed::require("The robot was not moved: the laser distances have to be typed")?;
+    }
+    plan::complete(&mut file.session, arguments, &choice)?;
+    if let Some(laser) = &arguments.laser {
+        file.session.laser_source = laser.clone();
+    }
+    let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
+    let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    interrupt::listen()?;
+    file.save()?;
+    connection
+        .controller
+        .arm()
+        .map_err(super::live::link_error)?;
+    let drive = Drive::new(&file.session, &rig, stop_at_m, arguments.retries);
+    let ended = drive.run(&mut file, &mut connection)?;
+    let enough = is_enough(&file.session);
+    let document = MeasuringDocument::of(&file.session, &ended, enough);
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&document))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        document::print(&document, &arguments.session);
+    }
+    result(&document, &ended, arguments)
+}
+
+/// Whether the session can be gone on with by this command.
+fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -> Result<()> {
+    let place = file.path.display();
+    refuse_interrupted(&file.session, &place.to_string())?;
+    require_simulated(&file.session, choice, &place.to_string())?;
+    if let Some(robot) = &arguments.robot {
+        let asked = begin::robot(robot)?.name;
+        let known = &file.session.robot.name;
+        if asked != *known {
+            return Err(BadInput::new(format!(
+                "{place}: is a session of the robot \"{known}\", found \"{asked}\" in --robot"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// A simulated robot is that of the session: readings of another one would say nothing about its robot.
+pub fn require_simulated(session: &Session, choice: &ControllerChoice, place: &str) -> Result<()> {
+    if *choice == ControllerChoice::Simulated && session.simulator.is_none() {
+        return Err(BadInput::new(format!(
+            "{place}: has no simulated robot, expected another --controller than sim"
+        )));
+    }
+    Ok(())
+}
+
+/// Nothing is measured with values that may be half old and half new.
+pub fn refuse_interrupted(session: &Session, place: &str) -> Result<()> {
+    let last = session.adjustments().last();
+    if last.is_some_and(|last| last.outcome == Outcome::Begun) {
+        return Err(BadInput::new(format!(
+            "{place}: an adjustment of the controller was interrupted; run `tautline adjust` first, which settles it"
+        )));
+    }
+    Ok(())
+}
+
+/// Whether the poses measured so far determine the robot: without the drawings, each of which counts as one reading of
+/// one parameter, there are still more readings than unknowns, and they leave nothing open.
+fn is_enough(session: &Session) -> bool {
+    let quiet = &mut |_: &_| tautline_core::estimation::Control::Continue;
+    identify(session, quiet).is_ok_and(|Fit { solution, open, .. }| {
+        let parameters = solution.parameters.len() as f64;
+        solution.converged() && open.is_empty() && solution.degrees_of_freedom > parameters
+    })
+}
+
+fn result(document: &MeasuringDocument, ended: &drive::Ended, arguments: &Arguments) -> Result<()> {
+    let on_disk = count(document.measured.len(), "pose");
+    let place = arguments.session.display();
+    match &ended.end {
+        End::Interrupted => Err(anyhow!(
+            "Stopped by the operator: {on_disk} are in {place}; the same command goes on"
+        )),
+        End::Failed(why) => Err(anyhow!(
+            "{} {on_disk} are in {place}; the same command goes on",
+            ensure_full_stop(why)
+        )),
+        End::NotTyped(why) => Err(BadInput::new(format!(
+            "{} {on_disk} are in {place}; the same command goes on",
+            ensure_full_stop(why)
+        ))),
+        End::Finished | End::GoodEnough if document.enough => Ok(()),
+        End::Finished | End::GoodEnough => Err(anyhow!(
+            "{on_disk} in {place} are not enough to identify the robot: measure more"
+        )),
+    }
+}
+
+fn ensure_full_stop(text: &str) -> String {
+    format!("{}.", text.trim_end_matches('.'))
+}
+
+/// What the session's log says of a run.
+fn logged(file: &mut SessionFile, ended: &drive::Ended) {
+    let text = format!(
+        "Measured {} by command{}.",
+        count(ended.measured.len(), "pose"),
+        match &ended.end {
+            End::Finished => String::new(),
+            End::GoodEnough => ", which is good enough".to_owned(),
+            End::Interrupted => ", then stopped by the operator".to_owned(),
+            End::Failed(why) | End::NotTyped(why) =>
+                format!(", then it failed: {}", why.trim_end_matches('.')),
+        }
+    );
+    file.log(Phase::Poses, text);
+}

@@ -1,0 +1,84 @@
+//! Which poses are measured.
+
+use anyhow::Result;
+use tautline_core::estimation::Control;
+use tautline_session::{PlannedPose, Session, read_plan, read_table_file};
+
+use super::Arguments;
+use crate::{BadInput, input};
+use tautline_workflow::controllers::ControllerChoice;
+use tautline_workflow::planning::outlook;
+use tautline_workflow::wording::count;
+
+/// Poses that are closer than this are the same one (m and rad).
+const SAME: f64 = 1e-9;
+
+/// Gives the session a plan: that of the file, else the one it has, else that of the recording, else a new one.
+pub fn complete(
+    session: &mut Session,
+    arguments: &Arguments,
+    choice: &ControllerChoice,
+) -> Result<()> {
+    if let Some(path) = &arguments.plan {
+        let read = read_table_file(path, |reader, file| read_plan(reader, file, &session.robot))?;
+        for notice in &read.notices {
+            eprintln!("{notice}");
+        }
+        return take(session, read.value, &path.display().to_string());
+    }
+    if !session.plan.is_empty() {
+        return Ok(());
+    }
+    if let ControllerChoice::Replay(folder) = choice {
+        let m = input::dataset(folder)?.measurements;
+        let rows = m.labels.iter().zip(&m.commanded);
+        let poses = rows.filter_map(|(label, pose)| Some(PlannedPose::new(*label, pose.as_ref()?)));
+        return take(session, poses.collect(), &folder.display().to_string());
+    }
+    eprintln!("Planning {}.", count(arguments.poses, "pose"));
+    let planned = outlook(session, (arguments.poses, arguments.seed), &mut |_| {
+        Control::Continue
+    });
+    let planned = planned.map_err(|error| {
+        BadInput::new(format!(
+            "no {} can be planned: {error}",
+            count(arguments.poses, "pose")
+        ))
+    })?;
+    session.plan = planned.poses;
+    Ok(())
+}
+
+/// Takes the poses of a table, after the home pose; what is measured already stays.
+fn take(session: &mut Session, poses: Vec<PlannedPose>, place: &str) -> Result<()> {
+    let labels = &session.measurements.labels;
+    for pose in &poses {
+        let row = labels.iter().position(|label| *label == pose.label);
+        let commanded = row.and_then(|row| session.measurements.commanded.get(row).copied()?);
+        let moved = commanded.is_some_and(|c| c.difference(&pose.pose()).amax() > SAME);
+        if moved && pose.label != 0 {
+            return Err(BadInput::new(format!(
+                "{place}: pose {} is measured already, at another place",
+                pose.label
+            )));
+        }
+    }
+    let is_new = |label: i64| poses.iter().all(|pose| pose.label != label);
+    let kept = session.plan.iter().copied();
+    let mut plan: Vec<PlannedPose> = kept
+        .filter(|pose| labels.contains(&pose.label) && is_new(pose.label))
+        .collect();
+    if let Some(home) = session
+        .robot
+        .home
+        .filter(|_| is_new(0) && !labels.contains(&0))
+    {
+        plan.push(PlannedPose::new(0, &home.pose()));
+    }
+    // Lengths count from home, so that is where a run begins.
+    let (home, others): (Vec<PlannedPose>, Vec<PlannedPose>) =
+        poses.into_iter().partition(|pose| pose.label == 0);
+    plan.extend(home.into_iter().chain(others));
+    session.plan = plan;
+    Ok(())
+}

@@ -1,0 +1,64 @@
+//! Readable form of a plan.
+
+use super::document::PlanDocument;
+use crate::output::say;
+use crate::table;
+use tautline_workflow::wording::units::quantity;
+
+/// Prints what to expect.
+pub fn print(plan: &PlanDocument) {
+    let refused = &plan.refused;
+    say!(
+        "{} poses for {}, chosen from {} that can be measured",
+        plan.poses.len(),
+        plan.robot,
+        plan.candidates
+    );
+    say!(
+        "refused of {} drawn: {} without tensions that hold the platform, {} without a cable path, {} without a usable \
+         laser distance, {} too close to the frame",
+        refused.tried,
+        refused.tension,
+        refused.kinematics,
+        refused.laser,
+        refused.frame
+    );
+    say!(
+        "way {:.1} m; largest correlation of a coordinate with time {:.2}",
+        plan.travel_m,
+        plan.largest_time_correlation
+    );
+    let mut rows = table::numbers(&["Parameter", "known to", "expected", "at random poses"]);
+    let random = &plan.random.parameters;
+    for (expected, random) in plan.expected.parameters.iter().zip(random) {
+        let show =
+            |sd: Option<f64>| sd.map_or("open".to_owned(), |sd| quantity(sd, &expected.unit));
+        table::push(
+            &mut rows,
+            &[
+                expected.name.clone(),
+                expected
+                    .prior_sd
+                    .map_or("unknown".to_owned(), |sd| quantity(sd, &expected.unit)),
+                show(expected.sd),
+                show(random.sd),
+            ],
+        );
+    }
+    say!("{rows}");
+    let metres = |value: Option<f64>| value.map_or("open".to_owned(), |v| quantity(v, "m"));
+    say!(
+        "entry points: {} on average, {} along the worst direction of all together; at random poses {} and {}",
+        metres(plan.expected.mean_m),
+        metres(plan.expected.worst_m),
+        metres(plan.random.mean_m),
+        metres(plan.random.worst_m)
+    );
+    if let (Some(expected), Some(random)) = (plan.expected.platform_m, plan.random.platform_m) {
+        say!(
+            "position of the platform once these values are at the controller: {} off on average (root mean square); at random poses {}",
+            quantity(expected, "m"),
+            quantity(random, "m")
+        );
+    }
+}

@@ -1,0 +1,170 @@
+//! Readable form of a precalibration.
+
+use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
+
+use super::document::{ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult};
+use crate::output::say;
+use crate::table;
+
+/// Prints everything that was fitted.
+pub fn print(result: &Precalibration) {
+    if !result.winches.is_empty() {
+        print_winches(&result.winches);
+    }
+    if !result.force_sensors.is_empty() {
+        print_force_sensors(&result.force_sensors);
+    }
+    if let Some(home) = &result.home {
+        print_home(home);
+    }
+    if let Some(elongation) = &result.elongation {
+        print_elongation(elongation);
+    }
+}
+
+fn print_winches(winches: &[WinchResult]) {
+    let mut rows = table::numbers(&[
+        "Winch",
+        "pairs",
+        "mm per rev",
+        "sd",
+        "drawing",
+        "offset mm",
+        "sd",
+        "largest residual mm",
+        "verdict",
+    ]);
+    for winch in winches {
+        table::push(
+            &mut rows,
+            &[
+                winch.cable.clone(),
+                winch.pairs.to_string(),
+                table::mm(winch.cable_per_revolution_m, 4),
+                table::mm(winch.cable_per_revolution_sd_m, 4),
+                table::mm(winch.nominal_cable_per_revolution_m, 4),
+                table::mm(winch.offset_m, 3),
+                table::mm(winch.offset_sd_m, 3),
+                table::mm(winch.largest_residual_m, 4),
+                verdict(winch.passed),
+            ],
+        );
+    }
+    say!("{rows}");
+    let passed = winches.iter().filter(|winch| winch.passed).count();
+    let limit = WINCH_RESIDUAL_LIMIT_M * 1e3;
+    say!(
+        "{} within {limit} mm",
+        share(passed, winches.len(), "winch")
+    );
+}
+
+fn print_force_sensors(sensors: &[ForceResult]) {
+    let mut rows = table::numbers(&[
+        "Force sensor",
+        "pairs",
+        "gain",
+        "sd",
+        "bias N",
+        "sd",
+        "largest residual N",
+        "verdict",
+    ]);
+    for sensor in sensors {
+        table::push(
+            &mut rows,
+            &[
+                sensor.cable.clone(),
+                sensor.pairs.to_string(),
+                format!("{:.5}", sensor.tension_gain),
+                format!("{:.5}", sensor.tension_gain_sd),
+                format!("{:.3}", sensor.bias_n),
+                format!("{:.3}", sensor.bias_sd_n),
+                format!("{:.3}", sensor.largest_residual_n),
+                verdict(sensor.passed),
+            ],
+        );
+    }
+    say!("{rows}");
+    let passed = sensors.iter().filter(|sensor| sensor.passed).count();
+    let count = share(passed, sensors.len(), "force sensor");
+    say!("{count} within {FORCE_RESIDUAL_LIMIT_N} N");
+}
+
+fn print_home(home: &HomeResult) {
+    let mut rows = table::numbers(&["Home pose", "value", "sd", "repeatability"]);
+    for (k, name) in ["x mm", "y mm", "z mm"].into_iter().enumerate() {
+        let repeatability = home.position_repeatability_m;
+        let cells = [
+            name.to_owned(),
+            table::mm(home.position_m[k], 3),
+            table::mm(home.position_sd_m[k], 3),
+            repeatability.map_or("-".to_owned(), |r| table::mm(r[k], 3)),
+        ];
+        table::push(&mut rows, &cells);
+    }
+    let degrees = |radians: f64| format!("{:.4}", radians.to_degrees());
+    let pose = tautline_core::geometry::Pose::from_parts([0.0; 3], home.orientation_wxyz);
+    let turned = pose.orientation.scaled_axis();
+    for (k, name) in ["rx °", "ry °", "rz °"].into_iter().enumerate() {
+        let repeatability = home.orientation_repeatability_rad;
+        let cells = [
+            name.to_owned(),
+            degrees(turned[k]),
+            degrees(home.orientation_sd_rad[k]),
+            repeatability.map_or("-".to_owned(), |r| degrees(r[k])),
+        ];
+        table::push(&mut rows, &cells);
+    }
+    say!("{rows}");
+    say!(
+        "largest residual of the six distances: {:.1e} mm",
+        home.largest_residual_m * 1e3
+    );
+    for sensor in home.sensors.iter().filter(|sensor| !sensor.in_range) {
+        let (number, mean) = (sensor.sensor, table::mm(sensor.mean_m, 1));
+        say!("sensor {number}: {mean} mm is outside the range of such sensors");
+    }
+}
+
+fn print_elongation(elongation: &ElongationResult) {
+    let mut rows = table::numbers(&["Elongation surface", "cross-validated error mm"]);
+    for degree in &elongation.degrees {
+        let chosen = degree.degree == elongation.surface.degree;
+        let mark = if chosen { " (chosen)" } else { "" };
+        let error = degree.error_m;
+        let cells = [
+            format!("degree {}{mark}", degree.degree),
+            error.map_or("too few points".to_owned(), |e| table::mm(e, 4)),
+        ];
+        table::push(&mut rows, &cells);
+    }
+    say!("{rows}");
+    let surface = &elongation.surface;
+    say!(
+        "{} measurements, lengths {:.3} to {:.3} m, tensions {:.1} to {:.1} N",
+        elongation.points,
+        surface.length_center_m - surface.length_scale_m,
+        surface.length_center_m + surface.length_scale_m,
+        surface.tension_center_n - surface.tension_scale_n,
+        surface.tension_center_n + surface.tension_scale_n
+    );
+    say!(
+        "residual sd {} mm, largest residual {} mm",
+        table::mm(surface.residual_sd_m, 4),
+        table::mm(elongation.largest_residual_m, 4)
+    );
+}
+
+fn verdict(passed: bool) -> String {
+    if passed { "passed" } else { "FAILED" }.to_owned()
+}
+
+fn share(passed: usize, count: usize, noun: &str) -> String {
+    let ending = match noun {
+        _ if count == 1 => "",
+        "winch" => "es",
+        _ => "s",
+    };
+    format!("{passed} of {count} {noun}{ending}")
+}

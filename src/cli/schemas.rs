@@ -1,0 +1,37 @@
+//! `tautline schemas`.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use super::adjust::AdjustmentDocument;
+use super::compare::ComparisonDocument;
+use super::measure::MeasuringDocument;
+use super::output::write_json;
+use super::plan::PlanDocument;
+use super::precalibrate::Precalibration;
+use super::verify::VerificationDocument;
+use crate::output::say;
+use tautline_workflow::accuracy::Accuracy;
+use tautline_workflow::documents::diagnosis::DiagnosisDocument;
+use tautline_workflow::documents::identification::Identification;
+
+pub fn run(out: &Path) -> Result<()> {
+    std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
+    let mut schemas = tautline_session::schemas();
+    schemas.push(tautline_session::document_schema::<Identification>());
+    schemas.push(tautline_session::document_schema::<DiagnosisDocument>());
+    schemas.push(tautline_session::document_schema::<Accuracy>());
+    schemas.push(tautline_session::document_schema::<Precalibration>());
+    schemas.push(tautline_session::document_schema::<PlanDocument>());
+    schemas.push(tautline_session::document_schema::<ComparisonDocument>());
+    schemas.push(tautline_session::document_schema::<MeasuringDocument>());
+    schemas.push(tautline_session::document_schema::<AdjustmentDocument>());
+    schemas.push(tautline_session::document_schema::<VerificationDocument>());
+    for schema in schemas {
+        let path = out.join(&schema.file_name);
+        write_json(&path, &schema.schema)?;
+        say!("{}", path.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! What `verify` tells: as a document, and in words.
+
+use anyhow::{Result, anyhow};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::robot::FieldError;
+use tautline_session::{Document, Session, Stage};
+
+use crate::output::say;
+use crate::table;
+use tautline_workflow::accuracy::{self, Accuracy};
+use tautline_workflow::adjusting::title;
+
+/// How exactly a robot moves, before and after the adjustment of its controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct VerificationDocument {
+    /// Which of the two this run was.
+    pub stage: Stage,
+    /// The last run before the adjustment; null if there was none.
+    pub before: Option<Accuracy>,
+    /// The last run after the adjustment; null if there was none.
+    pub after: Option<Accuracy>,
+}
+
+impl Document for VerificationDocument {
+    const FORMAT: &'static str = "tautline-verification";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 1 << 30;
+
+    fn check(&self) -> Result<(), FieldError> {
+        Ok(())
+    }
+}
+
+impl VerificationDocument {
+    /// The last runs of a session.
+    pub fn of(session: &Session, stage: Stage) -> Result<Self> {
+        let last = |stage: Stage| {
+            let mut runs = session.verifications().iter().rev();
+            let run = runs.find(|run| run.stage == stage);
+            let figures = run.map(|run| accuracy::figures(&run.rows));
+            figures.transpose().map_err(|error| anyhow!("{error}"))
+        };
+        Ok(Self {
+            stage,
+            before: last(Stage::Before)?,
+            after: last(Stage::After)?,
+        })
+    }
+}
+
+/// Prints this run, and what it changed.
+pub fn print(document: &VerificationDocument) {
+    let now = match document.stage {
+        Stage::Before => &document.before,
+        Stage::After => &document.after,
+    };
+    if let Some(accuracy) = now {
+        say!("{}", title(document.stage));
+        crate::accuracy::print(accuracy);
+    }
+    if let (Some(before), Some(after)) = (&document.before, &document.after) {
+        print_both(before, after);
+    }
+}
+
+fn print_both(before: &Accuracy, after: &Accuracy) {
+    let mut lines = table::numbers(&["mm", "before", "after", "ratio"]);
+    let mut add = |name: String, before_m: f64, after_m: f64| {
+        let cells = [
+            name,
+            table::mm(before_m, 3),
+            table::mm(after_m, 3),
+            format!("{:.1}", before_m / after_m),
+        ];
+        table::push(&mut lines, &cells);
+    };
+    if let (Some(b), Some(a)) = (&before.poses, &after.poses) {
+        for (name, b, a) in [
+            (
+                "largest pose accuracy AP",
+                b.largest_accuracy_m,
+                a.largest_accuracy_m,
+            ),
+            (
+                "mean pose accuracy AP",
+                b.mean_accuracy_m,
+                a.mean_accuracy_m,
+            ),
+            (
+                "largest pose repeatability RP",
+                b.largest_repeatability_m,
+                a.largest_repeatability_m,
+            ),
+        ] {
+            add(name.to_owned(), b, a);
+        }
+    }
+    for b in &before.paths {
+        let Some(a) = after.paths.iter().find(|a| a.target == b.target) else {
+            continue;
+        };
+        add(
+            format!("{}: path accuracy AT", b.target),
+            b.accuracy_m,
+            a.accuracy_m,
+        );
+    }
+    say!("{lines}");
+}

@@ -1,0 +1,228 @@
+//! `tautline verify`.
+
+mod document;
+mod drive;
+mod typed;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use tautline_link::verifying::{CheckTarget, circle, cube_poses, line};
+use tautline_session::{
+    CheckRow, Outcome, Phase, Session, Stage, Verification, read_check_file, write_bytes,
+    write_check,
+};
+
+use super::BadInput;
+use super::live::{
+    Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
+};
+use super::measure::{refuse_interrupted, require_simulated};
+use super::output::{is_readable, tell_error, write_json};
+pub use document::VerificationDocument;
+use tautline_workflow::adjusting::title;
+use tautline_workflow::clock;
+use tautline_workflow::controllers::{ControllerChoice, Rig};
+
+/// Points of the circle and of the line.
+const POINTS: (usize, usize) = (16, 9);
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Session file
+    #[arg(value_name = "SESSION")]
+    session: PathBuf,
+    /// sim, replay:DIR or ads:HOST[:PORT]/NETID; not needed with --check
+    #[arg(long, value_name = "CONTROLLER", required_unless_present = "check")]
+    controller: Option<String>,
+    /// Allow the robot to move
+    #[arg(long)]
+    arm: bool,
+    /// Let the time of a simulated robot run X times faster than real; by default as fast as it computes
+    #[arg(long, value_name = "X")]
+    speed: Option<f64>,
+    #[command(flatten)]
+    symbols: SymbolsArgument,
+    /// Where to drive: cube (15 poses in three cubes), circle, line
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', default_values_t = TargetName::ALL)]
+    targets: Vec<TargetName>,
+    /// How often each target is approached; ISO 9283 asks for 30
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    cycles: usize,
+    /// Points of the circle and of the line; by default 16 and 9
+    #[arg(long, value_name = "N")]
+    points: Option<usize>,
+    /// Take commanded and measured poses from this check.csv instead of driving
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["controller", "arm"])]
+    check: Option<PathBuf>,
+    /// Write commanded and measured poses as a check.csv
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+    /// Whether this is before or after the adjustment; by default as the session's record says
+    #[arg(long, value_enum)]
+    stage: Option<StageName>,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum TargetName {
+    Cube,
+    Circle,
+    Line,
+}
+
+impl TargetName {
+    const ALL: [Self; 3] = [Self::Cube, Self::Circle, Self::Line];
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum StageName {
+    Before,
+    After,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    check(arguments)?;
+    let choice = choice(arguments)?;
+    if choice.is_some() && !arguments.arm {
+        let message = "The robot was not moved: add --arm once nobody is near the robot";
+        return Err(BadInput::new(message));
+    }
+    let mut file = SessionFile::open(&arguments.session, || Ok(None), &mut tell_error)?;
+    refuse_interrupted(&file.session, &arguments.session.display().to_string())?;
+    let (rows, source) = match (&arguments.check, &choice) {
+        (Some(path), _) => (from_file(path)?, format!("from {}", path.display())),
+        (None, Some(choice)) => {
+            arguments.symbols.take(&mut file.session, choice)?;
+            driven(arguments, &file, choice)?
+        }
+        (None, None) => return Err(BadInput::new("expected --controller or --check")),
+    };
+    // Figures first: what makes none is no verification.
+    tautline_workflow::accuracy::figures(&rows).map_err(|error| match &arguments.check {
+        Some(path) => BadInput::new(format!("{}: {error}", path.display())),
+        None => anyhow::anyhow!("{error}"),
+    })?;
+    if let Some(path) = &arguments.out {
+        let mut bytes = Vec::new();
+        write_check(bytes.by_ref(), &rows).context("the table cannot be made")?;
+        write_bytes(path, &bytes)?;
+    }
+    let stage = stage(arguments, &file.session);
+    keep(&mut file, stage, rows, &source)?;
+    let document = VerificationDocument::of(&file.session, stage)?;
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&document))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        document::print(&document);
+    }
+    Ok(())
+}
+
+fn check(arguments: &Arguments) -> Result<()> {
+    let speed = arguments.speed;
+    if let Some(speed) = speed.filter(|s| !(s.is_finite() && *s > 0.0)) {
+        let message = format!("--speed: found {speed}, expected a positive number");
+        return Err(BadInput::new(message));
+    }
+    if arguments.cycles < 2 {
+        let message = format!(
+            "--cycles: found {}, expected at least 2 to tell the repeatability",
+            arguments.cycles
+        );
+        return Err(BadInput::new(message));
+    }
+    if arguments.points.is_some_and(|points| points < 2) {
+        return Err(BadInput::new("--points: expected at least 2"));
+    }
+    Ok(())
+}
+
+fn choice(arguments: &Arguments) -> Result<Option<ControllerChoice>> {
+    let parse = |text: &String| {
+        let choice = text.parse();
+        choice.map_err(|error| BadInput::new(format!("--controller: {error}")))
+    };
+    arguments.controller.as_ref().map(parse).transpose()
+}
+
+fn from_file(path: &std::path::Path) -> Result<Vec<CheckRow>> {
+    let read = read_check_file(path)?;
+    for notice in &read.notices {
+        eprintln!("{notice}");
+    }
+    Ok(read.value)
+}
+
+/// Drives, and lets the simulated instrument or the operator measure.
+fn driven(
+    arguments: &Arguments,
+    file: &SessionFile,
+    choice: &ControllerChoice,
+) -> Result<(Vec<CheckRow>, String)> {
+    let place = arguments.session.display().to_string();
+    require_simulated(&file.session, choice, &place)?;
+    let rig = Rig::chosen(&file.session, &[], choice, Some(&file.controller()));
+    let targets = targets(arguments, &rig);
+    if targets.is_empty() {
+        let message = format!("{place}: --targets: its robot can be driven to none of them");
+        return Err(BadInput::new(message));
+    }
+    if !rig.has_instrument() {
+        typing::require("The robot was not moved: where it stands has to be typed")?;
+    }
+    let mut connection = Connection::open(&rig, arguments.speed)?;
+    interrupt::listen()?;
+    connection.controller.arm().map_err(link_error)?;
+    let source = match &connection.instrument {
+        Some(instrument) => format!("with the {}", instrument.identity().to_lowercase()),
+        None => "typed in".to_owned(),
+    };
+    let rows = drive::drive(&mut connection, targets, arguments.cycles)?;
+    Ok((rows, source))
+}
+
+fn targets(arguments: &Arguments, rig: &Rig) -> Vec<CheckTarget> {
+    let (robot, workspace) = (rig.robot(), rig.workspace());
+    let (on_circle, on_line) = POINTS;
+    let mut targets = Vec::new();
+    for name in TargetName::ALL {
+        if arguments.targets.contains(&name) {
+            targets.extend(match name {
+                TargetName::Cube => cube_poses(robot, workspace),
+                TargetName::Circle => {
+                    circle(robot, workspace, arguments.points.unwrap_or(on_circle))
+                }
+                TargetName::Line => line(robot, workspace, arguments.points.unwrap_or(on_line)),
+            });
+        }
+    }
+    targets
+}
+
+/// After the adjustment if the last one was written.
+fn stage(arguments: &Arguments, session: &Session) -> Stage {
+    let last = session.adjustments().last();
+    match arguments.stage {
+        Some(StageName::Before) => Stage::Before,
+        Some(StageName::After) => Stage::After,
+        None if last.is_some_and(|last| last.outcome == Outcome::Written) => Stage::After,
+        None => Stage::Before,
+    }
+}
+
+fn keep(file: &mut SessionFile, stage: Stage, rows: Vec<CheckRow>, source: &str) -> Result<()> {
+    let text = format!("{}: {} measurements {source}.", title(stage), rows.len());
+    file.session.add_verification(Verification {
+        time: clock::now(),
+        title: title(stage).to_owned(),
+        stage,
+        rows,
+    });
+    file.log(Phase::Accuracy, text);
+    file.save()
+}

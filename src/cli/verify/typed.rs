@@ -1,0 +1,83 @@
+//! An external instrument whose readings somebody types.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use tautline_link::{Instrument, LinkError};
+use tautline_session::CheckPose;
+
+use crate::live::typed;
+
+/// Where the platform is going, for the question, and whether it had no answer.
+#[derive(Debug, Clone, Default)]
+pub struct Target(Arc<Mutex<(String, bool)>>);
+
+impl Target {
+    /// The next readings are asked for at this target.
+    pub fn set(&self, name: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).0 = name;
+    }
+
+    /// Whether nothing was typed at the last one.
+    pub fn is_missed(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).1
+    }
+
+    fn get(&self) -> String {
+        let target = self.0.lock();
+        target.unwrap_or_else(PoisonError::into_inner).0.clone()
+    }
+
+    fn miss(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).1 = true;
+    }
+}
+
+/// Asks for a position when the platform is there, and reads `x y z` in millimetres from standard input.
+pub struct Typed(pub Target);
+
+impl Instrument for Typed {
+    fn identity(&self) -> String {
+        "Typed readings".to_owned()
+    }
+
+    fn measure(&mut self) -> Result<CheckPose, LinkError> {
+        let question = format!("{}: x y z [mm]?", self.0.get());
+        let expected = "three numbers: x y z in mm";
+        if let Some(position_m) = typed::answer(&question, expected, position_m) {
+            return Ok(CheckPose {
+                position_m,
+                orientation_wxyz: None,
+            });
+        }
+        self.0.miss();
+        let text = format!(
+            "no reading was typed for {}: nothing of this verification is kept",
+            self.0.get()
+        );
+        Err(LinkError::Setup(text))
+    }
+}
+
+/// Three numbers in millimetres, with spaces, semicolons or tabs between them.
+fn position_m(line: &str) -> Option<[f64; 3]> {
+    let parts = line.split(|c: char| c.is_whitespace() || c == ';');
+    let numbers = parts.filter(|part| !part.is_empty());
+    let numbers: Result<Vec<f64>, _> = numbers.map(str::parse).collect();
+    let numbers: [f64; 3] = numbers.ok()?.try_into().ok()?;
+    let finite = numbers.iter().all(|number| number.is_finite());
+    finite.then(|| numbers.map(|number| number * 1e-3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_numbers_are_a_position() {
+        assert_eq!(position_m("1 -2.5\t3e1\n"), Some([1e-3, -2.5e-3, 0.03]));
+        assert_eq!(position_m(" 0;1;2 "), Some([0.0, 1e-3, 2e-3]));
+        for text in ["", "1 2", "1 2 3 4", "1 2 x", "1 2 nan", "1,5 2 3"] {
+            assert_eq!(position_m(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! What a diagnosis says: as a document, and in words.
+
+mod cause;
+mod convert;
+mod document;
+mod finding;
+mod invisible;
+#[cfg(any(test, feature = "test-samples"))]
+pub mod samples;
+mod stage;
+mod verdict;
+
+use std::sync::Arc;
+
+use tautline_core::diagnosis::{Cause, Diagnosis};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+
+pub use document::DiagnosisDocument;
+pub use finding::gain;
+pub use invisible::{HIDDEN, Hidden};
+pub use stage::stage;
+pub use verdict::{adequacy, missed};
+
+/// A diagnosis with what it is about.
+#[derive(Debug)]
+pub struct Diagnosed {
+    /// Robot and measurements, excluded poses left out.
+    pub dataset: Arc<Dataset>,
+    /// What was found.
+    pub diagnosis: Diagnosis,
+    /// Probability of a false alarm that was asked for.
+    pub alpha: f64,
+    /// Time that it took (s).
+    pub seconds: f64,
+}
+
+impl Diagnosed {
+    /// The robot whose model was examined.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.dataset.robot
+    }
+
+    /// Label of a row.
+    #[must_use]
+    pub fn label(&self, row: usize) -> i64 {
+        self.dataset.measurements.labels[row]
+    }
+
+    /// Name of a cable.
+    #[must_use]
+    pub fn cable(&self, index: Option<usize>) -> Option<String> {
+        index.map(|index| self.robot().cables[index].name.clone())
+    }
+
+    /// Names of the cables that a cause is about; none for an effect of the robot, an instrument or all cables
+    /// together.
+    #[must_use]
+    pub fn targets(&self, cause: &Cause) -> Vec<String> {
+        let cables = cause.cables().into_iter();
+        cables.filter_map(|index| self.cable(Some(index))).collect()
+    }
+}

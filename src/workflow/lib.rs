@@ -1,0 +1,20 @@
+//! What is done with a session, with no face: identification, planning, adjusting, comparing, verifying, the tables of
+//! the first phases, reports, result documents and their wording. Commands and window are made of these.
+
+pub mod accuracy;
+pub mod adjusting;
+mod bad_input;
+pub mod clock;
+pub mod comparison;
+pub mod controllers;
+pub mod documents;
+pub mod fonts;
+pub mod identification;
+pub mod planning;
+pub mod precalibration;
+pub mod report;
+pub mod samples;
+pub mod session_file;
+pub mod wording;
+
+pub use bad_input::BadInput;

@@ -1,0 +1,140 @@
+//! Poses to measure and what to expect of them, for the window and the commands.
+
+use std::collections::HashSet;
+
+use tautline_core::effect::BoundEffect;
+use tautline_core::estimation::{Control, Method};
+use tautline_core::geometry::Pose;
+use tautline_core::measurement::Measurements;
+use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
+use tautline_session::{PlannedPose, Session};
+
+use crate::controllers::bounds;
+
+/// Seed of the poses among which is chosen.
+pub const SEED: u64 = 1;
+
+/// A plan and what to expect of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outlook {
+    /// The poses in their order, the home pose first where it is to be measured.
+    pub poses: Vec<PlannedPose>,
+    /// What all poses together tell.
+    pub expected: Indices,
+    /// What as many poses drawn at random would tell.
+    pub random: Indices,
+    /// Standard deviation of the entry points after so many of the poses, home not counted (m).
+    pub after_m: Vec<Option<f64>>,
+    /// Length of the way (m).
+    pub way_m: f64,
+}
+
+/// What is planned: the options that depend on the session alone.
+fn options<'a>(
+    session: &Session,
+    effects: &'a [BoundEffect],
+    existing: &'a Measurements,
+    (poses, seed): (usize, u64),
+) -> PlanOptions<'a> {
+    let (workspace, tension) = bounds(&session.robot);
+    PlanOptions {
+        workspace: Some(workspace),
+        tension: Some(tension),
+        effects,
+        // Before more poses than the home pose are measured there is nothing to build on.
+        existing: (existing.len() > 1).then_some(existing),
+        method: match session.settings.identification.method {
+            tautline_session::Method::Simple => Method::Simple,
+            _ => Method::Joint,
+        },
+        ..PlanOptions::new(poses, seed)
+    }
+}
+
+fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
+    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
+        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
+        .collect();
+    effects.map_err(|error| error.to_string())
+}
+
+/// Chooses so many poses with a seed, after those that are measured already.
+///
+/// # Errors
+/// One sentence, if there is no such plan or the observer cancelled it.
+pub fn outlook(
+    session: &Session,
+    wanted: (usize, u64),
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let measured = session.dataset().measurements;
+    let options = options(session, &effects, &measured, wanted);
+    let planned = plan(&session.robot, &options, observe);
+    let planned = planned.map_err(|error| error.to_string())?;
+    Ok(Outlook::of(with_home(session, &planned), &planned))
+}
+
+impl Outlook {
+    fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
+        Self {
+            poses,
+            expected: planned.expected.indices,
+            random: planned.random.indices,
+            after_m: (0..=planned.poses.len())
+                .map(|count| planned.after(count).indices.mean_m)
+                .collect(),
+            way_m: planned.order.travel_m,
+        }
+    }
+}
+
+/// What the plan of a session promises, built on what was measured outside of it.
+///
+/// # Errors
+/// One sentence, if nothing can be said or the observer cancelled it.
+pub fn stored(
+    session: &Session,
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Outlook, String> {
+    let effects = effects(session)?;
+    let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
+    let measured = session.dataset().measurements;
+    let others: Vec<usize> = (0..measured.len())
+        .filter(|row| measured.labels[*row] == 0 || !is_planned(measured.labels[*row]))
+        .collect();
+    let measured = measured.select(&others);
+    let poses: Vec<Pose> = (session.plan.iter())
+        .filter(|pose| pose.label != 0)
+        .map(PlannedPose::pose)
+        .collect();
+    let options = options(session, &effects, &measured, (poses.len(), SEED));
+    let planned = expect(&session.robot, &poses, &options, observe);
+    let planned = planned.map_err(|error| error.to_string())?;
+    Ok(Outlook::of(session.plan.clone(), &planned))
+}
+
+/// The poses with labels of their own, after the home pose where that is not measured yet.
+fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
+    let measured = &session.measurements.labels;
+    let first = measured.iter().copied().fold(0, i64::max).saturating_add(1);
+    let home = session.robot.home.filter(|_| !measured.contains(&0));
+    let home = home.map(|home| PlannedPose::new(0, &home.pose()));
+    let poses = planned.poses.iter().zip(first..);
+    home.into_iter()
+        .chain(poses.map(|(planned, label)| PlannedPose::new(label, &planned.pose)))
+        .collect()
+}
+
+/// Number of poses of the plan that are not measured yet.
+#[must_use]
+pub fn missing(session: &Session) -> usize {
+    if session.plan.is_empty() {
+        return 0;
+    }
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
+    let planned = session.plan.iter();
+    planned
+        .filter(|pose| !measured.contains(&pose.label))
+        .count()
+}

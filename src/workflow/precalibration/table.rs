@@ -1,0 +1,131 @@
+//! The tables of phases 1 and 2 as files.
+
+use std::path::Path;
+
+use tautline_core::robot::Robot;
+use tautline_session::{
+    ElongationPoint, ForcePair, HomeReading, Loaded, PhaseData, ReadError, WinchPair,
+    read_elongation, read_force, read_home, read_table_file, read_winch,
+};
+
+/// A table of phase 1 or 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Table {
+    /// Revolutions and lengths of winches.
+    Winch,
+    /// Readings and loads of force sensors.
+    Force,
+    /// Readings of the home platform.
+    Home,
+    /// Elongations of a cable.
+    Elongation,
+}
+
+/// Rows of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TableRows {
+    /// Of winches.
+    Winch(Vec<WinchPair>),
+    /// Of force sensors.
+    Force(Vec<ForcePair>),
+    /// Of the home platform.
+    Home(Vec<HomeReading>),
+    /// Of a cable's elongation.
+    Elongation(Vec<ElongationPoint>),
+}
+
+impl Table {
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Winch, Self::Force, Self::Home, Self::Elongation];
+
+    /// Its usual file name.
+    #[must_use]
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Winch => "winch.csv",
+            Self::Force => "force.csv",
+            Self::Home => "home.csv",
+            Self::Elongation => "elongation.csv",
+        }
+    }
+
+    /// The columns that it has to have.
+    #[must_use]
+    pub fn columns(self) -> &'static [&'static str] {
+        match self {
+            Self::Winch => &["cable", "rev", "length_m"],
+            Self::Force => &["cable", "reading_n", "load_n"],
+            Self::Home => &["sensor", "reading"],
+            Self::Elongation => &["length_m", "tension_n", "elongation_m"],
+        }
+    }
+
+    /// Reads its rows from a file.
+    ///
+    /// # Errors
+    /// The place in the file that is wrong.
+    pub fn read(self, path: &Path, robot: &Robot) -> Result<Loaded<TableRows>, ReadError> {
+        fn rows<T>(
+            loaded: Loaded<Vec<T>>,
+            wrap: impl FnOnce(Vec<T>) -> TableRows,
+        ) -> Loaded<TableRows> {
+            let Loaded { value, notices } = loaded;
+            Loaded {
+                value: wrap(value),
+                notices,
+            }
+        }
+        read_table_file(path, |reader, file| match self {
+            Self::Winch => read_winch(reader, file, robot).map(|l| rows(l, TableRows::Winch)),
+            Self::Force => read_force(reader, file, robot).map(|l| rows(l, TableRows::Force)),
+            Self::Home => read_home(reader, file).map(|l| rows(l, TableRows::Home)),
+            Self::Elongation => {
+                read_elongation(reader, file).map(|l| rows(l, TableRows::Elongation))
+            }
+        })
+    }
+}
+
+impl TableRows {
+    /// Which table they are of.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        match self {
+            Self::Winch(_) => Table::Winch,
+            Self::Force(_) => Table::Force,
+            Self::Home(_) => Table::Home,
+            Self::Elongation(_) => Table::Elongation,
+        }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn row_count(&self) -> usize {
+        match self {
+            Self::Winch(rows) => rows.len(),
+            Self::Force(rows) => rows.len(),
+            Self::Home(rows) => rows.len(),
+            Self::Elongation(rows) => rows.len(),
+        }
+    }
+
+    /// Whether every row is of a cable that a robot with `cables` cables has.
+    #[must_use]
+    pub fn suit(&self, cables: usize) -> bool {
+        match self {
+            Self::Winch(rows) => rows.iter().all(|row| row.cable < cables),
+            Self::Force(rows) => rows.iter().all(|row| row.cable < cables),
+            Self::Home(_) | Self::Elongation(_) => true,
+        }
+    }
+
+    /// Puts them in the place of the rows that were there.
+    pub fn replace(self, phases: &mut PhaseData) {
+        match self {
+            Self::Winch(rows) => phases.winch = rows,
+            Self::Force(rows) => phases.force = rows,
+            Self::Home(rows) => phases.home = rows,
+            Self::Elongation(rows) => phases.elongation = rows,
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! How well the model explains the readings.
+
+use tautline_core::diagnosis::Quantity;
+use tautline_core::estimation::{Reading, ReadingKind};
+use tautline_core::robot::Robot;
+
+use super::{number, signed};
+use crate::documents::diagnosis::Diagnosed;
+use crate::documents::identification::reading_name;
+use crate::identification::Fit;
+use crate::report::document::{Block, Section, Table};
+use crate::report::plots;
+use crate::wording::units::{people, quantity};
+use crate::wording::{odds, ratio, sentence};
+
+/// Level for all readings together at which single readings are called suspect.
+const SUSPECT_LEVEL: f64 = 0.01;
+/// Most suspect readings that are listed.
+const SUSPECTS: usize = 12;
+
+pub fn section(fit: &Fit, diagnosed: Option<&Diagnosed>) -> Section {
+    let mut section = Section::new("How well the model fits");
+    section.lead(verdict(fit));
+    if let Some(diagnosed) = diagnosed {
+        for noise in &diagnosed.diagnosis.noise {
+            section.paragraph(diagnosed.noise_line(noise));
+        }
+    }
+    section.table(kinds(fit));
+    let plots = cable_plots(fit);
+    if !plots.is_empty() {
+        section.heading("Length readings, cable by cable");
+        section.note("Prediction minus reading over the poses, in standard deviations of this difference. The band reaches to three of them: with a right model about 3 of 1000 readings are outside.");
+        section.blocks.push(Block::Plots(plots));
+    }
+    let all: Vec<f64> = fit
+        .analysis
+        .readings
+        .iter()
+        .filter_map(Reading::normalised)
+        .collect();
+    if !all.is_empty() {
+        section.heading("All readings together");
+        section.note(
+            "How often residuals of a size occur; the line is what noise as given would make.",
+        );
+        let name = format!("{} readings", all.len());
+        section
+            .blocks
+            .push(Block::Plots(vec![plots::histogram(&name, &all)]));
+    }
+    suspects(fit, &mut section);
+    section
+}
+
+fn verdict(fit: &Fit) -> String {
+    let solution = &fit.solution;
+    let by = (solution.chi2 / solution.degrees_of_freedom).sqrt();
+    match solution.p_value() {
+        None => "The readings are just enough to find the parameters: they cannot be checked."
+            .to_owned(),
+        Some(p) if p < 0.01 => format!(
+            "The readings are missed by {} times their noise; a right model would do so or worse {}.",
+            ratio(by),
+            odds(p)
+        ),
+        Some(p) if p > 0.9999 => format!(
+            "The readings are missed by only {} times their noise: they scatter less than the robot's description says.",
+            ratio(by)
+        ),
+        Some(_) => format!(
+            "The readings are missed by {} times their noise; a right model does so by about 1.",
+            ratio(by)
+        ),
+    }
+}
+
+/// The quantity of a reading; none of the balance of forces, which stands for the tensions.
+fn quantity_of(kind: ReadingKind) -> Option<(Quantity, &'static str)> {
+    Some(match kind {
+        ReadingKind::Length(_) => (Quantity::Length, "m"),
+        ReadingKind::Laser => (Quantity::Laser, "m"),
+        ReadingKind::Swivel(_) => (Quantity::Swivel, "rad"),
+        ReadingKind::Inclination(_) => (Quantity::Inclination, "rad"),
+        ReadingKind::TrackerPosition(_) => (Quantity::TrackerPosition, "m"),
+        ReadingKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, "rad"),
+        ReadingKind::Equilibrium(_) => return None,
+    })
+}
+
+fn kinds(fit: &Fit) -> Table {
+    let mut table = Table::new(
+        "Residuals by kind of reading: root mean square, and over what noise alone would leave",
+        2,
+        &[
+            "Reading",
+            "unit",
+            "number",
+            "residual",
+            "over noise",
+            "beyond 3",
+        ],
+    );
+    for quantity in Quantity::ALL {
+        let own =
+            |reading: &&Reading| quantity_of(reading.kind).is_some_and(|(q, _)| q == quantity);
+        let readings: Vec<&Reading> = fit.analysis.readings.iter().filter(own).collect();
+        let Some((_, unit)) = readings.first().and_then(|r| quantity_of(r.kind)) else {
+            continue;
+        };
+        let (factor, unit) = people(unit);
+        let normalised: Vec<f64> = readings.iter().filter_map(|r| r.normalised()).collect();
+        let beyond = normalised.iter().filter(|r| r.abs() > 3.0).count();
+        table.push([
+            sentence(quantity.name()),
+            unit.to_owned(),
+            readings.len().to_string(),
+            number(factor * rms(readings.iter().map(|r| r.residual())), 3),
+            number(rms(normalised.iter().copied()), 2),
+            beyond.to_string(),
+        ]);
+    }
+    if let Some(tension_n) = fit.analysis.tension_rms_n() {
+        let noise = tension_noise(&fit.dataset.robot, fit);
+        table.push([
+            "Tension".to_owned(),
+            "N".to_owned(),
+            fit.analysis.tension_errors_n.len().to_string(),
+            number(tension_n, 2),
+            number(noise, 2),
+            super::NONE.to_owned(),
+        ]);
+    }
+    table
+}
+
+/// Estimated errors of the tensions over the noise of their sensors.
+fn tension_noise(robot: &Robot, fit: &Fit) -> f64 {
+    rms(fit
+        .analysis
+        .tension_errors_n
+        .iter()
+        .filter_map(|(_, cable, error)| {
+            let sensor = robot.cables.get(*cable)?.force_sensor?;
+            Some(error / sensor.tension_sd_n)
+        }))
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = values.fold((0.0, 0.0), |(n, s), v| (n + 1.0, s + v * v));
+    if count > 0.0 {
+        f64::sqrt(sum / count)
+    } else {
+        f64::NAN
+    }
+}
+
+fn cable_plots(fit: &Fit) -> Vec<crate::report::drawing::Drawing> {
+    let labels = &fit.dataset.measurements.labels;
+    let cables = fit.dataset.robot.cables.iter().enumerate();
+    cables
+        .filter_map(|(cable, description)| {
+            let own = |r: &&Reading| r.kind == ReadingKind::Length(cable);
+            let readings: Vec<&Reading> = fit.analysis.readings.iter().filter(own).collect();
+            let points = readings.iter().filter_map(|r| {
+                let label = labels.get(r.row)?;
+                Some((*label, r.normalised()?))
+            });
+            let points: Vec<(i64, f64)> = points.collect();
+            let residual = rms(readings.iter().map(|r| r.residual()));
+            let text = format!("root mean square {}", quantity(residual, "m"));
+            (!points.is_empty()).then(|| plots::residuals(&description.name, &points, &text))
+        })
+        .collect()
+}
+
+fn suspects(fit: &Fit, section: &mut Section) {
+    let suspects = fit.analysis.suspects(SUSPECT_LEVEL);
+    if suspects.is_empty() {
+        section.note("No single reading stands out.");
+        return;
+    }
+    let more = match suspects.len().saturating_sub(SUSPECTS) {
+        0 => String::new(),
+        more => format!(", the worst {SUSPECTS} of {}", more + SUSPECTS),
+    };
+    let mut table = Table::new(
+        format!("Readings that stand out{more}: look at these poses again"),
+        1,
+        &["Reading", "pose", "standard deviations"],
+    );
+    let labels = &fit.dataset.measurements.labels;
+    for reading in suspects.iter().take(SUSPECTS) {
+        table.push([
+            sentence(&reading_name(&fit.dataset.robot, reading.kind)),
+            labels
+                .get(reading.row)
+                .map_or_else(String::new, i64::to_string),
+            signed(reading.normalised().unwrap_or(f64::NAN), 1),
+        ]);
+    }
+    section.table(table);
+}

@@ -1,0 +1,214 @@
+//! The identified parameters.
+
+use tautline_core::effect::BoundEffect;
+use tautline_core::estimation::{Parameter, ParameterId};
+use tautline_core::geometry::Coordinate;
+
+use super::{NONE, number, signed};
+use crate::identification::Fit;
+use crate::report::document::{Section, Table};
+use crate::wording::units::{decimals, people, unit_of};
+
+/// Correlations above this are worth knowing.
+const CORRELATED: f64 = 0.9;
+/// Most correlations that are listed.
+const LISTED: usize = 10;
+/// Most decimals of a number that people read.
+const FINEST: usize = 4;
+
+pub fn section(fit: &Fit) -> Section {
+    let mut section = Section::new("Identified values");
+    if fit.solution.covariance.is_none() {
+        section.lead(
+            "The data do not determine all of these values: there are no standard deviations.",
+        );
+    } else {
+        section.paragraph("19 times out of 20 the true value lies within two standard deviations of the identified one, if the model explains the data.");
+    }
+    section.table(entry_points(fit));
+    section.table(others(fit));
+    correlations(fit, &mut section);
+    section
+}
+
+/// Decimals for standard deviations (in the unit of the table): those of the middle one.
+fn common_decimals(sds: impl Iterator<Item = f64>) -> usize {
+    let mut sds: Vec<f64> = sds.filter(|sd| sd.is_finite() && *sd > 0.0).collect();
+    sds.sort_by(f64::total_cmp);
+    sds.get(sds.len() / 2)
+        .map_or(2, |sd| decimals(*sd).min(FINEST))
+}
+
+/// Standard deviation of a parameter; `None` where the data do not determine it.
+fn sd(fit: &Fit, id: &ParameterId) -> Option<f64> {
+    let index = fit.solution.parameters.iter().position(|p| p.id == *id)?;
+    fit.solution.standard_deviation(index)
+}
+
+fn is_estimated(fit: &Fit, id: &ParameterId) -> bool {
+    fit.solution.parameters.iter().any(|p| p.id == *id)
+}
+
+fn entry_points(fit: &Fit) -> Table {
+    let mut table = Table::new(
+        "Where the cables reach their pulleys (mm, base frame)",
+        2,
+        &[
+            "Cable",
+            "axis",
+            "nominal",
+            "identified",
+            "difference",
+            "standard deviation",
+        ],
+    );
+    let id = |cable, axis| ParameterId::EntryPoint { cable, axis };
+    let cables = &fit.dataset.robot.cables;
+    let all = (0..cables.len()).flat_map(|cable| (0..3).map(move |axis| (cable, axis)));
+    let digits = common_decimals(
+        all.filter_map(|(c, a)| sd(fit, &id(c, a)))
+            .map(|sd| 1e3 * sd),
+    );
+    let points = cables.iter().zip(&fit.solution.globals.entry_points);
+    for (cable, (description, found)) in points.enumerate() {
+        for (axis, label) in ["x", "y", "z"].into_iter().enumerate() {
+            let nominal = description.pulley.entry_point_m[axis];
+            let sd = match sd(fit, &id(cable, axis)) {
+                Some(sd) => number(1e3 * sd, digits),
+                None if is_estimated(fit, &id(cable, axis)) => "open".to_owned(),
+                None => "given".to_owned(),
+            };
+            let name = if axis == 0 { &description.name } else { "" };
+            table.push([
+                name.to_owned(),
+                label.to_owned(),
+                number(1e3 * nominal, digits),
+                number(1e3 * found[axis], digits),
+                signed(1e3 * (found[axis] - nominal), digits),
+                sd,
+            ]);
+        }
+    }
+    table
+}
+
+/// The effects that were identified: those whose values were held come before them.
+fn free_effects(fit: &Fit) -> &[BoundEffect] {
+    let effects = &fit.solution.globals.effects;
+    effects.get(fit.held..).unwrap_or_default()
+}
+
+/// Nominal and identified value of a parameter that is no entry point; the nominal one only where it is one number.
+fn values(fit: &Fit, parameter: &Parameter) -> Option<(Option<f64>, f64)> {
+    let globals = &fit.solution.globals;
+    let robot = &fit.dataset.robot;
+    match parameter.id {
+        ParameterId::EntryPoint { .. } => None,
+        ParameterId::PlaneOffset => {
+            let nominal = robot.laser.map(|laser| laser.target_plane.offset_m);
+            Some((nominal, globals.plane_offset_m))
+        }
+        ParameterId::Home(coordinate) => {
+            let nominal = robot.home.as_ref()?.pose();
+            let k = coordinate.index();
+            let is_position = matches!(coordinate, Coordinate::X | Coordinate::Y | Coordinate::Z);
+            if is_position {
+                Some((Some(nominal.position[k]), globals.home.position[k]))
+            } else {
+                Some((Some(0.0), globals.home.difference(&nominal)[k]))
+            }
+        }
+        ParameterId::HomeTension { cable } => {
+            Some((Some(0.0), *globals.home_tension_error_n.get(cable)?))
+        }
+        ParameterId::Effect { effect, parameter } => {
+            let bound = free_effects(fit).get(effect)?;
+            let neutral = bound.effect.parameters().get(parameter)?.neutral;
+            Some((Some(neutral), *bound.values.get(parameter)?))
+        }
+    }
+}
+
+/// Unit in which people read a parameter, and the factor to it.
+fn unit<'a>(fit: &Fit, parameter: &'a Parameter) -> (f64, &'a str) {
+    let name = match parameter.id {
+        ParameterId::Effect { effect, parameter } => {
+            let bound = free_effects(fit).get(effect);
+            let all = bound.map(|bound| bound.effect.parameters());
+            all.and_then(|all| all.get(parameter)).map(|p| p.name)
+        }
+        _ => None,
+    };
+    people(unit_of(name.unwrap_or_default(), parameter.unit))
+}
+
+fn others(fit: &Fit) -> Table {
+    let mut table = Table::new(
+        "Everything else that was identified; home rotations are those from the nominal pose",
+        2,
+        &[
+            "Parameter",
+            "unit",
+            "nominal",
+            "identified",
+            "difference",
+            "standard deviation",
+        ],
+    );
+    for (index, parameter) in fit.solution.parameters.iter().enumerate() {
+        let Some((nominal, found)) = values(fit, parameter) else {
+            continue;
+        };
+        let (factor, unit) = unit(fit, parameter);
+        let sd = fit.solution.standard_deviation(index).map(|sd| factor * sd);
+        let digits = sd.map_or(2, |sd| common_decimals(std::iter::once(sd)));
+        let shown = |value: Option<f64>, text: fn(f64, usize) -> String| {
+            value.map_or_else(|| NONE.to_owned(), |value| text(factor * value, digits))
+        };
+        table.push([
+            parameter.name.clone(),
+            unit.to_owned(),
+            shown(nominal, number),
+            number(factor * found, digits),
+            shown(nominal.map(|nominal| found - nominal), signed),
+            sd.map_or_else(|| "open".to_owned(), |sd| number(sd, digits)),
+        ]);
+    }
+    table
+}
+
+fn correlations(fit: &Fit, section: &mut Section) {
+    let Some(all) = fit.solution.correlations() else {
+        return;
+    };
+    let pairs = (0..all.nrows()).flat_map(|i| (0..i).map(move |k| (i, k)));
+    let mut strong: Vec<(usize, usize, f64)> = pairs
+        .map(|(i, k)| (k, i, all[(i, k)]))
+        .filter(|(_, _, c)| c.abs() > CORRELATED)
+        .collect();
+    strong.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+    if strong.is_empty() {
+        section.note(format!(
+            "No two of these values are correlated by more than {CORRELATED}."
+        ));
+        return;
+    }
+    let shown = strong.len().min(LISTED);
+    let which = if shown < strong.len() {
+        format!("the {shown} strongest of {} pairs", strong.len())
+    } else {
+        format!("pairs above {CORRELATED}")
+    };
+    let mut table = Table::new(
+        format!(
+            "Correlations worth knowing ({which}): what such values have in common is known better than each alone"
+        ),
+        2,
+        &["Parameter", "and", "correlation"],
+    );
+    let name = |k: usize| fit.solution.parameters[k].name.clone();
+    for (a, b, correlation) in strong.into_iter().take(LISTED) {
+        table.push([name(a), name(b), signed(correlation, 3)]);
+    }
+    section.table(table);
+}

@@ -1,0 +1,59 @@
+//! How the values were found.
+
+use tautline_core::effect::BoundEffect;
+use tautline_core::estimation::Method;
+use tautline_session::Session;
+
+use crate::identification::Fit;
+use crate::report::document::Section;
+use crate::wording::{count, list};
+
+/// Where the method comes from.
+const SOURCE: &str = "X. Jin, J. Jung, S. Y. Ko, E. Choi, J.-O. Park, C.-S. Kim: Geometric parameter calibration for a cable-driven parallel robot based on a single one-dimensional laser distance sensor measurement and experimental modeling. Sensors 18 (2018) 2392, doi:10.3390/s18072392.";
+
+pub fn section(session: &Session, fit: &Fit) -> Section {
+    let mut section = Section::new("Method");
+    let tensions = match fit.method {
+        Method::Simple => "Tensions are taken as the sensors say, without the balance of forces",
+        Method::Joint if fit.dataset.measurements.force_n.is_empty() => "No tensions were measured",
+        Method::Joint => {
+            "Tensions are unknown as well: their readings have noise, and the balance of forces holds at every pose"
+        }
+    };
+    section.paragraph(format!(
+        "The pulleys are put where lengths, tensions and distances at all measured poses fit together best, each reading weighted by its noise; the poses themselves are found along with them. {tensions}."
+    ));
+    let effects = &fit.solution.globals.effects;
+    if !effects.is_empty() {
+        let names = effects.iter().map(|bound| name(bound, session));
+        section.paragraph(format!(
+            "The model has these effects besides the geometry: {}.",
+            list(&names.collect::<Vec<_>>())
+        ));
+    }
+    let solution = &fit.solution;
+    section.note(format!(
+        "Weighted least squares (Gauss-Newton with a trust region, poses eliminated one by one): {}, {}, chi-square {:.1} for {:.0} degrees of freedom, {}.",
+        count(solution.parameters.len(), "common parameter"),
+        count(solution.poses.len(), "pose"),
+        solution.chi2,
+        solution.degrees_of_freedom,
+        if solution.converged() {
+            format!("converged after {}", count(solution.iterations, "step"))
+        } else {
+            "NOT converged".to_owned()
+        }
+    ));
+    section.note(format!("After {SOURCE}"));
+    section
+}
+
+fn name(bound: &BoundEffect, session: &Session) -> String {
+    let title = bound.effect.title();
+    let targets = bound.setting(&session.robot).targets;
+    if targets.is_empty() {
+        title.to_owned()
+    } else {
+        format!("{title} ({})", list(&targets))
+    }
+}

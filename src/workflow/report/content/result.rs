@@ -1,0 +1,114 @@
+//! The first page: what came out.
+
+use tautline_core::diagnosis::Diagnosis;
+use tautline_core::estimation::Solution;
+use tautline_session::Session;
+
+use super::accuracy;
+use crate::identification::Fit;
+use crate::report::ReportInput;
+use crate::report::document::{Block, Section};
+use crate::wording::count;
+use crate::wording::units::quantity;
+
+/// Probability below which the model is said not to explain the data.
+const DOUBT: f64 = 0.01;
+
+pub fn section(input: &ReportInput<'_>) -> Section {
+    let mut section = Section::new("Result");
+    if input.outdated {
+        section.lead("The session was changed after this was computed: identify again before using the values.");
+    }
+    match (input.diagnosis, input.fit) {
+        (Some(diagnosed), _) => {
+            section.lead(diagnosed.headline());
+            let findings = diagnosed.diagnosis.findings.iter();
+            section.list(findings.map(|f| diagnosed.heading(f)).collect());
+        }
+        (None, Some(fit)) => section.lead(verdict(&fit.solution, input.session)),
+        (None, None) => section.lead(nothing(input.session)),
+    }
+    if let Some(fit) = input.fit {
+        section.paragraph(moved(fit));
+        for deficiency in &fit.open {
+            section.paragraph(format!("Open: {}.", deficiency.sentence));
+        }
+    }
+    if let Some(text) = input.diagnosis.and_then(|d| largest_gain(&d.diagnosis)) {
+        section.paragraph(text);
+    }
+    if let Some(text) = accuracy::summary(input.session) {
+        section.paragraph(text);
+    }
+    if let Some(png) = input.picture {
+        section.blocks.push(Block::Picture {
+            png: png.to_vec(),
+            caption: match input.fit {
+                Some(_) => format!(
+                    "{}: the arrows lead from the pulleys of the drawing to the identified ones, larger than they are",
+                    input.session.robot.name
+                ),
+                None => format!("{} with its cables", input.session.robot.name),
+            },
+        });
+    }
+    section
+}
+
+fn nothing(session: &Session) -> String {
+    match session.measurements.len() {
+        0 => {
+            "No pose has been measured yet: this report describes the robot and what was prepared."
+                .to_owned()
+        }
+        poses => format!("{} measured, nothing identified yet.", count(poses, "pose")),
+    }
+}
+
+/// Whether the model explains the readings, without a diagnosis.
+fn verdict(solution: &Solution, session: &Session) -> String {
+    let name = &session.robot.name;
+    if !solution.converged() {
+        return format!("{name}: the fit did NOT converge, do not rely on the numbers.");
+    }
+    match solution.p_value() {
+        None => format!(
+            "{name}: the readings are just enough to find the pulleys, so they cannot be checked."
+        ),
+        Some(p) if p < DOUBT => format!(
+            "{name}: the model does NOT explain the readings. The standard deviations hold only if it did."
+        ),
+        Some(_) => format!("{name}: the model explains the readings."),
+    }
+}
+
+/// How far the entry points are from the drawing.
+fn moved(fit: &Fit) -> String {
+    let nominal = &fit.dataset.robot.cables;
+    let points = nominal.iter().zip(&fit.solution.globals.entry_points);
+    let distances = points.map(|(cable, found)| {
+        let drawn = cable.pulley.entry_point_m;
+        let square: f64 = (0..3).map(|k| (found[k] - drawn[k]).powi(2)).sum();
+        (square.sqrt(), cable.name.as_str())
+    });
+    let farthest = distances.max_by(|a, b| a.0.total_cmp(&b.0));
+    let poses = count(fit.dataset.measurements.len(), "pose");
+    match farthest {
+        Some((distance, name)) if distance > 0.0 => format!(
+            "Identified from {poses}. The pulley that is farthest from where the drawing has it is that of {name}: {}.",
+            quantity(distance, "m")
+        ),
+        _ => format!("Identified from {poses}. No pulley is elsewhere than the drawing has it."),
+    }
+}
+
+/// By how much the platform is misplaced without the findings.
+fn largest_gain(diagnosis: &Diagnosis) -> Option<String> {
+    let positions = diagnosis.findings.iter().map(|f| f.gain.position);
+    let largest = positions.max_by(|a, b| a.rms_m.total_cmp(&b.rms_m))?;
+    Some(format!(
+        "The finding that matters most moves the platform by {} on average (up to {}).",
+        quantity(largest.rms_m, "m"),
+        quantity(largest.largest_m, "m")
+    ))
+}

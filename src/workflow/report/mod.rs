@@ -1,0 +1,125 @@
+//! The report of a calibration: what was measured, identified and found, as HTML or PDF.
+//!
+//! `content` makes one document of plain data; `html` and `pdf` render it. Nothing
+//! here reads a clock or asks the window for anything, so a report is the same wherever it is made.
+
+mod choice;
+mod content;
+mod document;
+mod drawing;
+mod html;
+mod pdf;
+mod plots;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use tautline_session::{Session, Timestamp, WriteError, write_bytes};
+
+use crate::documents::diagnosis::Diagnosed;
+use crate::identification::Fit;
+pub use choice::{Part, ReportChoice};
+pub use pdf::PdfError;
+
+/// Name of the program, as it signs reports.
+const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
+
+/// What a report is about.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportInput<'a> {
+    /// The session.
+    pub session: &'a Session,
+    /// Its identification, if there is one.
+    pub fit: Option<&'a Fit>,
+    /// Its diagnosis, if there is one.
+    pub diagnosis: Option<&'a Diagnosed>,
+    /// Whether the session was changed after identification or diagnosis.
+    pub outdated: bool,
+    /// A picture of the robot (PNG), if there is one.
+    pub picture: Option<&'a [u8]>,
+    /// What of it is wanted, and its head.
+    pub choice: &'a ReportChoice,
+    /// When the report is made.
+    pub now: Timestamp,
+}
+
+/// How a report is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReportFormat {
+    /// One HTML file that needs nothing else.
+    Html,
+    /// PDF, A4.
+    Pdf,
+}
+
+impl ReportFormat {
+    /// By the end of the file's name, whatever its case; `None` if it is another.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "html" | "htm" => Some(Self::Html),
+            "pdf" => Some(Self::Pdf),
+            _ => None,
+        }
+    }
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Html => "HTML",
+            Self::Pdf => "PDF",
+        }
+    }
+
+    /// End of the file's name.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Html => "html",
+            Self::Pdf => "pdf",
+        }
+    }
+}
+
+/// Why there is no report.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The name of the file does not say how to store it.
+    #[error("{}: found a name that does not end with .html or .pdf, expected one of them", .0.display())]
+    Extension(PathBuf),
+    /// The PDF cannot be made.
+    #[error(transparent)]
+    Pdf(#[from] PdfError),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// The report as bytes of a file.
+///
+/// # Errors
+/// If a PDF is asked for and the picture is no PNG.
+pub fn render_report(
+    input: &ReportInput<'_>,
+    format: ReportFormat,
+) -> Result<Vec<u8>, ReportError> {
+    let document = content::document(input);
+    Ok(match format {
+        ReportFormat::Html => html::render(&document).into_bytes(),
+        ReportFormat::Pdf => pdf::render(&document, input.now)?,
+    })
+}
+
+/// Writes the report in the format that the name of the file says, completely or not at all.
+///
+/// # Errors
+/// If the name ends with neither .html nor .pdf, or the file cannot be written.
+pub fn write_report(path: &Path, input: &ReportInput<'_>) -> Result<(), ReportError> {
+    let format =
+        ReportFormat::of(path).ok_or_else(|| ReportError::Extension(path.to_path_buf()))?;
+    write_bytes(path, &render_report(input, format)?)?;
+    Ok(())
+}

@@ -1,0 +1,354 @@
+//! Whole reports of a small robot.
+
+use std::sync::Arc;
+
+use hayro_syntax::Pdf;
+use hayro_syntax::object::{Dict, Object};
+use quick_xml::Reader;
+use quick_xml::events::Event;
+use tautline_core::diagnosis::Verdict;
+use tautline_core::estimation::{Control, Method};
+use tautline_session::{
+    Adjustment, CheckKind, CheckPose, CheckRow, LogEntry, Outcome, Phase, Session, Stage,
+    Timestamp, ValueChange, Verification,
+};
+
+use super::document::{Block, Document};
+use super::*;
+use crate::documents::diagnosis::samples::{dataset, diagnosed};
+use crate::identification::{FitOrder, fit};
+
+/// A name that would be a program if it were taken as markup.
+const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";
+
+struct Sample {
+    choice: ReportChoice,
+    session: Session,
+    fit: Fit,
+    diagnosis: Diagnosed,
+}
+
+fn time(minutes: i64) -> Timestamp {
+    Timestamp::from_unix_seconds(1_532_336_700 + 60 * minutes)
+}
+
+fn row(cycle: i64, off_m: f64) -> CheckRow {
+    let pose = |x: f64| CheckPose {
+        position_m: [x, 0.0, 1.0],
+        orientation_wxyz: None,
+    };
+    CheckRow {
+        kind: CheckKind::Pose,
+        target: "P1".to_owned(),
+        cycle,
+        sample: 0,
+        time_s: None,
+        commanded: pose(0.0),
+        attained: pose(off_m),
+    }
+}
+
+fn verification(stage: Stage, off_m: f64) -> Verification {
+    Verification {
+        time: time(30),
+        title: "ISO cube".to_owned(),
+        stage,
+        rows: vec![row(1, off_m), row(2, off_m)],
+    }
+}
+
+/// A session with everything that a report can have.
+fn sample(verdicts: &[Verdict]) -> Sample {
+    let mut data = dataset();
+    data.robot.cables[0].name = HOSTILE.to_owned();
+    let order = FitOrder {
+        dataset: Arc::new(data.clone()),
+        method: Method::Joint,
+        effects: Vec::new(),
+    };
+    let fit = fit(order, &mut |_| Control::Continue).expect("a fit");
+    let mut session = Session::new("Trial", data.robot.clone(), time(0));
+    session.measurements = data.measurements.clone();
+    session.exclude(5).expect("a measured pose");
+    session.record(LogEntry {
+        time: time(1),
+        phase: Phase::Poses,
+        text: format!("Measured with {HOSTILE}."),
+    });
+    session.add_verification(verification(Stage::Before, 0.012));
+    session.add_verification(verification(Stage::After, 0.0006));
+    session.add_adjustment(Adjustment {
+        time: time(20),
+        operator: "Ann".to_owned(),
+        controller: "simulated".to_owned(),
+        changes: vec![ValueChange {
+            name: "cable-2.entry_point.x_m".to_owned(),
+            unit: "m".to_owned(),
+            before: 1.0,
+            after: 1.0123,
+        }],
+        outcome: Outcome::Written,
+    });
+    Sample {
+        choice: ReportChoice::default(),
+        diagnosis: diagnosed(&data, verdicts),
+        session,
+        fit,
+    }
+}
+
+impl Sample {
+    fn input(&self) -> ReportInput<'_> {
+        ReportInput {
+            session: &self.session,
+            fit: Some(&self.fit),
+            diagnosis: Some(&self.diagnosis),
+            outdated: false,
+            picture: None,
+            choice: &self.choice,
+            now: time(60),
+        }
+    }
+
+    fn html(&self) -> String {
+        let bytes = render_report(&self.input(), ReportFormat::Html).expect("HTML");
+        String::from_utf8(bytes).expect("text")
+    }
+}
+
+/// A picture of 4 x 3 pixels.
+fn png() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(4, 3)
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("a picture");
+    bytes.into_inner()
+}
+
+/// Every element is closed by its own end tag; gives names and attributes of all.
+fn elements(html: &str) -> Vec<(String, String)> {
+    const VOID: [&str; 2] = ["meta", "img"];
+    let mut reader = Reader::from_str(html);
+    let config = reader.config_mut();
+    config.check_end_names = false;
+    config.allow_unmatched_ends = true;
+    let (mut open, mut all) = (Vec::new(), Vec::new());
+    loop {
+        match reader.read_event().expect("well-formed") {
+            Event::Start(tag) => {
+                let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
+                all.push((name.clone(), String::from_utf8_lossy(&tag).into_owned()));
+                if !VOID.contains(&name.as_str()) {
+                    open.push(name);
+                }
+            }
+            Event::Empty(tag) => {
+                let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
+                all.push((name, String::from_utf8_lossy(&tag).into_owned()));
+            }
+            Event::End(tag) => {
+                let name = String::from_utf8_lossy(tag.name().as_ref()).into_owned();
+                assert_eq!(open.pop(), Some(name));
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    all
+}
+
+fn assert_tables_are_whole(document: &Document) {
+    let blocks = document.sections.iter().flat_map(|s| &s.blocks);
+    let mut tables = 0;
+    for block in blocks {
+        if let Block::Table(table) = block {
+            tables += 1;
+            for row in &table.rows {
+                assert_eq!(row.len(), table.columns.len(), "{}", table.caption);
+            }
+        }
+    }
+    assert!(tables >= 8, "only {tables} tables");
+}
+
+#[test]
+fn html_is_well_formed_and_needs_nothing_else() {
+    let sample = sample(&[Verdict::Named, Verdict::Ambiguous, Verdict::Unknown]);
+    let png = png();
+    let input = ReportInput {
+        picture: Some(&png),
+        ..sample.input()
+    };
+    assert_tables_are_whole(&content::document(&input));
+    let html = render_report(&input, ReportFormat::Html).expect("HTML");
+    let html = String::from_utf8(html).expect("text");
+    let elements = elements(&html);
+    assert!(elements.iter().any(|(name, _)| name == "svg"));
+    for (name, tag) in &elements {
+        assert!(!["script", "link", "iframe", "object"].contains(&name.as_str()));
+        let is_local = !tag.contains("src=") || tag.contains("src=\"data:image/png;base64,");
+        assert!(is_local && !tag.contains("href"), "{tag}");
+    }
+    assert!(!html.contains("http:") && !html.contains("https:") && !html.contains("url("));
+}
+
+#[test]
+fn names_of_files_are_text_in_html() {
+    let html = sample(&[Verdict::Named]).html();
+    assert!(!html.contains("<script"));
+    assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;cable&quot;"));
+}
+
+#[test]
+fn the_words_say_how_sure_they_are() {
+    let html = sample(&[Verdict::Named, Verdict::Ambiguous, Verdict::Unknown]).html();
+    for part in [
+        "does NOT explain the readings",
+        "1. Winch scale (cable-3), clearly",
+        "0.31 ± 0.04 %",
+        "0.232 to 0.388 %",
+        "2. Pulley radius (cable-3), cannot be told apart from: Winch offset (cable-3)",
+        "These data cannot tell which of these it is",
+        "Measure far from cable-3.",
+        "3. Unknown cause (cable-3)",
+        "no effect of the catalogue explains",
+        "12 mm before the adjustment, 0.6 mm after it, 95 % better",
+        "all values were written and read back",
+        "pose 5",
+        "10.3390/s18072392",
+        "tautline-session-1",
+        "+12.300",
+    ] {
+        assert!(html.contains(part), "no {part:?}");
+    }
+    let clean = sample(&[]).html();
+    assert!(clean.contains("the model explains the readings of 13 poses"));
+    assert!(clean.contains("No cause was found."));
+}
+
+/// Titles of the outline.
+fn outline(pdf: &Pdf) -> Vec<String> {
+    let root: Dict<'_> = pdf.xref().get(pdf.xref().root_id()).expect("the catalogue");
+    let outlines: Dict<'_> = root.get("Outlines").expect("an outline");
+    let mut titles = Vec::new();
+    let mut next: Option<Dict<'_>> = outlines.get("First");
+    while let Some(item) = next {
+        let Some(Object::String(title)) = item.get::<Object<'_>>("Title") else {
+            panic!("a heading without a title");
+        };
+        titles.push(String::from_utf8_lossy(title.as_bytes()).into_owned());
+        next = item.get("Next");
+    }
+    titles
+}
+
+#[test]
+fn pdf_has_the_same_headings() {
+    let sample = sample(&[Verdict::Named, Verdict::Ambiguous]);
+    let png = png();
+    let input = ReportInput {
+        picture: Some(&png),
+        ..sample.input()
+    };
+    let bytes = render_report(&input, ReportFormat::Pdf).expect("PDF");
+    let pdf = Pdf::new(bytes).expect("a PDF that can be read");
+    assert!(pdf.pages().len() >= 3);
+    for page in pdf.pages().iter() {
+        let (width, height) = page.base_dimensions();
+        assert!((width - 595.28).abs() < 0.1 && (height - 841.89).abs() < 0.1);
+        assert!(
+            page.resources().fonts.keys().count() > 0,
+            "text, not pictures of it"
+        );
+    }
+    let headings = content::document(&input).sections;
+    let headings: Vec<String> = headings.into_iter().map(|s| s.title).collect();
+    assert_eq!(outline(&pdf), headings);
+}
+
+#[test]
+fn nothing_leaves_the_page() {
+    let sample = sample(&[Verdict::Ambiguous; 3]);
+    let document = content::document(&sample.input());
+    pdf::assert_on_pages(&document);
+}
+
+#[test]
+fn a_report_is_the_same_every_time() {
+    let sample = sample(&[Verdict::Named]);
+    for format in [ReportFormat::Html, ReportFormat::Pdf] {
+        let once = || render_report(&sample.input(), format).expect("a report");
+        assert_eq!(once(), once());
+    }
+}
+
+#[test]
+fn parts_can_be_left_out_and_the_head_is_ones_own() {
+    let mut sample = sample(&[]);
+    let whole = sample.html();
+    assert!(whole.contains("Calibration report: Trial"));
+    assert!(whole.contains("2 entry point x") && !whole.contains("entry_point"));
+    sample.choice = ReportChoice {
+        without: [Part::Adjustments, Part::Log].into(),
+        title: "Acceptance <test>".to_owned(),
+        header: "Form 7".to_owned(),
+        operator: "B. Smith".to_owned(),
+        company: "Cables & Co".to_owned(),
+    };
+    let html = sample.html();
+    for text in [
+        "Acceptance &lt;test&gt;",
+        "Form 7",
+        "Operator: B. Smith",
+        "Company: Cables &amp; Co",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+    for heading in [
+        "Adjustments of the controller",
+        "Appendix: log of the session",
+    ] {
+        let heading = format!("<h2>{heading}</h2>");
+        assert!(whole.contains(&heading) && !html.contains(&heading));
+    }
+    assert!(html.contains("About this report"));
+    assert!(render_report(&sample.input(), ReportFormat::Pdf).is_ok());
+    sample.choice.without = Part::all().iter().copied().collect();
+    assert!(content::document(&sample.input()).sections.is_empty());
+}
+
+#[test]
+fn a_session_without_measurements_has_a_report() {
+    let robot = dataset().robot;
+    let session = Session::new("Empty", robot, time(0));
+    let input = ReportInput {
+        session: &session,
+        fit: None,
+        diagnosis: None,
+        outdated: false,
+        picture: None,
+        choice: &ReportChoice::default(),
+        now: time(1),
+    };
+    let html = render_report(&input, ReportFormat::Html).expect("HTML");
+    assert!(String::from_utf8_lossy(&html).contains("No pose has been measured yet"));
+    assert!(render_report(&input, ReportFormat::Pdf).is_ok());
+}
+
+#[test]
+fn the_name_of_the_file_says_the_format() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sample = sample(&[]);
+    for (name, start) in [("a.HTML", "<!DOCTYPE html>"), ("a.pdf", "%PDF-")] {
+        let path = folder.path().join(name);
+        write_report(&path, &sample.input()).expect("a report");
+        let bytes = std::fs::read(&path).expect("a file");
+        assert!(bytes.starts_with(start.as_bytes()));
+    }
+    let error = write_report(&folder.path().join("a.doc"), &sample.input()).expect_err("no format");
+    assert!(
+        error.to_string().ends_with("expected one of them"),
+        "{error}"
+    );
+}
