@@ -1,8 +1,9 @@
 //! The Tautline program: the window.
 
-pub mod app;
-pub mod offscreen;
-pub mod report_picture;
+mod commands;
+pub mod model;
 mod screens;
+pub mod shell;
+pub mod theme;
 pub mod views;
 mod widgets;

@@ -4,8 +4,9 @@ use std::process::ExitCode;
 
 use anyhow::anyhow;
 use tautline_cli::{Window, WindowOptions};
-use tautline_workbench::app::{self, Options};
-use tautline_workbench::report_picture::report_picture;
+use tautline_workbench::model::Options;
+use tautline_workbench::shell;
+use tautline_workbench::views::report_picture::report_picture;
 
 fn main() -> ExitCode {
     tautline_cli::run(&Window {
@@ -21,5 +22,5 @@ fn open(options: WindowOptions) -> anyhow::Result<()> {
         robot_speed: options.robot_speed,
         ..Options::default()
     };
-    app::run(options).map_err(|error| anyhow!("cannot open a window: {error}"))
+    shell::run(options).map_err(|error| anyhow!("cannot open a window: {error}"))
 }

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use tautline_workbench::app::App;
-use tautline_workbench::app::command::Command;
+use tautline_workbench::model::command::Command;
+use tautline_workbench::shell::App;
 
 pub use renderer::GlowTestRenderer;
 pub use robot::{connect_and_arm, give_parameters, wait, words};
@@ -25,7 +25,7 @@ pub fn settle(harness: &mut Harness<'_, App>) {
     let start = Instant::now();
     loop {
         harness.step();
-        if harness.state().state.tasks.running().is_empty() {
+        if harness.state().state.model.tasks.running().is_empty() {
             break;
         }
         assert!(start.elapsed() < PATIENCE, "a task does not end");

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use egui::TexturesDelta;
 use egui_kittest::{Harness, TestRenderer};
 use image::RgbaImage;
-use tautline_workbench::app::App;
-use tautline_workbench::offscreen::{OffscreenError, OffscreenPainter};
+use tautline_workbench::shell::App;
+use tautline_workbench::views::offscreen::{OffscreenError, OffscreenPainter};
 
 /// The renderer of a harness, and the pictures it makes.
 #[derive(Clone)]

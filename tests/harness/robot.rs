@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tautline_workbench::app::{App, State};
+use tautline_workbench::shell::{App, State};
 
 use super::{PATIENCE, press};
 
@@ -18,7 +18,7 @@ pub fn wait(harness: &mut Harness<'_, App>, what: &str, reached: impl Fn(&State)
         assert!(
             start.elapsed() < 4 * PATIENCE,
             "{what} does not come; the last message is {:?}; the screen says {:?}",
-            harness.state().state.messages.last(),
+            harness.state().state.model.messages.last(),
             words(harness)
         );
         // The thread of the controller needs the processor more than the pictures do.
@@ -34,7 +34,9 @@ pub fn wait(harness: &mut Harness<'_, App>, what: &str, reached: impl Fn(&State)
 /// If there are none, or the controller does not answer.
 pub fn connect_and_arm(harness: &mut Harness<'_, App>) {
     press(harness, "Connect the simulated robot");
-    wait(harness, "a connection", |state| state.link.is_connected());
+    wait(harness, "a connection", |state| {
+        state.model.link.is_connected()
+    });
     arm(harness);
 }
 
@@ -45,15 +47,15 @@ pub fn connect_and_arm(harness: &mut Harness<'_, App>) {
 pub fn give_parameters(harness: &mut Harness<'_, App>) {
     press(harness, "Give the simulated controller these parameters");
     wait(harness, "a controller that corrects effects", |state| {
-        let mut held = state.link.parameters.iter();
-        held.any(|p| p.name.starts_with("effect.")) && !state.link.is_armed()
+        let mut held = state.model.link.parameters.iter();
+        held.any(|p| p.name.starts_with("effect.")) && !state.model.link.is_armed()
     });
     arm(harness);
 }
 
 fn arm(harness: &mut Harness<'_, App>) {
     press(harness, "Arm");
-    wait(harness, "arming", |state| state.link.is_armed());
+    wait(harness, "arming", |state| state.model.link.is_armed());
 }
 
 /// All that is written on the screen.

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use egui::{Key, Modifiers, ThemePreference};
-use tautline_workbench::app::Selection;
-use tautline_workbench::app::commands::{
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::{
     CompareCommand, FileCommand, ReportCommand, RobotCommand, ViewCommand,
 };
-use tautline_workbench::app::edit::Edit;
-use tautline_workbench::app::screen::Step;
+use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::phase::Phase;
 use tautline_workflow::report::ReportFormat;
 
 use super::stage::{LARGE, Stage};
@@ -74,14 +74,14 @@ pub fn write_all(into: &Path) -> Result<()> {
 fn phases(looks: &mut Looks) -> Result<()> {
     for (step, parts) in [
         (
-            Step::Precalibration,
+            Phase::Precalibration,
             &["Winches", "Force sensors", "Home platform"][..],
         ),
         (
-            Step::Modeling,
+            Phase::Modeling,
             &["Elongation", "Pulleys", "Cable lengths"][..],
         ),
-        (Step::Identification, &["Geometry", "Model doctor"][..]),
+        (Phase::Identification, &["Geometry", "Model doctor"][..]),
     ] {
         phase(&mut looks.stage, step);
         for part in parts {
@@ -96,17 +96,17 @@ fn phases(looks: &mut Looks) -> Result<()> {
             looks.at(&format!("doctor-{name}"))?;
         }
     }
-    phase(&mut looks.stage, Step::Measuring);
+    phase(&mut looks.stage, Phase::Measuring);
     looks.at("phase-3")?;
     looks.stage.give(RobotCommand::Plan(12));
     looks.stage.connect_and_arm();
     looks.at("phase-3-planned")?;
-    phase(&mut looks.stage, Step::Adjustment);
+    phase(&mut looks.stage, Phase::Adjustment);
     looks.at("phase-5")
 }
 
 fn plots(looks: &mut Looks) -> Result<()> {
-    phase(&mut looks.stage, Step::Identification);
+    phase(&mut looks.stage, Phase::Identification);
     looks.stage.give(ViewCommand::Select(Selection {
         cable: Some(2),
         pose: Some(17),

@@ -9,9 +9,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use egui::ThemePreference;
-use tautline_workbench::app::Selection;
-use tautline_workbench::app::commands::{CompareCommand, FileCommand, ViewCommand};
-use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::{CompareCommand, FileCommand, ViewCommand};
+use tautline_workbench::model::phase::{Phase, Screen};
 
 use crate::sessions;
 use stage::{LARGE, SMALL, Stage};
@@ -45,20 +45,20 @@ fn phases(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     files::write_still(&into.join("start.png"), &stage.picture()?)?;
     open(&mut stage, "clean-mini/session.json");
-    phase(&mut stage, Step::Precalibration);
+    phase(&mut stage, Phase::Precalibration);
     stage.give(ViewCommand::Select(Selection::cable(5)));
     files::write_still(&into.join("phase-1.png"), &stage.picture()?)?;
-    phase(&mut stage, Step::Modeling);
+    phase(&mut stage, Phase::Modeling);
     files::write_still(&into.join("phase-2.png"), &stage.picture()?)?;
-    phase(&mut stage, Step::Measuring);
+    phase(&mut stage, Phase::Measuring);
     stage.give(ViewCommand::Select(Selection::pose(17)));
     files::write_still(&into.join("phase-3.png"), &stage.picture()?)?;
     stage.connect_and_arm();
-    phase(&mut stage, Step::Adjustment);
+    phase(&mut stage, Phase::Adjustment);
     files::write_still(&into.join("phase-5.png"), &stage.picture()?)
 }
 
-fn phase(stage: &mut Stage, step: Step) {
+fn phase(stage: &mut Stage, step: Phase) {
     stage.give(ViewCommand::Go(Screen::Phase(step)));
 }
 

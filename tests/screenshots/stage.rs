@@ -6,8 +6,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbImage;
 use tautline_session::Folders;
-use tautline_workbench::app::command::Command;
-use tautline_workbench::app::{App, Options, State};
+use tautline_workbench::model::Options;
+use tautline_workbench::model::command::Command;
+use tautline_workbench::shell::{App, State};
 
 use crate::harness::{
     GlowTestRenderer, connect_and_arm, give, give_parameters, press, settle, wait,

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use image::imageops::{FilterType, resize};
-use tautline_workbench::app::Selection;
-use tautline_workbench::app::commands::ViewCommand;
-use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::ViewCommand;
+use tautline_workbench::model::phase::{Phase, Screen};
 
 use super::files::{self, Frame};
 use super::stage::{LARGE, Stage};
@@ -32,7 +32,7 @@ impl Film {
         Ok(())
     }
 
-    fn go(&mut self, step: Step) {
+    fn go(&mut self, step: Phase) {
         self.stage.give(ViewCommand::Go(Screen::Phase(step)));
     }
 
@@ -55,7 +55,7 @@ pub fn write(path: &Path) -> Result<()> {
     film.shot(LONG)?;
     film.select(Selection::cable(2));
     film.shot(SHORT)?;
-    film.go(Step::Modeling);
+    film.go(Phase::Modeling);
     film.shot(LONG)?;
     measured(&mut film)?;
     identified(&mut film)?;
@@ -65,7 +65,7 @@ pub fn write(path: &Path) -> Result<()> {
 
 /// Phase 3: a plan, and the robot under way.
 fn measured(film: &mut Film) -> Result<()> {
-    film.go(Step::Measuring);
+    film.go(Phase::Measuring);
     film.shot(SHORT)?;
     film.stage.press("Plan poses");
     film.shot(LONG)?;
@@ -73,19 +73,19 @@ fn measured(film: &mut Film) -> Result<()> {
     film.stage.press("Start measuring");
     for poses in [6, 12, 18] {
         film.stage.wait("a measured pose", |state| {
-            let document = state.document.as_ref();
+            let document = state.model.open.as_ref();
             document.is_some_and(|document| document.session().measurements.len() >= poses)
         });
         film.shot(SHORT)?;
     }
     film.stage
-        .wait("all poses", |state| !state.link.is_measuring());
+        .wait("all poses", |state| !state.model.link.is_measuring());
     film.shot(SHORT)
 }
 
 /// Phase 4: from measured poses to the cause.
 fn identified(film: &mut Film) -> Result<()> {
-    film.go(Step::Identification);
+    film.go(Phase::Identification);
     film.stage.press("Identify");
     film.shot(LONG)?;
     film.stage.press("Model doctor");
@@ -100,14 +100,15 @@ fn identified(film: &mut Film) -> Result<()> {
 
 /// Phase 5: what was found goes to the controller, and is checked.
 fn adjusted(film: &mut Film) -> Result<()> {
-    film.go(Step::Adjustment);
+    film.go(Phase::Adjustment);
     film.shot(LONG)?;
     film.stage.give_parameters();
     film.stage.show("Read back");
     film.shot(SHORT)?;
     verified(film, "Measure before", 1);
     film.stage.press("Write to the controller");
-    film.stage.wait("the values", |state| !state.link.writing);
+    film.stage
+        .wait("the values", |state| !state.model.link.writing);
     verified(film, "Measure after", 2);
     film.stage.show("More exact: ");
     film.shot(LONG)
@@ -116,7 +117,7 @@ fn adjusted(film: &mut Film) -> Result<()> {
 fn verified(film: &mut Film, button: &str, runs: usize) {
     film.stage.press(button);
     film.stage.wait("a verification", |state| {
-        let document = state.document.as_ref();
+        let document = state.model.open.as_ref();
         document.is_some_and(|document| document.session().verifications().len() >= runs)
     });
 }

@@ -9,7 +9,7 @@ use tautline_core::estimation::Control;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Document, LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp};
-use tautline_workbench::app::document::Diagnosed;
+use tautline_workbench::model::open_session::Diagnosed;
 use tautline_workflow::documents;
 use tautline_workflow::identification::{Fit, FitOrder, fit};
 use tautline_workflow::samples::tables::{bench, home_platform};

@@ -6,10 +6,10 @@ use tautline_core::effect;
 use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
 use tautline_validation::harness::give_parameters;
-use tautline_workbench::app::commands::robot::Export;
-use tautline_workbench::app::commands::{ModelCommand, RobotCommand};
-use tautline_workbench::app::edit::Edit;
-use tautline_workbench::app::screen::Step;
+use tautline_workbench::model::command::Export;
+use tautline_workbench::model::command::{IdentificationCommand, RobotCommand};
+use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::phase::Phase;
 
 use crate::demo::Bench;
 
@@ -43,7 +43,7 @@ fn mean_error_m(run: &Verification) -> f64 {
 fn verify(bench: &mut Bench, button: &str, runs: usize) {
     bench.press(button);
     bench.wait("a verification", |state| {
-        let document = state.document.as_ref().expect("a session");
+        let document = state.model.open.as_ref().expect("a session");
         document.session().verifications().len() == runs
     });
 }
@@ -63,25 +63,25 @@ fn effect_is_readable(bench: &Bench) {
 #[test]
 fn identified_values_are_written_and_make_the_robot_more_exact() {
     let mut bench = Bench::demo(3);
-    bench.go(Step::Adjustment);
+    bench.go(Phase::Adjustment);
     bench
         .harness
         .get_by_label_contains("no poses are measured yet");
     bench.press("Go to measuring");
     assert_eq!(bench.measure(25), 26);
-    bench.go(Step::Adjustment);
+    bench.go(Phase::Adjustment);
     bench.harness.get_by_label_contains("not identified yet");
     verify(&mut bench, "Measure before", 1);
     // What the doctor would name: without it the pulleys alone would have to explain the fault.
     let simulator = bench.session().simulator.clone().expect("a demonstration");
     let fault = simulator.truth.effects[0].clone();
     bench.give(Edit::AddEffects(vec![fault], "add the fault".into()));
-    bench.give(ModelCommand::Identify);
+    bench.give(IdentificationCommand::Identify);
     bench.settle("an identification");
     give_parameters(&mut bench.harness);
     effect_is_readable(&bench);
     bench.press("Write to the controller");
-    bench.wait("the values", |state| !state.link.writing);
+    bench.wait("the values", |state| !state.model.link.writing);
     let written = bench
         .session()
         .adjustments()
@@ -90,7 +90,7 @@ fn identified_values_are_written_and_make_the_robot_more_exact() {
         .clone();
     assert_eq!(written.outcome, Outcome::Written);
     assert!(written.changes.len() >= 24, "{}", written.changes.len());
-    let held = &bench.state().link.parameters;
+    let held = &bench.state().model.link.parameters;
     for change in &written.changes {
         let now = held
             .iter()
@@ -101,7 +101,7 @@ fn identified_values_are_written_and_make_the_robot_more_exact() {
     bench
         .harness
         .get_by_label_contains("The controller holds the identified values");
-    let document = bench.state().document.as_ref().expect("a session");
+    let document = bench.state().model.open.as_ref().expect("a session");
     assert!(document.fit_is_current(), "writing changes no data");
     verify(&mut bench, "Measure after", 2);
     let runs = bench.session().verifications();
@@ -128,10 +128,10 @@ fn identified_values_are_written_and_make_the_robot_more_exact() {
     bench.press("Reveal the hidden fault");
     bench.harness.get_by_label_contains("Hidden: ");
     bench.press("Roll back");
-    bench.wait("the old values", |state| !state.link.writing);
+    bench.wait("the old values", |state| !state.model.link.writing);
     let last = bench.session().adjustments().last().expect("a record");
     assert_eq!(last.outcome, Outcome::RolledBack);
-    let held = &bench.state().link.parameters;
+    let held = &bench.state().model.link.parameters;
     for change in &written.changes {
         let now = held
             .iter()

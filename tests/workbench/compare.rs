@@ -8,8 +8,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Session, Timestamp, write_session};
-use tautline_workbench::app::commands::{CompareCommand, FileCommand};
-use tautline_workbench::app::{App, Selection};
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::{CompareCommand, FileCommand};
+use tautline_workbench::shell::App;
 
 use crate::measured::{give, press};
 use crate::support::{settle, workbench};
@@ -94,7 +95,7 @@ fn a_moved_pulley_is_told_from_noise_and_the_two_are_exchanged() {
     }
     harness.get_by_label_contains("cable-5,").click_accesskit();
     settle(&mut harness);
-    assert_eq!(harness.state().state.selection, Selection::cable(4));
+    assert_eq!(harness.state().state.model.selection, Selection::cable(4));
     press(&mut harness, "Swap A and B");
     harness.get_by_label(verdict);
     assert!((along_y(&harness) - 10.0).abs() < 5.0);
@@ -113,7 +114,11 @@ fn what_cannot_be_compared_is_said_with_its_file() {
     take(&mut harness, "A", &mini);
     take(&mut harness, "B", &folder.path().join("nowhere.json"));
     let state = &harness.state().state;
-    let last = state.messages.last().map(|message| message.text.clone());
+    let last = state
+        .model
+        .messages
+        .last()
+        .map(|message| message.text.clone());
     assert!(last.is_some_and(|text| text.contains("nowhere.json")));
     press(&mut harness, "Change B");
     harness
@@ -121,8 +126,8 @@ fn what_cannot_be_compared_is_said_with_its_file() {
         .state
         .outbox
         .send(CompareCommand::Choose(
-            tautline_workbench::app::commands::Side::B,
-            tautline_workbench::app::commands::Source::File(planar),
+            tautline_workbench::model::comparison::Side::B,
+            tautline_workbench::model::comparison::Source::File(planar),
         ));
     settle(&mut harness);
     settle(&mut harness);
@@ -147,7 +152,7 @@ fn the_open_session_is_the_first_and_is_compared_again_once_it_was_changed() {
     assert!(harness.query_by_label("Compare again").is_none());
     give(
         &mut harness,
-        tautline_workbench::app::edit::Edit::Exclude(5),
+        tautline_workbench::model::edit::Edit::Exclude(5),
     );
     harness.get_by_label("The open session was changed since it was compared.");
     press(&mut harness, "Compare again");
@@ -175,7 +180,10 @@ fn a_small_window_shows_one_part_at_a_time() {
                 harness.run_ok();
             }
         }
-        assert!(harness.state().state.breakdown.is_none(), "{size:?}");
+        assert!(
+            harness.state().state.model.caught_panic.is_none(),
+            "{size:?}"
+        );
     }
     harness.set_size([640.0, 400.0].into());
     harness.run_ok();

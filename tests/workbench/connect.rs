@@ -11,12 +11,12 @@ use tautline_session::{
     write_dataset,
 };
 use tautline_validation::harness::words;
-use tautline_workbench::app::State;
-use tautline_workbench::app::command::Command;
-use tautline_workbench::app::commands::RobotCommand;
-use tautline_workbench::app::commands::robot::Setup;
-use tautline_workbench::app::robot::Doing;
-use tautline_workbench::app::screen::Step;
+use tautline_workbench::model::command::Command;
+use tautline_workbench::model::command::RobotCommand;
+use tautline_workbench::model::command::Setup;
+use tautline_workbench::model::link::Doing;
+use tautline_workbench::model::phase::Phase;
+use tautline_workbench::shell::State;
 use tautline_workflow::adjusting::Purpose;
 
 use crate::demo::Bench;
@@ -51,12 +51,12 @@ fn planned(poses: usize) -> (Session, Dataset) {
 }
 
 fn measured(state: &State) -> usize {
-    let document = state.document.as_ref();
+    let document = state.model.open.as_ref();
     document.map_or(0, |d| d.session().measurements.len())
 }
 
 fn told(state: &State, part: &str) -> bool {
-    let mut all = state.messages.all().iter();
+    let mut all = state.model.messages.all().iter();
     all.any(|message| message.text.contains(part))
 }
 
@@ -94,7 +94,7 @@ fn is_enabled(bench: &Bench, name: &str) -> bool {
 fn wrong_entries_are_told_beside_their_fields_and_settings_are_edits() {
     let (session, _) = planned(3);
     let mut bench = Bench::of_session(&session);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.settle("what to expect of the plan");
     bench.press("Choose controller…");
     opened(&mut bench);
@@ -142,7 +142,7 @@ fn wrong_entries_are_told_beside_their_fields_and_settings_are_edits() {
     let scale = kept.ads.as_ref().map(|ads| ads.readings.revolutions.scale);
     assert_eq!(scale, Some(-0.5));
     assert_eq!(bench.session().laser_source, LaserSettings::Manual);
-    assert_eq!(bench.state().preferences.reached.place, kept.place);
+    assert_eq!(bench.state().model.preferences.reached.place, kept.place);
     bench.give(Command::Undo);
     assert!(bench.session().connection.is_empty());
     bench.give(Command::Redo);
@@ -155,7 +155,7 @@ fn a_recording_is_measured_again_and_never_looks_like_a_robot() {
     let mut bench = Bench::of_session(&session);
     let folder = bench.folder.path().join("recorded");
     write_dataset(&folder, &dataset, &PhaseData::default()).expect("written");
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.settle("what to expect of the plan");
     bench.give(RobotCommand::Setup(Setup::Open));
     opened(&mut bench);
@@ -163,23 +163,23 @@ fn a_recording_is_measured_again_and_never_looks_like_a_robot() {
     type_into(&mut bench, "Folder", "no/such/folder");
     type_into(&mut bench, "Speed", "100");
     bench.press("Connect");
-    bench.wait("a refusal", |state| !state.link.connecting);
+    bench.wait("a refusal", |state| !state.model.link.connecting);
     bench.harness.step();
     assert!(shows(&bench, "not found"), "{:?}", words(&bench.harness));
     type_into(&mut bench, "Folder", &folder.display().to_string());
     bench.press("Connect");
-    bench.wait("a connection", |state| state.link.is_connected());
+    bench.wait("a connection", |state| state.model.link.is_connected());
     assert!(
-        bench.state().screens.connect.is_none(),
+        bench.state().panels.connect.is_none(),
         "the window has closed"
     );
     assert!(shows(&bench, "recording, no robot"));
     assert!(shows(&bench, "This is a recording: nothing moves"));
     bench.press("Arm");
-    bench.wait("arming", |state| state.link.is_armed());
+    bench.wait("arming", |state| state.model.link.is_armed());
     bench.press("Start measuring");
     bench.wait("three poses", |state| measured(state) == 3);
-    bench.wait("the end", |state| !state.link.is_measuring());
+    bench.wait("the end", |state| !state.model.link.is_measuring());
     let measurements = &bench.session().measurements;
     for (row, label) in measurements.labels.iter().enumerate() {
         let recorded = dataset.measurements.labels.iter().position(|l| l == label);
@@ -187,7 +187,7 @@ fn a_recording_is_measured_again_and_never_looks_like_a_robot() {
         let off_m = measurements.laser_m[row] - dataset.measurements.laser_m[recorded];
         assert!(off_m.abs() < 1e-9, "{off_m}");
     }
-    let link = &mut bench.harness.state_mut().state.link;
+    let link = &mut bench.harness.state_mut().state.model.link;
     link.write(vec![("home.x_m".into(), 0.0)], Purpose::Adjust);
     bench.wait("a refusal", |state| {
         told(state, "in which nothing can be changed")
@@ -199,11 +199,11 @@ fn a_laser_distance_is_asked_for_at_every_pose_and_used_as_typed() {
     let (mut session, _) = planned(3);
     session.laser_source = LaserSettings::Manual;
     let mut bench = Bench::of_session(&session);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.settle("what to expect of the plan");
     bench.connect_and_arm();
     bench.press("Start measuring");
-    let asked = |state: &State| match state.link.live().doing {
+    let asked = |state: &State| match state.model.link.live().doing {
         Doing::Asking { label, expected_m } => Some((label, expected_m)),
         _ => None,
     };
@@ -273,18 +273,18 @@ fn fill(bench: &mut Bench, plant: &Plant) {
 fn connected(plant: &Plant, poses: usize) -> Bench {
     let (session, _) = planned(poses);
     let mut bench = Bench::of_session(&session);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.settle("what to expect of the plan");
     fill(&mut bench, plant);
     bench.press("Connect");
-    bench.wait("a connection", |state| state.link.is_connected());
+    bench.wait("a connection", |state| state.model.link.is_connected());
     arm(&mut bench);
     bench
 }
 
 fn arm(bench: &mut Bench) {
     bench.press("Arm");
-    bench.wait("arming", |state| state.link.is_armed());
+    bench.wait("arming", |state| state.model.link.is_armed());
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn symbols_are_checked_one_by_one() {
         .order(json!({"declare": [[global("moving"), "LREAL", 1, [0]]]}));
     let (session, _) = planned(3);
     let mut bench = Bench::of_session(&session);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.settle("what to expect of the plan");
     fill(&mut bench, &plant);
     bench.press("Symbols");
@@ -314,11 +314,11 @@ fn symbols_are_checked_one_by_one() {
     }
     assert_eq!(plant.server.count("write"), 0);
     bench.press("Connect");
-    bench.wait("a refusal", |state| !state.link.connecting);
+    bench.wait("a refusal", |state| !state.model.link.connecting);
     bench.harness.step();
     let why = "GVL_Tautline.moving is of type LREAL, expected BOOL";
     assert!(told(bench.state(), why) && shows(&bench, why));
-    assert!(!bench.state().link.is_connected());
+    assert!(!bench.state().model.link.is_connected());
 }
 
 #[test]
@@ -337,22 +337,22 @@ fn a_lost_controller_comes_back_disarmed_and_the_run_goes_on() {
     // It does not let anybody in before its program runs again.
     plant.server.order(json!({"state": 6}));
     plant.server.fault("read", 1, "before");
-    bench.wait("the loss", |state| state.link.lost().is_some());
-    assert!(!bench.state().link.is_armed() && bench.state().link.is_measuring());
+    bench.wait("the loss", |state| state.model.link.lost().is_some());
+    assert!(!bench.state().model.link.is_armed() && bench.state().model.link.is_measuring());
     bench.wait("the message", |state| told(state, "not armed any more"));
     bench.wait("a failed attempt", |state| {
-        let lost = state.link.lost();
+        let lost = state.model.link.lost();
         lost.is_some_and(|lost| lost.why.contains("does not run"))
     });
     assert!(shows(&bench, "Connection lost, trying again"));
     plant.server.order(json!({"state": 5}));
     bench.press("Try now");
-    bench.wait("the connection", |state| state.link.is_connected());
+    bench.wait("the connection", |state| state.model.link.is_connected());
     bench.wait("the message", |state| {
         told(state, "It holds the values that it held before")
     });
     assert!(
-        !bench.state().link.is_armed(),
+        !bench.state().model.link.is_armed(),
         "arming ended with the connection"
     );
     assert!(shows(
@@ -362,7 +362,7 @@ fn a_lost_controller_comes_back_disarmed_and_the_run_goes_on() {
     arm(&mut bench);
     assert_eq!(measured(bench.state()), 2, "arming moves nothing");
     bench.press("Resume");
-    bench.wait("all poses", |state| !state.link.is_measuring());
+    bench.wait("all poses", |state| !state.model.link.is_measuring());
     assert_eq!(measured(bench.state()), 3);
 }
 
@@ -370,21 +370,21 @@ fn a_lost_controller_comes_back_disarmed_and_the_run_goes_on() {
 fn writing_over_a_connection_that_breaks_tells_what_the_controller_holds() {
     let plant = Plant::start(Style::Arrays);
     let mut bench = connected(&plant, 3);
-    let held = bench.state().link.parameters[0].clone();
+    let held = bench.state().model.link.parameters[0].clone();
     // The old value is read before anything is written, so the first read after that comes with the new value.
     plant.server.fault("write", 2, "after");
-    let link = &mut bench.harness.state_mut().state.link;
+    let link = &mut bench.harness.state_mut().state.model.link;
     link.write(
         vec![(held.name.clone(), held.value + 1e-3)],
         Purpose::Adjust,
     );
-    bench.wait("an outcome", |state| !state.link.writing);
+    bench.wait("an outcome", |state| !state.model.link.writing);
     let settled = |state: &State| {
-        let document = state.document.as_ref();
+        let document = state.model.open.as_ref();
         document.is_some_and(|d| !d.session().adjustments().is_empty())
     };
     bench.wait("the record", settled);
-    bench.wait("the connection", |state| state.link.is_connected());
+    bench.wait("the connection", |state| state.model.link.is_connected());
     let last = bench
         .session()
         .adjustments()
@@ -393,7 +393,7 @@ fn writing_over_a_connection_that_breaks_tells_what_the_controller_holds() {
         .clone();
     let mut reader = plant.client();
     bench.give(RobotCommand::Disconnect);
-    bench.wait("the end", |state| !state.link.is_connected());
+    bench.wait("the end", |state| !state.model.link.is_connected());
     tautline_link::Controller::connect(&mut reader).expect("connected");
     let now = tautline_link::Controller::read(&mut reader, &[held.name]).expect("a value");
     let expected = match last.outcome {
@@ -407,9 +407,9 @@ fn writing_over_a_connection_that_breaks_tells_what_the_controller_holds() {
 fn poses_of_a_verification_are_typed_where_no_instrument_is() {
     let plant = Plant::start(Style::Arrays);
     let mut bench = connected(&plant, 3);
-    bench.go(Step::Adjustment);
+    bench.go(Phase::Adjustment);
     bench.press("Measure before");
-    let asked = |state: &State| match state.link.live().doing {
+    let asked = |state: &State| match state.model.link.live().doing {
         Doing::Locating { number, .. } => Some(number),
         _ => None,
     };
@@ -417,7 +417,7 @@ fn poses_of_a_verification_are_typed_where_no_instrument_is() {
         bench.wait("a question", |state| asked(state) == Some(number));
         bench.harness.step();
         assert!(shows(&bench, "Where is the platform at"));
-        let target = bench.state().link.targets[number - 1].pose.position;
+        let target = bench.state().model.link.targets[number - 1].pose.position;
         type_into(&mut bench, "Measured x", "far");
         assert!(shows(&bench, "expected a number"));
         for (k, axis) in ["x", "y", "z"].iter().enumerate() {
@@ -428,6 +428,6 @@ fn poses_of_a_verification_are_typed_where_no_instrument_is() {
     }
     bench.wait("the third target", |state| asked(state) == Some(3));
     bench.press("Abort");
-    bench.wait("the end", |state| state.link.verifying.is_none());
+    bench.wait("the end", |state| state.model.link.verifying.is_none());
     assert!(told(bench.state(), "stopped by the operator"));
 }

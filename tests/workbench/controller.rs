@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use tautline_session::left_behind;
-use tautline_workbench::app::State;
-use tautline_workbench::app::commands::RobotCommand;
-use tautline_workbench::app::screen::Step;
+use tautline_workbench::model::command::RobotCommand;
+use tautline_workbench::model::phase::Phase;
+use tautline_workbench::shell::State;
 
 use crate::demo::Bench;
 
 fn measured(state: &State) -> usize {
-    let document = state.document.as_ref();
+    let document = state.model.open.as_ref();
     document.map_or(0, |d| d.session().measurements.len())
 }
 
@@ -31,7 +31,7 @@ fn break_down(bench: &Bench) {
 #[test]
 fn a_panic_in_the_controllers_thread_is_told_loses_nothing_and_ends_with_another_connection() {
     let mut bench = Bench::demo(3);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.give(RobotCommand::Plan(6));
     bench.settle("a plan");
     bench.connect_and_arm();
@@ -39,14 +39,14 @@ fn a_panic_in_the_controllers_thread_is_told_loses_nothing_and_ends_with_another
     bench.wait("three poses", |state| measured(state) >= 3);
     break_down(&bench);
     let told = |state: &State| {
-        let all = state.messages.all().iter();
+        let all = state.model.messages.all().iter();
         all.filter(|message| message.text.contains("broke down"))
             .count()
     };
     bench.wait("the end of the connection", |state| {
-        !state.link.is_connected() && told(state) == 2
+        !state.model.link.is_connected() && told(state) == 2
     });
-    let messages = bench.state().messages.all();
+    let messages = bench.state().model.messages.all();
     let texts: Vec<&str> = messages.iter().map(|m| m.text.as_str()).collect();
     assert!(
         texts
@@ -54,16 +54,19 @@ fn a_panic_in_the_controllers_thread_is_told_loses_nothing_and_ends_with_another
             .any(|text| text.starts_with("Measuring ended after") && text.contains("broke down")),
         "{texts:?}"
     );
-    assert!(bench.state().breakdown.is_none(), "the window goes on");
+    assert!(
+        bench.state().model.caught_panic.is_none(),
+        "the window goes on"
+    );
     let kept = bench.session().measurements.clone();
     assert!(kept.len() >= 3);
     // What was measured is in the recovery folder, too.
-    let left = left_behind(&bench.state().folders.recovery()).expect("readable");
+    let left = left_behind(&bench.state().model.folders.recovery()).expect("readable");
     let on_disk = left.first().map(|left| left.poses);
     assert!(left.is_empty() || on_disk >= Some(3), "{on_disk:?}");
     bench.connect_and_arm();
     bench.press("Continue measuring");
-    bench.wait("all poses", |state| !state.link.is_measuring());
+    bench.wait("all poses", |state| !state.model.link.is_measuring());
     let all = &bench.session().measurements;
     assert_eq!(all.len(), 7, "home and six poses");
     let rows: Vec<usize> = (0..kept.len()).collect();

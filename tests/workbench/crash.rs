@@ -17,9 +17,10 @@ use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
 use tautline_session::{Folders, MeasuredPose, Phase, Session, left_behind, read_session};
 use tautline_validation::truth::preset_options;
-use tautline_workbench::app::commands::FileCommand;
-use tautline_workbench::app::edit::Edit;
-use tautline_workbench::app::{App, Document, Options};
+use tautline_workbench::model::command::FileCommand;
+use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::{OpenSession, Options};
+use tautline_workbench::shell::App;
 
 use crate::support::settle;
 
@@ -79,8 +80,8 @@ impl Running {
         }
     }
 
-    fn document(&mut self) -> &mut Document {
-        let document = self.harness.state_mut().state.document.as_mut();
+    fn document(&mut self) -> &mut OpenSession {
+        let document = self.harness.state_mut().state.model.open.as_mut();
         document.expect("the demonstration is open")
     }
 
@@ -90,10 +91,10 @@ impl Running {
             self.document().log(Phase::Poses, "Measuring.");
         }
         let state = &mut self.harness.state_mut().state;
-        state.keeping.follow(state.document.as_ref());
-        state.keeping.measured(pose.clone());
+        state.model.autosave.follow(state.model.open.as_ref());
+        state.model.autosave.measured(pose.clone());
         let start = Instant::now();
-        while state.keeping.kept().is_empty() {
+        while state.model.autosave.kept().is_empty() {
             assert!(
                 start.elapsed() < Duration::from_secs(60),
                 "it is never kept"
@@ -144,7 +145,7 @@ fn work(running: &mut Running, readings: &Measurements, rows: std::ops::Range<us
             // The file is done before the document has the pose.
             settle(&mut running.harness);
             let state = &mut running.harness.state_mut().state;
-            state.keeping.follow(state.document.as_ref());
+            state.model.autosave.follow(state.model.open.as_ref());
             tell("saved", row as i64);
         }
         running.append(&pose);

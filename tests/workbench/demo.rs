@@ -4,10 +4,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_session::{Folders, Session};
 use tautline_validation::harness::{connect_and_arm, wait, words};
-use tautline_workbench::app::command::Command;
-use tautline_workbench::app::commands::{FileCommand, RobotCommand, ViewCommand};
-use tautline_workbench::app::screen::{Screen, Step};
-use tautline_workbench::app::{App, Options, State};
+use tautline_workbench::model::Options;
+use tautline_workbench::model::command::Command;
+use tautline_workbench::model::command::{FileCommand, RobotCommand, ViewCommand};
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::{App, State};
 
 /// A workbench with files in a folder that lives as long as this.
 pub struct Bench {
@@ -20,7 +21,7 @@ impl Bench {
     pub fn demo(seed: u64) -> Self {
         let mut bench = Self::new(Some(seed));
         bench.give(FileCommand::TryDemo);
-        bench.wait("the demonstration", |state| state.document.is_some());
+        bench.wait("the demonstration", |state| state.model.open.is_some());
         bench
     }
 
@@ -30,7 +31,7 @@ impl Bench {
         let path = bench.folder.path().join("session.json");
         tautline_session::write_session(&path, session).expect("written");
         bench.give(FileCommand::Open(path));
-        bench.wait("the session", |state| state.document.is_some());
+        bench.wait("the session", |state| state.model.open.is_some());
         bench
     }
 
@@ -56,7 +57,7 @@ impl Bench {
 
     /// The open session.
     pub fn session(&self) -> &Session {
-        let document = self.state().document.as_ref();
+        let document = self.state().model.open.as_ref();
         document.expect("a session").session()
     }
 
@@ -67,7 +68,7 @@ impl Bench {
     }
 
     /// Goes to a phase.
-    pub fn go(&mut self, step: Step) {
+    pub fn go(&mut self, step: Phase) {
         self.give(ViewCommand::Go(Screen::Phase(step)));
         self.harness.step();
     }
@@ -90,7 +91,7 @@ impl Bench {
 
     /// Lets the workbench run until no task is running.
     pub fn settle(&mut self, what: &str) {
-        self.wait(what, |state| state.tasks.running().is_empty());
+        self.wait(what, |state| state.model.tasks.running().is_empty());
     }
 
     /// Connects and arms by the buttons.
@@ -100,12 +101,12 @@ impl Bench {
 
     /// Plans, measures all poses and gives the number measured.
     pub fn measure(&mut self, poses: usize) -> usize {
-        self.go(Step::Measuring);
+        self.go(Phase::Measuring);
         self.give(RobotCommand::Plan(poses));
         self.settle("a plan");
         self.connect_and_arm();
         self.press("Start measuring");
-        self.wait("all poses", |state| !state.link.is_measuring());
+        self.wait("all poses", |state| !state.model.link.is_measuring());
         self.session().measurements.len()
     }
 }

@@ -1,8 +1,8 @@
 //! The model doctor.
 
 use egui_kittest::kittest::Queryable;
-use tautline_workbench::app::commands::ModelCommand;
-use tautline_workbench::app::state::State;
+use tautline_workbench::model::command::IdentificationCommand;
+use tautline_workbench::shell::State;
 
 use crate::measured::{Measured, document, give, press};
 use crate::support::settle;
@@ -11,7 +11,7 @@ use crate::support::settle;
 const ASK: &str = "What does the model get wrong?";
 
 fn effects(state: &State) -> Vec<String> {
-    let document = state.document.as_ref().expect("a session");
+    let document = state.model.open.as_ref().expect("a session");
     let effects = &document.session().settings.identification.effects;
     effects
         .iter()
@@ -131,11 +131,11 @@ fn a_diagnosis_that_is_cancelled_finds_nothing() {
     let measured = Measured::mini(25, &[]);
     let mut harness = measured.opened();
     let state = &mut harness.state_mut().state;
-    state.outbox.send(ModelCommand::Diagnose);
-    state.outbox.send(ModelCommand::Stop);
+    state.outbox.send(IdentificationCommand::Diagnose);
+    state.outbox.send(IdentificationCommand::Stop);
     settle(&mut harness);
     settle(&mut harness);
     assert!(document(&harness).diagnosis().is_none());
-    give(&mut harness, ModelCommand::Diagnose);
+    give(&mut harness, IdentificationCommand::Diagnose);
     assert!(document(&harness).diagnosis().is_some());
 }

@@ -8,8 +8,9 @@ use tautline_core::geometry::Vec3;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
 use tautline_validation::harness::GlowTestRenderer;
-use tautline_workbench::app::{App, theme};
-use tautline_workbench::offscreen::render_scene;
+use tautline_workbench::shell::App;
+use tautline_workbench::theme;
+use tautline_workbench::views::offscreen::render_scene;
 use tautline_workbench::views::robot_3d::camera::{Camera, StandardView};
 use tautline_workbench::views::robot_3d::drawing::Options;
 use tautline_workbench::views::robot_3d::picking::{Picture, Thing};
@@ -211,6 +212,7 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
     harness
         .state_mut()
         .state
+        .model
         .context
         .set_theme(ThemePreference::Light);
     harness.run_ok();

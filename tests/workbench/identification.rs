@@ -2,9 +2,9 @@
 
 use egui_kittest::kittest::Queryable;
 use tautline_session::Method;
-use tautline_workbench::app::Selection;
-use tautline_workbench::app::commands::{FileCommand, IDENTIFYING, ModelCommand};
-use tautline_workbench::app::edit::Edit;
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::{FileCommand, IDENTIFYING, IdentificationCommand};
+use tautline_workbench::model::edit::Edit;
 
 use crate::measured::{Measured, document, give, press};
 use crate::support::{settle, workbench};
@@ -34,7 +34,7 @@ fn a_row_selects_its_cable_and_shows_the_coordinates() {
         .get_by_label_contains("Cable 3: moved")
         .click_accesskit();
     settle(&mut harness);
-    assert_eq!(harness.state().state.selection, Selection::cable(2));
+    assert_eq!(harness.state().state.model.selection, Selection::cable(2));
     harness.get_by_label_contains("Cable 3 x:");
     assert!(harness.query_by_label_contains("Cable 4 x:").is_none());
     press(&mut harness, "Show axes");
@@ -76,14 +76,15 @@ fn an_identification_that_is_cancelled_changes_nothing() {
     let measured = Measured::mini(20, &[]);
     let mut harness = measured.opened();
     let state = &mut harness.state_mut().state;
-    state.outbox.send(ModelCommand::Identify);
-    state.outbox.send(ModelCommand::Stop);
+    state.outbox.send(IdentificationCommand::Identify);
+    state.outbox.send(IdentificationCommand::Stop);
     settle(&mut harness);
     settle(&mut harness);
     assert!(document(&harness).fit().is_none());
     let last = harness
         .state()
         .state
+        .model
         .messages
         .last()
         .map(|m| m.text.clone());
@@ -118,7 +119,7 @@ fn a_session_that_was_identified_shows_it_again() {
     settle(&mut third);
     assert!(document(&third).fit().is_none());
     third.get_by_label("The result in this session is of other data: identify again.");
-    assert!(!third.state().state.tasks.runs(IDENTIFYING));
+    assert!(!third.state().state.model.tasks.runs(IDENTIFYING));
 }
 
 #[test]
@@ -129,12 +130,12 @@ fn a_session_without_poses_says_how_to_get_them() {
         &mut harness,
         FileCommand::Open(measured.beside("mini/robot.json")),
     );
-    let panel = tautline_workbench::app::screen::Screen::Phase(
-        tautline_workbench::app::screen::Step::Identification,
+    let panel = tautline_workbench::model::phase::Screen::Phase(
+        tautline_workbench::model::phase::Phase::Identification,
     );
     give(
         &mut harness,
-        tautline_workbench::app::commands::ViewCommand::Go(panel),
+        tautline_workbench::model::command::ViewCommand::Go(panel),
     );
     harness.get_by_label_contains("Once poses are measured");
 }

@@ -4,14 +4,14 @@ use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_session::{Arrangement, Plots};
-use tautline_workbench::app::Answer;
-use tautline_workbench::app::App;
-use tautline_workbench::app::commands::robot::Setup;
-use tautline_workbench::app::commands::{
-    CompareCommand, FileCommand, ModelCommand, ReportCommand, RobotCommand, ViewCommand,
+use tautline_workbench::model::command::Answer;
+use tautline_workbench::model::command::Setup;
+use tautline_workbench::model::command::{
+    CompareCommand, FileCommand, IdentificationCommand, ReportCommand, RobotCommand, ViewCommand,
 };
-use tautline_workbench::app::edit::Edit;
-use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::App;
 use tautline_workbench::views::plots::Panes;
 use tautline_workflow::report::ReportFormat;
 
@@ -195,11 +195,14 @@ fn the_start_screen_fits() {
 fn every_phase_fits() {
     let measured = Measured::mini(30, &[("winch_scale", "cable-3", &[("scale", 0.02)])]);
     let mut harness = measured.opened();
-    for command in [ModelCommand::Identify, ModelCommand::Diagnose] {
+    for command in [
+        IdentificationCommand::Identify,
+        IdentificationCommand::Diagnose,
+    ] {
         harness.state_mut().state.outbox.send(command);
         settle(&mut harness);
     }
-    for step in Step::ALL {
+    for step in Phase::ALL {
         harness
             .state_mut()
             .state
@@ -217,9 +220,9 @@ fn every_phase_fits() {
 fn by_commands(
     harness: &mut Harness<'_, App>,
     what: &str,
-    [open, close]: [tautline_workbench::app::command::Command; 2],
+    [open, close]: [tautline_workbench::model::command::Command; 2],
 ) {
-    let send = |command: &tautline_workbench::app::command::Command| {
+    let send = |command: &tautline_workbench::model::command::Command| {
         let command = command.clone();
         move |harness: &mut Harness<'_, App>| {
             harness.state_mut().state.outbox.send(command.clone());
@@ -250,7 +253,7 @@ fn long_menus_fit() {
 fn every_window_above_the_screen_fits() {
     let measured = Measured::mini(8, &[]);
     let mut harness = measured.opened();
-    give(&mut harness, ModelCommand::Identify);
+    give(&mut harness, IdentificationCommand::Identify);
     give(&mut harness, Edit::Rename("Another name".into()));
     for (what, open, close) in [
         (
@@ -315,7 +318,7 @@ fn every_window_above_the_screen_fits() {
         harness.step();
     };
     let mut close = |harness: &mut Harness<'_, App>| {
-        harness.state_mut().state.windows.save_as = None;
+        harness.state_mut().state.model.dialogs.save_as = None;
         harness.step();
     };
     check_dialog(&mut harness, "save as", [&mut open, &mut close]);
@@ -325,8 +328,8 @@ fn every_window_above_the_screen_fits() {
 fn plots_beside_each_other_fit() {
     let measured = Measured::mini(12, &[]);
     let mut harness = measured.opened();
-    give(&mut harness, ModelCommand::Identify);
-    let go = ViewCommand::Go(Screen::Phase(Step::Identification));
+    give(&mut harness, IdentificationCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
     give(&mut harness, go);
     for arrangement in [Arrangement::SideBySide, Arrangement::Grid] {
         let plots = Plots {

@@ -8,8 +8,9 @@ use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{PhaseData, write_dataset};
 pub use tautline_validation::harness::{give, press};
-use tautline_workbench::app::commands::FileCommand;
-use tautline_workbench::app::{App, Document};
+use tautline_workbench::model::OpenSession;
+use tautline_workbench::model::command::FileCommand;
+use tautline_workbench::shell::App;
 
 use crate::support::workbench;
 
@@ -67,6 +68,12 @@ impl Measured {
 }
 
 /// The open session with its results.
-pub fn document<'h>(harness: &'h Harness<'_, App>) -> &'h Document {
-    harness.state().state.document.as_ref().expect("a session")
+pub fn document<'h>(harness: &'h Harness<'_, App>) -> &'h OpenSession {
+    harness
+        .state()
+        .state
+        .model
+        .open
+        .as_ref()
+        .expect("a session")
 }

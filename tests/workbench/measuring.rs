@@ -3,27 +3,28 @@
 use egui_kittest::kittest::Queryable;
 use tautline_core::robot::presets;
 use tautline_session::{PlannedPose, Session, Simulator, Timestamp};
-use tautline_workbench::app::commands::robot::Export;
-use tautline_workbench::app::commands::{ModelCommand, RobotCommand, ViewCommand};
-use tautline_workbench::app::screen::Step;
-use tautline_workbench::app::{Selection, State};
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::Export;
+use tautline_workbench::model::command::{IdentificationCommand, RobotCommand, ViewCommand};
+use tautline_workbench::model::phase::Phase;
+use tautline_workbench::shell::State;
 
 use crate::demo::Bench;
 
 fn measured(state: &State) -> usize {
-    let document = state.document.as_ref();
+    let document = state.model.open.as_ref();
     document.map_or(0, |d| d.session().measurements.len())
 }
 
 fn paused(state: &State) -> bool {
-    let run = state.link.run.as_ref();
+    let run = state.model.link.run.as_ref();
     run.is_some_and(|run| run.paused.is_some())
 }
 
 #[test]
 fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     let mut bench = Bench::demo(3);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench
         .harness
         .get_by_label_contains("No poses are planned yet");
@@ -46,27 +47,27 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     bench.wait("another pose", |state| measured(state) > before);
     bench.press("Repeat last pose");
     bench.wait("a repeated pose", |state| {
-        let document = state.document.as_ref().expect("a session");
+        let document = state.model.open.as_ref().expect("a session");
         !document.session().excluded().is_empty()
     });
     bench.press("Abort");
-    bench.wait("the end", |state| !state.link.is_measuring());
+    bench.wait("the end", |state| !state.model.link.is_measuring());
     let ended = bench.session().measurements.len();
     bench
         .harness
         .get_by_label_contains("What is measured is kept");
     assert!(ended < 26, "{ended} poses");
     bench.press("Continue measuring");
-    bench.wait("all poses", |state| !state.link.is_measuring());
+    bench.wait("all poses", |state| !state.model.link.is_measuring());
     // Home, 25 poses and the one that was repeated.
     assert_eq!(bench.session().measurements.len(), 27);
     assert_eq!(bench.session().excluded().len(), 1);
     bench
         .harness
         .get_by_label_contains("All planned poses are measured");
-    bench.give(ModelCommand::Identify);
+    bench.give(IdentificationCommand::Identify);
     bench.settle("an identification");
-    let document = bench.state().document.as_ref().expect("a session");
+    let document = bench.state().model.open.as_ref().expect("a session");
     assert!(document.fit_is_current());
     bench.press("Go to identification");
     assert!(
@@ -93,7 +94,7 @@ fn plan_edits_and_exclusions_are_undone_and_measurements_are_not() {
     select(&mut bench, 2);
     bench.press("Leave out");
     assert!(bench.session().excluded().contains(&2));
-    bench.give(tautline_workbench::app::command::Command::Undo);
+    bench.give(tautline_workbench::model::command::Command::Undo);
     assert!(bench.session().excluded().is_empty());
     assert_eq!(bench.session().measurements.len(), 7);
     bench.press("Add current pose");
@@ -101,7 +102,7 @@ fn plan_edits_and_exclusions_are_undone_and_measurements_are_not() {
     select(&mut bench, 7);
     bench.press("Remove from plan");
     assert_eq!(bench.session().plan.len(), 7);
-    bench.give(tautline_workbench::app::command::Command::Undo);
+    bench.give(tautline_workbench::model::command::Command::Undo);
     assert_eq!(bench.session().plan.len(), 8);
     let path = bench.folder.path().join("plan.csv");
     bench.give(RobotCommand::Export(Export::Plan, path.clone()));
@@ -137,7 +138,7 @@ fn without_beam(mounted: bool) -> Session {
 #[test]
 fn a_laser_without_distance_is_told_with_what_to_do() {
     let mut bench = Bench::of_session(&without_beam(true));
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("a pause", paused);
@@ -146,10 +147,10 @@ fn a_laser_without_distance_is_told_with_what_to_do() {
         .get_by_label_contains("Free the way of the beam");
     assert_eq!(bench.session().measurements.len(), 0);
     bench.press("Abort");
-    bench.wait("the end", |state| !state.link.is_measuring());
+    bench.wait("the end", |state| !state.model.link.is_measuring());
 
     let mut bench = Bench::of_session(&without_beam(false));
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench
         .harness
         .get_by_label_contains("This robot has no laser");
@@ -158,34 +159,34 @@ fn a_laser_without_distance_is_told_with_what_to_do() {
 #[test]
 fn a_closed_session_takes_its_robot_along() {
     let mut bench = Bench::demo(3);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.connect_and_arm();
     let state = &mut bench.harness.state_mut().state;
-    state.document = None;
+    state.model.open = None;
     bench.wait("the end of the connection", |state| {
-        !state.link.is_connected()
+        !state.model.link.is_connected()
     });
-    assert!(bench.state().link.connected.is_none());
+    assert!(bench.state().model.link.connected.is_none());
 }
 
 #[test]
 fn what_a_stored_plan_promises_is_computed_when_it_is_looked_at() {
     let mut bench = Bench::demo(3);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.give(RobotCommand::Plan(8));
     bench.settle("a plan");
-    let expected = bench.state().screens.measuring.outlook.clone();
+    let expected = bench.state().panels.measuring.outlook.clone();
     let expected = expected.expect("it was planned").expect("it is known");
     let session = bench.session().clone();
     drop(bench);
     let mut bench = Bench::of_session(&session);
-    bench.go(Step::Measuring);
+    bench.go(Phase::Measuring);
     bench.settle("what to expect");
     bench.harness.step();
     bench
         .harness
         .get_by_label_contains("The pulleys will be known to");
-    let again = bench.state().screens.measuring.outlook.clone();
+    let again = bench.state().panels.measuring.outlook.clone();
     let again = again.expect("it was asked").expect("it is known");
     assert_eq!(again.poses, expected.poses);
     let sd_m = again.expected.mean_m.expect("determined");

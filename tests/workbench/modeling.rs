@@ -1,8 +1,8 @@
 //! The panel of phase 2.
 
 use egui::{Key, Role};
-use tautline_workbench::app::commands::{FileCommand, ViewCommand};
-use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::model::command::{FileCommand, ViewCommand};
+use tautline_workbench::model::phase::{Phase, Screen};
 
 use crate::support::settle;
 use tautline_validation::tables::elongation_table;
@@ -11,7 +11,7 @@ use crate::tables::Bench;
 
 fn modeling() -> Bench {
     let mut bench = Bench::new();
-    let go = ViewCommand::Go(Screen::Phase(Step::Modeling));
+    let go = ViewCommand::Go(Screen::Phase(Phase::Modeling));
     bench.harness.state_mut().state.outbox.send(go);
     settle(&mut bench.harness);
     bench

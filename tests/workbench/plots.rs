@@ -6,9 +6,10 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 use tautline_session::Session;
-use tautline_workbench::app::commands::{ModelCommand, ViewCommand};
-use tautline_workbench::app::screen::{Screen, Step};
-use tautline_workbench::app::{App, Document, Selection};
+use tautline_workbench::model::command::{IdentificationCommand, ViewCommand};
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::model::{OpenSession, Selection};
+use tautline_workbench::shell::App;
 
 use crate::support::{settle, workbench};
 
@@ -26,8 +27,8 @@ fn measured() -> Harness<'static, App> {
     session.measurements = simulated.dataset.measurements;
     let mut harness = workbench();
     let state = &mut harness.state_mut().state;
-    state.document = Some(Document::new(session, None));
-    let go = ViewCommand::Go(Screen::Phase(Step::Identification));
+    state.model.open = Some(OpenSession::new(session, None));
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
     state.outbox.send(go);
     settle(&mut harness);
     harness
@@ -40,14 +41,15 @@ fn identified() -> Harness<'static, App> {
         .state_mut()
         .state
         .outbox
-        .send(ModelCommand::Identify);
+        .send(IdentificationCommand::Identify);
     settle(&mut harness);
     settle(&mut harness);
     assert!(
         harness
             .state()
             .state
-            .document
+            .model
+            .open
             .as_ref()
             .is_some_and(|d| d.fit().is_some())
     );
@@ -101,14 +103,14 @@ fn a_click_on_a_residual_selects_its_cable_and_pose() {
     let plot = harness.get_by_label("Plot: Residuals").rect();
     // Residuals lie around zero, in the middle: some point is hit on the way along it.
     let mut place = Pos2::new(plot.min.x + 30.0, plot.center().y);
-    while harness.state().state.selection.is_empty() && place.x < plot.max.x {
+    while harness.state().state.model.selection.is_empty() && place.x < plot.max.x {
         harness.hover_at(place);
         harness.drag_at(place);
         harness.drop_at(place);
         harness.run_ok();
         place.x += 7.0;
     }
-    let Selection { cable, pose } = harness.state().state.selection;
+    let Selection { cable, pose } = harness.state().state.model.selection;
     assert!(cable.is_some_and(|cable| cable < 4), "{cable:?}");
     assert!(
         pose.is_some_and(|pose| (1..=12).contains(&pose)),
@@ -142,7 +144,8 @@ fn what_is_visible_is_saved() {
             let fit = harness
                 .state()
                 .state
-                .document
+                .model
+                .open
                 .as_ref()
                 .and_then(|d| d.fit().cloned());
             let fit = fit.expect("a fit");

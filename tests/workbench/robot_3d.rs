@@ -7,8 +7,9 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 use tautline_session::{Session, Timestamp};
-use tautline_workbench::app::screen::{Screen, Step};
-use tautline_workbench::app::{App, Document, Selection};
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::model::{OpenSession, Selection};
+use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::Live;
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
@@ -33,7 +34,7 @@ pub fn session_of(name: &str, poses: usize) -> Session {
 
 /// Opens a session in the measuring phase, identified or not.
 pub fn open(harness: &mut Harness<'_, App>, session: Session, is_identified: bool) {
-    let mut document = Document::new(session, None);
+    let mut document = OpenSession::new(session, None);
     if is_identified {
         let order = FitOrder {
             dataset: document.session().dataset().into(),
@@ -45,8 +46,8 @@ pub fn open(harness: &mut Harness<'_, App>, session: Session, is_identified: boo
         let inputs = document.inputs();
         document.set_fit(fit, inputs);
     }
-    harness.state_mut().state.document = Some(document);
-    harness.state_mut().state.screen = Screen::Phase(Step::Measuring);
+    harness.state_mut().state.model.open = Some(document);
+    harness.state_mut().state.model.screen = Screen::Phase(Phase::Measuring);
     settle(harness);
 }
 
@@ -93,25 +94,25 @@ fn a_click_selects_and_the_pointer_is_told_what_it_is_over() {
     let at = in_window(&harness, &pulley);
     harness.hover_at(at);
     harness.run_ok();
-    assert_eq!(harness.state().state.hovered, Selection::cable(1));
+    assert_eq!(harness.state().state.views.hovered, Selection::cable(1));
     assert!(
         harness
             .query_by_label_contains("Pulley 2: radius 18.0 mm")
             .is_some()
     );
     click(&mut harness, at);
-    assert_eq!(harness.state().state.selection, Selection::cable(1));
+    assert_eq!(harness.state().state.model.selection, Selection::cable(1));
     let pose = scene(&harness).measured[3];
     let at = in_window(&harness, &pose.position);
     click(&mut harness, at);
-    let selection = harness.state().state.selection;
+    let selection = harness.state().state.model.selection;
     assert_eq!(selection.cable, Some(1), "a pose adds to the cable");
     let label = selection.pose.expect("it is there");
     assert_eq!(scene(&harness).shown, Shown::Fitted(label));
     assert!(scene(&harness).cables[0].residual.is_some());
     let corner = harness.get_by_label("3D view").rect().left_top() + vec2(12.0, 60.0);
     click(&mut harness, corner);
-    assert!(harness.state().state.selection.is_empty());
+    assert!(harness.state().state.model.selection.is_empty());
     assert_eq!(scene(&harness).shown, Shown::Home);
 }
 
@@ -219,7 +220,7 @@ fn a_click_on_a_pulley_pins_its_coordinates_and_another_takes_them_away() {
     };
     click(&mut harness, at);
     assert_eq!(pinned(&harness), [1]);
-    assert_eq!(harness.state().state.selection, Selection::cable(1));
+    assert_eq!(harness.state().state.model.selection, Selection::cable(1));
     click(&mut harness, at);
     assert!(pinned(&harness).is_empty());
 }

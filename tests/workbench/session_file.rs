@@ -10,8 +10,8 @@ use tautline_session::{
 };
 use tautline_validation::program::{Answer, tautline};
 use tautline_validation::truth::preset_options;
-use tautline_workbench::app::commands::{FileCommand, ModelCommand, RobotCommand};
-use tautline_workbench::app::edit::Edit;
+use tautline_workbench::model::command::{FileCommand, IdentificationCommand, RobotCommand};
+use tautline_workbench::model::edit::Edit;
 use tautline_workflow::session_file::Held;
 
 use crate::demo::Bench;
@@ -57,7 +57,7 @@ fn question(bench: &mut Bench) {
 }
 
 fn told(bench: &Bench, part: &str) -> usize {
-    let all = bench.state().messages.all().iter();
+    let all = bench.state().model.messages.all().iter();
     all.filter(|message| message.text.contains(part)).count()
 }
 
@@ -139,7 +139,7 @@ fn a_command_at_work_is_told_and_keeps_the_window_from_saving() {
     let held = Held::take(&path(&bench)).expect("held");
     let file = path(&bench);
     bench.give(FileCommand::Open(file));
-    bench.wait("the session", |state| state.document.is_some());
+    bench.wait("the session", |state| state.model.open.is_some());
     let busy = "another program works on this session";
     assert_eq!(told(&bench, busy), 1, "when it is opened");
     rename(&mut bench, "renamed");
@@ -177,7 +177,7 @@ fn what_a_killed_command_has_left_is_taken_over() {
     keeper.measured(&pose).expect("kept");
     drop(keeper);
     bench.give(FileCommand::Open(file));
-    bench.wait("the session", |state| state.document.is_some());
+    bench.wait("the session", |state| state.model.open.is_some());
     assert_eq!(bench.session().measurements.labels, m.labels[..3]);
     assert_eq!(told(&bench, "1 pose that a program had measured"), 1);
     assert!(!unsaved(&bench).exists());
@@ -193,23 +193,23 @@ fn what_a_killed_command_has_left_is_taken_over() {
 #[test]
 fn values_that_did_not_converge_are_asked_about() {
     let mut bench = Bench::of_session(&session(12));
-    bench.give(ModelCommand::Identify);
+    bench.give(IdentificationCommand::Identify);
     bench.settle("an identification");
     bench.give(RobotCommand::Write);
-    assert!(!bench.state().windows.unconverged);
-    let document = bench.harness.state_mut().state.document.as_mut();
+    assert!(!bench.state().model.dialogs.unconverged);
+    let document = bench.harness.state_mut().state.model.open.as_mut();
     let document = document.expect("a session");
     let mut fit = document.fit().expect("a fit").as_ref().clone();
     fit.solution.termination = Termination::IterationLimit;
     let inputs = document.inputs();
     document.set_fit(fit, inputs);
     bench.give(RobotCommand::Write);
-    assert!(bench.state().windows.unconverged);
+    assert!(bench.state().model.dialogs.unconverged);
     question(&mut bench);
     bench.press("Do not write");
-    assert!(!bench.state().windows.unconverged);
+    assert!(!bench.state().model.dialogs.unconverged);
     bench.give(RobotCommand::Write);
     question(&mut bench);
     bench.press("Write all the same");
-    assert!(!bench.state().windows.unconverged);
+    assert!(!bench.state().model.dialogs.unconverged);
 }

@@ -1,7 +1,7 @@
 //! The start screen.
 
 use egui_kittest::kittest::Queryable;
-use tautline_workbench::app::Severity;
+use tautline_workbench::model::messages::Severity;
 
 use crate::support::{settle, workbench};
 
@@ -23,7 +23,7 @@ fn a_path_that_does_not_exist_is_named() {
     settle(&mut harness);
     let shown = harness.get_by_label_contains("nowhere.json");
     assert!(shown.rect().is_positive(), "the status bar tells it");
-    let last = harness.state().state.messages.last();
+    let last = harness.state().state.model.messages.last();
     assert!(last.is_some_and(|message| message.severity == Severity::Error));
-    assert!(harness.state().state.document.is_none());
+    assert!(harness.state().state.model.open.is_none());
 }

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use egui_kittest::Harness;
 use tautline_session::Folders;
 pub use tautline_validation::harness::settle;
-use tautline_workbench::app::{App, Options};
+use tautline_workbench::model::Options;
+use tautline_workbench::shell::App;
 
 static STARTED: AtomicUsize = AtomicUsize::new(0);
 

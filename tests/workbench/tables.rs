@@ -6,8 +6,8 @@ use egui::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use serde_json::Value;
-use tautline_workbench::app::App;
-use tautline_workbench::app::commands::FileCommand;
+use tautline_workbench::model::command::FileCommand;
+use tautline_workbench::shell::App;
 
 use crate::support::{settle, workbench};
 
@@ -34,7 +34,10 @@ impl Bench {
         state.outbox.send(FileCommand::Open(path));
         harness.step();
         settle(&mut harness);
-        assert!(harness.state().state.document.is_some(), "the robot opens");
+        assert!(
+            harness.state().state.model.open.is_some(),
+            "the robot opens"
+        );
         Self { harness, folder }
     }
 
@@ -95,19 +98,19 @@ impl Bench {
 
     /// What the status bar says last.
     pub fn said(&self) -> &str {
-        let messages = &self.harness.state().state.messages;
+        let messages = &self.harness.state().state.model.messages;
         messages.last().map_or("", |message| message.text.as_str())
     }
 
     /// The open session.
     pub fn session(&self) -> &tautline_session::Session {
-        let document = self.harness.state().state.document.as_ref();
+        let document = self.harness.state().state.model.open.as_ref();
         document.expect("a session is open").session()
     }
 
     /// Name of what undo would undo.
     pub fn next_undo(&self) -> Option<&str> {
-        let document = self.harness.state().state.document.as_ref();
+        let document = self.harness.state().state.model.open.as_ref();
         document.expect("a session is open").history().next_undo()
     }
 
@@ -116,7 +119,7 @@ impl Bench {
         let state = &mut self.harness.state_mut().state;
         state
             .outbox
-            .send(tautline_workbench::app::command::Command::Undo);
+            .send(tautline_workbench::model::command::Command::Undo);
         settle(&mut self.harness);
     }
 }

@@ -4,16 +4,16 @@ use egui::{Key, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_session::{Arrangement, Preferences};
-use tautline_workbench::app::App;
-use tautline_workbench::app::commands::{ModelCommand, ViewCommand};
-use tautline_workbench::app::screen::{Screen, Step};
+use tautline_workbench::model::command::{IdentificationCommand, ViewCommand};
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::scene::Shown;
 
 use crate::measured::{Measured, give, press};
 use crate::support::settle;
 
 fn pose(harness: &Harness<'_, App>) -> Option<i64> {
-    harness.state().state.selection.pose
+    harness.state().state.model.selection.pose
 }
 
 fn shown(harness: &Harness<'_, App>) -> Shown {
@@ -23,8 +23,8 @@ fn shown(harness: &Harness<'_, App>) -> Shown {
 
 fn identified(poses: usize) -> Harness<'static, App> {
     let mut harness = Measured::mini(poses, &[]).opened();
-    give(&mut harness, ModelCommand::Identify);
-    let go = ViewCommand::Go(Screen::Phase(Step::Identification));
+    give(&mut harness, IdentificationCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
     give(&mut harness, go);
     harness
 }
@@ -110,7 +110,7 @@ fn plots_stand_beside_each_other_move_together_and_are_remembered() {
         assert!(below.min.y > rect(&harness, "Plot: Residuals").max.y);
     }
     settle(&mut harness);
-    let file = harness.state().state.folders.preferences();
+    let file = harness.state().state.model.folders.preferences();
     let kept = Preferences::load(&file).value.plots;
     assert_eq!(kept.arrangement, Arrangement::Grid);
     assert_eq!(kept.panes[..2], ["residuals", "tensions"]);

@@ -5,8 +5,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::effect::EffectSetting;
 use tautline_session::{Connection, LaserSettings, Method, PhaseData, PlannedPose, WinchPair};
-use tautline_workbench::app::App;
-use tautline_workbench::app::edit::{Edit, Editable};
+use tautline_workbench::model::edit::{Edit, Editable};
+use tautline_workbench::shell::App;
 
 use crate::measured::{Measured, document, give, press};
 use crate::support::settle;

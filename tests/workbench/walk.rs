@@ -6,7 +6,7 @@ use egui::Role;
 use egui_kittest::kittest::Queryable;
 use tautline_session::Stage;
 use tautline_validation::harness::words;
-use tautline_workbench::app::commands::CompareCommand;
+use tautline_workbench::model::command::CompareCommand;
 
 use crate::demo::Bench;
 
@@ -17,7 +17,7 @@ const SEED: u64 = 3;
 fn a_newcomer_walks_through_all_phases() {
     let mut bench = Bench::new(Some(SEED));
     bench.press("Try the demo robot");
-    bench.wait("the demonstration", |state| state.document.is_some());
+    bench.wait("the demonstration", |state| state.model.open.is_some());
 
     bench.press("Phase 1: Pre-calibration");
     bench.press("Use these values");
@@ -33,7 +33,7 @@ fn a_newcomer_walks_through_all_phases() {
     bench.settle("a plan");
     bench.connect_and_arm();
     bench.press("Start measuring");
-    bench.wait("all poses", |state| !state.link.is_measuring());
+    bench.wait("all poses", |state| !state.model.link.is_measuring());
     assert_eq!(
         bench.session().measurements.len(),
         26,
@@ -62,7 +62,8 @@ fn a_newcomer_walks_through_all_phases() {
     assert_eq!((added.effect.clone(), added.targets.clone()), hidden);
     let fit = bench
         .state()
-        .document
+        .model
+        .open
         .as_ref()
         .and_then(|document| document.fit())
         .expect("a fit");
@@ -77,7 +78,7 @@ fn a_newcomer_walks_through_all_phases() {
     bench.press("Measure before");
     bench.wait("a verification", |state| verified(state) == 1);
     bench.press("Write to the controller");
-    bench.wait("the values", |state| !state.link.writing);
+    bench.wait("the values", |state| !state.model.link.writing);
     bench.press("Measure after");
     bench.wait("another verification", |state| verified(state) == 2);
     let stages: Vec<Stage> = bench
@@ -109,9 +110,10 @@ fn compare_with_a_clean_session(bench: &mut Bench) {
     );
 }
 
-fn verified(state: &tautline_workbench::app::State) -> usize {
+fn verified(state: &tautline_workbench::shell::State) -> usize {
     state
-        .document
+        .model
+        .open
         .as_ref()
         .map_or(0, |document| document.session().verifications().len())
 }
@@ -140,16 +142,17 @@ fn save_and_open_again(bench: &mut Bench) {
     assert!(
         !bench
             .state()
-            .document
+            .model
+            .open
             .as_ref()
             .expect("a session")
             .is_unsaved()
     );
 
-    bench.give(tautline_workbench::app::commands::FileCommand::Close);
-    bench.wait("the start screen", |state| state.document.is_none());
+    bench.give(tautline_workbench::model::command::FileCommand::Close);
+    bench.wait("the start screen", |state| state.model.open.is_none());
     bench.harness.get_by_label("Demo robot").click_accesskit();
-    bench.wait("the session again", |state| state.document.is_some());
+    bench.wait("the session again", |state| state.model.open.is_some());
     bench.settle("its identification");
     assert_eq!(
         format!("{:?}", bench.session().measurements),
@@ -159,7 +162,8 @@ fn save_and_open_again(bench: &mut Bench) {
     assert!(
         bench
             .state()
-            .document
+            .model
+            .open
             .as_ref()
             .expect("a session")
             .fit_is_current()

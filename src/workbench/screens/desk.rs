@@ -5,12 +5,12 @@ use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_session::{PhaseData, Session};
 
-use crate::app::command::Outbox;
-use crate::app::commands::{ImportCommand, ViewCommand};
-use crate::app::edit::Edit;
-use crate::app::theme;
-use crate::app::{Document, Messages, Selection};
-use crate::views::plots::figure::{Axis, Band, Figure, Point, Series};
+use crate::model::command::{ImportCommand, Outbox, ViewCommand};
+use crate::model::edit::Edit;
+use crate::model::figure::{Axis, Band, Figure, Point, Series};
+use crate::model::messages::Messages;
+use crate::model::{OpenSession, Selection};
+use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
@@ -18,7 +18,7 @@ use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 /// The open session with what its tables tell, and where commands go.
 pub struct Desk<'a> {
     /// The open session.
-    pub document: &'a Document,
+    pub open: &'a OpenSession,
     /// What its tables tell.
     pub calibration: &'a Calibration,
     /// What is selected.
@@ -46,12 +46,12 @@ pub struct Residuals<'a> {
 impl<'a> Desk<'a> {
     /// The session.
     pub fn session(&self) -> &'a Session {
-        self.document.session()
+        self.open.session()
     }
 
     /// The robot.
     pub fn robot(&self) -> &'a Robot {
-        &self.document.session().robot
+        &self.open.session().robot
     }
 
     /// Draws the row for importing a table.

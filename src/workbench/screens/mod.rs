@@ -12,40 +12,69 @@ pub mod start;
 
 use egui::{ScrollArea, Ui};
 
-use crate::app::State;
-use crate::app::screen::Step;
+use crate::model::phase::Phase;
+use crate::shell::State;
 
 /// What the screens remember.
 #[derive(Debug, Default)]
-pub struct Screens {
+pub struct PanelStates {
+    /// What a small window shows.
+    pub part: Part,
     /// Of the start screen.
-    pub start: start::Remembered,
+    pub start: start::PanelState,
     /// Of the phase Measuring.
-    pub measuring: measuring::Remembered,
+    pub measuring: measuring::PanelState,
     /// Of the phase Adjustment.
-    pub adjustment: adjustment::Remembered,
+    pub adjustment: adjustment::PanelState,
     /// Of the phase Identification.
-    pub identification: identification::Remembered,
+    pub identification: identification::PanelState,
     /// Of phase 1.
-    pub precalibration: precalibration::Remembered,
+    pub precalibration: precalibration::PanelState,
     /// Of phase 2.
-    pub modeling: modeling::Remembered,
+    pub modeling: modeling::PanelState,
     /// Of the window that connects, while it is open.
     pub connect: Option<Box<connect::Draft>>,
     /// Of the comparison.
-    pub compare: compare::Remembered,
+    pub compare: compare::PanelState,
 }
 
 /// Draws the panel of a phase.
-pub fn phase(ui: &mut Ui, state: &mut State, step: Step) {
+pub fn phase(ui: &mut Ui, state: &mut State, phase: Phase) {
     ScrollArea::vertical()
-        .id_salt(step)
+        .id_salt(phase)
         .auto_shrink(false)
-        .show(ui, |ui| match step {
-            Step::Precalibration => precalibration::show(ui, state),
-            Step::Modeling => modeling::show(ui, state),
-            Step::Measuring => measuring::show(ui, state),
-            Step::Identification => identification::show(ui, state),
-            Step::Adjustment => adjustment::show(ui, state),
+        .show(ui, |ui| match phase {
+            Phase::Precalibration => precalibration::show(ui, state),
+            Phase::Modeling => modeling::show(ui, state),
+            Phase::Measuring => measuring::show(ui, state),
+            Phase::Identification => identification::show(ui, state),
+            Phase::Adjustment => adjustment::show(ui, state),
         });
+}
+
+/// Part of a phase's screen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Instruction, inputs, tables.
+    #[default]
+    Panel,
+    /// The robot in 3D.
+    Robot,
+    /// Plots.
+    Plots,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Panel => "Panel",
+            Self::Robot => "3D view",
+            Self::Plots => "Plots",
+        }
+    }
 }

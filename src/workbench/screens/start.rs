@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, TextEdit, Ui};
 use egui_material_icons::icons;
 
-use crate::app::State;
-use crate::app::commands::{CompareCommand, FileCommand};
-use crate::app::theme::{self, GRID};
+use crate::model::command::{CompareCommand, FileCommand};
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted, primary, section};
 use tautline_workflow::samples::{self, Sample};
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PanelState {
     path: String,
     /// Whether all that crashes have left behind is listed.
     shows_all: bool,
@@ -63,7 +63,7 @@ fn begin(ui: &mut Ui, state: &mut State) {
 }
 
 fn open(ui: &mut Ui, state: &mut State) {
-    let path = &mut state.screens.start.path;
+    let path = &mut state.panels.start.path;
     ui.horizontal(|ui| {
         let field = TextEdit::singleline(path).hint_text("Path, or drop a file on the window");
         let field = ui.add(
@@ -99,7 +99,7 @@ fn compare(ui: &mut Ui, state: &mut State) {
 }
 
 fn left_behind(ui: &mut Ui, state: &mut State) {
-    if state.left_behind.is_empty() {
+    if state.model.unsaved_sessions.is_empty() {
         return;
     }
     let warning = theme::of(ui).warning;
@@ -110,12 +110,12 @@ fn left_behind(ui: &mut Ui, state: &mut State) {
                 .font(theme::strong(13.0)),
         );
     });
-    let shown = if state.screens.start.shows_all {
+    let shown = if state.panels.start.shows_all {
         usize::MAX
     } else {
         LEFT_BEHIND
     };
-    for (place, left) in state.left_behind.iter().enumerate().take(shown) {
+    for (place, left) in state.model.unsaved_sessions.iter().enumerate().take(shown) {
         ui.horizontal(|ui| {
             let poses = match left.poses {
                 0 => "no poses".to_owned(),
@@ -148,19 +148,19 @@ fn left_behind(ui: &mut Ui, state: &mut State) {
             muted(ui, &problem.to_string());
         }
     }
-    let more = state.left_behind.len().saturating_sub(shown);
+    let more = state.model.unsaved_sessions.len().saturating_sub(shown);
     if more > 0 && ui.button(format!("Show {more} more")).clicked() {
-        state.screens.start.shows_all = true;
+        state.panels.start.shows_all = true;
     }
     ui.add_space(4.0 * GRID);
 }
 
 fn recent(ui: &mut Ui, state: &mut State) {
-    if state.preferences.recent().is_empty() {
+    if state.model.preferences.recent().is_empty() {
         return;
     }
     section(ui, "Recent sessions");
-    for recent in state.preferences.recent() {
+    for recent in state.model.preferences.recent() {
         let there = recent.exists();
         let hint = if there {
             readable(&recent.when.to_string())
@@ -200,7 +200,7 @@ fn recent(ui: &mut Ui, state: &mut State) {
 
 fn sample_sessions(ui: &mut Ui, state: &mut State) {
     let found = state
-        .screens
+        .panels
         .start
         .samples
         .get_or_insert_with(|| samples::find(&samples::places()));

@@ -1,28 +1,33 @@
 //! What is drawn beside the panels: the robot in 3D, plots.
 
+pub mod offscreen;
 pub mod plots;
+pub mod report_picture;
 pub mod robot_3d;
 pub mod timeline;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
-use crate::app::State;
-use crate::app::theme::{self, GRID};
+use crate::model::Selection;
+use crate::shell::State;
+use crate::theme::{self, GRID};
 
 /// What the views remember.
 #[derive(Default)]
-pub struct Views {
+pub struct ViewStates {
+    /// What is under the pointer, in all views.
+    pub hovered: Selection,
     /// Of the robot in 3D.
     pub robot_3d: robot_3d::Robot3d,
     /// Of the two robots in 3D that are compared.
     pub compared_3d: robot_3d::Robot3d,
     /// Of the time line.
-    pub timeline: timeline::Remembered,
+    pub timeline: timeline::TimelineState,
     /// Of the plots.
     pub plots: plots::Panes,
 }
 
-impl Views {
+impl ViewStates {
     /// Frees what lies on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
         self.robot_3d.destroy();
@@ -34,9 +39,10 @@ impl Views {
 pub fn robot(ui: &mut Ui, state: &mut State) {
     let palette = theme::of(ui);
     let measured = state
-        .document
+        .model
+        .open
         .as_ref()
-        .is_some_and(|document| !document.session().measurements.is_empty());
+        .is_some_and(|open| !open.session().measurements.is_empty());
     if measured {
         let frame = Frame::new()
             .fill(palette.panel)

@@ -6,9 +6,10 @@ use egui::{
 use egui_material_icons::icons;
 
 use super::robot_3d::scene::Scene;
-use crate::app::commands::{PoseStep, ViewCommand};
-use crate::app::theme::{self, GRID, Palette};
-use crate::app::{Document, Selection, State};
+use crate::model::command::{PoseStep, ViewCommand};
+use crate::model::{OpenSession, Selection};
+use crate::shell::State;
+use crate::theme::{self, GRID, Palette};
 use crate::widgets::{icon_only, muted};
 use tautline_workflow::wording::count;
 
@@ -23,14 +24,14 @@ const APART: f32 = 3.0;
 
 /// What the time line remembers.
 #[derive(Debug)]
-pub struct Remembered {
+pub struct TimelineState {
     /// When the present pose was reached, while poses are played (s).
     playing: Option<f64>,
     /// Whether the robot is drawn where it is now while something goes on, whatever is selected.
     pub follows: bool,
 }
 
-impl Default for Remembered {
+impl Default for TimelineState {
     fn default() -> Self {
         Self {
             playing: None,
@@ -39,7 +40,7 @@ impl Default for Remembered {
     }
 }
 
-impl Remembered {
+impl TimelineState {
     /// Begins or ends playing.
     pub fn play(&mut self, plays: bool) {
         // The next pose comes at once.
@@ -69,11 +70,11 @@ pub fn after(labels: &[i64], selected: Option<i64>, step: PoseStep) -> Option<i6
 
 /// Draws the time line.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let labels = &document.session().measurements.labels;
-    let selected = state.selection.pose;
+    let labels = &open.session().measurements.labels;
+    let selected = state.model.selection.pose;
     let mut commands = play(ui, &mut state.views.timeline, labels, selected);
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = GRID;
@@ -102,7 +103,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 commands.push(command);
             }
         }
-        let is_live = state.link.is_connected() && (state.link.is_busy() || state.link.watches);
+        let is_live = state.model.link.is_connected()
+            && (state.model.link.is_busy() || state.model.link.watches);
         if is_live {
             let follows = state.views.timeline.follows;
             let live = ui.selectable_label(follows, "Now");
@@ -114,8 +116,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             }
         }
         let scene = state.views.robot_3d.scene().map(AsRef::as_ref);
-        let selection = state.selection;
-        commands.extend(track(ui, (document, scene), selection, plays));
+        let selection = state.model.selection;
+        commands.extend(track(ui, (open, scene), selection, plays));
         let place = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
         ui.add_space(GRID);
         muted(ui, &words(labels, place));
@@ -128,7 +130,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 /// Goes on to the next pose when it is time.
 fn play(
     ui: &Ui,
-    memory: &mut Remembered,
+    memory: &mut TimelineState,
     labels: &[i64],
     selected: Option<i64>,
 ) -> Vec<ViewCommand> {
@@ -168,11 +170,11 @@ fn words(labels: &[i64], place: Option<usize>) -> String {
 /// The line with a mark for each pose, in the colour of its residual.
 fn track(
     ui: &mut Ui,
-    (document, scene): (&Document, Option<&Scene>),
+    (open, scene): (&OpenSession, Option<&Scene>),
     selection: Selection,
     plays: bool,
 ) -> Vec<ViewCommand> {
-    let session = document.session();
+    let session = open.session();
     let labels = &session.measurements.labels;
     let width = (ui.available_width() - WORDS).max(40.0);
     let (rect, response) = ui.allocate_exact_size(vec2(width, 6.0 * GRID), Sense::click_and_drag());
@@ -183,7 +185,7 @@ fn track(
     response.widget_info(|| WidgetInfo::slider(true, value, "Time line of the poses"));
     let line = rect.shrink2(vec2(2.0 * GRID, 0.0));
     let palette = theme::of(ui);
-    paint(ui, (document, scene), line, palette);
+    paint(ui, (open, scene), line, palette);
     let last = labels.len().saturating_sub(1).max(1) as f32;
     let x = |place: usize| line.min.x + line.width() * place as f32 / last;
     if let Some(place) = place {
@@ -211,8 +213,8 @@ fn track(
     commands
 }
 
-fn paint(ui: &Ui, (document, scene): (&Document, Option<&Scene>), line: Rect, palette: &Palette) {
-    let session = document.session();
+fn paint(ui: &Ui, (open, scene): (&OpenSession, Option<&Scene>), line: Rect, palette: &Palette) {
+    let session = open.session();
     let labels = &session.measurements.labels;
     let middle = line.center().y;
     let painter = ui.painter();

@@ -3,7 +3,7 @@
 use egui::{Button, Response, RichText, Role, Ui, WidgetInfo};
 use egui_material_icons::MaterialIcon;
 
-use crate::app::theme;
+use crate::theme;
 
 /// The one next step of a panel.
 pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {

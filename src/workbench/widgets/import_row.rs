@@ -6,7 +6,7 @@ use egui::{Align, Key, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::button::{icon_button, icon_only};
-use crate::app::theme::GRID;
+use crate::theme::GRID;
 
 /// How a file is to be imported.
 #[derive(Debug, Clone, PartialEq, Eq)]

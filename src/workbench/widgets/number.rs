@@ -3,7 +3,7 @@
 use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, Ui, WidgetInfo};
 
 use super::text::muted;
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 
 /// What was typed into a field for a number.
 #[derive(Debug, Clone, PartialEq)]

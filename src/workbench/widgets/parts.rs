@@ -2,13 +2,13 @@
 
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo};
 
-use crate::app::screen::Standing;
-use crate::app::theme::{self, GRID};
+use crate::model::phase::PhaseStatus;
+use crate::theme::{self, GRID};
 
 /// Draws the parts with their titles below each other; a click on one chooses it.
 pub fn parts<P: Copy + PartialEq, const N: usize>(
     ui: &mut Ui,
-    parts: [(P, &str, Standing); N],
+    parts: [(P, &str, PhaseStatus); N],
     chosen: &mut P,
 ) {
     ui.scope(|ui| {
@@ -23,7 +23,7 @@ pub fn parts<P: Copy + PartialEq, const N: usize>(
 }
 
 /// Draws a row; says whether it was clicked.
-fn row(ui: &mut Ui, title: &str, standing: &Standing, selected: bool) -> bool {
+fn row(ui: &mut Ui, title: &str, standing: &PhaseStatus, selected: bool) -> bool {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), 8.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());

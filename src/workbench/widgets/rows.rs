@@ -6,7 +6,7 @@ use egui_material_icons::icons;
 use super::button::{icon_button, icon_only};
 use super::number::{Entered, Number, number, parse};
 use super::text::muted;
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 
 /// Most columns of a row.
 pub const COLUMNS: usize = 3;

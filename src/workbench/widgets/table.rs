@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::{Color32, Galley, Pos2, Rect, RichText, Role, ScrollArea, Sense, Ui, Vec2, WidgetInfo};
 use egui_material_icons::MaterialIcon;
 
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 
 /// A column of a table.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use egui::{Align, Layout, Response, RichText, Ui};
 use egui_material_icons::{MaterialIcon, icons};
 
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 
 /// Title of a panel.
 pub fn heading(ui: &mut Ui, text: &str) -> Response {

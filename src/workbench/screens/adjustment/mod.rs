@@ -15,11 +15,12 @@ use tautline_link::adjusting::Difference;
 
 use self::figures::Figures;
 use super::measuring::{Next, controller, step_button};
-use crate::app::commands::robot::{self, Export, revertible};
-use crate::app::commands::{ModelCommand, RobotCommand, ViewCommand};
-use crate::app::screen::{Screen, Step};
-use crate::app::theme::GRID;
-use crate::app::{Memo, State};
+use crate::commands::robot::{self, revertible};
+use crate::model::Memo;
+use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
+use crate::model::phase::{Phase, Screen};
+use crate::shell::State;
+use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::documents::identification::Explains;
@@ -29,7 +30,7 @@ type Key = (u64, u64, Option<usize>, u64);
 
 /// What the panel remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PanelState {
     /// Name of the operator while it is typed.
     operator: Option<String>,
     /// Whether parameters that stay as they are are shown as well.
@@ -47,7 +48,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ui,
         "The identified values are written to the controller; an external instrument shows what that changes.",
     );
-    let current = state.document.as_ref().is_some_and(|d| d.fit_is_current());
+    let current = state
+        .model
+        .open
+        .as_ref()
+        .is_some_and(|d| d.fit_is_current());
     if !current {
         missing(ui, state);
     }
@@ -66,29 +71,29 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 
 /// What the controller lacks; computed again only after a change.
 fn differences(state: &mut State) -> Arc<Vec<Difference>> {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return Arc::default();
     };
     let key = (
-        document.identity(),
-        document.revision(),
-        document.fit().map(|fit| Arc::as_ptr(fit) as usize),
-        state.link.parameters_version,
+        open.id(),
+        open.revision(),
+        open.fit().map(|fit| Arc::as_ptr(fit) as usize),
+        state.model.link.parameters_version,
     );
-    let mut memo = std::mem::take(&mut state.screens.adjustment.differences);
+    let mut memo = std::mem::take(&mut state.panels.adjustment.differences);
     let found = memo
         .get(key, || Arc::new(robot::differences(state)))
         .clone();
-    state.screens.adjustment.differences = memo;
+    state.panels.adjustment.differences = memo;
     found
 }
 
 fn next(state: &State, current: bool) -> Next {
-    if !current || state.link.is_busy() {
+    if !current || state.model.link.is_busy() {
         Next::Nothing
-    } else if !state.link.is_connected() {
+    } else if !state.model.link.is_connected() {
         Next::Connect
-    } else if !state.link.is_armed() {
+    } else if !state.model.link.is_armed() {
         Next::Arm
     } else {
         Next::Start
@@ -97,7 +102,7 @@ fn next(state: &State, current: bool) -> Next {
 
 /// Warns of values from a model that misses the readings: they can make the robot worse.
 fn doubt(ui: &mut Ui, state: &mut State) {
-    let fit = state.document.as_ref().and_then(|document| document.fit());
+    let fit = state.model.open.as_ref().and_then(|open| open.fit());
     let explains = |p: f64| Explains::of(Some(p)) != Explains::No;
     if fit
         .and_then(|fit| fit.solution.p_value())
@@ -109,32 +114,32 @@ fn doubt(ui: &mut Ui, state: &mut State) {
                 model gets wrong.";
     verdict(ui, Verdict::Doubtful, text);
     if ui.button("Go to the model doctor").clicked() {
-        state.outbox.send(ModelCommand::Diagnose);
+        state.outbox.send(IdentificationCommand::Diagnose);
         state
             .outbox
-            .send(ViewCommand::Go(Screen::Phase(Step::Identification)));
+            .send(ViewCommand::Go(Screen::Phase(Phase::Identification)));
     }
 }
 
 /// Says what is missing and where to get it.
 fn missing(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let (text, step) = if document.session().measurements.is_empty() {
+    let (text, step) = if open.session().measurements.is_empty() {
         (
             "Nothing is identified, because no poses are measured yet.",
-            Step::Measuring,
+            Phase::Measuring,
         )
-    } else if document.fit().is_some() {
+    } else if open.fit().is_some() {
         (
             "The data changed after the last identification. Identify again before anything is written.",
-            Step::Identification,
+            Phase::Identification,
         )
     } else {
         (
             "The pulleys are not identified yet: there is nothing to write.",
-            Step::Identification,
+            Phase::Identification,
         )
     };
     verdict(ui, Verdict::Neutral, text);
@@ -146,7 +151,7 @@ fn missing(ui: &mut Ui, state: &mut State) {
 
 fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
     section(ui, "Controller and identified model");
-    if !state.link.is_connected() {
+    if !state.model.link.is_connected() {
         muted(
             ui,
             "Connect the controller to see what it holds beside what was identified.",
@@ -156,16 +161,16 @@ fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
     let unknown = differences
         .iter()
         .any(|line| line.name.starts_with("effect.") && line.controller.is_none());
-    if unknown && state.link.is_connected() {
+    if unknown && state.model.link.is_connected() {
         muted(
             ui,
             "The controller has no parameters for some effects: their values cannot be written.",
         );
     }
-    let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
     let simulated = matches!(kind, Some(Kind::OfSession | Kind::OfDescription));
-    if unknown && state.link.is_connected() && simulated {
-        let free = !state.link.is_busy();
+    if unknown && state.model.link.is_connected() && simulated {
+        let free = !state.model.link.is_busy();
         let text = "Give the simulated controller these parameters";
         let button = ui.add_enabled(free, egui::Button::new(text));
         if button
@@ -176,7 +181,7 @@ fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
         }
     }
     ui.horizontal_wrapped(|ui| {
-        let connected = state.link.is_connected() && !state.link.is_busy();
+        let connected = state.model.link.is_connected() && !state.model.link.is_busy();
         if icon_button(ui, icons::ICON_SYNC, "Read back", connected).clicked() {
             state.outbox.send(RobotCommand::ReadBack);
         }
@@ -202,9 +207,9 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
         .count();
     ui.add_space(GRID);
     operator(ui, state);
-    let kind = state.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
     let writable = kind != Some(Kind::Recording);
-    let ready = state.link.is_armed() && !state.link.is_busy() && writable;
+    let ready = state.model.link.is_armed() && !state.model.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {
         let is_next = next == Next::Start && changes > 0;
         let text = "Write to the controller";
@@ -216,7 +221,7 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
             state.outbox.send(RobotCommand::RollBack);
         }
     });
-    if !state.link.is_connected() {
+    if !state.model.link.is_connected() {
         return;
     }
     if changes == 0 {
@@ -242,8 +247,8 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
 
 /// Who is responsible for what is written.
 fn operator(ui: &mut Ui, state: &mut State) {
-    let shown = state.screens.adjustment.operator.take();
-    let mut name = shown.unwrap_or_else(|| state.preferences.operator.clone());
+    let shown = state.panels.adjustment.operator.take();
+    let mut name = shown.unwrap_or_else(|| state.model.preferences.operator.clone());
     ui.horizontal(|ui| {
         let label = ui.label("Operator");
         let field = TextEdit::singleline(&mut name).hint_text("Your name, for the record");
@@ -252,9 +257,11 @@ fn operator(ui: &mut Ui, state: &mut State) {
             .labelled_by(label.id);
         if field.lost_focus() {
             let typed = name.trim().to_owned();
-            state.change_preferences(|preferences| preferences.operator = typed);
+            state
+                .model
+                .change_preferences(|preferences| preferences.operator = typed);
         } else if field.has_focus() {
-            state.screens.adjustment.operator = Some(name);
+            state.panels.adjustment.operator = Some(name);
         }
     });
 }

@@ -3,16 +3,16 @@
 use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};
 
-use crate::app::State;
+use crate::shell::State;
 use crate::widgets::{Verdict, muted, section, verdict};
 use tautline_workflow::wording::count;
 
 /// Draws the last outcome and the record.
 pub(super) fn show(ui: &mut Ui, state: &State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let adjustments = document.session().adjustments();
+    let adjustments = open.session().adjustments();
     let Some(last) = adjustments.last() else {
         return;
     };

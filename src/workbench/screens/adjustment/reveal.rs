@@ -4,16 +4,16 @@ use egui::Ui;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::robot::Robot;
 
-use crate::app::State;
-use crate::app::commands::RobotCommand;
+use crate::model::command::RobotCommand;
+use crate::shell::State;
 use crate::widgets::{Verdict, muted, section, value, verdict};
 
 /// Draws the button, or what it has revealed.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let session = document.session();
+    let session = open.session();
     let Some(simulator) = &session.simulator else {
         return;
     };
@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         }
         return;
     }
-    let fit = document.fit().filter(|_| document.fit_is_current());
+    let fit = open.fit().filter(|_| open.fit_is_current());
     let model = fit.map(|fit| &fit.model);
     for hidden in &simulator.truth.effects {
         effect(ui, &session.robot, hidden, model);

@@ -4,9 +4,10 @@ use egui::Ui;
 use tautline_core::robot::Cable;
 use tautline_link::adjusting::Difference;
 
-use crate::app::commands::ViewCommand;
-use crate::app::theme::{self, GRID};
-use crate::app::{Selection, State};
+use crate::model::Selection;
+use crate::model::command::ViewCommand;
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{fixed, people, signed};
@@ -23,15 +24,15 @@ const COLUMNS: [Column<'static>; 6] = [
 
 /// Draws the table; parameters that stay as they are only where they are asked for.
 pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let all = state.screens.adjustment.all;
+    let all = state.panels.adjustment.all;
     let shown: Vec<&Difference> = differences
         .iter()
         .filter(|line| all || line.sd.is_some() || line.is_writable_change())
         .collect();
-    let cables = &document.session().robot.cables;
+    let cables = &open.session().robot.cables;
     let of_line: Vec<Option<usize>> = shown
         .iter()
         .map(|line| cable_of(cables, &line.name))
@@ -44,14 +45,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
     if let Some(cable) = touched.clicked.and_then(|k| of_line.get(k).copied()?) {
         let selection = Selection {
             cable: Some(cable),
-            ..state.selection
+            ..state.model.selection
         };
         state.outbox.send(ViewCommand::Select(selection));
     }
     ui.add_space(GRID);
     muted(ui, "±: the standard deviation of the identified value.");
     ui.checkbox(
-        &mut state.screens.adjustment.all,
+        &mut state.panels.adjustment.all,
         "Show parameters that stay as they are",
     );
     if rows.is_empty() {

@@ -4,9 +4,9 @@ use egui::{Align, Key, RichText, TextEdit, Ui, WidgetInfo};
 use nalgebra::{UnitQuaternion, Vector3};
 use tautline_session::CheckPose;
 
-use crate::app::State;
-use crate::app::commands::RobotCommand;
-use crate::app::theme::{self, GRID};
+use crate::model::command::RobotCommand;
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
 
 /// Names of the fields.
@@ -24,17 +24,17 @@ pub struct Typed {
 
 /// Nothing is asked for at this moment.
 pub(super) fn forget(state: &mut State) {
-    state.screens.adjustment.typed.number = None;
+    state.panels.adjustment.typed.number = None;
 }
 
 /// Asks where the platform is at a target.
 pub(super) fn show(ui: &mut Ui, state: &mut State, (number, of): (usize, usize)) {
     let target = number
         .checked_sub(1)
-        .and_then(|k| state.link.targets.get(k));
+        .and_then(|k| state.model.link.targets.get(k));
     let Some(target) = target else { return };
     let (name, commanded) = (target.target.clone(), target.pose);
-    let memory = &mut state.screens.adjustment.typed;
+    let memory = &mut state.panels.adjustment.typed;
     let is_new = memory.number != Some(number);
     if is_new {
         *memory = Typed {

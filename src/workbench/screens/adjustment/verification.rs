@@ -6,11 +6,10 @@ use tautline_session::Stage;
 
 use super::figures::{Figure, figures};
 use super::typed;
-use crate::app::State;
-use crate::app::commands::robot::Export;
-use crate::app::commands::{FileCommand, RobotCommand};
-use crate::app::robot::Doing;
-use crate::app::theme::{self, GRID};
+use crate::model::command::{Export, FileCommand, RobotCommand};
+use crate::model::link::Doing;
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
 use tautline_workflow::controllers::Kind;
 
@@ -25,16 +24,16 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     buttons(ui, state);
     progress(ui, state);
     imported(ui, state);
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let session = document.session();
+    let session = open.session();
     if session.verifications().is_empty() {
         return;
     }
-    let key = (document.identity(), document.revision());
+    let key = (open.id(), open.revision());
     match state
-        .screens
+        .panels
         .adjustment
         .figures
         .get(key, || figures(session))
@@ -45,10 +44,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
 }
 
 fn buttons(ui: &mut Ui, state: &mut State) {
-    let rig = state.link.connected.as_ref().map(|c| &c.rig);
+    let rig = state.model.link.connected.as_ref().map(|c| &c.rig);
     let is_recording = rig.is_some_and(|rig| rig.kind == Kind::Recording);
     let by_hand = rig.is_some_and(|rig| !rig.has_instrument());
-    let ready = state.link.is_armed() && !state.link.is_busy() && !is_recording;
+    let ready = state.model.link.is_armed() && !state.model.link.is_busy() && !is_recording;
     let hint = if is_recording {
         "A recording drives to no test poses"
     } else {
@@ -82,8 +81,8 @@ fn buttons(ui: &mut Ui, state: &mut State) {
         if import.clicked() {
             state.outbox.send(FileCommand::AskOpen);
         }
-        let document = state.document.as_ref();
-        let runs = document.is_some_and(|d| !d.session().verifications().is_empty());
+        let open = state.model.open.as_ref();
+        let runs = open.is_some_and(|d| !d.session().verifications().is_empty());
         let export = icon_button(ui, icons::ICON_DOWNLOAD, "Export last run…", runs);
         if export.clicked() {
             state.outbox.send(RobotCommand::AskExport(Export::Check));
@@ -92,10 +91,10 @@ fn buttons(ui: &mut Ui, state: &mut State) {
 }
 
 fn progress(ui: &mut Ui, state: &mut State) {
-    if state.link.verifying.is_none() {
+    if state.model.link.verifying.is_none() {
         return;
     }
-    let doing = state.link.live().doing;
+    let doing = state.model.link.live().doing;
     let (done, of) = match doing {
         Doing::Verifying { done, of } => (done, of),
         Doing::Locating { number, of } => (number, of),
@@ -120,10 +119,10 @@ fn progress(ui: &mut Ui, state: &mut State) {
 
 /// An imported table becomes a run when the operator says which.
 fn imported(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let session = document.session();
+    let session = open.session();
     let check = &session.phases.check;
     let taken = session.verifications().iter().any(|run| run.rows == *check);
     if check.is_empty() || taken {

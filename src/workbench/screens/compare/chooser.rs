@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
 
-use crate::app::State;
-use crate::app::commands::{CompareCommand, ViewCommand};
-use crate::app::compared::{Side, Source};
-use crate::app::screen::{Screen, Step};
-use crate::app::theme::{self, GRID};
+use crate::model::command::{CompareCommand, ViewCommand};
+use crate::model::comparison::{Side, Source};
+use crate::model::phase::{Phase, Screen};
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button};
 use tautline_workflow::samples;
 
@@ -23,15 +23,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         heading(ui, "Compare two sessions");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                let back = match state.document {
-                    Some(_) => Screen::Phase(Step::Identification),
+                let back = match state.model.open {
+                    Some(_) => Screen::Phase(Phase::Identification),
                     None => Screen::Start,
                 };
                 state.outbox.send(ViewCommand::Go(back));
             }
             let is_any = Side::ALL
                 .iter()
-                .any(|side| state.screens.compare.source(*side).is_some());
+                .any(|side| state.panels.compare.source(*side).is_some());
             if icon_button(ui, icons::ICON_SWAP_VERT, "Swap A and B", is_any).clicked() {
                 state.outbox.send(CompareCommand::Swap);
             }
@@ -50,7 +50,7 @@ fn row(ui: &mut Ui, state: &mut State, side: Side) {
     let colour = theme::of(ui).accent;
     let label = Label::new(name.color(colour));
     ui.add_sized(vec2(NAME, ROW), label);
-    match state.screens.compare.source(side).cloned() {
+    match state.panels.compare.source(side).cloned() {
         Some(source) => chosen(ui, state, side, &source),
         None => choose(ui, state, side),
     }
@@ -60,11 +60,11 @@ fn chosen(ui: &mut Ui, state: &mut State, side: Side, source: &Source) {
     if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {
         state.outbox.send(CompareCommand::Clear(side));
     }
-    let known = match &state.screens.compare.result {
+    let known = match &state.panels.compare.result {
         Some(Ok(compared)) => Some(&compared.runs[side as usize].name),
         _ => None,
     };
-    let open = state.document.as_ref().map(|document| document.session());
+    let open = state.model.open.as_ref().map(|open| open.session());
     let (name, place) = match source {
         Source::Open => (
             known.or(open.map(|session| &session.name)).cloned(),
@@ -81,7 +81,7 @@ fn chosen(ui: &mut Ui, state: &mut State, side: Side, source: &Source) {
 
 fn choose(ui: &mut Ui, state: &mut State, side: Side) {
     let name = side.name();
-    let path = &mut state.screens.compare.paths[side as usize];
+    let path = &mut state.panels.compare.paths[side as usize];
     let field = TextEdit::singleline(path)
         .hint_text("Path of a session or a dataset folder, or drop it on the window")
         .desired_width((ui.available_width() - 420.0).clamp(160.0, 560.0));
@@ -108,16 +108,17 @@ fn choose(ui: &mut Ui, state: &mut State, side: Side) {
 
 /// The open session, recent ones and samples.
 fn known(ui: &mut Ui, state: &mut State, side: Side) {
-    let memory = &mut state.screens.compare;
+    let memory = &mut state.panels.compare;
     let samples = memory
         .samples
         .get_or_insert_with(|| samples::find(&samples::places()));
-    let recent = state.preferences.recent().iter();
+    let recent = state.model.preferences.recent().iter();
     let recent = recent.filter(|recent| recent.exists());
     let open = state
-        .document
+        .model
+        .open
         .iter()
-        .map(|document| (document.session().name.clone(), "open", Source::Open));
+        .map(|open| (open.session().name.clone(), "open", Source::Open));
     let recent = recent.map(|recent| {
         let source = Source::File(recent.path().to_owned());
         (recent.name.clone(), "recent", source)

@@ -8,10 +8,11 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 
-use crate::app::commands::{COMPARING, CompareCommand, ViewCommand};
-use crate::app::compared::{Compared, Side, Source};
-use crate::app::theme::{self, GRID};
-use crate::app::{Part, State};
+use crate::model::command::{COMPARING, CompareCommand, ViewCommand};
+use crate::model::comparison::{Compared, Side, Source};
+use crate::screens::Part;
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::views::plots::small;
 use crate::widgets::{Verdict, empty, muted, section, verdict};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
@@ -19,7 +20,7 @@ use tautline_workflow::samples::Sample;
 
 /// What the comparison remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PanelState {
     sources: [Option<Source>; 2],
     /// What is typed.
     paths: [String; 2],
@@ -32,7 +33,7 @@ pub struct Remembered {
     samples: Option<Vec<Sample>>,
 }
 
-impl Remembered {
+impl PanelState {
     /// What was chosen.
     #[must_use]
     pub fn source(&self, side: Side) -> Option<&Source> {
@@ -97,7 +98,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     Panel::top("compared sessions")
         .frame(side)
         .show(ui, |ui| chooser::show(ui, state));
-    match state.screens.compare.result.clone() {
+    match state.panels.compare.result.clone() {
         Some(Ok(compared)) if ui.available_width() < COMPACT => compact(ui, state, &compared),
         Some(Ok(compared)) => {
             Panel::right("differences")
@@ -119,7 +120,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 verdict(ui, Verdict::Bad, &error);
             });
         }
-        None if state.tasks.runs(COMPARING) => {
+        None if state.model.tasks.runs(COMPARING) => {
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
         None => empty(
@@ -143,13 +144,13 @@ fn compact(ui: &mut Ui, state: &mut State, compared: &Compared) {
                     (Part::Robot, "3D view"),
                     (Part::Plots, "Residuals"),
                 ] {
-                    ui.selectable_value(&mut state.windows.part, part, title);
+                    ui.selectable_value(&mut state.panels.part, part, title);
                 }
             });
         });
     CentralPanel::no_frame()
         .frame(side)
-        .show(ui, |ui| match state.windows.part {
+        .show(ui, |ui| match state.panels.part {
             Part::Panel => differences(ui, state, compared),
             Part::Robot => robots(ui, state, compared),
             Part::Plots => residuals(ui, state, compared),
@@ -159,8 +160,8 @@ fn compact(ui: &mut Ui, state: &mut State, compared: &Compared) {
 /// Both robots in 3D.
 fn robots(ui: &mut Ui, state: &mut State, compared: &Compared) {
     let view = &mut state.views.compared_3d;
-    let (scene, selection) = (&compared.scene, state.selection);
-    if let Some(selection) = view.show(ui, scene, selection, &mut state.hovered) {
+    let (scene, selection) = (&compared.scene, state.model.selection);
+    if let Some(selection) = view.show(ui, scene, selection, &mut state.views.hovered) {
         state.outbox.send(ViewCommand::Select(selection));
     }
 }
@@ -195,7 +196,11 @@ fn differences(ui: &mut Ui, state: &mut State, compared: &Compared) {
 }
 
 fn is_outdated(state: &State, compared: &Compared) -> bool {
-    let inputs = state.document.as_ref().map(crate::app::Document::inputs);
+    let inputs = state
+        .model
+        .open
+        .as_ref()
+        .map(crate::model::OpenSession::inputs);
     let mut runs = compared.runs.iter();
     runs.any(|run| run.source == Source::Open && run.inputs != inputs)
 }
@@ -209,7 +214,7 @@ fn residuals(ui: &mut Ui, state: &mut State, compared: &Compared) {
     let height = ui.available_height().max(80.0);
     let name = "Plot: residuals of both sessions";
     let figure = &compared.residuals;
-    if let Some(selection) = small::show(ui, name, figure, height, state.selection) {
+    if let Some(selection) = small::show(ui, name, figure, height, state.model.selection) {
         state.outbox.send(ViewCommand::Select(selection));
     }
 }

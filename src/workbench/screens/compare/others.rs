@@ -5,8 +5,8 @@ use egui_material_icons::icons;
 use tautline_core::comparison::{Comparison, ScalarDifference, Test};
 use tautline_core::effect::find;
 
-use crate::app::compared::Compared;
-use crate::app::theme;
+use crate::model::comparison::Compared;
+use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
 use tautline_workflow::documents::identification::Explains;

@@ -4,10 +4,11 @@ use egui::Ui;
 use egui_material_icons::icons;
 use tautline_core::comparison::{Comparison, PulleyDifference, Test};
 
-use crate::app::State;
-use crate::app::commands::ViewCommand;
-use crate::app::{Selection, theme};
+use crate::model::Selection;
+use crate::model::command::ViewCommand;
 use crate::screens::desk::decimals_for;
+use crate::shell::State;
+use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 
 /// Draws the part.
@@ -27,11 +28,11 @@ pub fn show(ui: &mut Ui, state: &mut State, compared: &Comparison) {
     let rows: Vec<Vec<Cell>> = pulleys
         .map(|(index, pulley)| row(ui, index, pulley, decimals))
         .collect();
-    let touched = table(ui, &columns, &rows, state.selection.cable);
+    let touched = table(ui, &columns, &rows, state.model.selection.cable);
     if let Some(cable) = touched.clicked {
         let selection = Selection {
             cable: Some(cable),
-            ..state.selection
+            ..state.model.selection
         };
         state.outbox.send(ViewCommand::Select(selection));
     }

@@ -146,7 +146,7 @@ impl Present {
 #[derive(Debug)]
 pub struct Draft {
     /// Identity of the document that it belongs to.
-    pub document: u64,
+    pub session_id: u64,
     /// The part that is shown.
     pub part: Part,
     /// Kind of controller.
@@ -180,7 +180,7 @@ pub struct Draft {
 impl Draft {
     /// The settings of a session; of what it does not have, those that were used last.
     #[must_use]
-    pub fn of(session: &Session, document: u64, reached: &Reached) -> Self {
+    pub fn of(session: &Session, session_id: u64, reached: &Reached) -> Self {
         let connection = &session.connection;
         let place = connection.place.clone().or_else(|| reached.place.clone());
         let number = |value: Option<f64>| format!("{}", value.unwrap_or(1.0));
@@ -191,7 +191,7 @@ impl Draft {
         let mapping = connection.ads.as_ref().unwrap_or(&default);
         let recording = connection.recording.as_ref();
         Self {
-            document,
+            session_id,
             part: Part::default(),
             kind: connection.controller,
             folder: recording.map_or_else(String::new, |place| place.folder.clone()),

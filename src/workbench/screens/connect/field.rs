@@ -2,7 +2,7 @@
 
 use egui::{RichText, TextEdit, Ui, WidgetInfo};
 
-use crate::app::theme;
+use crate::theme;
 use crate::widgets::muted;
 
 /// Width of a field (points).

@@ -7,7 +7,7 @@ use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 use super::draft::{Field, Problems, port};
 use super::field::{labelled, line};
 use super::test_line::{Heard, TestLine};
-use crate::app::theme::GRID;
+use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, section, verdict};
 
 /// Where the distance comes from.

@@ -14,11 +14,10 @@ use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings, Re
 use self::draft::{Field, Part, Present, Problems};
 use self::field::line;
 use self::symbols::SymbolRows;
-use crate::app::State;
-use crate::app::commands::RobotCommand;
-use crate::app::commands::robot::{CHECKING, Setup};
-use crate::app::edit::Edit;
-use crate::app::theme::GRID;
+use crate::model::command::{CHECKING, RobotCommand, Setup};
+use crate::model::edit::Edit;
+use crate::shell::State;
+use crate::theme::GRID;
 use crate::widgets::{TabOf, Verdict, heading, icon_button, muted, primary, tab_row, verdict};
 
 pub use draft::Draft;
@@ -30,13 +29,13 @@ const AROUND: f32 = 210.0;
 
 /// Draws the window while it is open.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(mut draft) = state.screens.connect.take() else {
+    let Some(mut draft) = state.panels.connect.take() else {
         return;
     };
-    let document = state.document.as_ref();
-    let Some(present) = document
-        .filter(|document| document.identity() == draft.document)
-        .map(|document| Present::of(document.session()))
+    let open = state.model.open.as_ref();
+    let Some(present) = open
+        .filter(|open| open.id() == draft.session_id)
+        .map(|open| Present::of(open.session()))
     else {
         return;
     };
@@ -58,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         open = footer(ui, state, &mut draft, settings, &present);
     });
     if open && !modal.should_close() {
-        state.screens.connect = Some(draft);
+        state.panels.connect = Some(draft);
     }
 }
 
@@ -87,7 +86,7 @@ fn part(
         Part::Controller => controller(ui, state, draft, (present, problems)),
         Part::Symbols => symbols(ui, state, draft, (present, problems)),
         Part::Laser => {
-            let busy = state.link.is_connected() || state.link.connecting;
+            let busy = state.model.link.is_connected() || state.model.link.connecting;
             draft.laser.show(ui, problems, busy);
         }
     }
@@ -172,7 +171,7 @@ fn controller(
 }
 
 fn wrapped(ui: &mut Ui, text: &str) {
-    let colour = crate::app::theme::of(ui).muted;
+    let colour = crate::theme::of(ui).muted;
     let text = egui::RichText::new(text).color(colour);
     ui.add(egui::Label::new(text).wrap());
 }
@@ -193,8 +192,8 @@ fn symbols(
     let mut unused = Problems::default();
     let place = draft.place(&mut unused);
     let mapping = draft.symbols.mapping(robot, &mut unused);
-    let checking = state.tasks.runs(CHECKING);
-    let free = !state.link.is_connected() && !state.link.connecting && !checking;
+    let checking = state.model.tasks.runs(CHECKING);
+    let free = !state.model.link.is_connected() && !state.model.link.connecting && !checking;
     ui.horizontal_wrapped(|ui| {
         let can = free && place.is_some() && mapping.is_some();
         let check = icon_button(ui, icons::ICON_FACT_CHECK, "Check symbols", can);
@@ -243,9 +242,9 @@ fn footer(
     settings: Result<(Connection, LaserSettings), Problems>,
     present: &Present,
 ) -> bool {
-    let busy = state.link.is_busy();
+    let busy = state.model.link.is_busy();
     let why = match &settings {
-        _ if state.link.connecting => Some("Connecting…".to_owned()),
+        _ if state.model.link.connecting => Some("Connecting…".to_owned()),
         _ if busy => {
             Some("A run is under way: end it before another controller is connected.".to_owned())
         }
@@ -298,8 +297,10 @@ fn keep_settings(
         place: connection.place.clone(),
         laser: laser.clone(),
     };
-    if !connection.is_empty() && state.preferences.reached != reached {
-        state.change_preferences(|preferences| preferences.reached = reached);
+    if !connection.is_empty() && state.model.preferences.reached != reached {
+        state
+            .model
+            .change_preferences(|preferences| preferences.reached = reached);
     }
     if connection != present.connection || laser != present.laser {
         let settings = Box::new((connection, laser));

@@ -8,7 +8,7 @@ use tautline_session::{AdsMapping, is_per_cable, name_of_cable};
 
 use super::draft::{Field, Problems};
 use super::entry::{Need, no_command, read, title_of, unit_of, write};
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
 use tautline_workflow::wording::{count, sentence};
 

@@ -7,8 +7,8 @@ use tautline_session::PlannedPose;
 
 use super::rows::{Cell, heads, row};
 use super::{Panel, card, gain};
-use crate::app::edit::Edit;
-use crate::app::theme::{self, GRID};
+use crate::model::edit::Edit;
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
@@ -129,7 +129,7 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
 
 /// The plan with further poses, under labels that are free.
 fn plan_with(panel: &Panel<'_>, poses: &[Pose]) -> Vec<PlannedPose> {
-    let session = panel.document.session();
+    let session = panel.open.session();
     let labels = session.measurements.labels.iter().copied();
     let planned = session.plan.iter().map(|pose| pose.label);
     let first = labels
@@ -144,7 +144,7 @@ fn plan_with(panel: &Panel<'_>, poses: &[Pose]) -> Vec<PlannedPose> {
 
 /// Whether all these poses are to be measured.
 fn is_planned(panel: &Panel<'_>, poses: &[Pose]) -> bool {
-    let plan = &panel.document.session().plan;
+    let plan = &panel.open.session().plan;
     let position = |pose: &Pose| <[f64; 3]>::from(pose.position);
     poses.iter().all(|pose| {
         plan.iter().any(|planned| {

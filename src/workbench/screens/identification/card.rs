@@ -5,8 +5,8 @@ use tautline_core::diagnosis::{Cause, Finding, FoundParameter, Verdict as Sure};
 use tautline_core::effect::{Effect, EffectSetting, Unknown};
 
 use super::{Panel, ambiguous, effects, gain};
-use crate::app::edit::Edit;
-use crate::app::theme::{self, GRID};
+use crate::model::edit::Edit;
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::units::{range, unit_of};
@@ -208,7 +208,7 @@ pub fn add_or_remove(
     is_next: bool,
 ) {
     ui.add_space(GRID);
-    if effects::has(panel.document, settings) {
+    if effects::has(panel.open, settings) {
         verdict(ui, Verdict::Good, "In the model");
         let button = ui.button("Remove from model");
         button.widget_info(|| {

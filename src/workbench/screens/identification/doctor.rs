@@ -4,8 +4,8 @@ use egui::{CollapsingHeader, Ui};
 use tautline_session::ResultRecord;
 
 use super::{Panel, card, discrepancy, effects, results};
-use crate::app::commands::{DIAGNOSING, ModelCommand};
-use crate::app::theme::GRID;
+use crate::model::command::{DIAGNOSING, IdentificationCommand};
+use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, primary, section, verdict};
 use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
 use tautline_workflow::wording::sentence;
@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         "Asks every known fault of cables, pulleys, winches and sensors whether it explains what is left, and tests the answer on poses left out.",
     );
     if !panel
-        .document
+        .open
         .session()
         .settings
         .identification
@@ -26,11 +26,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     {
         section(ui, "Effects in the model");
         effects::show(ui, panel);
-        if let Some(fit) = panel
-            .document
-            .fit()
-            .filter(|_| panel.document.fit_is_current())
-        {
+        if let Some(fit) = panel.open.fit().filter(|_| panel.open.fit_is_current()) {
             results::adequacy(ui, panel, fit);
         }
     }
@@ -47,12 +43,12 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             ui.add(egui::Label::new(format!("{text} …")).wrap());
         });
         if ui.button("Cancel diagnosis").clicked() {
-            panel.outbox.send(ModelCommand::Stop);
+            panel.outbox.send(IdentificationCommand::Stop);
         }
     } else {
         ask(ui, panel);
     }
-    match panel.document.diagnosis().cloned() {
+    match panel.open.diagnosis().cloned() {
         Some(diagnosed) => answer(ui, panel, &diagnosed),
         None => stored(ui, panel),
     }
@@ -60,8 +56,8 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 
 /// The button that asks.
 pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let document = panel.document;
-    let is_next = document.fit_is_current() && !document.diagnosis_is_current();
+    let open = panel.open;
+    let is_next = open.fit_is_current() && !open.diagnosis_is_current();
     let text = "What does the model get wrong?";
     let clicked = if is_next {
         primary(ui, text, true).clicked()
@@ -69,9 +65,9 @@ pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.button(text).clicked()
     };
     if clicked {
-        panel.outbox.send(ModelCommand::Diagnose);
+        panel.outbox.send(IdentificationCommand::Diagnose);
     }
-    let effects = document.session().settings.identification.effects.len();
+    let effects = open.session().settings.identification.effects.len();
     if effects > 0 {
         muted(
             ui,
@@ -81,7 +77,7 @@ pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
 }
 
 fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
-    if !panel.document.diagnosis_is_current() {
+    if !panel.open.diagnosis_is_current() {
         verdict(
             ui,
             Verdict::Doubtful,
@@ -161,7 +157,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
 /// What the session keeps of a diagnosis from before.
 fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
     let of_diagnosis = |record: &&ResultRecord| record.format() == Some("tautline-diagnosis");
-    let results = panel.document.session().results();
+    let results = panel.open.session().results();
     let Some(record) = results.iter().rev().find(of_diagnosis) else {
         return;
     };
@@ -169,10 +165,10 @@ fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui,
         &format!("From the diagnosis of {} in this session:", record.time),
     );
-    let key = (panel.document.identity(), results.len());
+    let key = (panel.open.id(), results.len());
     let causes = panel.memory.stored.get(key, || {
-        let document = record.document.value();
-        let findings = document.get("findings").and_then(|list| list.as_array());
+        let diagnosis = record.document.value();
+        let findings = diagnosis.get("findings").and_then(|list| list.as_array());
         let causes = findings.into_iter().flatten();
         let causes = causes.filter_map(|finding| Some(finding.get("cause")?.as_str()?.to_owned()));
         causes.collect()

@@ -5,9 +5,9 @@ use tautline_core::effect::{BoundEffect, Effect, EffectSetting, Unknown, find};
 use tautline_core::estimation::ParameterId;
 
 use super::Panel;
-use crate::app::Document;
-use crate::app::edit::{Edit, same_effect};
-use crate::app::theme;
+use crate::model::OpenSession;
+use crate::model::edit::{Edit, same_effect};
+use crate::theme;
 use crate::widgets::muted;
 use tautline_workflow::identification::Fit;
 use tautline_workflow::wording::list;
@@ -15,8 +15,8 @@ use tautline_workflow::wording::units::{significant, unit_of, with_sd};
 
 /// Draws the list.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let described = &panel.document.session().robot.effects;
-    let added = &panel.document.session().settings.identification.effects;
+    let described = &panel.open.session().robot.effects;
+    let added = &panel.open.session().settings.identification.effects;
     if described.is_empty() && added.is_empty() {
         muted(
             ui,
@@ -28,10 +28,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.label(title(std::slice::from_ref(setting)));
         muted(ui, "held at the value of the robot's description");
     }
-    let fit = panel
-        .document
-        .fit()
-        .filter(|_| panel.document.fit_is_current());
+    let fit = panel.open.fit().filter(|_| panel.open.fit_is_current());
     for group in added.chunk_by(|one, other| one.effect == other.effect) {
         let title = title(group);
         ui.horizontal(|ui| {
@@ -55,7 +52,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         match fit {
             Some(fit) => {
                 for setting in group {
-                    muted(ui, &size(panel.document, fit, setting));
+                    muted(ui, &size(panel.open, fit, setting));
                 }
             }
             None => {
@@ -76,8 +73,8 @@ pub fn removing(name: &str) -> String {
 }
 
 /// Whether a cause is part of the model.
-pub fn has(document: &Document, settings: &[EffectSetting]) -> bool {
-    let added = &document.session().settings.identification.effects;
+pub fn has(open: &OpenSession, settings: &[EffectSetting]) -> bool {
+    let added = &open.session().settings.identification.effects;
     settings
         .iter()
         .all(|one| added.iter().any(|other| same_effect(one, other)))
@@ -102,8 +99,8 @@ fn title(settings: &[EffectSetting]) -> String {
 }
 
 /// The size that was identified, in words.
-fn size(document: &Document, fit: &Fit, setting: &EffectSetting) -> String {
-    let robot = &document.session().robot;
+fn size(open: &OpenSession, fit: &Fit, setting: &EffectSetting) -> String {
+    let robot = &open.session().robot;
     let effects = fit.solution.globals.effects.iter().enumerate();
     let mut same = effects.filter(|(_, bound)| same_effect(&bound.setting(robot), setting));
     let Some((index, bound)) = same.next_back() else {

@@ -3,7 +3,7 @@
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use tautline_core::diagnosis::Gain;
 
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 use crate::widgets::muted;
 use tautline_workflow::documents::diagnosis;
 use tautline_workflow::wording::{count, ratio};

@@ -4,9 +4,9 @@ use egui::{Grid, RichText, Ui, pos2, vec2};
 use tautline_session::Method;
 
 use super::{Panel, effects};
-use crate::app::commands::{IDENTIFYING, ModelCommand};
-use crate::app::edit::Edit;
-use crate::app::theme::{self, GRID};
+use crate::model::command::{IDENTIFYING, IdentificationCommand};
+use crate::model::edit::Edit;
+use crate::theme::{self, GRID};
 use crate::widgets::{muted, primary, section};
 use tautline_workflow::wording::ratio;
 
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         running(ui, panel);
         return;
     }
-    let next = !panel.document.fit_is_current();
+    let next = !panel.open.fit_is_current();
     let clicked = if next {
         primary(ui, "Identify", true).clicked()
     } else {
@@ -51,12 +51,12 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     };
     if clicked {
         panel.memory.before = None;
-        panel.outbox.send(ModelCommand::Identify);
+        panel.outbox.send(IdentificationCommand::Identify);
     }
 }
 
 fn method(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let now = panel.document.session().settings.identification.method;
+    let now = panel.open.session().settings.identification.method;
     ui.horizontal(|ui| {
         for (method, name, sentence, explanation) in METHODS {
             let tip = format!("{sentence} {explanation}");
@@ -78,7 +78,7 @@ fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
         let text = match missed.last() {
             None => "Preparing".to_owned(),
             Some(now) => format!(
-                "Step {}: residuals {} times their noise",
+                "Phase {}: residuals {} times their noise",
                 missed.len(),
                 ratio(*now)
             ),
@@ -87,7 +87,7 @@ fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
     });
     course(ui, &missed);
     if ui.button("Cancel identification").clicked() {
-        panel.outbox.send(ModelCommand::Stop);
+        panel.outbox.send(IdentificationCommand::Stop);
     }
 }
 

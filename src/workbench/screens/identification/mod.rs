@@ -7,7 +7,6 @@ mod doctor;
 mod effects;
 mod gain;
 mod identify;
-mod live;
 mod results;
 mod rows;
 mod suspects;
@@ -16,15 +15,14 @@ use std::collections::BTreeMap;
 
 use egui::Ui;
 
-use crate::app::command::Outbox;
-use crate::app::document::Stored;
-use crate::app::tasks::Tasks;
-use crate::app::{Document, Memo, Selection, State};
-use crate::views::plots::figure::Figure;
+use crate::model::command::Outbox;
+use crate::model::figure::Figure;
+use crate::model::fit_progress::{Before, FitProgress};
+use crate::model::open_session::Stored;
+use crate::model::tasks::Tasks;
+use crate::model::{Memo, OpenSession, Selection};
+use crate::shell::State;
 use crate::widgets::{Verdict, heading, muted, verdict};
-
-pub use discrepancy::figures as discrepancy_figures;
-pub use live::Live;
 
 /// The two halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -38,13 +36,13 @@ pub enum Half {
 
 /// What the panel remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PanelState {
     /// Which half is shown.
     pub half: Half,
     /// Whether the table shows every coordinate.
     show_axes: bool,
     /// The running identification.
-    pub live: Live,
+    pub live: FitProgress,
     /// The model before the last change.
     pub before: Option<Before>,
     /// Plots of the dependences that the last diagnosis found.
@@ -57,7 +55,7 @@ pub struct Remembered {
     stored: Memo<(u64, usize), Vec<String>>,
 }
 
-impl Remembered {
+impl PanelState {
     /// Takes the plots of a new diagnosis.
     pub fn examined(&mut self, figures: BTreeMap<usize, Figure>) {
         self.figures = figures;
@@ -66,43 +64,22 @@ impl Remembered {
     }
 }
 
-/// How well the model fitted before a change.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Before {
-    /// The change.
-    pub what: String,
-    /// By how many times their noise the readings were missed.
-    pub missed: Option<f64>,
-    /// Chi-square.
-    pub chi2: f64,
-    /// Its degrees of freedom.
-    pub degrees_of_freedom: f64,
-}
-
 /// What the parts of the panel see and change.
 struct Panel<'a> {
-    document: &'a Document,
+    open: &'a OpenSession,
     tasks: &'a Tasks,
     selection: Selection,
     outbox: &'a mut Outbox,
-    memory: &'a mut Remembered,
+    memory: &'a mut PanelState,
 }
 
 /// Draws the panel.
 pub fn show(ui: &mut Ui, state: &mut State) {
     heading(ui, "Identification");
-    let State {
-        document: Some(document),
-        tasks,
-        selection,
-        outbox,
-        screens,
-        ..
-    } = state
-    else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let poses = document.session().measurements.len();
+    let poses = open.session().measurements.len();
     if poses == 0 {
         muted(
             ui,
@@ -111,11 +88,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         return;
     }
     let panel = &mut Panel {
-        document,
-        tasks,
-        selection: *selection,
-        outbox,
-        memory: &mut screens.identification,
+        open,
+        tasks: &state.model.tasks,
+        selection: state.model.selection,
+        outbox: &mut state.outbox,
+        memory: &mut state.panels.identification,
     };
     ui.horizontal(|ui| {
         let halves = [(Half::Geometry, "Geometry"), (Half::Doctor, "Model doctor")];
@@ -134,7 +111,7 @@ fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui,
         "Finds where the pulleys really are from the measured poses.",
     );
-    if panel.document.stored() == Stored::OutOfDate {
+    if panel.open.stored() == Stored::OutOfDate {
         verdict(
             ui,
             Verdict::Doubtful,

@@ -8,9 +8,9 @@ use tautline_core::estimation::{ParameterId, Solution};
 
 use super::rows::{Cell, deviation, heads, millimetres, row};
 use super::{Panel, doctor, identify, suspects};
-use crate::app::Selection;
-use crate::app::commands::{IDENTIFYING, ViewCommand};
-use crate::app::theme::{self, GRID};
+use crate::model::Selection;
+use crate::model::command::{IDENTIFYING, ViewCommand};
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, section, verdict};
 use tautline_workflow::documents::identification::{Explains, entry_point_sd, extrapolated};
 use tautline_workflow::identification::Fit;
@@ -19,11 +19,11 @@ use tautline_workflow::wording::{ratio, sentence};
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let Some(fit) = panel.document.fit().cloned() else {
+    let Some(fit) = panel.open.fit().cloned() else {
         return;
     };
     section(ui, "Result");
-    if !panel.document.fit_is_current() && !panel.tasks.runs(IDENTIFYING) {
+    if !panel.open.fit_is_current() && !panel.tasks.runs(IDENTIFYING) {
         verdict(
             ui,
             Verdict::Doubtful,
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         );
     }
     adequacy(ui, panel, &fit);
-    if panel.document.fit_is_current() && !panel.document.diagnosis_is_current() {
+    if panel.open.fit_is_current() && !panel.open.diagnosis_is_current() {
         doctor::ask(ui, panel);
     }
     published(ui, &fit);
@@ -179,7 +179,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Fit>) {
         titles.push("Published (mm)");
     }
     heads(ui, &shares, &titles);
-    for (index, cable) in panel.document.session().robot.cables.iter().enumerate() {
+    for (index, cable) in panel.open.session().robot.cables.iter().enumerate() {
         let nominal = Vector3::from(cable.pulley.entry_point_m);
         let Some(found) = fit
             .solution

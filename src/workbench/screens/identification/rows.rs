@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 
 /// One cell.
 pub struct Cell {

@@ -4,9 +4,10 @@ use egui::Ui;
 use tautline_core::estimation::Reading;
 
 use super::Panel;
-use crate::app::commands::ViewCommand;
-use crate::app::edit::Edit;
-use crate::app::{Selection, theme};
+use crate::model::Selection;
+use crate::model::command::ViewCommand;
+use crate::model::edit::Edit;
+use crate::theme;
 use crate::widgets::{muted, section};
 use tautline_workflow::identification::Fit;
 use tautline_workflow::wording::count;
@@ -76,7 +77,7 @@ fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit, readings: &[Reading]) 
 }
 
 fn excluded(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let excluded = panel.document.session().excluded();
+    let excluded = panel.open.session().excluded();
     if excluded.is_empty() {
         return;
     }

@@ -2,9 +2,9 @@
 
 use egui::{Align, FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
 
-use crate::app::State;
-use crate::app::commands::RobotCommand;
-use crate::app::theme::{self, GRID};
+use crate::model::command::RobotCommand;
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
 
 /// Longest distance that can be typed (mm).
@@ -23,12 +23,12 @@ pub struct Typed {
 
 /// Nothing is asked for at this moment.
 pub(super) fn forget(state: &mut State) {
-    state.screens.measuring.typed.label = None;
+    state.panels.measuring.typed.label = None;
 }
 
 /// Asks for the distance at a pose, where about `expected_m` is expected.
 pub(super) fn show(ui: &mut Ui, state: &mut State, label: i64, expected_m: Option<f64>) {
-    let memory = &mut state.screens.measuring.typed;
+    let memory = &mut state.panels.measuring.typed;
     let is_new = memory.label != Some(label);
     if is_new {
         *memory = Typed {

@@ -7,11 +7,10 @@ use egui_material_icons::icons;
 use tautline_link::Activity;
 
 use super::{Next, step_button};
-use crate::app::State;
-use crate::app::commands::RobotCommand;
-use crate::app::commands::robot::Setup;
-use crate::app::robot::Lost;
-use crate::app::theme;
+use crate::model::command::{RobotCommand, Setup};
+use crate::model::link::Lost;
+use crate::shell::State;
+use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
 
@@ -21,18 +20,18 @@ const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
 /// Draws connection and arming.
 pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
     section(ui, "Controller");
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let live = state.link.live();
+    let live = state.model.link.live();
     if let Some(lost) = &live.lost {
         return gone(ui, state, lost);
     }
-    let offered = Kind::offered(document.session());
+    let offered = Kind::offered(open.session());
     let Some(controller) = live.state else {
         return connect(ui, state, offered, next);
     };
-    let connected = state.link.connected.as_ref();
+    let connected = state.model.link.connected.as_ref();
     let kind = connected.map_or(offered, |connected| connected.rig.kind);
     let note = match kind {
         Kind::OfDescription => {
@@ -57,7 +56,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         ),
     };
     ui.horizontal_wrapped(|ui| {
-        ui.label(&state.link.identity);
+        ui.label(&state.model.link.identity);
         ui.label(egui::RichText::new(words).color(colour));
     });
     ui.horizontal_wrapped(|ui| {
@@ -69,7 +68,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         } else if step_button(ui, "Arm", next == Next::Arm, true) {
             state.outbox.send(RobotCommand::Arm);
         }
-        let free = !state.link.is_busy();
+        let free = !state.model.link.is_busy();
         if icon_button(ui, icons::ICON_LINK_OFF, "Disconnect", free).clicked() {
             state.outbox.send(RobotCommand::Disconnect);
         }
@@ -77,7 +76,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
             speed(ui, state);
         }
     });
-    if kind == Kind::Real && !controller.armed && state.link.is_measuring() {
+    if kind == Kind::Real && !controller.armed && state.model.link.is_measuring() {
         muted(
             ui,
             "The run waits. Arming moves nothing: the robot goes on when you press Resume.",
@@ -99,7 +98,7 @@ fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
              description.",
         );
     }
-    let free = !state.link.connecting;
+    let free = !state.model.link.connecting;
     ui.horizontal_wrapped(|ui| {
         // A robot that is only simulated from its description is no next step towards the real one.
         let is_next = next == Next::Connect;
@@ -148,7 +147,7 @@ pub fn lost_words(lost: &Lost) -> String {
 
 /// How fast the time of a simulated robot runs.
 fn speed(ui: &mut Ui, state: &mut State) {
-    let mut speed = state.link.speed();
+    let mut speed = state.model.link.speed();
     let before = speed;
     let words = |speed: f64| format!("{speed:.0}x speed");
     let chosen = ComboBox::from_id_salt("speed")

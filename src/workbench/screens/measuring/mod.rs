@@ -14,17 +14,18 @@ use egui::{DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_session::PlannedPose;
 
-use crate::app::commands::robot::{Export, Outlook, PLANNING};
-use crate::app::commands::{FileCommand, RobotCommand, ViewCommand};
-use crate::app::screen::{Screen, Step};
-use crate::app::theme::GRID;
-use crate::app::{Memo, State};
+use crate::model::Memo;
+use crate::model::command::{Export, FileCommand, PLANNING, RobotCommand, ViewCommand};
+use crate::model::phase::{Phase, Screen};
+use crate::shell::State;
+use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
+use tautline_workflow::planning::Outlook;
 use tautline_workflow::planning::missing;
 
 /// What the panel remembers.
 #[derive(Debug)]
-pub struct Remembered {
+pub struct PanelState {
     /// Number of poses to plan.
     poses: usize,
     /// Standard deviation of the entry points that is good enough (mm).
@@ -43,7 +44,7 @@ pub struct Remembered {
     shown: Option<(u64, u64)>,
 }
 
-impl Default for Remembered {
+impl Default for PanelState {
     fn default() -> Self {
         Self {
             poses: 25,
@@ -84,21 +85,21 @@ pub(in crate::screens) fn step_button(
 }
 
 fn next(state: &State) -> Next {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return Next::Nothing;
     };
-    let session = document.session();
-    if state.link.is_busy() {
+    let session = open.session();
+    if state.model.link.is_busy() {
         Next::Nothing
     } else if session.plan.is_empty() && session.measurements.is_empty() {
         Next::Plan
     } else if missing(session) == 0 {
         Next::Identify
-    } else if state.link.lost().is_some() {
+    } else if state.model.link.lost().is_some() {
         Next::Nothing
-    } else if !state.link.is_connected() {
+    } else if !state.model.link.is_connected() {
         Next::Connect
-    } else if !state.link.is_armed() {
+    } else if !state.model.link.is_armed() {
         Next::Arm
     } else {
         Next::Start
@@ -123,7 +124,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     if next == Next::Identify {
         ui.add_space(2.0 * GRID);
         if primary(ui, "Go to identification", true).clicked() {
-            let screen = Screen::Phase(Step::Identification);
+            let screen = Screen::Phase(Phase::Identification);
             state.outbox.send(ViewCommand::Go(screen));
         }
     }
@@ -131,15 +132,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 
 /// The 3D view shows the poses that are still to be measured.
 fn show_planned(state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let key = (document.identity(), document.revision());
-    if state.screens.measuring.shown == Some(key) {
+    let key = (open.id(), open.revision());
+    if state.panels.measuring.shown == Some(key) {
         return;
     }
-    state.screens.measuring.shown = Some(key);
-    let session = document.session();
+    state.panels.measuring.shown = Some(key);
+    let session = open.session();
     let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
     let planned = session.plan.iter();
     state.views.robot_3d.planned = planned
@@ -148,12 +149,12 @@ fn show_planned(state: &mut State) {
         .collect();
     // What is expected is of the plan that was made; another plan has other poses.
     let is_of = |outlook: &Outlook| outlook.poses.iter().all(|p| session.plan.contains(p));
-    let memory = &mut state.screens.measuring;
+    let memory = &mut state.panels.measuring;
     let asked = memory.asked.as_ref();
     let is_known = match &memory.outlook {
         Some(Ok(outlook)) => is_of(outlook),
         Some(Err(_)) | None => {
-            asked.is_some_and(|(of, plan)| *of == document.identity() && *plan == session.plan)
+            asked.is_some_and(|(of, plan)| *of == open.id() && *plan == session.plan)
         }
     };
     if !is_known {
@@ -164,25 +165,25 @@ fn show_planned(state: &mut State) {
 
 /// Has it computed, once, what to expect of a plan that was not made in this run of the program.
 fn ask(state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let memory = &mut state.screens.measuring;
-    let is_busy = state.link.is_busy() || state.tasks.runs(PLANNING);
-    let plan = &document.session().plan;
+    let memory = &mut state.panels.measuring;
+    let is_busy = state.model.link.is_busy() || state.model.tasks.runs(PLANNING);
+    let plan = &open.session().plan;
     let has_poses = plan.iter().any(|pose| pose.label != 0);
     if memory.outlook.is_none() && memory.asked.is_none() && has_poses && !is_busy {
-        memory.asked = Some((document.identity(), plan.clone()));
+        memory.asked = Some((open.id(), plan.clone()));
         state.outbox.send(RobotCommand::Expect);
     }
 }
 
 /// Says what the robot lacks for measuring.
 fn instruments(ui: &mut Ui, state: &State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let robot = &document.session().robot;
+    let robot = &open.session().robot;
     if robot.laser.is_none() {
         verdict(
             ui,
@@ -210,19 +211,19 @@ fn instruments(ui: &mut Ui, state: &State) {
 
 fn plan(ui: &mut Ui, state: &mut State, next: Next) {
     section(ui, "Poses to measure");
-    let planning = state.tasks.runs(PLANNING);
-    let free = !planning && !state.link.is_busy();
+    let planning = state.model.tasks.runs(PLANNING);
+    let free = !planning && !state.model.link.is_busy();
     ui.horizontal(|ui| {
         let label = ui.label("Number");
-        let poses = DragValue::new(&mut state.screens.measuring.poses).range(1..=500);
+        let poses = DragValue::new(&mut state.panels.measuring.poses).range(1..=500);
         ui.add(poses).labelled_by(label.id);
         if step_button(ui, "Plan poses", next == Next::Plan, free) {
-            let poses = state.screens.measuring.poses;
+            let poses = state.panels.measuring.poses;
             state.outbox.send(RobotCommand::Plan(poses));
         }
         if planning {
             if ui.button("Cancel").clicked() {
-                state.tasks.cancel(PLANNING);
+                state.model.tasks.cancel(PLANNING);
             }
             ui.spinner();
         }
@@ -232,13 +233,14 @@ fn plan(ui: &mut Ui, state: &mut State, next: Next) {
             state.outbox.send(FileCommand::AskOpen);
         }
         let planned = state
-            .document
+            .model
+            .open
             .as_ref()
             .is_some_and(|d| !d.session().plan.is_empty());
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export plan…", planned).clicked() {
             state.outbox.send(RobotCommand::AskExport(Export::Plan));
         }
-        let connected = state.link.is_connected() && free;
+        let connected = state.model.link.is_connected() && free;
         let add = icon_button(ui, icons::ICON_ADD_LOCATION, "Add current pose", connected);
         let add = add.on_hover_text("Adds the pose that the controller was commanded to last");
         if add

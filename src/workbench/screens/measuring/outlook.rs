@@ -3,18 +3,19 @@
 use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::Indices;
 
-use super::Remembered;
-use crate::app::State;
-use crate::app::commands::robot::{EXPECTING, Outlook};
+use super::PanelState;
+use crate::model::command::EXPECTING;
+use crate::shell::State;
 use crate::widgets::{Verdict, muted, value, verdict};
+use tautline_workflow::planning::Outlook;
 
 /// Draws what is expected, and whether enough is measured.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let session = document.session();
-    let remembered = &mut state.screens.measuring;
+    let session = open.session();
+    let remembered = &mut state.panels.measuring;
     if session.plan.is_empty() {
         if session.measurements.is_empty() {
             muted(
@@ -31,7 +32,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
             verdict(ui, Verdict::Neutral, &text);
             return;
         }
-        None if state.tasks.runs(EXPECTING) => {
+        None if state.model.tasks.runs(EXPECTING) => {
             ui.horizontal(|ui| {
                 ui.spinner();
                 muted(
@@ -88,7 +89,7 @@ fn target(ui: &mut Ui, target_mm: &mut f64) {
 }
 
 /// Once the target is reached one may stop.
-fn enough(ui: &mut Ui, remembered: &Remembered, done: usize) {
+fn enough(ui: &mut Ui, remembered: &PanelState, done: usize) {
     let Some(Ok(outlook)) = &remembered.outlook else {
         return;
     };

@@ -7,7 +7,7 @@ use tautline_session::Session;
 
 /// How far a pose is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
+pub enum PhaseStatus {
     /// Still to be measured.
     Planned,
     /// Measured.
@@ -28,7 +28,7 @@ pub struct Row {
     /// Rotation from the home pose (degrees).
     pub rotation_deg: Option<f64>,
     /// How far it is.
-    pub standing: Standing,
+    pub standing: PhaseStatus,
 }
 
 /// All poses: those of the plan in its order, then those that are measured without being planned.
@@ -39,13 +39,13 @@ pub fn rows(session: &Session) -> Vec<Row> {
     let home = session.robot.home.map(|home| home.pose());
     let standing = |label: i64| {
         if session.excluded().contains(&label) {
-            Standing::Excluded
+            PhaseStatus::Excluded
         } else if !measured.contains(&label) {
-            Standing::Planned
+            PhaseStatus::Planned
         } else if !planned.is_empty() && !planned.contains(&label) {
-            Standing::Repeat
+            PhaseStatus::Repeat
         } else {
-            Standing::Measured
+            PhaseStatus::Measured
         }
     };
     let row = |label: i64, pose: Option<Pose>| Row {
@@ -92,11 +92,11 @@ mod tests {
         let rows = rows(&session);
         let standings: Vec<_> = rows.iter().map(|row| (row.label, row.standing)).collect();
         let expected = [
-            (0, Standing::Measured),
-            (1, Standing::Excluded),
-            (2, Standing::Measured),
-            (9, Standing::Planned),
-            (3, Standing::Repeat),
+            (0, PhaseStatus::Measured),
+            (1, PhaseStatus::Excluded),
+            (2, PhaseStatus::Measured),
+            (9, PhaseStatus::Planned),
+            (3, PhaseStatus::Repeat),
         ];
         assert_eq!(standings, expected);
         let rotation = rows[3].rotation_deg.expect("a rotation");

@@ -3,9 +3,10 @@
 use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
 
-use crate::app::commands::{RobotCommand, ViewCommand};
-use crate::app::theme::{self, GRID};
-use crate::app::{Selection, State};
+use crate::model::Selection;
+use crate::model::command::{RobotCommand, ViewCommand};
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, muted, table};
 
 /// A cable by colour and number.
@@ -45,17 +46,18 @@ const COLUMNS: [Column<'static>; 3] = [
 
 /// Draws the live readings.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    if !state.link.is_connected() {
+    if !state.model.link.is_connected() {
         return;
     }
-    let mut watches = state.link.watches;
-    if !state.link.is_measuring() && ui.checkbox(&mut watches, "Show live readings").changed() {
+    let mut watches = state.model.link.watches;
+    if !state.model.link.is_measuring() && ui.checkbox(&mut watches, "Show live readings").changed()
+    {
         state.outbox.send(RobotCommand::Watch(watches));
     }
-    if !watches && !state.link.is_measuring() {
+    if !watches && !state.model.link.is_measuring() {
         return;
     }
-    let Some(sample) = state.link.live().sample else {
+    let Some(sample) = state.model.link.live().sample else {
         muted(ui, "No readings yet.");
         return;
     };
@@ -71,11 +73,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
             ]
         })
         .collect();
-    let selected = state.selection.cable;
+    let selected = state.model.selection.cable;
     if let Some(cable) = table(ui, &COLUMNS, &rows, selected).clicked {
         let selection = Selection {
             cable: Some(cable),
-            ..state.selection
+            ..state.model.selection
         };
         state.outbox.send(ViewCommand::Select(selection));
     }

@@ -4,11 +4,12 @@ use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
 use egui_material_icons::icons;
 
 use super::{Next, asking, readings, step_button};
-use crate::app::commands::robot::sentence;
-use crate::app::commands::{RobotCommand, ViewCommand};
-use crate::app::robot::{Doing, RunLog};
-use crate::app::theme::{self, GRID};
-use crate::app::{Selection, State};
+use crate::commands::robot::sentence;
+use crate::model::Selection;
+use crate::model::command::{RobotCommand, ViewCommand};
+use crate::model::link::{Doing, RunLog};
+use crate::shell::State;
+use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::planning::missing;
 use tautline_workflow::wording::count;
@@ -18,21 +19,22 @@ const LISTED: usize = 4;
 
 /// Draws the run.
 pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let session = document.session();
+    let session = open.session();
     let missing = missing(session);
     let begun = !session.measurements.is_empty();
-    if session.plan.is_empty() && state.link.run.is_none() && !state.link.is_connected() {
+    if session.plan.is_empty() && state.model.link.run.is_none() && !state.model.link.is_connected()
+    {
         return;
     }
     section(ui, "Measuring run");
-    if state.link.is_measuring() {
+    if state.model.link.is_measuring() {
         buttons(ui, state);
         progress(ui, state);
     } else {
-        let ready = state.link.is_armed() && missing > 0 && !state.link.is_busy();
+        let ready = state.model.link.is_armed() && missing > 0 && !state.model.link.is_busy();
         let text = if begun {
             "Continue measuring"
         } else {
@@ -42,7 +44,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
             if step_button(ui, text, next == Next::Start, ready) {
                 state.outbox.send(RobotCommand::Start);
             }
-            if !state.link.is_armed() {
+            if !state.model.link.is_armed() {
                 muted(ui, "Connect and arm the controller first.");
             } else if begun {
                 muted(
@@ -55,7 +57,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         }
     }
     pending(ui, state);
-    if let Some(run) = &state.link.run {
+    if let Some(run) = &state.model.link.run {
         outcome(ui, run);
         surprises(ui, state, run);
     }
@@ -64,13 +66,13 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
 }
 
 fn buttons(ui: &mut Ui, state: &mut State) {
-    let Some(run) = &state.link.run else {
+    let Some(run) = &state.model.link.run else {
         return;
     };
     let (paused, current) = (run.paused.is_some(), run.current);
     ui.horizontal_wrapped(|ui| {
         if paused {
-            let ready = state.link.is_armed();
+            let ready = state.model.link.is_armed();
             if step_button(ui, "Resume", ready, ready) {
                 state.outbox.send(RobotCommand::Resume);
             }
@@ -81,7 +83,12 @@ fn buttons(ui: &mut Ui, state: &mut State) {
         if skip.clicked() {
             state.outbox.send(RobotCommand::Skip);
         }
-        let last = state.link.run.as_ref().and_then(|run| run.last_measured());
+        let last = state
+            .model
+            .link
+            .run
+            .as_ref()
+            .and_then(|run| run.last_measured());
         let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());
         if let Some(label) = last.filter(|_| repeat.clicked()) {
             state.outbox.send(RobotCommand::Repeat(label));
@@ -91,6 +98,7 @@ fn buttons(ui: &mut Ui, state: &mut State) {
         }
     });
     if let Some(reason) = state
+        .model
         .link
         .run
         .as_ref()
@@ -114,14 +122,14 @@ fn buttons(ui: &mut Ui, state: &mut State) {
 }
 
 fn progress(ui: &mut Ui, state: &mut State) {
-    let Some(run) = &state.link.run else {
+    let Some(run) = &state.model.link.run else {
         return;
     };
     let (done, of) = (run.done(), run.of());
     let text = match run.remaining_s() {
         Some(left_s) => format!(
             "{done} of {of} poses, {} left",
-            duration(left_s / state.link.speed())
+            duration(left_s / state.model.link.speed())
         ),
         None => format!("{done} of {of} poses"),
     };
@@ -134,7 +142,7 @@ fn progress(ui: &mut Ui, state: &mut State) {
     };
     let doing = match run.paused {
         Some(_) => Doing::Nothing,
-        None => state.link.live().doing,
+        None => state.model.link.live().doing,
     };
     if !matches!(doing, Doing::Asking { .. }) {
         asking::forget(state);
@@ -163,7 +171,12 @@ fn duration(seconds: f64) -> String {
 
 /// A measured pose that could not be kept on disk.
 fn pending(ui: &mut Ui, state: &mut State) {
-    let failed = state.link.pending.as_ref().filter(|pending| pending.failed);
+    let failed = state
+        .model
+        .link
+        .pending
+        .as_ref()
+        .filter(|pending| pending.failed);
     let Some(pending) = failed else {
         return;
     };
@@ -221,14 +234,20 @@ fn surprises(ui: &mut Ui, state: &State, run: &RunLog) {
 }
 
 pub(super) fn name_of(state: &State, cable: usize) -> &str {
-    let document = state.document.as_ref();
-    let cable = document.and_then(|d| d.session().robot.cables.get(cable));
+    let open = state.model.open.as_ref();
+    let cable = open.and_then(|d| d.session().robot.cables.get(cable));
     cable.map_or("", |cable| cable.name.as_str())
 }
 
 /// What did not look right, the latest first, each with its cable.
 fn warnings(ui: &mut Ui, state: &mut State) {
-    let Some(run) = state.link.run.as_ref().filter(|r| !r.warnings.is_empty()) else {
+    let Some(run) = state
+        .model
+        .link
+        .run
+        .as_ref()
+        .filter(|r| !r.warnings.is_empty())
+    else {
         return;
     };
     let title = match run.warnings.len() {
@@ -260,7 +279,7 @@ fn warnings(ui: &mut Ui, state: &mut State) {
     if let Some(cable) = chosen {
         let selection = Selection {
             cable: Some(cable),
-            ..state.selection
+            ..state.model.selection
         };
         state.outbox.send(ViewCommand::Select(selection));
     }

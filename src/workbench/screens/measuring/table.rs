@@ -4,42 +4,43 @@ use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons;
 
-use super::poses::{Row, Standing, rows};
-use crate::app::commands::{RobotCommand, ViewCommand};
-use crate::app::edit::Edit;
-use crate::app::theme::{self, GRID, Palette};
-use crate::app::{Selection, State};
+use super::poses::{PhaseStatus, Row, rows};
+use crate::model::Selection;
+use crate::model::command::{RobotCommand, ViewCommand};
+use crate::model::edit::Edit;
+use crate::shell::State;
+use crate::theme::{self, GRID, Palette};
 use crate::widgets::{icon_button, muted, section};
 
 /// Draws the table.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let session = document.session();
-    let key = (document.identity(), document.revision());
-    let rows = state.screens.measuring.rows.get(key, || rows(session));
+    let session = open.session();
+    let key = (open.id(), open.revision());
+    let rows = state.panels.measuring.rows.get(key, || rows(session));
     if rows.is_empty() {
         return;
     }
     section(ui, "Poses");
-    let run = state.link.run.as_ref();
+    let run = state.model.link.run.as_ref();
     let shown = Shown {
-        selected: state.selection.pose,
+        selected: state.model.selection.pose,
         current: run.and_then(|run| run.current),
         skipped: &|label| run.is_some_and(|run| run.skipped.contains(&label)),
-        is_new: state.screens.measuring.scrolled_to != state.selection.pose,
+        is_new: state.panels.measuring.scrolled_to != state.model.selection.pose,
     };
     let clicked = table(ui, rows, &shown);
-    state.screens.measuring.scrolled_to = state.selection.pose;
+    state.panels.measuring.scrolled_to = state.model.selection.pose;
     let selected = rows
         .iter()
-        .find(|row| Some(row.label) == state.selection.pose)
+        .find(|row| Some(row.label) == state.model.selection.pose)
         .copied();
     if let Some(label) = clicked {
         let selection = Selection {
             pose: Some(label),
-            ..state.selection
+            ..state.model.selection
         };
         state.outbox.send(ViewCommand::Select(selection));
     }
@@ -142,11 +143,11 @@ fn words(row: &Row, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui
         return ("under way", palette.accent);
     }
     match row.standing {
-        Standing::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
-        Standing::Planned => ("planned", palette.muted),
-        Standing::Measured => ("measured", palette.good),
-        Standing::Repeat => ("added", palette.good),
-        Standing::Excluded => ("left out", palette.warning),
+        PhaseStatus::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
+        PhaseStatus::Planned => ("planned", palette.muted),
+        PhaseStatus::Measured => ("measured", palette.good),
+        PhaseStatus::Repeat => ("added", palette.good),
+        PhaseStatus::Excluded => ("left out", palette.warning),
     }
 }
 
@@ -154,27 +155,27 @@ fn actions(ui: &mut Ui, state: &mut State, row: Row) {
     let label = row.label;
     ui.add_space(GRID);
     ui.horizontal_wrapped(|ui| match row.standing {
-        Standing::Planned => {
-            let free = !state.link.is_measuring();
+        PhaseStatus::Planned => {
+            let free = !state.model.link.is_measuring();
             let remove = icon_button(ui, icons::ICON_DELETE, "Remove from plan", free);
             if remove.clicked() {
                 state.outbox.send(RobotCommand::RemovePlanned(label));
             }
         }
-        Standing::Excluded => {
+        PhaseStatus::Excluded => {
             if icon_button(ui, icons::ICON_VISIBILITY, "Take back in", true).clicked() {
                 state.outbox.send(Edit::Include(label));
             }
         }
-        Standing::Measured | Standing::Repeat if label == 0 => {
+        PhaseStatus::Measured | PhaseStatus::Repeat if label == 0 => {
             muted(ui, "The home pose stays: all revolutions count from it.");
         }
-        Standing::Measured | Standing::Repeat => {
+        PhaseStatus::Measured | PhaseStatus::Repeat => {
             let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Leave out", true);
             if out.clicked() {
                 state.outbox.send(Edit::Exclude(label));
             }
-            let ready = state.link.is_armed();
+            let ready = state.model.link.is_armed();
             let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat pose", ready);
             let repeat = repeat.on_disabled_hover_text("Connect and arm the controller first");
             if repeat.clicked() {

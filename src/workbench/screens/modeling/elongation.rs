@@ -4,10 +4,10 @@ use egui::Ui;
 use tautline_core::cable::ElongationSurface;
 use tautline_session::{ElongationPoint, PhaseData};
 
-use crate::app::theme;
+use crate::model::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::screens::desk::{Desk, or_dash};
 use crate::screens::precalibration::Typed;
-use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, value,

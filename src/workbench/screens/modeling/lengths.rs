@@ -6,8 +6,8 @@ use tautline_core::kinematics::{BudgetError, CableBudget, cable_budget, inverse_
 use tautline_core::robot::Robot;
 
 use super::pose;
-use crate::app::theme::{self, GRID, Palette};
 use crate::screens::desk::{Desk, or_dash};
+use crate::theme::{self, GRID, Palette};
 use crate::widgets::{Cell, Column, Verdict, muted, table, verdict};
 
 /// Height of a bar (points).

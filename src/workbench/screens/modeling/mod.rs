@@ -12,9 +12,9 @@ use egui::Ui;
 
 use super::desk::Desk;
 use super::precalibration::Typed;
-use crate::app::State;
-use crate::app::screen::{Progress, Standing};
-use crate::app::standing;
+use crate::model::phase::{PhaseStatus, Progress};
+use crate::model::phase_status;
+use crate::shell::State;
 use crate::widgets::{heading, muted, parts};
 
 /// Part of the phase.
@@ -28,12 +28,12 @@ enum Part {
 
 /// What the panel remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PanelState {
     part: Part,
     elongation: Typed,
 }
 
-impl Remembered {
+impl PanelState {
     /// Opens the part about elongation.
     pub fn show_elongation(&mut self) {
         self.part = Part::Elongation;
@@ -43,32 +43,32 @@ impl Remembered {
 /// Draws the panel.
 pub fn show(ui: &mut Ui, state: &mut State) {
     heading(ui, "Modeling");
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let calibration = Arc::clone(document.calibration());
+    let calibration = Arc::clone(open.calibration());
     muted(ui, "What happens to a cable between drum and platform.");
-    let remembered = &mut state.screens.modeling;
+    let remembered = &mut state.panels.modeling;
     let rows = [
         (
             Part::Elongation,
             "Elongation",
-            standing::elongation(document),
+            phase_status::elongation(open),
         ),
-        (Part::Pulleys, "Pulleys", standing::pulleys(document)),
+        (Part::Pulleys, "Pulleys", phase_status::pulleys(open)),
         (
             Part::Lengths,
             "Cable lengths",
-            Standing::new(Progress::Done, "span, wrap, elongation, sag"),
+            PhaseStatus::new(Progress::Done, "span, wrap, elongation, sag"),
         ),
     ];
     parts(ui, rows, &mut remembered.part);
     let mut desk = Desk {
-        document,
+        open,
         calibration: &calibration,
-        selection: state.selection,
+        selection: state.model.selection,
         outbox: &mut state.outbox,
-        messages: &mut state.messages,
+        messages: &mut state.model.messages,
     };
     match remembered.part {
         Part::Elongation => elongation::show(ui, &mut desk, &mut remembered.elongation),

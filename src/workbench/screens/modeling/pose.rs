@@ -39,7 +39,7 @@ pub fn shown(desk: &Desk<'_>) -> Option<Shown> {
 }
 
 fn identified(desk: &Desk<'_>, label: i64) -> Option<Pose> {
-    let fit = desk.document.fit()?;
+    let fit = desk.open.fit()?;
     let labels = &fit.dataset.measurements.labels;
     let poses = fit.solution.poses.iter();
     let found = poses.filter(|(row, _)| labels.get(*row) == Some(&label));

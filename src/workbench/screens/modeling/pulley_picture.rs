@@ -7,7 +7,7 @@ use tautline_core::geometry::Vec3;
 use tautline_core::kinematics::CableState;
 use tautline_core::robot::Robot;
 
-use crate::app::theme::{self, GRID};
+use crate::theme::{self, GRID};
 use crate::widgets::muted;
 
 /// Height of the picture (points).

@@ -6,7 +6,7 @@ use tautline_core::kinematics::{CableState, inverse_kinematics};
 use tautline_core::robot::Robot;
 
 use super::{pose, pulley_picture};
-use crate::app::edit::Edit;
+use crate::model::edit::Edit;
 use crate::screens::desk::{Desk, or_dash};
 use crate::widgets::{
     Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,

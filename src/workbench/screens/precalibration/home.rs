@@ -7,8 +7,8 @@ use tautline_core::robot::HomePlatform;
 use tautline_session::{HomeReading, PhaseData};
 
 use super::{Typed, home_picture};
-use crate::app::theme;
 use crate::screens::desk::{Desk, decimals_for, or_dash};
+use crate::theme;
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };

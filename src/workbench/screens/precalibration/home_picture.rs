@@ -6,8 +6,8 @@ use egui::{
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::{HomePlatform, HomeSensor, Plane};
 
-use crate::app::theme::{self, GRID};
 use crate::screens::desk::Desk;
+use crate::theme::{self, GRID};
 use tautline_workflow::precalibration::home_start_in_reference;
 
 /// Height of the picture (points).

@@ -13,8 +13,8 @@ use egui::Ui;
 use self::force_sensors::ForceSensors;
 use self::winches::Winches;
 use super::desk::Desk;
-use crate::app::State;
-use crate::app::standing;
+use crate::model::phase_status;
+use crate::shell::State;
 use crate::widgets::{heading, muted, parts};
 
 /// Part of the phase.
@@ -40,7 +40,7 @@ pub struct Typed {
 
 /// What the panel remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PanelState {
     /// The part that is shown.
     pub part: Part,
     winches: Typed,
@@ -51,28 +51,36 @@ pub struct Remembered {
 /// Draws the panel.
 pub fn show(ui: &mut Ui, state: &mut State) {
     heading(ui, "Pre-calibration");
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
-    let calibration = Arc::clone(document.calibration());
+    let calibration = Arc::clone(open.calibration());
     muted(ui, "Parts without a table keep the values of the drawing.");
-    let remembered = &mut state.screens.precalibration;
+    let remembered = &mut state.panels.precalibration;
     let rows = [
-        (Part::Winches, "Winches", standing::winches(&calibration)),
+        (
+            Part::Winches,
+            "Winches",
+            phase_status::winches(&calibration),
+        ),
         (
             Part::ForceSensors,
             "Force sensors",
-            standing::force_sensors(&calibration),
+            phase_status::force_sensors(&calibration),
         ),
-        (Part::Home, "Home platform", standing::home(&calibration)),
+        (
+            Part::Home,
+            "Home platform",
+            phase_status::home(&calibration),
+        ),
     ];
     parts(ui, rows, &mut remembered.part);
     let mut desk = Desk {
-        document,
+        open,
         calibration: &calibration,
-        selection: state.selection,
+        selection: state.model.selection,
         outbox: &mut state.outbox,
-        messages: &mut state.messages,
+        messages: &mut state.model.messages,
     };
     match remembered.part {
         Part::Winches => pairs::show::<Winches>(ui, &mut desk, &mut remembered.winches),

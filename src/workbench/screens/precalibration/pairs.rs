@@ -4,8 +4,8 @@ use egui::Ui;
 use tautline_session::PhaseData;
 
 use super::Typed;
+use crate::model::figure::{Axis, Point};
 use crate::screens::desk::{Desk, Residuals, or_dash, verdict_cell};
-use crate::views::plots::figure::{Axis, Point};
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };

@@ -6,31 +6,34 @@ use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
-use super::export::{Format, csv, svg};
-use super::figure::Figure;
+use super::export::{csv, svg};
 use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
-use super::{Prepared, Remembered, Saving, Tab};
-use crate::app::commands::PlotCommand;
-use crate::app::{Document, State};
+use super::{PlotState, Saving, Tab};
+use crate::model::OpenSession;
+use crate::model::command::Format;
+use crate::model::command::PlotCommand;
+use crate::model::figure::Figure;
+use crate::model::plot_preparation::Prepared;
+use crate::shell::State;
 use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
 
 /// The tabs; those that have nothing to show say why.
-pub fn tabs(ui: &mut Ui, document: &Document, tab: &mut Tab) {
+pub fn tabs(ui: &mut Ui, open: &OpenSession, tab: &mut Tab) {
     let tabs = Tab::ALL.map(|tab| TabOf {
         value: tab,
         title: tab.title(),
-        missing: tab.missing(document),
+        missing: tab.missing(open),
     });
     tab_row(ui, "More plots", &tabs, tab);
 }
 
 /// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
-pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+pub fn options(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure) {
     let is_narrow = ui.available_width() < NARROW;
     let own_row = is_narrow && plots.tab == Tab::Variable && plots.saving.is_none();
     if own_row {
@@ -50,12 +53,12 @@ pub fn options(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &
     });
     // A line of its own: it is too long to stand beside anything.
     let panel = plots.panels.get(&plots.tab);
-    if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.selection)) {
+    if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.model.selection)) {
         ui.add(egui::Label::new(text).wrap());
     }
 }
 
-fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered, is_narrow: bool) {
+fn choices(ui: &mut Ui, state: &State, plots: &mut PlotState, is_narrow: bool) {
     match plots.tab {
         Tab::Residuals | Tab::Laser => {
             let units = [
@@ -79,7 +82,8 @@ fn choices(ui: &mut Ui, state: &State, plots: &mut Remembered, is_narrow: bool) 
         }
         Tab::Elongation => {
             let cables = state
-                .document
+                .model
+                .open
                 .iter()
                 .flat_map(|d| &d.session().robot.cables)
                 .enumerate();
@@ -179,7 +183,7 @@ fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice) -> Choice {
     choice
 }
 
-fn buttons(ui: &mut Ui, plots: &mut Remembered) {
+fn buttons(ui: &mut Ui, plots: &mut PlotState) {
     let save = icon_only(ui, icons::ICON_DOWNLOAD, "Save plot", true);
     Popup::menu(&save).show(|ui| {
         for format in Format::ALL {
@@ -208,7 +212,7 @@ fn buttons(ui: &mut Ui, plots: &mut Remembered) {
 }
 
 /// Where a plot is saved.
-fn saving(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+fn saving(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure) {
     let Some(mut saving) = plots.saving.take() else {
         return;
     };
@@ -233,11 +237,11 @@ fn saving(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figur
 fn command(
     ui: &Ui,
     state: &State,
-    plots: &mut Remembered,
+    plots: &mut PlotState,
     figure: &Figure,
     (format, path): (Format, PathBuf),
 ) -> Option<PlotCommand> {
-    let (generation, selection) = (plots.generation, state.selection);
+    let (generation, selection) = (plots.generation, state.model.selection);
     let panel = plots.panels.get_mut(&plots.tab)?;
     let (layout, scale, seen) =
         panel.seen(figure, generation, selection, ui.ctx().pixels_per_point())?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, TextureId, Vec2};
 
-use super::figure::Marker;
+use crate::model::figure::Marker;
 
 /// Takes drawings in their order; places are points of the screen.
 pub trait Canvas {

@@ -3,10 +3,10 @@
 use egui::{Color32, ColorImage, Pos2, Rect, Vec2};
 
 use super::draw::{Seen, dots, is_dense, order};
-use super::figure::Figure;
 use super::scale::Scale;
-use crate::app::Selection;
-use crate::app::theme::Palette;
+use crate::model::Selection;
+use crate::model::figure::Figure;
+use crate::theme::Palette;
 
 /// Points of a figure, and nothing else, on a transparent ground.
 pub struct Picture {
@@ -88,9 +88,9 @@ mod tests {
     use egui::Theme;
 
     use super::*;
-    use crate::app::theme;
+    use crate::model::figure::{Point, Series};
+    use crate::theme;
     use crate::views::plots::draw::see;
-    use crate::views::plots::figure::{Point, Series};
 
     fn figure(count: i32) -> Figure {
         let point = |k: i32| Point::new(f64::from(k), (f64::from(k) * 0.7).sin());

@@ -3,12 +3,12 @@
 use egui::{Align2, Color32, FontId, Pos2, Rangef, Rect, Stroke, Vec2, vec2};
 
 use super::canvas::Canvas;
-use super::figure::{Columns, Figure, Ink, Marker, Series};
 use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
 use super::scale::{Scale, Tick, fixed, ticks};
 use super::thin::{Thinned, thin};
-use crate::app::Selection;
-use crate::app::theme::{GRID, Palette};
+use crate::model::Selection;
+use crate::model::figure::{Columns, Figure, Ink, Marker, Series};
+use crate::theme::{GRID, Palette};
 
 /// Size of the texts at axes and in the legend.
 pub const TEXT: f32 = 11.5;

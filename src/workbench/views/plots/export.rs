@@ -3,46 +3,11 @@
 use egui::Theme;
 
 use super::draw::{Layout, Seen, draw};
-use super::figure::{Axis, Figure, Heat, Point};
 use super::scale::Scale;
 use super::svg::Svg;
-use crate::app::{Selection, theme};
-
-/// Format of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// A table.
-    Csv,
-    /// A drawing.
-    Svg,
-    /// A picture of the window.
-    Png,
-}
-
-impl Format {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Csv, Self::Svg, Self::Png];
-
-    /// What the operator reads.
-    #[must_use]
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Csv => "Table (CSV)",
-            Self::Svg => "Drawing (SVG)",
-            Self::Png => "Picture (PNG)",
-        }
-    }
-
-    /// Ending of its files.
-    #[must_use]
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Csv => "csv",
-            Self::Svg => "svg",
-            Self::Png => "png",
-        }
-    }
-}
+use crate::model::Selection;
+use crate::model::figure::{Axis, Figure, Heat, Point};
+use crate::theme;
 
 /// The figure as it is seen, on white.
 #[must_use]
@@ -164,7 +129,7 @@ fn row(cells: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::views::plots::figure::Series;
+    use crate::model::figure::Series;
 
     #[test]
     fn the_table_has_what_is_in_the_view() {

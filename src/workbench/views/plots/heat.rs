@@ -4,9 +4,9 @@ use egui::{Align2, Color32, Pos2, Rect, vec2};
 
 use super::canvas::Canvas;
 use super::draw::TEXT;
-use super::figure::{Heat, Shades};
 use super::scale::{Scale, fixed};
-use crate::app::theme::{GRID, Palette};
+use crate::model::figure::{Heat, Shades};
+use crate::theme::{GRID, Palette};
 
 /// Width of the colour scale of a heat map.
 pub const SCALE_WIDTH: f32 = 12.0;

@@ -2,10 +2,10 @@
 
 use egui::Pos2;
 
-use super::figure::{Axis, Figure};
 use super::heat::limits;
 use super::scale::{Scale, readable};
-use crate::app::Selection;
+use crate::model::Selection;
+use crate::model::figure::{Axis, Figure};
 
 /// Farthest distance at which a point is hit (points of the screen).
 const REACH: f32 = 9.0;
@@ -119,8 +119,8 @@ mod tests {
     use egui::Rect;
 
     use super::*;
+    use crate::model::figure::{Point, Series};
     use crate::views::plots::draw::see;
-    use crate::views::plots::figure::{Point, Series};
 
     #[test]
     fn a_point_that_is_not_drawn_is_found_all_the_same() {

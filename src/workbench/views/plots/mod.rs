@@ -6,12 +6,10 @@ mod contour;
 mod dense;
 mod draw;
 mod export;
-pub mod figure;
 mod heat;
 mod hit;
 mod panel;
 mod panes;
-mod prepare;
 mod scale;
 pub mod small;
 mod sources;
@@ -24,16 +22,17 @@ use std::sync::Arc;
 
 use egui::{Spinner, Ui};
 
-use crate::app::commands::{PlotCommand, ViewCommand};
-use crate::app::document::Diagnosed;
-use crate::app::edit::Edit;
-use crate::app::{Document, Selection, State};
+pub use crate::model::command::Format;
+use crate::model::command::{PlotCommand, ViewCommand};
+use crate::model::edit::Edit;
+use crate::model::figure::Figure;
+use crate::model::open_session::Diagnosed;
+use crate::model::plot_preparation::{Preparation, Prepared, same};
+use crate::model::{OpenSession, Selection};
+use crate::shell::State;
 use crate::widgets::{Verdict, empty, verdict};
-pub use export::Format;
-use figure::Figure;
 use panel::{Done, Panel, Shown};
 pub use panes::{Panes, show};
-pub use prepare::{Preparation, Prepared};
 use sources::residuals::Unit;
 pub use sources::residuals::of_both as residuals_of_both;
 use sources::tensions::Shown as Tensions;
@@ -53,7 +52,7 @@ struct Saving {
 
 /// What a plot among several remembers.
 #[derive(Debug, Default)]
-pub struct Remembered {
+pub struct PlotState {
     tab: Tab,
     unit: Unit,
     tensions: Tensions,
@@ -82,18 +81,18 @@ impl PartialEq for FigureOf {
     fn eq(&self, other: &Self) -> bool {
         self.session == other.session
             && self.options == other.options
-            && prepare::same(self.fit.as_ref(), other.fit.as_ref())
-            && prepare::same(self.diagnosed.as_ref(), other.diagnosed.as_ref())
-            && prepare::same(self.prepared.as_ref(), other.prepared.as_ref())
+            && same(self.fit.as_ref(), other.fit.as_ref())
+            && same(self.diagnosed.as_ref(), other.diagnosed.as_ref())
+            && same(self.prepared.as_ref(), other.prepared.as_ref())
     }
 }
 
 /// Draws one of the plots of a session, without its tabs.
-fn pane(ui: &mut Ui, state: &mut State, plots: &mut Remembered) {
-    let Some(document) = &state.document else {
+fn pane(ui: &mut Ui, state: &mut State, plots: &mut PlotState) {
+    let Some(open) = &state.model.open else {
         return;
     };
-    match plots.figure(document) {
+    match plots.figure(open) {
         Ok(figure) => plot(ui, state, plots, &figure),
         Err(Lack::Nothing(why)) => empty(ui, why),
         Err(Lack::Failed(why)) => failed(ui, plots, &why),
@@ -114,7 +113,7 @@ enum Lack {
     Failed(String),
 }
 
-fn failed(ui: &mut Ui, plots: &mut Remembered, why: &str) {
+fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
     verdict(
         ui,
         Verdict::Bad,
@@ -125,39 +124,39 @@ fn failed(ui: &mut Ui, plots: &mut Remembered, why: &str) {
     }
 }
 
-fn plot(ui: &mut Ui, state: &mut State, plots: &mut Remembered, figure: &Figure) {
+fn plot(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure) {
     bar::options(ui, state, plots, figure);
     let panel = plots.panels.entry(plots.tab).or_default();
     let shown = Shown {
         name: &format!("Plot: {}", plots.tab.title()),
         figure,
         generation: plots.generation,
-        selection: state.selection,
+        selection: state.model.selection,
     };
     let frame = panel.show(ui, &shown);
     for done in frame.done {
         match done {
             Done::Selected(selection) => state.outbox.send(ViewCommand::Select(selection)),
-            Done::Excluded(pose) => state.outbox.send(toggled(state.document.as_ref(), pose)),
+            Done::Excluded(pose) => state.outbox.send(toggled(state.model.open.as_ref(), pose)),
         }
     }
     if let Some(hovered) = frame.hovered {
-        state.hovered = hovered;
+        state.views.hovered = hovered;
     } else if plots.is_hovered {
-        state.hovered = Selection::default();
+        state.views.hovered = Selection::default();
     }
     plots.is_hovered = frame.hovered.is_some();
 }
 
-fn toggled(document: Option<&Document>, pose: i64) -> Edit {
-    if document.is_some_and(|document| document.session().excluded().contains(&pose)) {
+fn toggled(open: Option<&OpenSession>, pose: i64) -> Edit {
+    if open.is_some_and(|open| open.session().excluded().contains(&pose)) {
         Edit::Include(pose)
     } else {
         Edit::Exclude(pose)
     }
 }
 
-impl Remembered {
+impl PlotState {
     /// The panel of the present plot, and the axis along x of what it shows.
     fn along(&mut self) -> Option<(String, &mut Panel)> {
         let title = self.figure.as_ref().map(|(_, figure)| figure.x.title())?;
@@ -170,8 +169,8 @@ impl Remembered {
     }
 
     /// Forgets what belongs to other results.
-    fn settle(&mut self, document: &Document) {
-        let (fit, diagnosed) = (document.fit(), document.diagnosis());
+    fn settle(&mut self, open: &OpenSession) {
+        let (fit, diagnosed) = (open.fit(), open.diagnosis());
         let is_old = |preparation: &Preparation| !preparation.is_of(fit, diagnosed);
         if self.preparation.as_ref().is_some_and(is_old) {
             self.preparation = None;
@@ -185,12 +184,12 @@ impl Remembered {
     }
 
     /// The figure of the present tab, computed again only if what it depends on has changed.
-    fn figure(&mut self, document: &Document) -> Result<Arc<Figure>, Lack> {
-        if let Some(why) = self.tab.missing(document) {
+    fn figure(&mut self, open: &OpenSession) -> Result<Arc<Figure>, Lack> {
+        if let Some(why) = self.tab.missing(open) {
             return Err(Lack::Nothing(why));
         }
         let key = FigureOf {
-            session: (document.session().created, document.revision()),
+            session: (open.session().created, open.revision()),
             options: (
                 self.tab,
                 self.unit,
@@ -198,8 +197,8 @@ impl Remembered {
                 self.choice,
                 self.elongation,
             ),
-            fit: document.fit().cloned(),
-            diagnosed: document.diagnosis().cloned(),
+            fit: open.fit().cloned(),
+            diagnosed: open.diagnosis().cloned(),
             prepared: self.prepared().cloned(),
         };
         if let Some((of, figure)) = &self.figure
@@ -207,7 +206,7 @@ impl Remembered {
         {
             return Ok(Arc::clone(figure));
         }
-        let figure = Arc::new(self.compute(document)?);
+        let figure = Arc::new(self.compute(open)?);
         self.generation += 1;
         // The same plot of something else has another range.
         let is_other = self
@@ -221,8 +220,8 @@ impl Remembered {
         Ok(figure)
     }
 
-    fn compute(&self, document: &Document) -> Result<Figure, Lack> {
-        let excluded = document.session().excluded();
+    fn compute(&self, open: &OpenSession) -> Result<Figure, Lack> {
+        let excluded = open.session().excluded();
         let nothing = Lack::Nothing("Nothing is identified.");
         let prepared = || match self.preparation.as_ref().map(|p| &p.result) {
             Some(Ok(prepared)) => Ok(prepared),
@@ -235,22 +234,22 @@ impl Remembered {
                 let choice = self.choice.ok_or(Lack::Nothing(
                     "No variable changes over the poses, so that residuals could depend on it.",
                 ))?;
-                let diagnosed = document.diagnosis().map(Arc::as_ref);
+                let diagnosed = open.diagnosis().map(Arc::as_ref);
                 sources::variable::figure(prepared, diagnosed, choice, excluded)
             }
             Tab::BeforeAfter => sources::before_after::figure(prepared()?),
-            Tab::Elongation => sources::elongation::figure(document.session(), self.elongation),
+            Tab::Elongation => sources::elongation::figure(open.session(), self.elongation),
             Tab::Residuals => {
-                sources::residuals::lengths(document.fit().ok_or(nothing)?, self.unit, excluded)
+                sources::residuals::lengths(open.fit().ok_or(nothing)?, self.unit, excluded)
             }
             Tab::Laser => {
-                sources::residuals::laser(document.fit().ok_or(nothing)?, self.unit, excluded)
+                sources::residuals::laser(open.fit().ok_or(nothing)?, self.unit, excluded)
             }
             Tab::Tensions => {
-                sources::tensions::figure(document.fit().ok_or(nothing)?, self.tensions, excluded)
+                sources::tensions::figure(open.fit().ok_or(nothing)?, self.tensions, excluded)
             }
-            Tab::Convergence => sources::convergence::figure(document.fit().ok_or(nothing)?),
-            Tab::Correlation => sources::correlation::figure(document.fit().ok_or(nothing)?),
+            Tab::Convergence => sources::convergence::figure(open.fit().ok_or(nothing)?),
+            Tab::Correlation => sources::correlation::figure(open.fit().ok_or(nothing)?),
         })
     }
 }

@@ -11,11 +11,11 @@ use super::POSE;
 use super::canvas::{Canvas, Screen};
 use super::dense::picture;
 use super::draw::{Layout, Seen, TEXT, arrange, before, behind, draw, see, text_width};
-use super::figure::Figure;
 use super::hit::{Hit, cell_words, nearest, selects, words};
 use super::scale::{Scale, readable};
-use crate::app::theme::{self, GRID};
-use crate::app::{Memo, Selection};
+use crate::model::figure::Figure;
+use crate::model::{Memo, Selection};
+use crate::theme::{self, GRID};
 
 /// Points of the wheel that zoom by a factor of e.
 const WHEEL: f64 = 240.0;
@@ -393,11 +393,11 @@ fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &th
 }
 
 /// Height of the point nearest to a place along x.
-fn closest(series: &super::figure::Series, x: f64) -> Option<f64> {
+fn closest(series: &crate::model::figure::Series, x: f64) -> Option<f64> {
     let points = series.points();
     let after = points.partition_point(|point| point.x < x);
     let around = points.get(after.saturating_sub(1)..(after + 1).min(points.len()))?;
-    let away = |point: &&super::figure::Point| (point.x - x).abs();
+    let away = |point: &&crate::model::figure::Point| (point.x - x).abs();
     around
         .iter()
         .min_by(|a, b| away(a).total_cmp(&away(b)))
@@ -411,7 +411,7 @@ mod tests {
     use egui_kittest::kittest::Queryable;
 
     use super::*;
-    use crate::views::plots::figure::{Axis, Point, Series};
+    use crate::model::figure::{Axis, Point, Series};
 
     fn figure() -> Figure {
         let point = |pose: i64| Point {

@@ -6,9 +6,10 @@ use egui::{Align, Button, Layout, Popup, Rect, Ui, UiBuilder, vec2};
 use egui_material_icons::icons;
 use tautline_session::{Arrangement, Plots};
 
-use super::{Preparation, Remembered, Tab, bar, pane};
-use crate::app::State;
-use crate::app::theme::GRID;
+use super::{PlotState, Tab, bar, pane};
+use crate::model::plot_preparation::Preparation;
+use crate::shell::State;
+use crate::theme::GRID;
 use crate::widgets::{empty, icon_only};
 
 /// Places for plots.
@@ -24,7 +25,7 @@ const BUTTON: f32 = 32.0;
 #[derive(Debug)]
 pub struct Panes {
     arrangement: Arrangement,
-    places: [Remembered; PLACES],
+    places: [PlotState; PLACES],
     /// What preferences have of it.
     known: (Arrangement, [Tab; PLACES]),
 }
@@ -49,9 +50,9 @@ impl Panes {
         });
         Self {
             arrangement: plots.arrangement,
-            places: tabs.map(|tab| Remembered {
+            places: tabs.map(|tab| PlotState {
                 tab,
-                ..Remembered::default()
+                ..PlotState::default()
             }),
             known: (plots.arrangement, tabs),
         }
@@ -141,13 +142,13 @@ fn count(arrangement: Arrangement) -> usize {
 
 /// Draws the plots.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         empty(ui, "Plots appear here once a session is open.");
         return;
     };
     let mut panes = std::mem::take(&mut state.views.plots);
     for place in &mut panes.places {
-        place.settle(document);
+        place.settle(open);
     }
     let before = panes.along();
     let whole = ui.available_rect_before_wrap();
@@ -161,7 +162,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     ui.advance_cursor_after_rect(whole);
     panes.link(&before);
     if let Some(plots) = panes.changed() {
-        state.change_preferences(|preferences| preferences.plots = plots);
+        state
+            .model
+            .change_preferences(|preferences| preferences.plots = plots);
     }
     state.views.plots = panes;
 }
@@ -181,7 +184,7 @@ fn rect_of(whole: Rect, arrangement: Arrangement, place: usize) -> Rect {
 }
 
 fn one(ui: &mut Ui, state: &mut State, panes: &mut Panes, (place, count): (usize, usize)) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         return;
     };
     // The button that divides the area stands in its upper right corner.
@@ -190,7 +193,7 @@ fn one(ui: &mut Ui, state: &mut State, panes: &mut Panes, (place, count): (usize
         let room = if has_button { BUTTON } else { 0.0 };
         ui.scope(|ui| {
             ui.set_max_width(ui.available_width() - room);
-            bar::tabs(ui, document, &mut panes.places[place].tab);
+            bar::tabs(ui, open, &mut panes.places[place].tab);
         });
         if has_button {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -2,7 +2,7 @@
 
 use egui::{Pos2, Rect};
 
-use super::figure::Axis;
+use crate::model::figure::Axis;
 
 /// What a plot shows and where.
 #[derive(Debug, Clone, Copy, PartialEq)]

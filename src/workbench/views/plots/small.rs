@@ -4,10 +4,11 @@ use egui::{Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::canvas::Screen;
 use super::draw::{arrange, draw, see, text_width};
-use super::figure::Figure;
 use super::hit::{nearest, selects, words};
 use super::scale::Scale;
-use crate::app::{Selection, theme};
+use crate::model::Selection;
+use crate::model::figure::Figure;
+use crate::theme;
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Gives what a
 /// click on a point selects: its cable and pose, where it has them.
@@ -22,7 +23,7 @@ use crate::app::{Selection, theme};
 ///     has_zero_line: true,
 ///     ..Figure::default()
 /// };
-/// if let Some(selection) = small::show(ui, "Residuals of winch 1", &figure, 160.0, state.selection) {
+/// if let Some(selection) = small::show(ui, "Residuals of winch 1", &figure, 160.0, state.model.selection) {
 ///     state.outbox.send(ViewCommand::Select(selection));
 /// }
 /// ```
@@ -73,7 +74,7 @@ mod tests {
     use egui_kittest::kittest::Queryable;
 
     use super::*;
-    use crate::views::plots::figure::{Axis, Band, Curve, Ink, Point, Series};
+    use crate::model::figure::{Axis, Band, Curve, Ink, Point, Series};
 
     fn figure() -> Figure {
         let point = |pose: i64| Point {

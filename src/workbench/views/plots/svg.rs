@@ -5,7 +5,7 @@ use std::fmt::Write;
 use egui::{Align, Align2, Color32, Pos2, Rect, Stroke};
 
 use super::canvas::{Canvas, corners, is_cross};
-use super::figure::Marker;
+use crate::model::figure::Marker;
 
 /// Collects drawings as SVG.
 pub struct Svg {

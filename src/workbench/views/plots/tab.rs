@@ -1,6 +1,6 @@
 //! The plots that there are.
 
-use crate::app::Document;
+use crate::model::OpenSession;
 
 /// A plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -75,8 +75,8 @@ impl Tab {
 
     /// Why this plot has nothing to show, if it has nothing.
     #[must_use]
-    pub fn missing(self, document: &Document) -> Option<&'static str> {
-        let fit = document.fit();
+    pub fn missing(self, open: &OpenSession) -> Option<&'static str> {
+        let fit = open.fit();
         let has_fit = fit.is_some();
         let (present, why) = match self {
             Self::Residuals => (
@@ -84,7 +84,7 @@ impl Tab {
                 "Residuals of every cable appear here once poses are identified.",
             ),
             Self::Variable => (
-                has_fit || document.diagnosis().is_some(),
+                has_fit || open.diagnosis().is_some(),
                 "Residuals along length, tension, time and more appear here once poses are identified.",
             ),
             Self::Laser => (
@@ -111,11 +111,11 @@ impl Tab {
                 },
             ),
             Self::Elongation => (
-                super::sources::elongation::has_any(document.session()),
+                super::sources::elongation::has_any(open.session()),
                 "The elongation of the cables appears here once it is measured and fitted in phase 2.",
             ),
             Self::BeforeAfter => (
-                document.diagnosis().is_some(),
+                open.diagnosis().is_some(),
                 "Residuals before and after appear here once a diagnosis has asked what the model gets wrong.",
             ),
         };

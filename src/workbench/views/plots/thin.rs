@@ -3,8 +3,8 @@
 
 use egui::Rangef;
 
-use super::figure::Series;
 use super::scale::Scale;
+use crate::model::figure::Series;
 
 /// Points of a series that are drawn.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,7 +68,7 @@ mod tests {
     use egui::{Pos2, Rect};
 
     use super::*;
-    use crate::views::plots::figure::Point;
+    use crate::model::figure::Point;
 
     fn scale(view: [[f64; 2]; 2]) -> Scale {
         let rect = Rect::from_min_max(Pos2::ZERO, Pos2::new(100.0, 100.0));

@@ -4,7 +4,7 @@ use egui::{FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, vec2};
 
 use super::picking::Picture;
 use super::scene::{CableView, Displacement};
-use crate::app::theme::{GRID, Palette};
+use crate::theme::{GRID, Palette};
 use tautline_workflow::wording::units::{fixed, signed};
 
 const SIZE: f32 = 11.5;

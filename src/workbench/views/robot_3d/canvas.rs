@@ -14,8 +14,8 @@ use super::gpu::{Gpu, PictureKey};
 use super::overlay;
 use super::picking::{Picture, Thing};
 use super::toolbar::Aim;
-use crate::app::Selection;
-use crate::app::theme;
+use crate::model::Selection;
+use crate::theme;
 
 /// Points of dragging that an arrow key stands for.
 const ARROW: f64 = 12.0;

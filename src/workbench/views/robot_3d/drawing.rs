@@ -9,8 +9,8 @@ use tautline_core::geometry::Vec3;
 
 use super::mesh::{Triangles, circle, rgba, single};
 use super::scene::{CableView, Displacement, MeasuredPose, Scene, Wheel};
-use crate::app::Selection;
-use crate::app::theme::{self, Palette};
+use crate::model::Selection;
+use crate::theme::{self, Palette};
 
 /// Opacity of the pulleys shown besides.
 const GHOST: f32 = 0.3;

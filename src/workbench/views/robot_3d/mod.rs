@@ -34,9 +34,10 @@ use drawing::{Drawing, Options, Points};
 use scene::{MeasuredPoses, Scene, Shown, Subject};
 use toolbar::Aim;
 
-use crate::app::commands::ViewCommand;
-use crate::app::theme::GRID;
-use crate::app::{Document, Selection, State};
+use crate::model::command::ViewCommand;
+use crate::model::{OpenSession, Selection};
+use crate::shell::State;
+use crate::theme::GRID;
 use crate::widgets::empty;
 use tautline_workflow::identification::Fit;
 
@@ -123,39 +124,39 @@ impl PartialEq for PosesKey {
 }
 
 impl SessionKey {
-    fn of(document: &Document) -> Self {
-        let session = document.session();
+    fn of(open: &OpenSession) -> Self {
+        let session = open.session();
         Self {
-            path: document.path().map(PathBuf::from),
+            path: open.path().map(PathBuf::from),
             name: session.name.clone(),
             created: session.created,
         }
     }
 
-    fn is_of(&self, document: &Document) -> bool {
-        let session = document.session();
+    fn is_of(&self, open: &OpenSession) -> bool {
+        let session = open.session();
         self.created == session.created
             && self.name == session.name
-            && self.path.as_deref() == document.path()
+            && self.path.as_deref() == open.path()
     }
 }
 
 impl SceneKey {
     /// Whether the measured poses are still these, wherever the platform is.
-    fn holds_poses(&self, document: &Document, selection: Selection) -> bool {
-        let same_fit = match (&self.fit, document.fit()) {
+    fn holds_poses(&self, open: &OpenSession, selection: Selection) -> bool {
+        let same_fit = match (&self.fit, open.fit()) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (a, b) => a.is_none() && b.is_none(),
         };
         same_fit
-            && self.session.is_of(document)
-            && self.revision == document.revision()
+            && self.session.is_of(open)
+            && self.revision == open.revision()
             && self.selection.cable == selection.cable
-            && self.robot == document.session().robot
+            && self.robot == open.session().robot
     }
 
-    fn holds(&self, document: &Document, selection: Selection, view: &Robot3d) -> bool {
-        self.holds_poses(document, selection)
+    fn holds(&self, open: &OpenSession, selection: Selection, view: &Robot3d) -> bool {
+        self.holds_poses(open, selection)
             && self.selection == selection
             && self.live == view.live
             && self.planned == view.planned
@@ -187,37 +188,37 @@ impl Robot3d {
     }
 
     /// The scene of the open session; another session is seen from where all of it is seen.
-    fn scene_of(&mut self, document: &Document, selection: Selection) -> Arc<Scene> {
+    fn scene_of(&mut self, open: &OpenSession, selection: Selection) -> Arc<Scene> {
         if let Some((key, scene)) = &self.scene
-            && key.holds(document, selection, self)
+            && key.holds(open, selection, self)
         {
             return Arc::clone(scene);
         }
-        let session = document.session();
+        let session = open.session();
         let subject = Subject {
             robot: &session.robot,
             measurements: &session.measurements,
-            fit: document.fit().map(AsRef::as_ref),
+            fit: open.fit().map(AsRef::as_ref),
             selection,
             live: self.live.as_ref(),
             planned: &self.planned,
         };
         let known = self.scene.as_ref();
-        let known = known.filter(|(key, _)| key.holds_poses(document, selection));
+        let known = known.filter(|(key, _)| key.holds_poses(open, selection));
         let measured = known.map(|(_, scene)| Arc::clone(&scene.measured));
         let scene = Arc::new(subject.scene_with(measured));
         if !self
             .scene
             .as_ref()
-            .is_some_and(|(key, _)| key.session.is_of(document))
+            .is_some_and(|(key, _)| key.session.is_of(open))
         {
             self.camera = None;
         }
         let key = SceneKey {
-            session: SessionKey::of(document),
-            revision: document.revision(),
+            session: SessionKey::of(open),
+            revision: open.revision(),
             robot: session.robot.clone(),
-            fit: document.fit().cloned(),
+            fit: open.fit().cloned(),
             selection,
             live: self.live.clone(),
             planned: self.planned.clone(),
@@ -278,7 +279,7 @@ impl Robot3d {
 
 /// Draws the robot of the open session.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(document) = &state.document else {
+    let Some(open) = &state.model.open else {
         empty(
             ui,
             "The robot appears here once a session, a robot or a dataset is open.",
@@ -286,8 +287,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         return;
     };
     let view = &mut state.views.robot_3d;
-    let scene = view.scene_of(document, state.selection);
-    if let Some(selection) = view.show(ui, &scene, state.selection, &mut state.hovered) {
+    let scene = view.scene_of(open, state.model.selection);
+    if let Some(selection) = view.show(ui, &scene, state.model.selection, &mut state.views.hovered)
+    {
         state.outbox.send(ViewCommand::Select(selection));
     }
 }

@@ -7,8 +7,8 @@ use super::drawing::{CableColour, Options, tension_colour, tension_range};
 use super::picking::{OnScreen, Picture};
 use super::scene::{Besides, round_length};
 use super::words;
-use crate::app::Selection;
-use crate::app::theme::{self, GRID, Palette};
+use crate::model::Selection;
+use crate::theme::{self, GRID, Palette};
 
 const SMALL: f32 = 11.5;
 /// Width of the picture (points) from which on there is room for everything at its lower edge.

@@ -2,8 +2,8 @@
 
 use tautline_core::diagnosis::Quantity;
 
-use crate::views::plots::figure::{Axis, Columns, Curve, Figure, Ink};
-use crate::views::plots::prepare::{Prepared, residuals};
+use crate::model::figure::{Axis, Columns, Curve, Figure, Ink};
+use crate::model::plot_preparation::{Prepared, residuals};
 use tautline_workflow::identification::Fit;
 
 /// Half of the width that is shown (standard deviations); what is beyond counts in the outermost columns.

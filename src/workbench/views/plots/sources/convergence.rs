@@ -1,6 +1,6 @@
 //! Chi-square after each step of an identification.
 
-use crate::views::plots::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
+use crate::model::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::identification::Fit;
 
 /// The way of a fit to its solution.
@@ -29,7 +29,7 @@ pub fn figure(fit: &Fit) -> Figure {
         });
     }
     Figure {
-        x: Axis::whole("Step"),
+        x: Axis::whole("Phase"),
         y: Axis {
             is_logarithmic: true,
             ..Axis::new("Chi-square", "")

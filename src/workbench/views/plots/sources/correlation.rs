@@ -2,7 +2,7 @@
 
 use tautline_core::estimation::{Parameter, ParameterId};
 
-use crate::views::plots::figure::{Axis, Figure, Heat, Shades};
+use crate::model::figure::{Axis, Figure, Heat, Shades};
 use tautline_workflow::identification::Fit;
 
 /// Cable that a parameter belongs to.

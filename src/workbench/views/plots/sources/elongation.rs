@@ -3,8 +3,8 @@
 use tautline_core::cable::ElongationSurface;
 use tautline_session::Session;
 
+use crate::model::figure::{Axis, Curve, Figure, Heat, Ink, Marker, Point, Series, Shades};
 use crate::views::plots::contour::contours;
-use crate::views::plots::figure::{Axis, Curve, Figure, Heat, Ink, Marker, Point, Series, Shades};
 use crate::views::plots::scale::{fixed, ticks};
 
 /// Cells along each axis.

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use tautline_core::estimation::{Reading, ReadingKind};
 
 use super::over_pose;
+use crate::model::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use crate::views::plots::POSE;
-use crate::views::plots::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::identification::Fit;
 
 /// Unit of residuals.

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use super::over_pose;
+use crate::model::figure::{Axis, Band, Figure, Point, Series};
 use crate::views::plots::POSE;
-use crate::views::plots::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::identification::Fit;
 
 /// What is shown of tensions.

@@ -7,9 +7,9 @@ use tautline_core::diagnosis::{Discrepancy, Quantity, smooth_functions};
 use tautline_core::measurement::Variable;
 
 use super::at_row;
-use crate::app::document::Diagnosed;
-use crate::views::plots::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
-use crate::views::plots::prepare::{Prepared, residuals};
+use crate::model::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use crate::model::open_session::Diagnosed;
+use crate::model::plot_preparation::{Prepared, residuals};
 use tautline_workflow::identification::Fit;
 
 /// Places along a fitted curve.

@@ -14,9 +14,8 @@ use super::{
     Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox, Scene,
     Shown, cable, platform,
 };
-use crate::app::Selection;
-use crate::views::robot_3d::Live;
-use crate::views::robot_3d::camera;
+use crate::model::Selection;
+use crate::views::robot_3d::{Live, camera};
 use tautline_workflow::identification::Fit;
 
 /// What is looked at.

@@ -7,7 +7,7 @@ use tautline_core::robot::presets;
 
 use super::frame::round_length;
 use super::*;
-use crate::app::Selection;
+use crate::model::Selection;
 
 #[test]
 fn the_cable_runs_from_the_entry_over_the_rim_in_the_plane_of_its_wheel() {

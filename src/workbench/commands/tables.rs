@@ -1,0 +1,74 @@
+//! Tables that were opened or dropped on the window, into the open session.
+
+use tautline_session::{Import, Loaded, Phase as LogPhase};
+
+use super::import;
+use crate::model::OpenSession;
+use crate::model::edit::Edit;
+use crate::model::phase::{Phase, Screen};
+use crate::shell::State;
+use tautline_workflow::precalibration::TableRows;
+
+/// Takes a table into the open session; `file` is its name for messages.
+pub(super) fn take(state: &mut State, file: &str, table: Import) {
+    let rows = match table {
+        Import::Winch(rows) => TableRows::Winch(rows),
+        Import::Force(rows) => TableRows::Force(rows),
+        Import::Home(rows) => TableRows::Home(rows),
+        Import::Elongation(rows) => TableRows::Elongation(rows),
+        table => return put(state, file, table),
+    };
+    import::take(
+        state,
+        file,
+        Loaded {
+            value: rows,
+            notices: Vec::new(),
+        },
+    );
+}
+
+fn put(state: &mut State, file: &str, table: Import) {
+    let Some(open) = &mut state.model.open else {
+        let message = format!(
+            "{file}: is a table, expected a session, a robot.json or a dataset folder to be opened first."
+        );
+        state.model.messages.error(message);
+        return;
+    };
+    match into(open, file, table) {
+        Ok(step) => {
+            open.log(LogPhase::Poses, format!("Imported {file}."));
+            state.model.messages.info(format!("Imported {file}."));
+            state.model.screen = Screen::Phase(step);
+        }
+        Err(message) => state.model.messages.error(message),
+    }
+}
+
+fn into(open: &mut OpenSession, file: &str, table: Import) -> Result<Phase, String> {
+    match table {
+        Import::Check(rows) => {
+            let mut phases = open.session().phases.clone();
+            phases.check = rows;
+            open.edit(Edit::SetPhases(Box::new(phases), format!("import {file}")));
+            Ok(Phase::Adjustment)
+        }
+        Import::Plan(plan) => {
+            open.edit(Edit::SetPlan(plan, format!("import {file}")));
+            Ok(Phase::Measuring)
+        }
+        Import::Poses(measurements) => {
+            let there = open.session().measurements.len();
+            if there > 0 {
+                return Err(format!(
+                    "{file}: the session has {there} measured poses already, and these are never replaced; open the \
+                     folder of this file as a session of its own."
+                ));
+            }
+            open.append(|session| session.measurements = *measurements);
+            Ok(Phase::Measuring)
+        }
+        _ => Err(format!("{file}: is no table that a session takes.")),
+    }
+}

@@ -1,0 +1,385 @@
+//! Keeps what is not saved yet, on a thread of its own, so that a crash loses nothing.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::thread::{self, JoinHandle};
+
+use tautline_session::{Changes, Keeper, LeftBehind, MeasuredPose, Session, WriteError};
+
+use super::{OpenSession, memory};
+
+/// What the thread is to do.
+enum Job {
+    /// Keep the whole session as it is now.
+    Snapshot {
+        session: Box<Session>,
+        origin: Option<PathBuf>,
+    },
+    /// Keep the session as it is now; its measured poses are kept already.
+    Changed(Box<Changes>),
+    /// Keep one more measured pose.
+    Measured(Box<MeasuredPose>),
+    /// Set aside what an earlier crash has left behind.
+    SetAside(Box<LeftBehind>),
+    /// Nothing is unsaved any more, or the operator does not want it.
+    Finish,
+}
+
+/// What the thread has to tell.
+#[derive(Debug)]
+pub enum AutosaveEvent {
+    /// The pose of this label is on disk.
+    Measured(i64),
+    /// Something could not be kept; one sentence.
+    Failed(String),
+}
+
+/// What of a document was handed over.
+#[derive(Debug, Clone, Copy)]
+struct Followed {
+    identity: u64,
+    revision: u64,
+    edits: u64,
+    replaced: u64,
+    /// Poses that it has, all kept.
+    poses: usize,
+    /// Poses of the last snapshot; `None` after something that could not be kept.
+    snapshot: Option<usize>,
+}
+
+impl Followed {
+    fn new(open: &OpenSession, snapshot: usize) -> Self {
+        Self {
+            identity: open.id(),
+            revision: open.revision(),
+            edits: open.edits(),
+            replaced: open.replaced(),
+            poses: open.session().measurements.len(),
+            snapshot: Some(snapshot),
+        }
+    }
+}
+
+/// Keeps the open session.
+pub struct Autosave {
+    jobs: Option<mpsc::Sender<Job>>,
+    kept: mpsc::Receiver<AutosaveEvent>,
+    thread: Option<JoinHandle<()>>,
+    /// What was handed over last; `None` while nothing is kept.
+    followed: Option<Followed>,
+    /// Labels of measured poses that were handed over and that the document does not have yet.
+    ahead: Vec<i64>,
+}
+
+impl Autosave {
+    /// Keeps in the recovery folder `folder`; `context` is woken when there is something to tell.
+    #[must_use]
+    pub fn new(folder: PathBuf, context: egui::Context) -> Self {
+        let (jobs, orders) = mpsc::channel();
+        let (tell, kept) = mpsc::channel();
+        let work = move || {
+            work(&folder, &orders, |message| {
+                // Nobody listens any more when the program ends.
+                let _ = tell.send(message);
+                context.request_repaint();
+            });
+        };
+        let thread = thread::Builder::new()
+            .name("keeping".into())
+            .spawn(work)
+            .ok();
+        Self {
+            jobs: Some(jobs),
+            kept,
+            thread,
+            followed: None,
+            ahead: Vec::new(),
+        }
+    }
+
+    /// Hands the document over if it has changes that neither its file nor the recovery folder has.
+    pub fn follow(&mut self, open: Option<&OpenSession>) {
+        let now = open.map(|open| (open.id(), open.revision()));
+        let before = self.followed;
+        // Saving changes no revision, but then there is nothing to keep any more.
+        if now == before.map(|f| (f.identity, f.revision))
+            && open.is_none_or(OpenSession::is_unsaved)
+        {
+            return;
+        }
+        let other = now.map(|(identity, _)| identity) != before.map(|f| f.identity);
+        let unsaved = open.filter(|open| open.is_unsaved());
+        let ahead = std::mem::take(&mut self.ahead);
+        let has = |label: &i64| {
+            open.is_some_and(|open| open.session().measurements.labels.contains(label))
+        };
+        let still_ahead = ahead.iter().filter(|label| !other && !has(label));
+        self.ahead = still_ahead.copied().collect();
+        // A file that was saved while a pose was on its way does not have it.
+        let is_done = unsaved.is_none() && self.ahead.is_empty();
+        if before.is_some() && (other || is_done) {
+            self.send(Job::Finish);
+            self.followed = None;
+        }
+        if let Some(open) = unsaved {
+            self.hand_over(open, &ahead);
+        }
+    }
+
+    /// Hands over what is not kept yet; poses with the labels of `ahead` are.
+    fn hand_over(&mut self, open: &OpenSession, ahead: &[i64]) {
+        let session = open.session();
+        let is_kept = |before: &Followed| {
+            let new = session.measurements.labels.get(before.poses..);
+            let new = new.is_some_and(|new| new.iter().all(|label| ahead.contains(label)));
+            (new && before.replaced == open.replaced())
+                .then_some(before.snapshot)
+                .flatten()
+        };
+        let poses = match self.followed.as_ref().map(|f| (f, is_kept(f))) {
+            Some((before, Some(snapshot))) => {
+                if before.edits != open.edits() {
+                    self.send(Job::Changed(Box::new(Changes::of(session, snapshot))));
+                }
+                snapshot
+            }
+            _ => {
+                self.send(Job::Snapshot {
+                    session: Box::new(session.clone()),
+                    origin: open.path().map(Path::to_owned),
+                });
+                session.measurements.len()
+            }
+        };
+        self.followed = Some(Followed::new(open, poses));
+    }
+
+    /// Keeps a measured pose at once; [`AutosaveEvent::Measured`] tells when it is on disk.
+    pub fn measured(&mut self, pose: MeasuredPose) {
+        self.ahead.push(pose.label);
+        self.send(Job::Measured(Box::new(pose)));
+    }
+
+    /// Sets aside what an earlier crash has left behind, after everything that was handed over before.
+    pub fn set_aside(&self, left: LeftBehind) {
+        self.send(Job::SetAside(Box::new(left)));
+    }
+
+    /// What happened since the last call.
+    pub fn kept(&mut self) -> Vec<AutosaveEvent> {
+        let kept: Vec<AutosaveEvent> = self.kept.try_iter().collect();
+        let has_failed = kept
+            .iter()
+            .any(|kept| matches!(kept, AutosaveEvent::Failed(_)));
+        if let Some(followed) = self.followed.as_mut().filter(|_| has_failed) {
+            followed.snapshot = None;
+        }
+        kept
+    }
+
+    /// Waits until everything that was handed over is on disk; nothing is kept afterwards.
+    pub fn flush(&mut self) {
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            // A thread that broke down has nothing more to write.
+            let _ = thread.join();
+        }
+    }
+
+    fn send(&self, job: Job) {
+        if let Some(jobs) = &self.jobs {
+            // The thread ends with the program only.
+            let _ = jobs.send(job);
+        }
+    }
+}
+
+impl Drop for Autosave {
+    fn drop(&mut self) {
+        self.flush();
+    }
+}
+
+fn work(folder: &Path, orders: &mpsc::Receiver<Job>, tell: impl Fn(AutosaveEvent)) {
+    let mut keeper = None;
+    while let Ok(first) = orders.recv() {
+        let mut jobs = vec![first];
+        jobs.extend(orders.try_iter());
+        let jobs = newest(jobs);
+        let wrote_much = jobs.iter().any(|job| matches!(job, Job::Snapshot { .. }));
+        for job in jobs {
+            if let Err(message) = perform(folder, &mut keeper, job, &tell) {
+                tell(AutosaveEvent::Failed(message));
+            }
+        }
+        if wrote_much {
+            memory::give_back();
+        }
+    }
+}
+
+/// Leaves out snapshots and changes that a later one makes needless.
+fn newest(jobs: Vec<Job>) -> Vec<Job> {
+    let mut wanted: Vec<Job> = Vec::new();
+    for job in jobs {
+        while let Some(before) = wanted.last() {
+            let is_needless = match job {
+                Job::Snapshot { .. } => matches!(before, Job::Snapshot { .. } | Job::Changed(_)),
+                Job::Changed(_) => matches!(before, Job::Changed(_)),
+                _ => false,
+            };
+            if !is_needless {
+                break;
+            }
+            wanted.pop();
+        }
+        wanted.push(job);
+    }
+    wanted
+}
+
+fn perform(
+    folder: &Path,
+    keeper: &mut Option<Keeper>,
+    job: Job,
+    tell: &impl Fn(AutosaveEvent),
+) -> Result<(), String> {
+    let failed = |error: WriteError| format!("The session could not be kept for recovery: {error}");
+    match job {
+        Job::Snapshot { session, origin } => match keeper {
+            Some(keeper) => keeper.snapshot(&session).map_err(failed),
+            None => {
+                *keeper = Some(Keeper::begin(folder, origin.as_deref(), &session).map_err(failed)?);
+                Ok(())
+            }
+        },
+        Job::Changed(changes) => {
+            let keeper = keeper
+                .as_mut()
+                .ok_or("A change could not be kept for recovery: nothing is being kept.")?;
+            keeper.changed(*changes).map_err(failed)
+        }
+        Job::Measured(pose) => {
+            let keeper = keeper
+                .as_mut()
+                .ok_or("A measured pose could not be kept: nothing is being kept.")?;
+            keeper.measured(&pose).map_err(failed)?;
+            tell(AutosaveEvent::Measured(pose.label));
+            Ok(())
+        }
+        Job::SetAside(left) => left.discard().map(drop).map_err(failed),
+        Job::Finish => keeper.take().map_or(Ok(()), Keeper::finish).map_err(failed),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use tautline_core::robot::presets;
+    use tautline_session::left_behind;
+
+    use super::*;
+    use crate::model::edit::Edit;
+    use tautline_workflow::clock;
+
+    fn pose(label: i64) -> MeasuredPose {
+        MeasuredPose {
+            label,
+            revolutions: vec![0.0; 8],
+            force_n: vec![50.0; 8],
+            laser_m: Some(1.0),
+            ..MeasuredPose::default()
+        }
+    }
+
+    fn told(keeping: &Autosave) -> i64 {
+        let told = keeping.kept.recv_timeout(Duration::from_secs(60));
+        match told.expect("it is kept") {
+            AutosaveEvent::Measured(label) => label,
+            AutosaveEvent::Failed(text) => panic!("{text}"),
+        }
+    }
+
+    #[test]
+    fn a_file_saved_while_a_pose_is_on_its_way_does_not_take_the_pose_away() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut open = OpenSession::new(Session::new("MINI", robot, clock::now()), None);
+        let mut keeping = Autosave::new(folder.path().into(), egui::Context::default());
+        keeping.follow(Some(&open));
+        let written = open.revision();
+        keeping.measured(pose(0));
+        assert_eq!(told(&keeping), 0);
+        // The file was begun before the pose came, and is done before the document has it.
+        open.saved_as(folder.path().join("saved.json"), written);
+        keeping.follow(Some(&open));
+        keeping.flush();
+        let left = left_behind(folder.path()).expect("readable");
+        assert_eq!(left.len(), 1);
+        assert_eq!(left[0].poses, 1);
+    }
+
+    #[test]
+    fn nothing_is_kept_once_the_file_has_everything() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut open = OpenSession::new(Session::new("MINI", robot, clock::now()), None);
+        let mut keeping = Autosave::new(folder.path().into(), egui::Context::default());
+        keeping.follow(Some(&open));
+        keeping.measured(pose(0));
+        assert_eq!(told(&keeping), 0);
+        open.append_pose(&pose(0)).expect("it fits");
+        keeping.follow(Some(&open));
+        open.saved_as(folder.path().join("saved.json"), open.revision());
+        keeping.follow(Some(&open));
+        keeping.flush();
+        assert!(left_behind(folder.path()).expect("readable").is_empty());
+    }
+
+    #[test]
+    fn measured_poses_are_lines_of_the_journal_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut open = OpenSession::new(Session::new("MINI", robot, clock::now()), None);
+        let mut keeping = Autosave::new(folder.path().into(), egui::Context::default());
+        keeping.follow(Some(&open));
+        let measure = |keeping: &mut Autosave, open: &mut OpenSession, label| {
+            keeping.follow(Some(open));
+            keeping.measured(pose(label));
+            assert_eq!(told(keeping), label);
+            open.append_pose(&pose(label)).expect("it fits");
+            keeping.follow(Some(open));
+        };
+        for label in 0..30 {
+            measure(&mut keeping, &mut open, label);
+        }
+        let size = |name: &str| {
+            let own = std::fs::read_dir(folder.path()).expect("a folder");
+            let own = own.map(|entry| entry.expect("an entry").path());
+            let own = own.filter(|path| path.is_dir());
+            let file = own.last().expect("a session").join(name);
+            file.metadata().map_or(0, |metadata| metadata.len())
+        };
+        let empty = size("snapshot.json");
+        assert!(size("journal.jsonl") > 30 * 300);
+        assert_eq!(size("changes.json"), 0, "nothing was edited");
+        open.edit(Edit::Exclude(7));
+        measure(&mut keeping, &mut open, 30);
+        assert_eq!(
+            size("snapshot.json"),
+            empty,
+            "an edit does not write the poses"
+        );
+        assert!(size("changes.json") < empty + 500);
+        // Measurements that came otherwise are kept as a whole.
+        open.append(|session| session.measurements.laser_m[3] = 2.0);
+        measure(&mut keeping, &mut open, 31);
+        assert!(size("snapshot.json") > empty + 31 * 50);
+        keeping.flush();
+        let left = left_behind(folder.path()).expect("readable");
+        let recovered = left[0].recover().expect("a session").value.session;
+        assert_eq!(recovered.measurements, open.session().measurements);
+        assert_eq!(recovered.excluded(), open.session().excluded());
+    }
+}

@@ -1,0 +1,60 @@
+//! What remains of a panic: what it said, and a window that tells the operator where the session is kept.
+
+use std::any::Any;
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, Once, PoisonError};
+
+/// Where the last panic happened, as the hook saw it.
+static LAST: Mutex<Option<String>> = Mutex::new(None);
+static HOOK: Once = Once::new();
+
+/// A panic that was caught.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CaughtPanic {
+    /// What it said, with the place in the program.
+    pub what: String,
+}
+
+/// Remembers what panics say, besides what is done about them anyway.
+pub fn listen() {
+    HOOK.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            *LAST.lock().unwrap_or_else(PoisonError::into_inner) = Some(info.to_string());
+            usual(info);
+        }));
+    });
+}
+
+/// Runs `work`; a panic in it becomes a value.
+///
+/// # Errors
+/// The panic.
+pub fn guard<T>(work: impl FnOnce() -> T) -> Result<T, CaughtPanic> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| CaughtPanic {
+        what: told(&*payload),
+    })
+}
+
+fn told(payload: &(dyn Any + Send)) -> String {
+    let heard = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
+    heard.unwrap_or_else(|| {
+        let text = payload
+            .downcast_ref::<&str>()
+            .map(|text| (*text).to_owned());
+        text.or_else(|| payload.downcast_ref::<String>().cloned())
+            .unwrap_or_else(|| "no reason was given".into())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_a_value_that_says_what_it_said() {
+        assert_eq!(guard(|| 3), Ok(3));
+        let broken = guard(|| panic!("the cable tore")).expect_err("a caught_panic");
+        assert!(broken.what.contains("the cable tore"), "{}", broken.what);
+    }
+}

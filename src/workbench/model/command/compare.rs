@@ -1,0 +1,41 @@
+//! Comparing two sessions.
+
+use std::path::PathBuf;
+
+use crate::model::comparison::{Compared, Side, Source};
+
+/// Title of the task.
+pub const COMPARING: &str = "Comparing";
+
+/// Chooses two sessions and compares them.
+#[derive(Debug, Clone)]
+pub enum CompareCommand {
+    /// Goes to the comparison; the open session is one of the two unless others are chosen.
+    Show,
+    /// Asks for a file.
+    Ask(Side),
+    /// Takes a session.
+    Choose(Side, Source),
+    /// Takes a file where a session is missing, else as the second.
+    Drop(PathBuf),
+    /// Chooses again.
+    Clear(Side),
+    /// Exchanges the two.
+    Swap,
+    /// Compares again what was changed since.
+    Again,
+}
+
+/// What a task of the comparison came to.
+#[derive(Debug)]
+pub enum CompareOutcome {
+    /// A file dialog was closed.
+    Picked(Side, Option<PathBuf>),
+    /// Two sessions were compared.
+    Compared {
+        /// Counts comparisons: an older one that comes late is dropped.
+        number: u64,
+        /// What differs, or one sentence.
+        result: Result<Box<Compared>, String>,
+    },
+}

@@ -1,0 +1,110 @@
+//! Opening, saving and closing sessions.
+
+use std::path::PathBuf;
+
+use tautline_session::{Import, LeftBehind, Loaded, Session};
+
+/// Opens, saves, closes.
+#[derive(Debug, Clone)]
+pub enum FileCommand {
+    /// Opens a session with a simulated robot.
+    TryDemo,
+    /// Asks for a file to open.
+    AskOpen,
+    /// Opens a session, begins one with a robot or a dataset folder, or imports a table.
+    Open(PathBuf),
+    /// Saves; asks for a place if the session has none.
+    Save,
+    /// Asks for a place to save at.
+    AskSaveAs,
+    /// Picks that place in a dialog.
+    PickSaveAs,
+    /// Saves at a place.
+    SaveAs(PathBuf),
+    /// Closes the session.
+    Close,
+    /// Ends the program.
+    Quit,
+    /// Answers what to do about unsaved changes.
+    Answer(Answer),
+    /// Opens what a crash has left behind, by its place in the list.
+    Recover(usize),
+    /// Sets aside what a crash has left behind, by its place in the list.
+    SetAside(usize),
+    /// Takes a session from the list of recent ones.
+    Forget(PathBuf),
+}
+
+/// What takes the open session away, and so may have to wait for an answer.
+#[derive(Debug)]
+pub enum Leaving {
+    /// Another session is opened.
+    Open(Box<Opening>),
+    /// The session is closed.
+    Close,
+    /// The program ends.
+    Quit,
+}
+
+/// A session that is to be opened.
+#[derive(Debug)]
+pub struct Opening {
+    /// The session.
+    pub session: Session,
+    /// Its file, if it has one.
+    pub path: Option<PathBuf>,
+    /// Whether its changes were recovered and are in no file yet.
+    pub is_recovered: bool,
+}
+
+/// What a file dialog is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To open what was picked.
+    Open,
+    /// To save at what was picked.
+    SaveAs,
+}
+
+/// What a task with files came to.
+#[derive(Debug)]
+pub enum FileOutcome {
+    /// A file or folder was read.
+    Read {
+        /// Its path.
+        path: PathBuf,
+        /// What it is, or one sentence.
+        result: Result<Loaded<Import>, String>,
+    },
+    /// The demonstration is ready, or one sentence.
+    Demo(Result<Box<Session>, String>),
+    /// What programs that ended without saving have left behind, or one sentence.
+    LeftBehind(Result<Vec<LeftBehind>, String>),
+    /// A session was written.
+    Saved {
+        /// Its file.
+        path: PathBuf,
+        /// Identity of the document and revision that was written.
+        state: (u64, u64),
+        /// Nothing, or one sentence.
+        result: Result<(), String>,
+    },
+    /// A file dialog was closed.
+    Picked {
+        /// What it was for.
+        purpose: Purpose,
+        /// What was picked; `None` if the dialog was cancelled or is not available.
+        path: Option<PathBuf>,
+    },
+}
+
+/// What to do about unsaved changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Answer {
+    /// Save them, then go on.
+    Save,
+    /// Go on without them.
+    Discard,
+    /// Do not go on.
+    Cancel,
+}

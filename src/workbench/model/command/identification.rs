@@ -1,0 +1,58 @@
+//! Identification and diagnosis.
+
+use std::collections::BTreeMap;
+
+use tautline_session::ResultRecord;
+
+use crate::model::figure::Figure;
+use crate::model::open_session::Diagnosed;
+use tautline_workflow::identification::Fit;
+
+/// Title of the task that identifies.
+pub const IDENTIFYING: &str = "Identifying";
+
+/// Title of the task that looks for what the model lacks.
+pub const DIAGNOSING: &str = "Looking for what the model lacks";
+
+/// Computes with the measured poses.
+#[derive(Debug, Clone)]
+pub enum IdentificationCommand {
+    /// Identifies the geometry.
+    Identify,
+    /// Asks what the model gets wrong.
+    Diagnose,
+    /// Ends what is being computed.
+    Stop,
+}
+
+/// What it came to; `inputs` is the number of the inputs it was computed from.
+#[derive(Debug)]
+pub enum IdentificationOutcome {
+    /// Of an identification.
+    Identified {
+        /// Number of the inputs.
+        inputs: u64,
+        /// The document for the session; none where the session has it already.
+        record: Option<Box<ResultRecord>>,
+        /// The fit, or one sentence; `None` if it was stopped.
+        result: Result<Option<Box<Fit>>, String>,
+    },
+    /// Of a diagnosis.
+    Diagnosed {
+        /// Number of the inputs.
+        inputs: u64,
+        /// The diagnosis, or one sentence; `None` if it was stopped.
+        result: Result<Option<Box<DiagnosisResult>>, String>,
+    },
+}
+
+/// A diagnosis with what the panel shows of it.
+#[derive(Debug)]
+pub struct DiagnosisResult {
+    /// The diagnosis.
+    pub diagnosed: Diagnosed,
+    /// The document for the session; none where the session has it already.
+    pub record: Option<ResultRecord>,
+    /// Plots of the dependences that it found.
+    pub figures: BTreeMap<usize, Figure>,
+}

@@ -1,0 +1,130 @@
+//! Planning and measuring poses, the controller, adjustment and verification.
+
+use std::path::PathBuf;
+
+use tautline_session::{CheckPose, Stage};
+
+use super::{Setup, SetupOutcome};
+use tautline_workflow::planning::Outlook;
+
+/// Title of the task that plans.
+pub const PLANNING: &str = "Planning poses";
+
+/// Title of the task that computes what to expect of a plan.
+pub const EXPECTING: &str = "Looking at the plan";
+
+/// Concerns the robot: what to measure, its controller, what it is told.
+#[derive(Debug, Clone)]
+pub enum RobotCommand {
+    /// Chooses so many poses to measure.
+    Plan(usize),
+    /// Computes what to expect of the plan that there is.
+    Expect,
+    /// Takes a pose from the plan.
+    RemovePlanned(i64),
+    /// Adds the pose that is commanded now to the plan.
+    AddCurrent,
+    /// Opens the window that connects, or does what it says.
+    Setup(Setup),
+    /// Connects to the controller of the session's settings.
+    Connect,
+    /// Tries at once to make a lost connection anew.
+    TryNow,
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    LaserDistance(i64, Option<f64>),
+    /// Where the platform is at the target of this number of a verification, as the operator reads it.
+    TypedPose(usize, CheckPose),
+    /// Ends the connection.
+    Disconnect,
+    /// Allows motion and writing.
+    Arm,
+    /// Forbids motion and writing.
+    Disarm,
+    /// Shows readings while nothing goes on, or no longer.
+    Watch(bool),
+    /// Lets the time of a simulated robot run so many times faster than real.
+    Speed(f64),
+    /// Measures the planned poses that are not measured yet.
+    Start,
+    /// Lets the run wait.
+    Pause,
+    /// Lets the run go on.
+    Resume,
+    /// Leaves out the pose under way.
+    Skip,
+    /// Measures a pose again.
+    Repeat(i64),
+    /// Ends whatever is going on and stops the platform.
+    Stop,
+    /// Tries again to keep a measured pose that could not be kept.
+    KeepAgain,
+    /// Measures test poses and paths with the external instrument.
+    Verify(Stage),
+    /// Takes the imported check as a run.
+    TakeCheck(Stage),
+    /// Reads what the controller holds.
+    ReadBack,
+    /// Writes the identified values to the controller; asks first where the identification did not converge.
+    Write,
+    /// Answers whether values that did not converge are written.
+    WriteUnconverged(bool),
+    /// Writes the values that were there before the last adjustment.
+    RollBack,
+    /// Writes a file; asks for its place.
+    AskExport(Export),
+    /// Writes a file.
+    Export(Export, PathBuf),
+    /// Shows what the demonstration has hidden.
+    Reveal,
+}
+
+/// What a task came to.
+#[derive(Debug)]
+pub enum RobotOutcome {
+    /// Of planning, for the document of this identity.
+    Planned {
+        /// Identity of the document.
+        session_id: u64,
+        /// The plan and what to expect of it, or one sentence.
+        result: Result<Box<Outlook>, String>,
+    },
+    /// Of looking at the plan of the document of this identity.
+    Expected {
+        /// Identity of the document.
+        session_id: u64,
+        /// What to expect of it, or one sentence.
+        result: Result<Box<Outlook>, String>,
+    },
+    /// Of the window that connects.
+    Setup(SetupOutcome),
+    /// A place for a file was picked, or not.
+    Picked(Export, Option<PathBuf>),
+    /// A file was written.
+    Exported(PathBuf, Result<(), String>),
+}
+
+/// What is written to a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Export {
+    /// The poses to measure, as a table.
+    Plan,
+    /// Parameters of the controller and identified ones, as a table.
+    Differences,
+    /// Identified parameters as constants in Structured Text.
+    StructuredText,
+    /// The last verification, as a table.
+    Check,
+}
+
+impl Export {
+    /// Name that is suggested for the file.
+    #[must_use]
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Plan => "plan.csv",
+            Self::Differences => "adjustment.csv",
+            Self::StructuredText => "parameters.st",
+            Self::Check => "check.csv",
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! The connection dialog.
+
+use std::path::PathBuf;
+
+use tautline_link::ads::SymbolCheck;
+use tautline_session::{AdsMapping, AdsPlace};
+
+/// Title of looking symbols up.
+pub const CHECKING: &str = "Checking symbols";
+
+/// What the window that connects has done.
+#[derive(Debug, Clone)]
+pub enum Setup {
+    /// Opens it.
+    Open,
+    /// Closes it.
+    Close,
+    /// Asks for the folder of a recording.
+    PickRecording,
+    /// Looks the symbols of a mapping up at a controller.
+    Check(Box<(AdsPlace, AdsMapping)>),
+    /// Asks for a file with names of symbols.
+    AskImport,
+    /// Reads names of symbols from a file.
+    Import(PathBuf),
+    /// Asks where to write names of symbols.
+    AskExport(Box<AdsMapping>),
+    /// Writes names of symbols to a file.
+    Export(PathBuf, Box<AdsMapping>),
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub enum SetupOutcome {
+    /// The folder of a recording was picked, or not.
+    Recording(Option<PathBuf>),
+    /// What the controller says of the symbols, or one sentence.
+    Checked(Result<Vec<SymbolCheck>, String>),
+    /// Names of symbols were read, or one sentence.
+    Imported(Result<Box<AdsMapping>, String>),
+    /// They were written, or one sentence.
+    Exported(Result<PathBuf, String>),
+    /// No file was picked.
+    NoFile,
+}

@@ -1,0 +1,361 @@
+//! What the operator edits, and how it is undone. Measured data are never undone: poses that were measured stay.
+
+use std::collections::BTreeSet;
+
+use tautline_core::effect::{EffectSetting, find};
+use tautline_core::robot::Robot;
+use tautline_session::{
+    Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings,
+};
+
+/// One change of what the operator edits.
+#[derive(Debug, Clone)]
+pub enum Edit {
+    /// Renames the session.
+    Rename(String),
+    /// Chooses the method of identification.
+    SetMethod(Method),
+    /// Chooses the probability of a false alarm of the diagnosis.
+    SetAlpha(f64),
+    /// Adds effects to the model: their parameters are identified, too. The text says which, for the undo menu.
+    AddEffects(Vec<EffectSetting>, String),
+    /// Takes effects out of the model, whatever their values; the text says which, for the undo menu.
+    RemoveEffects(Vec<EffectSetting>, String),
+    /// Leaves a pose out.
+    Exclude(i64),
+    /// Takes a pose back in.
+    Include(i64),
+    /// Replaces the poses that are to be measured; the text says why, for the undo menu.
+    SetPlan(Vec<PlannedPose>, String),
+    /// Replaces the robot's description; the text says why, for the undo menu.
+    SetRobot(Box<Robot>, String),
+    /// Replaces how the controller is reached and where the laser distance comes from.
+    SetConnection(Box<(Connection, LaserSettings)>),
+    /// Replaces raw data of the phases around the poses; the text says which, for the undo menu.
+    SetPhases(Box<PhaseData>, String),
+}
+
+/// Whether two settings are of the same effect on the same cables at the same pose, whatever its size.
+#[must_use]
+pub fn same_effect(one: &EffectSetting, other: &EffectSetting) -> bool {
+    let pose = |setting: &EffectSetting| {
+        let effect = find(&setting.effect)?;
+        let name = effect.parameters()[effect.pose_parameter()?].name;
+        setting.parameters.get(name).copied()
+    };
+    one.effect == other.effect && one.targets == other.targets && pose(one) == pose(other)
+}
+
+impl Edit {
+    /// What the undo menu calls it.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::Rename(_) => "rename session".into(),
+            Self::SetMethod(_) => "choose method".into(),
+            Self::SetConnection(_) => "choose controller".into(),
+            Self::SetAlpha(_) => "choose false alarm probability".into(),
+            Self::Exclude(label) => format!("exclude pose {label}"),
+            Self::Include(label) => format!("include pose {label}"),
+            Self::AddEffects(_, what)
+            | Self::RemoveEffects(_, what)
+            | Self::SetPlan(_, what)
+            | Self::SetRobot(_, what)
+            | Self::SetPhases(_, what) => what.clone(),
+        }
+    }
+
+    /// Does it; what cannot be done, as excluding the home pose, changes nothing.
+    fn apply(self, session: &mut Session) {
+        let effects = &mut session.settings.identification.effects;
+        match self {
+            Self::AddEffects(added, _) => {
+                effects.retain(|old| !added.iter().any(|new| same_effect(old, new)));
+                effects.extend(added);
+            }
+            Self::RemoveEffects(removed, _) => {
+                effects.retain(|one| !removed.iter().any(|other| same_effect(one, other)));
+            }
+            Self::Exclude(label) => {
+                let _ = session.exclude(label);
+            }
+            Self::Include(label) => {
+                session.include(label);
+            }
+            Self::SetPlan(plan, _) => session.plan = plan,
+            Self::Rename(name) => session.name = name,
+            Self::SetMethod(method) => session.settings.identification.method = method,
+            Self::SetAlpha(alpha) => session.settings.diagnosis.alpha = alpha,
+            Self::SetRobot(robot, _) => session.robot = *robot,
+            Self::SetPhases(phases, _) => session.phases = *phases,
+            Self::SetConnection(settings) => {
+                (session.connection, session.laser_source) = *settings;
+            }
+        }
+    }
+}
+
+/// Everything that edits can change.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Editable {
+    name: String,
+    robot: Robot,
+    phases: PhaseData,
+    settings: Settings,
+    plan: Vec<PlannedPose>,
+    connection: Connection,
+    laser: LaserSettings,
+    excluded: BTreeSet<i64>,
+}
+
+impl Editable {
+    /// The present state.
+    #[must_use]
+    pub fn of(session: &Session) -> Self {
+        Self {
+            name: session.name.clone(),
+            robot: session.robot.clone(),
+            phases: session.phases.clone(),
+            settings: session.settings.clone(),
+            plan: session.plan.clone(),
+            connection: session.connection.clone(),
+            laser: session.laser_source.clone(),
+            excluded: session.excluded().clone(),
+        }
+    }
+
+    /// Whether the results of `session` are those of this state: what they depend on is the same.
+    fn has_inputs_of(&self, session: &Session) -> bool {
+        self.robot == session.robot
+            && self.settings.identification == session.settings.identification
+            && self.excluded == *session.excluded()
+    }
+
+    /// Puts it back.
+    fn restore(self, session: &mut Session) {
+        session.name = self.name;
+        session.robot = self.robot;
+        session.phases = self.phases;
+        session.settings = self.settings;
+        session.plan = self.plan;
+        session.connection = self.connection;
+        session.laser_source = self.laser;
+        for label in session.excluded().clone().difference(&self.excluded) {
+            session.include(*label);
+        }
+        for label in &self.excluded {
+            // It was excluded before, so it can be.
+            let _ = session.exclude(*label);
+        }
+    }
+}
+
+/// A state to go back to, with the name of what left it.
+#[derive(Debug, Clone)]
+struct Phase {
+    name: String,
+    state: Editable,
+    /// Which inputs of results it has; `None` once something was measured since.
+    inputs: Option<u64>,
+}
+
+/// What an edit, or undoing it, came to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Inputs {
+    /// The inputs of results are what they were.
+    Same,
+    /// They are new.
+    New,
+    /// They are those of this number again.
+    Again(u64),
+}
+
+/// Edits that can be undone and redone.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    undo: Vec<Phase>,
+    redo: Vec<Phase>,
+}
+
+/// Steps that are kept.
+const MOST: usize = 200;
+
+impl History {
+    /// Does an edit and remembers what was before, with the number of its inputs; `None` if nothing changed.
+    pub fn perform(&mut self, edit: Edit, session: &mut Session, inputs: u64) -> Option<Inputs> {
+        let step = Phase {
+            name: edit.name(),
+            state: Editable::of(session),
+            inputs: Some(inputs),
+        };
+        edit.apply(session);
+        if step.state == Editable::of(session) {
+            return None;
+        }
+        let same = step.state.has_inputs_of(session);
+        self.redo.clear();
+        if self.undo.len() == MOST {
+            self.undo.remove(0);
+        }
+        self.undo.push(step);
+        Some(if same { Inputs::Same } else { Inputs::New })
+    }
+
+    /// Undoes the last edit and gives its name.
+    pub fn undo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, Inputs)> {
+        step(&mut self.undo, &mut self.redo, session, inputs)
+    }
+
+    /// Does the last undone edit again and gives its name.
+    pub fn redo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, Inputs)> {
+        step(&mut self.redo, &mut self.undo, session, inputs)
+    }
+
+    /// Something was measured: no state before has the inputs that it had.
+    pub fn forget_inputs(&mut self) {
+        for step in self.undo.iter_mut().chain(&mut self.redo) {
+            step.inputs = None;
+        }
+    }
+
+    /// Name of the edit that undo would undo.
+    #[must_use]
+    pub fn next_undo(&self) -> Option<&str> {
+        self.undo.last().map(|step| step.name.as_str())
+    }
+
+    /// Name of the edit that redo would do again.
+    #[must_use]
+    pub fn next_redo(&self) -> Option<&str> {
+        self.redo.last().map(|step| step.name.as_str())
+    }
+}
+
+fn step(
+    from: &mut Vec<Phase>,
+    to: &mut Vec<Phase>,
+    session: &mut Session,
+    inputs: u64,
+) -> Option<(String, Inputs)> {
+    let left = from.pop()?;
+    to.push(Phase {
+        name: left.name.clone(),
+        state: Editable::of(session),
+        inputs: Some(inputs),
+    });
+    let same = left.state.has_inputs_of(session);
+    left.state.restore(session);
+    let inputs = match left.inputs {
+        _ if same => Inputs::Same,
+        Some(number) => Inputs::Again(number),
+        None => Inputs::New,
+    };
+    Some((left.name, inputs))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tautline_core::robot::presets;
+    use tautline_core::simulation::{SimulationOptions, simulate};
+    use tautline_session::Timestamp;
+
+    fn session() -> Session {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let simulated = simulate(&robot, &SimulationOptions::new(4, 1)).expect("simulated");
+        let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+        session.measurements = simulated.dataset.measurements;
+        session
+    }
+
+    fn effect() -> EffectSetting {
+        EffectSetting {
+            effect: "winch_scale".into(),
+            targets: vec!["cable-3".into()],
+            parameters: [("scale".into(), 0.01)].into(),
+        }
+    }
+
+    #[test]
+    fn every_edit_is_undone_and_done_again() {
+        let mut session = session();
+        let mut robot = session.robot.clone();
+        robot.cables[0].pulley.radius_m += 1e-3;
+        let planned = PlannedPose {
+            label: 9,
+            position_m: [0.1, 0.0, 0.0],
+            orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+        };
+        let phases = PhaseData {
+            winch: vec![tautline_session::WinchPair {
+                cable: 0,
+                revolutions: 1.0,
+                length_m: 0.1,
+                tension_n: None,
+            }],
+            ..PhaseData::default()
+        };
+        let edits = [
+            Edit::Rename("other".into()),
+            Edit::SetMethod(Method::Simple),
+            Edit::SetAlpha(0.05),
+            Edit::AddEffects(vec![effect()], "add winch scale".into()),
+            Edit::RemoveEffects(vec![effect()], "remove winch scale".into()),
+            Edit::Exclude(2),
+            Edit::Include(2),
+            Edit::SetPlan(vec![planned], "plan".into()),
+            Edit::SetRobot(Box::new(robot), "radius".into()),
+            Edit::SetPhases(Box::new(phases), "winch table".into()),
+            Edit::SetConnection(Box::new((Connection::default(), LaserSettings::Manual))),
+        ];
+        let mut history = History::default();
+        let mut states = vec![Editable::of(&session)];
+        for edit in edits.clone() {
+            let name = edit.name();
+            assert!(
+                history.perform(edit, &mut session, 0).is_some(),
+                "{name} changes something"
+            );
+            assert_eq!(history.next_undo(), Some(name.as_str()));
+            states.push(Editable::of(&session));
+        }
+        for before in states.iter().rev().skip(1) {
+            history.undo(&mut session, 0).expect("a step");
+            assert_eq!(Editable::of(&session), *before);
+        }
+        for after in states.iter().skip(1) {
+            history.redo(&mut session, 0).expect("a step");
+            assert_eq!(Editable::of(&session), *after);
+        }
+    }
+
+    #[test]
+    fn what_changes_nothing_is_no_step() {
+        let mut session = session();
+        let mut history = History::default();
+        assert!(
+            history.perform(Edit::Exclude(0), &mut session, 0).is_none(),
+            "the home pose stays"
+        );
+        let remove = Edit::RemoveEffects(vec![effect()], "remove winch scale".into());
+        assert!(history.perform(remove, &mut session, 0).is_none());
+        assert_eq!(history.next_undo(), None);
+    }
+
+    #[test]
+    fn undoing_brings_the_inputs_back() {
+        let mut session = session();
+        let mut history = History::default();
+        let rename = history.perform(Edit::Rename("other".into()), &mut session, 7);
+        assert_eq!(rename, Some(Inputs::Same), "a name changes no result");
+        let add = Edit::AddEffects(vec![effect()], "add winch scale".into());
+        assert_eq!(history.perform(add, &mut session, 7), Some(Inputs::New));
+        let undone = history.undo(&mut session, 8).map(|(_, inputs)| inputs);
+        assert_eq!(undone, Some(Inputs::Again(7)));
+        let redone = history.redo(&mut session, 7).map(|(_, inputs)| inputs);
+        assert_eq!(redone, Some(Inputs::Again(8)));
+        history.forget_inputs();
+        let undone = history.undo(&mut session, 9).map(|(_, inputs)| inputs);
+        assert_eq!(undone, Some(Inputs::New), "something was measured since");
+    }
+}

@@ -1,0 +1,424 @@
+//! A plot as data: what is drawn on screen and written to files, independent of theme, zoom and selection.
+
+use crate::theme::Palette;
+
+/// A colour by its role; the theme says which it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ink {
+    /// Of the cable with this index.
+    Cable(usize),
+    /// What is selected or comes next.
+    Accent,
+    /// Text.
+    Text,
+    /// What is less important.
+    Muted,
+    /// Within limits.
+    Good,
+    /// Doubtful.
+    Warning,
+}
+
+impl Ink {
+    /// The colour in a theme.
+    #[must_use]
+    pub fn colour(self, palette: &Palette) -> egui::Color32 {
+        match self {
+            Self::Cable(index) => palette.cable(index),
+            Self::Accent => palette.accent,
+            Self::Text => palette.text,
+            Self::Muted => palette.muted,
+            Self::Good => palette.good,
+            Self::Warning => palette.warning,
+        }
+    }
+}
+
+/// Shape of a point, so that colour is not the only sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// A disc.
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle on its base.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
+    /// A triangle on its tip.
+    Wedge,
+    /// Upright cross.
+    Plus,
+    /// Diagonal cross.
+    Cross,
+    /// A regular pentagon.
+    Pentagon,
+}
+
+impl Marker {
+    const ALL: [Self; 8] = [
+        Self::Circle,
+        Self::Square,
+        Self::Triangle,
+        Self::Diamond,
+        Self::Wedge,
+        Self::Plus,
+        Self::Cross,
+        Self::Pentagon,
+    ];
+
+    /// Marker of a cable by its index; from the ninth on markers repeat, numbers do not.
+    #[must_use]
+    pub fn cable(index: usize) -> Self {
+        Self::ALL[index % Self::ALL.len()]
+    }
+}
+
+/// An axis with its unit.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Axis {
+    /// What it shows.
+    pub label: String,
+    /// Unit; empty if there is none.
+    pub unit: &'static str,
+    /// Values are logarithms to base 10; ticks show the numbers themselves.
+    pub is_logarithmic: bool,
+    /// Values are whole numbers, such as poses.
+    pub is_whole: bool,
+    /// Names at places, instead of numbers.
+    pub names: Vec<(f64, String)>,
+}
+
+impl Axis {
+    /// An axis with numbers.
+    #[must_use]
+    pub fn new(label: impl Into<String>, unit: &'static str) -> Self {
+        Self {
+            label: label.into(),
+            unit,
+            ..Self::default()
+        }
+    }
+
+    /// An axis with whole numbers that have no unit.
+    #[must_use]
+    pub fn whole(label: impl Into<String>) -> Self {
+        Self {
+            is_whole: true,
+            ..Self::new(label, "")
+        }
+    }
+
+    /// Label with unit, as it stands at the axis.
+    #[must_use]
+    pub fn title(&self) -> String {
+        if self.unit.is_empty() {
+            self.label.clone()
+        } else {
+            format!("{} ({})", self.label, self.unit)
+        }
+    }
+}
+
+/// A measured point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// Value along x.
+    pub x: f64,
+    /// Value along y.
+    pub y: f64,
+    /// Standard deviations along x and y; 0 draws no bar.
+    pub sd: [f64; 2],
+    /// Label of the pose it belongs to.
+    pub pose: Option<i64>,
+    /// Shown, but not used.
+    pub excluded: bool,
+}
+
+impl Point {
+    /// A point without error bars.
+    #[must_use]
+    pub fn new(x: f64, y: f64) -> Self {
+        Self {
+            x,
+            y,
+            ..Self::default()
+        }
+    }
+}
+
+/// Points that belong together, ascending in x.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name in legend and files.
+    pub name: String,
+    /// Short name where space is scarce, such as the number of the cable.
+    pub short: String,
+    /// Cable they belong to.
+    pub cable: Option<usize>,
+    /// Colour.
+    pub ink: Ink,
+    /// Shape.
+    pub marker: Marker,
+    /// Whether points are rings, as for the second of two sets.
+    pub hollow: bool,
+    points: Vec<Point>,
+}
+
+impl Series {
+    /// Points of a kind that no cable has of its own; those that are not finite are left out.
+    #[must_use]
+    pub fn new(name: impl Into<String>, ink: Ink, marker: Marker, mut points: Vec<Point>) -> Self {
+        points.retain(|point| point.x.is_finite() && point.y.is_finite());
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let name = name.into();
+        Self {
+            short: name.clone(),
+            name,
+            cable: None,
+            ink,
+            marker,
+            hollow: false,
+            points,
+        }
+    }
+
+    /// Points of a cable, in its colour and marker, with its number.
+    #[must_use]
+    pub fn of_cable(index: usize, name: impl Into<String>, points: Vec<Point>) -> Self {
+        Self {
+            short: (index + 1).to_string(),
+            cable: Some(index),
+            ..Self::new(name, Ink::Cable(index), Marker::cable(index), points)
+        }
+    }
+
+    /// The same as rings, as the second of two sets of the same cable.
+    #[must_use]
+    pub fn as_rings(self) -> Self {
+        Self {
+            hollow: true,
+            ..self
+        }
+    }
+
+    /// The points, ascending in x.
+    #[must_use]
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+}
+
+/// A line through places.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Name in legend and files; empty for lines that need none.
+    pub name: String,
+    /// Colour.
+    pub ink: Ink,
+    /// Whether it is dashed.
+    pub dashed: bool,
+    /// Places in the order of the line; a place that is not finite interrupts it.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Columns of a histogram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    /// Name in legend and files.
+    pub name: String,
+    /// Colour.
+    pub ink: Ink,
+    /// Whether only the outline is drawn, as for the second of two histograms.
+    pub outline: bool,
+    /// Borders, one more than heights.
+    pub edges: Vec<f64>,
+    /// Height of each.
+    pub heights: Vec<f64>,
+}
+
+/// Colours of a heat map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shades {
+    /// Symmetric about 0, saturated at this value.
+    Diverging(f64),
+    /// From the least to the greatest value.
+    Rising(f64, f64),
+}
+
+/// Cells with values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heat {
+    /// Borders along x, one more than columns.
+    pub x: Vec<f64>,
+    /// Borders along y, one more than rows.
+    pub y: Vec<f64>,
+    /// Values, row after row from the first border of y.
+    pub values: Vec<f64>,
+    /// How values become colours.
+    pub shades: Shades,
+    /// What the values are, with unit.
+    pub axis: Axis,
+    /// Names of columns and rows for the label under the pointer, where they have names.
+    pub names: [Vec<String>; 2],
+    /// Cables of the rows, where rows belong to cables.
+    pub cables: Vec<Option<usize>>,
+}
+
+impl Heat {
+    /// Column, row and value of the cell at a place.
+    #[must_use]
+    pub fn cell(&self, x: f64, y: f64) -> Option<(usize, usize, f64)> {
+        let of = |edges: &[f64], value: f64| {
+            let index = edges.partition_point(|edge| *edge <= value);
+            (index > 0 && index < edges.len()).then(|| index - 1)
+        };
+        let (column, row) = (of(&self.x, x)?, of(&self.y, y)?);
+        let columns = self.x.len() - 1;
+        let value = self.values.get(row * columns + column)?;
+        Some((column, row, *value))
+    }
+}
+
+/// A band over the whole width.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    /// What it stands for.
+    pub name: String,
+    /// Lower and upper border.
+    pub y: [f64; 2],
+}
+
+/// A plot as data.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Figure {
+    /// Along x.
+    pub x: Axis,
+    /// Along y.
+    pub y: Axis,
+    /// Behind everything.
+    pub heat: Option<Heat>,
+    /// Behind the points.
+    pub bands: Vec<Band>,
+    /// Histograms.
+    pub columns: Vec<Columns>,
+    /// Points.
+    pub series: Vec<Series>,
+    /// Lines, over the points.
+    pub curves: Vec<Curve>,
+    /// Whether a line marks y = 0.
+    pub has_zero_line: bool,
+}
+
+impl Figure {
+    /// The view that shows everything: `[x, y]` with least and greatest value each, with a margin.
+    #[must_use]
+    pub fn whole(&self) -> [[f64; 2]; 2] {
+        let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let mut include = |axis: usize, value: f64| {
+            if value.is_finite() {
+                range[axis][0] = range[axis][0].min(value);
+                range[axis][1] = range[axis][1].max(value);
+            }
+        };
+        for point in self.series.iter().flat_map(Series::points) {
+            include(0, point.x - point.sd[0]);
+            include(0, point.x + point.sd[0]);
+            include(1, point.y - point.sd[1]);
+            include(1, point.y + point.sd[1]);
+        }
+        for [x, y] in self.curves.iter().flat_map(|curve| &curve.points) {
+            include(0, *x);
+            include(1, *y);
+        }
+        for columns in &self.columns {
+            columns.edges.iter().for_each(|x| include(0, *x));
+            columns.heights.iter().for_each(|y| include(1, *y));
+            include(1, 0.0);
+        }
+        for band in &self.bands {
+            band.y.iter().for_each(|y| include(1, *y));
+        }
+        if self.has_zero_line {
+            include(1, 0.0);
+        }
+        if let Some(heat) = &self.heat {
+            heat.x.iter().for_each(|x| include(0, *x));
+            heat.y.iter().for_each(|y| include(1, *y));
+            return range.map(|range| padded(range, 0.0));
+        }
+        [padded(range[0], 0.03), padded(range[1], 0.07)]
+    }
+}
+
+/// A range widened by a share of its width at both ends; never empty.
+fn padded([low, high]: [f64; 2], share: f64) -> [f64; 2] {
+    if !(low.is_finite() && high.is_finite()) {
+        return [0.0, 1.0];
+    }
+    let width = high - low;
+    if width <= f64::EPSILON * low.abs().max(high.abs()) {
+        let half = (0.05 * high.abs()).max(0.5);
+        return [low - half, high + half];
+    }
+    [low - share * width, high + share * width]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_whole_view_shows_points_bars_and_bands() {
+        let mut point = Point::new(1.0, 2.0);
+        point.sd = [0.0, 3.0];
+        let series = Series::new(
+            "a",
+            Ink::Text,
+            Marker::Circle,
+            vec![point, Point::new(5.0, 0.0)],
+        );
+        let figure = Figure {
+            series: vec![series],
+            bands: vec![Band {
+                name: String::new(),
+                y: [-9.0, 9.0],
+            }],
+            ..Figure::default()
+        };
+        let [x, y] = figure.whole();
+        assert!(x[0] < 1.0 && x[1] > 5.0 && x[1] < 5.5);
+        assert!(y[0] < -9.0 && y[1] > 9.0 && y[1] < 11.0);
+        assert_eq!(Figure::default().whole(), [[0.0, 1.0]; 2]);
+    }
+
+    #[test]
+    fn points_are_sorted_and_finite() {
+        let points = vec![
+            Point::new(2.0, 0.0),
+            Point::new(f64::NAN, 0.0),
+            Point::new(1.0, 0.0),
+        ];
+        let series = Series::of_cable(8, "cable-9", points);
+        let x: Vec<f64> = series.points().iter().map(|p| p.x).collect();
+        assert_eq!(x, [1.0, 2.0]);
+        assert_eq!(series.short, "9");
+        assert_eq!(series.marker, Marker::Circle, "markers repeat after eight");
+    }
+
+    #[test]
+    fn cells_are_found_by_place() {
+        let heat = Heat {
+            x: vec![0.0, 1.0, 2.0],
+            y: vec![0.0, 1.0],
+            values: vec![5.0, 7.0],
+            shades: Shades::Diverging(1.0),
+            axis: Axis::default(),
+            names: Default::default(),
+            cables: Vec::new(),
+        };
+        assert_eq!(heat.cell(1.5, 0.5), Some((1, 0, 7.0)));
+        assert_eq!(heat.cell(2.0, 0.5), None);
+        assert_eq!(heat.cell(0.5, -0.1), None);
+    }
+}

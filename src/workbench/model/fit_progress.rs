@@ -1,0 +1,77 @@
+//! A running identification: how its residuals shrink.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use tautline_core::measurement::Dataset;
+
+/// Residuals after each step, shared with the task.
+#[derive(Debug, Clone, Default)]
+pub struct FitProgress(Arc<Mutex<Course>>);
+
+#[derive(Debug, Default)]
+struct Course {
+    readings: usize,
+    missed: Vec<f64>,
+    stopped: bool,
+}
+
+impl FitProgress {
+    /// The data that are fitted.
+    pub fn begin(&self, dataset: &Dataset) {
+        self.course(|course| course.readings = readings(dataset));
+    }
+
+    /// Takes the chi-square of a step; gives the root mean square of the residuals over their noise, as if every
+    /// reading were redundant.
+    pub fn step(&self, chi2: f64) -> f64 {
+        self.course(|course| {
+            let missed = (chi2 / course.readings.max(1) as f64).sqrt();
+            course.missed.push(missed);
+            missed
+        })
+    }
+
+    /// Root mean square of the residuals over their noise after each step.
+    pub fn missed(&self) -> Vec<f64> {
+        self.course(|course| course.missed.clone())
+    }
+
+    /// The operator does not want the result any more, even if it is there by now.
+    pub fn stop(&self) {
+        self.course(|course| course.stopped = true);
+    }
+
+    /// Whether the operator stopped it.
+    pub fn is_stopped(&self) -> bool {
+        self.course(|course| course.stopped)
+    }
+
+    fn course<T>(&self, of: impl FnOnce(&mut Course) -> T) -> T {
+        of(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// How well the model fitted before a change.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Before {
+    /// The change.
+    pub what: String,
+    /// By how many times their noise the readings were missed.
+    pub missed: Option<f64>,
+    /// Chi-square.
+    pub chi2: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: f64,
+}
+
+/// Number of lengths, distances and angles that were read.
+fn readings(dataset: &Dataset) -> usize {
+    let data = &dataset.measurements;
+    let grids = [&data.revolutions, &data.length_m, &data.swivel_rad];
+    let in_grids = grids.into_iter().map(|grid| {
+        let rows = (0..grid.rows()).flat_map(|row| grid.row(row));
+        rows.filter(|v| v.is_finite()).count()
+    });
+    let lasers = data.laser_m.iter().filter(|v| v.is_finite()).count();
+    in_grids.sum::<usize>() + lasers
+}

@@ -1,0 +1,201 @@
+//! A connection to a controller, and how a lost one is made anew.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use tautline_link::adjusting::{Adjustment, Holds, settle_adjustment};
+use tautline_link::laser::ManualLaser;
+use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
+use tautline_link::reconnecting::{Attempts, BackOff, Reconnect, ReconnectPolicy, Reconnected};
+use tautline_link::{Activity, Controller, ControllerState, Instrument, LinkError, Station};
+
+use super::message::{Doing, Lost, MeasuringRequest};
+use super::pose_tracker::PoseTracker;
+use super::work::Measuring;
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::controllers::{FastClock, Opened, Rig};
+
+/// Attempts to make a connection anew that broke while values were written, before that goes on in the background.
+const ATTEMPTS: u32 = 6;
+/// Time after which nothing arrives any more that was sent over a lost connection (s).
+const LATE_S: f64 = 1.0;
+/// Between two samples that keep a real controller's release while nothing goes on; its program waits longer.
+const ARMED: Duration = Duration::from_millis(100);
+/// Between two samples by which a lost connection is noticed.
+const DISARMED: Duration = Duration::from_millis(500);
+
+/// A controller with what belongs to its connection.
+pub(super) struct Connection {
+    pub controller: Station<Box<dyn Controller>>,
+    /// The laser to which the operator answers.
+    pub asked: Option<ManualLaser>,
+    pub instrument: Option<Box<dyn Instrument>>,
+    pub clock: FastClock,
+    pub rig: Box<Rig>,
+    pub whereabouts: Option<PoseTracker>,
+    pub unsettled: Option<Unsettled>,
+    lost: Option<Anew>,
+}
+
+/// Values that were being written when the connection was lost.
+pub(super) struct Unsettled {
+    pub old: Vec<(String, f64)>,
+    pub new: Vec<(String, f64)>,
+    pub purpose: Purpose,
+}
+
+/// A lost connection that is made anew.
+struct Anew {
+    since: Instant,
+    attempts: Reconnect,
+    told: Lost,
+}
+
+impl Connection {
+    pub fn new(opened: Opened, rig: Box<Rig>) -> Self {
+        Self {
+            controller: opened.controller,
+            asked: opened.asked,
+            instrument: opened.instrument,
+            clock: opened.clock,
+            whereabouts: PoseTracker::of(rig.robot()),
+            rig,
+            unsettled: None,
+            lost: None,
+        }
+    }
+
+    /// Time until the next sample of a real controller while nothing else goes on, or until the next attempt.
+    pub fn pause(&self) -> Option<Duration> {
+        if !self.rig.reconnects() {
+            return None;
+        }
+        let armed = self.controller.state().armed;
+        Some(if armed { ARMED } else { DISARMED })
+    }
+
+    /// The connection that is made anew.
+    pub fn lost(&self) -> Option<&Lost> {
+        self.lost.as_ref().map(|lost| &lost.told)
+    }
+
+    /// What the controller does; `None` of a lost connection.
+    pub fn state(&self) -> Option<ControllerState> {
+        let there = self.lost.is_none();
+        there.then(|| self.controller.state())
+    }
+
+    /// Whether the controller is silent, and nobody has noticed yet.
+    pub fn is_newly_lost(&self) -> bool {
+        self.lost.is_none() && self.controller.state().activity == Activity::Disconnected
+    }
+
+    /// The connection is lost; attempts begin at once.
+    pub fn lose(&mut self, why: String) {
+        let since = Instant::now();
+        self.lost = Some(Anew {
+            since,
+            attempts: Reconnect::new(BackOff::default()),
+            told: Lost { why, due: since },
+        });
+    }
+
+    /// Tries again without waiting.
+    pub fn try_now(&mut self) {
+        if let Some(lost) = &mut self.lost {
+            lost.attempts = Reconnect::new(BackOff::default());
+        }
+    }
+
+    /// Tries again if that is due; whether the controller is there again.
+    pub fn try_again(&mut self) -> bool {
+        let Some(lost) = &mut self.lost else {
+            return false;
+        };
+        let now_s = lost.since.elapsed().as_secs_f64();
+        match lost.attempts.tick(&mut self.controller, now_s) {
+            Reconnected::Connected => {
+                self.lost = None;
+                return true;
+            }
+            Reconnected::Waiting(_) => {}
+            Reconnected::Failed(error, due_s) => {
+                lost.told = Lost {
+                    why: error.to_string(),
+                    due: lost.since + Duration::from_secs_f64(due_s),
+                };
+            }
+        }
+        false
+    }
+
+    /// Settles what the controller holds where the connection was lost amid writing; `None` if there is nothing to settle.
+    pub fn settle(&mut self) -> Option<(Unsettled, Adjustment)> {
+        let unsettled = self.unsettled.take()?;
+        match settle_adjustment(&mut self.controller, &unsettled.old, &unsettled.new) {
+            Ok(adjustment) => {
+                if !matches!(adjustment.holds, Holds::New | Holds::Old) {
+                    self.unsettled = Some(Unsettled {
+                        old: unsettled.old.clone(),
+                        new: unsettled.new.clone(),
+                        ..unsettled
+                    });
+                }
+                Some((unsettled, adjustment))
+            }
+            Err(_) => {
+                self.unsettled = Some(unsettled);
+                None
+            }
+        }
+    }
+
+    /// A measuring run of this robot.
+    pub fn measuring(&self, order: MeasuringRequest) -> Measuring {
+        let rig = &self.rig;
+        let mut options = MeasuringOptions::of(rig.robot());
+        options.tension = rig.tension();
+        options.waits_for_connection = rig.reconnects();
+        let poses: HashMap<i64, _> = order.plan.iter().copied().collect();
+        let run = MeasuringRun::new(order.plan, rig.robot(), options)
+            .predicting(predict_by(&order.model, rig.tension()))
+            .asking(self.asked.clone())
+            .continuing(&order.measured);
+        let per_revolution = rig.robot().cables.iter();
+        Measuring {
+            remaining: run.remaining(),
+            run,
+            poses,
+            predictor: predict_by(&order.model, rig.tension()),
+            per_revolution_m: per_revolution
+                .map(|cable| cable.winch.cable_per_revolution_m())
+                .collect(),
+            doing: Doing::Moving,
+        }
+    }
+}
+
+/// Makes a connection anew that broke while values are written.
+pub(super) struct BringBack<W> {
+    /// Lets so many seconds pass, and tells.
+    pub wait: W,
+    /// Whether that was necessary.
+    pub was_lost: bool,
+}
+
+impl<W: FnMut(f64)> ReconnectPolicy for BringBack<W> {
+    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+        self.was_lost = true;
+        let mut attempts = Attempts {
+            back_off: BackOff::default(),
+            attempts: ATTEMPTS,
+            late_s: LATE_S,
+            wait: &mut self.wait,
+        };
+        attempts.bring_back(controller)
+    }
+
+    fn pause(&mut self) {
+        (self.wait)(LATE_S);
+    }
+}

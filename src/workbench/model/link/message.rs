@@ -1,0 +1,191 @@
+//! What is said between the window and the thread that owns the controller.
+
+use std::time::Instant;
+
+use tautline_core::geometry::Pose;
+use tautline_core::robot::Robot;
+use tautline_link::adjusting::Adjustment;
+use tautline_link::measuring::{Accepted, Rates, Warning};
+use tautline_link::verifying::CheckTarget;
+use tautline_link::{ControllerState, ParameterInfo, Sample};
+use tautline_session::{CheckPose, CheckRow, Stage};
+
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::controllers::Rig;
+
+/// What the thread is to do.
+pub(super) enum DriverCommand {
+    /// Connects, for the document of this identity.
+    Connect(Box<Rig>, u64),
+    Disconnect,
+    Arm,
+    Disarm,
+    /// Whether readings are wanted while nothing else goes on.
+    Watch(bool),
+    /// Speed of a simulated robot's time.
+    Speed(f64),
+    Measure(Box<MeasuringRequest>),
+    Pause,
+    Resume,
+    Skip,
+    Repeat(i64),
+    /// Ends whatever is going on and stops the platform.
+    Abort,
+    /// The pose of this label is stored.
+    Stored(i64),
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    LaserDistance(i64, Option<f64>),
+    Verify(Vec<CheckTarget>, Stage),
+    /// The pose at the target of this number as the operator reads it.
+    TypedPose(usize, CheckPose),
+    /// Tries at once to make a lost connection anew.
+    TryNow,
+    Parameters,
+    Write(Vec<(String, f64)>, Purpose),
+}
+
+/// A measuring run.
+pub(super) struct MeasuringRequest {
+    pub plan: Vec<(i64, Pose)>,
+    /// Labels of the plan that are measured already.
+    pub measured: Vec<i64>,
+    /// What readings are compared with.
+    pub model: Robot,
+}
+
+/// How far a new pose is from what was expected of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surprise {
+    /// Label in the run.
+    pub label: i64,
+    /// Measured less predicted length of each cable (m).
+    pub lengths_m: Vec<f64>,
+    /// Measured less predicted laser distance (m).
+    pub laser_m: Option<f64>,
+}
+
+/// What the thread has to tell.
+#[derive(Debug)]
+pub enum DriverEvent {
+    /// There is a connection.
+    Connected {
+        /// Name of the controller.
+        identity: String,
+        /// What it holds.
+        parameters: Vec<ParameterInfo>,
+        /// What it is made of.
+        rig: Box<Rig>,
+        /// Identity of the document that it is for.
+        session_id: u64,
+    },
+    /// The connection has ended; why, if not by order.
+    Disconnected(Option<String>),
+    /// The connection is lost and is made anew; why.
+    Lost(String),
+    /// A lost connection is there again, not armed; what the controller holds now.
+    Regained(Vec<ParameterInfo>),
+    /// The controller is going to a pose.
+    Commanded(i64),
+    /// A pose is measured and waits to be stored.
+    Measured(Box<Accepted>, Option<Surprise>),
+    /// Something does not look right.
+    Warning(Warning),
+    /// A pose was left out.
+    Skipped(i64),
+    /// The run waits; why.
+    Paused(String),
+    /// The run goes on.
+    Resumed,
+    /// The run has ended: nothing is left, or why it ended early.
+    RunEnded(Result<(), String>),
+    /// A verification has ended, with its rows or why there are none.
+    Verified(Stage, Result<Vec<CheckRow>, String>),
+    /// What the controller holds now.
+    Parameters(Vec<ParameterInfo>),
+    /// An attempt to write, and what the controller holds now.
+    Written {
+        /// What was to be written.
+        values: Vec<(String, f64)>,
+        /// Why.
+        purpose: Purpose,
+        /// What came of it, or why nothing was written.
+        result: Result<Box<Adjustment>, String>,
+        /// What the controller holds now, if it tells.
+        holds: Option<Vec<ParameterInfo>>,
+    },
+    /// Something that was asked for was not done; why.
+    Refused(String),
+}
+
+/// What a run does at this moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Doing {
+    /// No run.
+    #[default]
+    Nothing,
+    /// On the way.
+    Moving,
+    /// Waiting for the platform to stand still.
+    Settling {
+        /// How fast readings change, where enough samples tell it.
+        rates: Option<Rates>,
+        /// How fast they may.
+        limits: Rates,
+        /// At least this much time is left (s).
+        remaining_s: f64,
+    },
+    /// Waiting for the laser distance that the operator types.
+    Asking {
+        /// Label of the pose.
+        label: i64,
+        /// What is expected there (m), where that can be said.
+        expected_m: Option<f64>,
+    },
+    /// Taking samples.
+    Sampling {
+        /// Taken so far.
+        taken: usize,
+        /// Wanted.
+        of: usize,
+    },
+    /// Verifying.
+    Verifying {
+        /// Targets commanded so far.
+        done: usize,
+        /// Targets in all.
+        of: usize,
+    },
+    /// Waiting for the pose that the operator reads and types at a target.
+    Locating {
+        /// Number of the target, from 1.
+        number: usize,
+        /// Targets in all.
+        of: usize,
+    },
+}
+
+/// A connection that is lost, while it is made anew.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lost {
+    /// Why.
+    pub why: String,
+    /// When the next attempt is made.
+    pub due: Instant,
+}
+
+/// What the controller and its run do at this moment.
+#[derive(Debug, Clone, Default)]
+pub struct Live {
+    /// State of the controller; `None` without a connection.
+    pub state: Option<ControllerState>,
+    /// The connection that is made anew.
+    pub lost: Option<Lost>,
+    /// The last readings.
+    pub sample: Option<Sample>,
+    /// Where the platform is by these readings.
+    pub pose: Option<Pose>,
+    /// What the run does.
+    pub doing: Doing,
+    /// Poses that are still to be measured.
+    pub remaining: usize,
+}

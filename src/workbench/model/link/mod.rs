@@ -1,0 +1,330 @@
+//! The controller as the window sees it: a thread owns it, orders go there, reports come back.
+//!
+//! The thread sleeps unless something goes on, and wakes the window at most 20 times a second.
+
+mod connection;
+mod message;
+mod pose_tracker;
+mod publisher;
+mod run;
+mod work;
+mod worker;
+
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+
+use tautline_core::geometry::Pose;
+use tautline_core::robot::Robot;
+use tautline_link::ParameterInfo;
+use tautline_link::verifying::CheckTarget;
+use tautline_session::{CheckPose, Stage};
+
+use self::message::{DriverCommand, MeasuringRequest};
+use self::publisher::StatusPublisher;
+use self::worker::serve;
+use tautline_workflow::controllers::Rig;
+
+pub use self::message::{Doing, DriverEvent, Live, Lost, Surprise};
+pub use self::run::{Pending, RunLog};
+use tautline_workflow::adjusting::Purpose;
+
+/// The connection as the window knows it.
+#[derive(Debug, Clone)]
+pub struct Connected {
+    /// Identity of the document that it belongs to.
+    pub session_id: u64,
+    /// What it is made of.
+    pub rig: Box<Rig>,
+}
+
+/// The way to the controller.
+pub struct Link {
+    context: egui::Context,
+    orders: Option<Sender<DriverCommand>>,
+    reports: Option<Receiver<DriverEvent>>,
+    live: Arc<Mutex<Live>>,
+    thread: Option<JoinHandle<()>>,
+    speed: f64,
+    /// The connection.
+    pub connected: Option<Connected>,
+    /// Name of the controller.
+    pub identity: String,
+    /// What the controller holds.
+    pub parameters: Vec<ParameterInfo>,
+    /// Counts the changes of what the controller holds.
+    pub parameters_version: u64,
+    /// The measuring run, also after its end.
+    pub run: Option<RunLog>,
+    /// The pose that waits to be stored.
+    pub pending: Option<Pending>,
+    /// The verification that goes on.
+    pub verifying: Option<Stage>,
+    /// Where the last verification drives to.
+    pub targets: Vec<CheckTarget>,
+    /// Whether an answer to an order to connect is waited for.
+    pub connecting: bool,
+    /// Whether values are being written.
+    pub writing: bool,
+    /// Whether readings are wanted while nothing goes on.
+    pub watches: bool,
+}
+
+impl Link {
+    /// No connection; time of simulated robots runs `speed` times faster than real.
+    #[must_use]
+    pub fn new(context: egui::Context, speed: f64) -> Self {
+        Self {
+            context,
+            orders: None,
+            reports: None,
+            live: Arc::default(),
+            thread: None,
+            speed: if speed.is_finite() && speed > 0.0 {
+                speed
+            } else {
+                1.0
+            },
+            connected: None,
+            identity: String::new(),
+            parameters: Vec::new(),
+            parameters_version: 0,
+            run: None,
+            pending: None,
+            verifying: None,
+            targets: Vec::new(),
+            connecting: false,
+            writing: false,
+            watches: false,
+        }
+    }
+
+    /// Reports that arrived since the last call.
+    pub fn reports(&self) -> Vec<DriverEvent> {
+        let reports = self.reports.iter().flat_map(Receiver::try_iter);
+        reports.collect()
+    }
+
+    /// What the controller does at this moment.
+    #[must_use]
+    pub fn live(&self) -> Live {
+        self.live
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Whether there is a connection.
+    #[must_use]
+    pub fn is_connected(&self) -> bool {
+        self.with_live(|live| live.state.is_some())
+    }
+
+    /// Whether the controller may move and change values.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        self.with_live(|live| live.state.as_ref().is_some_and(|state| state.armed))
+    }
+
+    /// Whether a measuring run goes on, paused or not.
+    #[must_use]
+    pub fn is_measuring(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| !run.has_ended())
+    }
+
+    /// Whether anything goes on that needs the controller.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.is_measuring() || self.verifying.is_some() || self.writing
+    }
+
+    fn with_live<T>(&self, of: impl FnOnce(&Live) -> T) -> T {
+        of(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Whether the connection is lost and made anew, and how that goes on.
+    #[must_use]
+    pub fn lost(&self) -> Option<Lost> {
+        self.with_live(|live| live.lost.clone())
+    }
+
+    /// How many times faster than real a simulated robot's time runs; 1 of a real robot.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        let connected = self.connected.as_ref();
+        match connected.is_some_and(|connected| connected.rig.runs_in_real_time()) {
+            true => 1.0,
+            false => self.speed,
+        }
+    }
+
+    /// Changes that.
+    pub fn set_speed(&mut self, speed: f64) {
+        self.speed = speed;
+        self.tell(DriverCommand::Speed(speed));
+    }
+
+    /// Connects to what `rig` describes, for the document of this identity.
+    pub fn connect(&mut self, rig: Rig, session_id: u64) {
+        self.start();
+        self.connecting = true;
+        self.tell(DriverCommand::Connect(Box::new(rig), session_id));
+        self.tell(DriverCommand::Watch(self.watches));
+    }
+
+    /// Ends the connection; a run ends with it.
+    pub fn disconnect(&mut self) {
+        self.tell(DriverCommand::Disconnect);
+    }
+
+    /// Forgets the connection once it has ended.
+    pub fn forget(&mut self) {
+        self.connected = None;
+        self.parameters.clear();
+        self.parameters_version += 1;
+        self.verifying = None;
+        self.writing = false;
+    }
+
+    /// Takes what the controller holds.
+    pub fn take_parameters(&mut self, parameters: Vec<ParameterInfo>) {
+        self.parameters = parameters;
+        self.parameters_version += 1;
+    }
+
+    /// Allows or forbids motion and writing.
+    pub fn arm(&mut self, armed: bool) {
+        self.tell(if armed {
+            DriverCommand::Arm
+        } else {
+            DriverCommand::Disarm
+        });
+    }
+
+    /// Whether readings are wanted while nothing goes on.
+    pub fn watch(&mut self, watches: bool) {
+        self.watches = watches;
+        self.tell(DriverCommand::Watch(watches));
+    }
+
+    /// Measures the poses of a plan that are not measured yet; readings are compared with `model`.
+    pub fn measure(&mut self, plan: Vec<(i64, Pose)>, measured: Vec<i64>, model: Robot) {
+        let labels = plan.iter().map(|(label, _)| *label);
+        let to_measure = labels.filter(|label| !measured.contains(label));
+        // What was seen in a run before is still to be looked at.
+        let before = self.run.take();
+        let mut run = RunLog::new(to_measure);
+        run.warnings = before.map_or_else(Vec::new, |run| run.warnings);
+        self.run = Some(run);
+        self.tell(DriverCommand::Measure(Box::new(MeasuringRequest {
+            plan,
+            measured,
+            model,
+        })));
+    }
+
+    /// The run waits.
+    pub fn pause(&mut self) {
+        self.tell(DriverCommand::Pause);
+    }
+
+    /// The run goes on.
+    pub fn resume(&mut self) {
+        self.tell(DriverCommand::Resume);
+    }
+
+    /// The run leaves out the pose under way.
+    pub fn skip(&mut self) {
+        self.tell(DriverCommand::Skip);
+    }
+
+    /// The run measures a pose again, next.
+    pub fn repeat(&mut self, label: i64) {
+        if let Some(run) = &mut self.run {
+            run.again(label);
+        }
+        self.tell(DriverCommand::Repeat(label));
+    }
+
+    /// Ends whatever is going on and stops the platform.
+    pub fn abort(&mut self) {
+        self.tell(DriverCommand::Abort);
+    }
+
+    /// The pose of this label of the run is stored.
+    pub fn stored(&mut self, label: i64) {
+        self.tell(DriverCommand::Stored(label));
+    }
+
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    pub fn laser_distance(&mut self, label: i64, distance_m: Option<f64>) {
+        self.tell(DriverCommand::LaserDistance(label, distance_m));
+    }
+
+    /// Verifies.
+    pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
+        self.verifying = Some(stage);
+        self.targets.clone_from(&targets);
+        self.tell(DriverCommand::Verify(targets, stage));
+    }
+
+    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
+    pub fn typed_pose(&mut self, number: usize, pose: CheckPose) {
+        self.tell(DriverCommand::TypedPose(number, pose));
+    }
+
+    /// Tries at once to make a lost connection anew.
+    pub fn try_now(&mut self) {
+        self.tell(DriverCommand::TryNow);
+    }
+
+    /// Asks what the controller holds.
+    pub fn read_back(&mut self) {
+        self.tell(DriverCommand::Parameters);
+    }
+
+    /// Writes values.
+    pub fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {
+        self.writing = true;
+        self.tell(DriverCommand::Write(values, purpose));
+    }
+
+    /// Starts the thread at the first connection.
+    fn start(&mut self) {
+        if self.orders.is_some() {
+            return;
+        }
+        let (orders, receive) = mpsc::channel();
+        let (reports, arrived) = mpsc::channel();
+        let teller = StatusPublisher {
+            reports,
+            live: Arc::clone(&self.live),
+            context: self.context.clone(),
+            woken: None,
+        };
+        let speed = self.speed;
+        self.thread = thread::Builder::new()
+            .name("controller".into())
+            .spawn(move || serve(&receive, teller, speed))
+            .ok();
+        self.orders = Some(orders);
+        self.reports = Some(arrived);
+    }
+
+    fn tell(&self, order: DriverCommand) {
+        if let Some(orders) = &self.orders {
+            // The thread ends with the program only.
+            let _ = orders.send(order);
+        }
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        self.orders = None;
+        if let Some(thread) = self.thread.take() {
+            // A thread that broke down has nothing to stop any more.
+            let _ = thread.join();
+        }
+    }
+}

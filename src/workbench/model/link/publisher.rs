@@ -1,0 +1,52 @@
+//! What the controller's thread tells the window.
+
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::message::{DriverEvent, Live};
+
+/// Between two pictures of the window.
+pub(super) const PICTURE: Duration = Duration::from_millis(50);
+
+/// Tells the window; wakes it no more often than it can show.
+pub(super) struct StatusPublisher {
+    pub reports: Sender<DriverEvent>,
+    pub live: Arc<Mutex<Live>>,
+    pub context: egui::Context,
+    pub woken: Option<Instant>,
+}
+
+impl StatusPublisher {
+    pub fn report(&mut self, report: DriverEvent) {
+        // Nobody listens any more when the program ends.
+        let _ = self.reports.send(report);
+        self.wake();
+    }
+
+    pub fn wake(&mut self) {
+        let since = self.woken.map_or(PICTURE, |woken| woken.elapsed());
+        if since >= PICTURE {
+            self.woken = Some(Instant::now());
+            self.context.request_repaint();
+        } else {
+            self.context.request_repaint_after(PICTURE - since);
+        }
+    }
+
+    /// Puts what is going on where the window finds it.
+    pub fn put(&mut self, live: Live) {
+        *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
+        self.wake();
+    }
+
+    /// Whether what the window finds is so.
+    pub fn shows(&self, is_so: impl FnOnce(&Live) -> bool) -> bool {
+        is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Whether a picture is due.
+    pub fn is_due(&self) -> bool {
+        self.woken.is_none_or(|woken| woken.elapsed() >= PICTURE)
+    }
+}

@@ -1,0 +1,224 @@
+//! What the controller is busy with.
+
+use std::collections::HashMap;
+
+use tautline_core::geometry::Pose;
+use tautline_link::Instrument;
+use tautline_link::measuring::{Accepted, MeasuringEvent, MeasuringRun, Predictor, Stage as Phase};
+use tautline_link::verifying::{
+    CheckTarget, TypedInstrument, VerifyingEvent, VerifyingOptions, VerifyingRun,
+};
+use tautline_link::{Activity, Controller};
+use tautline_session::{CheckRow, Stage};
+
+use super::message::{Doing, DriverEvent, Surprise};
+
+/// What goes on.
+pub(super) enum Work {
+    None,
+    Measuring(Box<Measuring>),
+    Verifying(Box<Verifying>),
+}
+
+impl Work {
+    /// Whether it goes on by itself.
+    pub fn needs_ticks(&self) -> bool {
+        match self {
+            Self::None => false,
+            Self::Measuring(m) => m.needs_ticks(),
+            Self::Verifying(_) => true,
+        }
+    }
+
+    pub fn has_ended(&self) -> bool {
+        match self {
+            Self::None => false,
+            Self::Measuring(m) => m.run.stage() == Phase::Ended,
+            Self::Verifying(v) => v.run.has_ended(),
+        }
+    }
+
+    /// Ends it and says why.
+    pub fn abort(&mut self, why: &str) -> Option<DriverEvent> {
+        match std::mem::replace(self, Self::None) {
+            Self::None => None,
+            Self::Measuring(_) => Some(DriverEvent::RunEnded(Err(why.to_owned()))),
+            Self::Verifying(v) => Some(DriverEvent::Verified(v.stage, Err(why.to_owned()))),
+        }
+    }
+
+    /// Does something with the measuring run, if there is one.
+    pub fn measuring(&mut self, change: impl FnOnce(&mut Measuring)) {
+        if let Self::Measuring(measuring) = self {
+            change(measuring);
+        }
+    }
+
+    pub fn doing(&self) -> Doing {
+        match self {
+            Self::None => Doing::Nothing,
+            Self::Measuring(m) => m.doing,
+            Self::Verifying(v) => v.doing,
+        }
+    }
+
+    pub fn remaining(&self) -> usize {
+        match self {
+            Self::Measuring(m) => m.remaining,
+            Self::None | Self::Verifying(_) => 0,
+        }
+    }
+}
+
+/// A measuring run, with what new poses are compared with.
+pub(super) struct Measuring {
+    pub run: MeasuringRun,
+    /// Where its poses are.
+    pub poses: HashMap<i64, Pose>,
+    pub predictor: Predictor,
+    pub per_revolution_m: Vec<f64>,
+    pub doing: Doing,
+    pub remaining: usize,
+}
+
+impl Measuring {
+    /// Whether it goes on by itself.
+    pub fn needs_ticks(&self) -> bool {
+        !self.run.is_paused() && self.run.stage() != Phase::Storing
+    }
+
+    pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Vec<DriverEvent> {
+        let events = self.run.tick(controller, now_s);
+        let reports = events.into_iter().filter_map(|event| self.report(event));
+        let reports = reports.collect();
+        self.remaining = self.run.remaining();
+        reports
+    }
+
+    fn report(&mut self, event: MeasuringEvent) -> Option<DriverEvent> {
+        Some(match event {
+            MeasuringEvent::Commanded { label } => {
+                self.doing = Doing::Moving;
+                DriverEvent::Commanded(label)
+            }
+            MeasuringEvent::Settling {
+                rates,
+                limits,
+                remaining_s,
+            } => {
+                self.doing = Doing::Settling {
+                    rates,
+                    limits,
+                    remaining_s,
+                };
+                return None;
+            }
+            MeasuringEvent::Sampling { taken, of } => {
+                self.doing = Doing::Sampling { taken, of };
+                return None;
+            }
+            MeasuringEvent::LaserWanted { label } => {
+                let pose = self.poses.get(&label);
+                let expected = pose.and_then(|pose| (self.predictor)(pose));
+                let expected_m = expected.and_then(|expected| expected.laser_m);
+                self.doing = Doing::Asking { label, expected_m };
+                return None;
+            }
+            MeasuringEvent::Measured(accepted) => {
+                let surprise = self.surprise(&accepted);
+                DriverEvent::Measured(accepted, surprise)
+            }
+            MeasuringEvent::Warning(warning) => DriverEvent::Warning(warning),
+            MeasuringEvent::Skipped { label } => DriverEvent::Skipped(label),
+            MeasuringEvent::Paused { reason } => DriverEvent::Paused(reason),
+            MeasuringEvent::Finished => DriverEvent::RunEnded(Ok(())),
+            MeasuringEvent::Failed(text) => DriverEvent::RunEnded(Err(text)),
+        })
+    }
+
+    fn surprise(&self, accepted: &Accepted) -> Option<Surprise> {
+        let expected = (self.predictor)(&accepted.commanded)?;
+        let pairs = accepted.revolutions.iter().zip(&expected.revolutions);
+        let lengths_m = pairs
+            .zip(&self.per_revolution_m)
+            .map(|((measured, predicted), per)| (measured - predicted) * per)
+            .collect();
+        let laser_m = expected.laser_m.map(|laser_m| accepted.laser_m - laser_m);
+        Some(Surprise {
+            label: accepted.label,
+            lengths_m,
+            laser_m: laser_m.filter(|off_m| off_m.is_finite()),
+        })
+    }
+}
+
+/// A verification run; the platform goes home first.
+pub(super) struct Verifying {
+    pub run: VerifyingRun,
+    pub stage: Stage,
+    rows: Vec<CheckRow>,
+    doing: Doing,
+    /// Where the operator types the poses.
+    pub typed: Option<TypedInstrument>,
+    is_home: bool,
+}
+
+impl Verifying {
+    /// A run over targets; without an instrument the operator types the poses.
+    pub fn new(targets: Vec<CheckTarget>, stage: Stage, has_instrument: bool) -> Self {
+        let (options, typed) = match has_instrument {
+            true => (VerifyingOptions::default(), None),
+            false => (VerifyingOptions::typed(), Some(TypedInstrument::default())),
+        };
+        Self {
+            run: VerifyingRun::new(targets, options).asking(typed.clone()),
+            stage,
+            typed,
+            rows: Vec::new(),
+            doing: Doing::Moving,
+            is_home: false,
+        }
+    }
+
+    pub fn tick(
+        &mut self,
+        controller: &mut dyn Controller,
+        instrument: Option<&mut (dyn Instrument + 'static)>,
+    ) -> Vec<DriverEvent> {
+        if !self.is_home && controller.state().activity == Activity::Moving {
+            // Only a sample tells that it has arrived; what is wrong with it shows in the state.
+            let _ = controller.sample();
+            return Vec::new();
+        }
+        self.is_home = true;
+        let event = match (&mut self.typed, instrument) {
+            (Some(typed), _) => self.run.tick(controller, typed),
+            (None, Some(instrument)) => self.run.tick(controller, instrument),
+            (None, None) => None,
+        };
+        match event {
+            None => Vec::new(),
+            Some(VerifyingEvent::Wanted { number }) => {
+                if let Doing::Verifying { of, .. } = self.doing {
+                    self.doing = Doing::Locating { number, of };
+                }
+                Vec::new()
+            }
+            Some(VerifyingEvent::Commanded { done, of }) => {
+                self.doing = Doing::Verifying { done, of };
+                Vec::new()
+            }
+            Some(VerifyingEvent::Attained(row)) => {
+                self.rows.push(row);
+                Vec::new()
+            }
+            Some(VerifyingEvent::Finished) => {
+                let rows = std::mem::take(&mut self.rows);
+                vec![DriverEvent::Verified(self.stage, Ok(rows))]
+            }
+            Some(VerifyingEvent::Failed(text)) => {
+                vec![DriverEvent::Verified(self.stage, Err(text))]
+            }
+        }
+    }
+}

@@ -1,0 +1,463 @@
+//! The thread that owns the controller.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use tautline_link::adjusting::{
+    Adjustment, Holds, write_adjustment, write_adjustment_reconnecting,
+};
+use tautline_link::measuring::LOST;
+use tautline_link::verifying::CheckTarget;
+use tautline_link::{Activity, Clock, Controller, LinkError};
+use tautline_session::Stage;
+
+use super::connection::{BringBack, Connection, Unsettled};
+use super::message::{DriverCommand, DriverEvent, Live, Lost};
+use super::publisher::{PICTURE, StatusPublisher};
+use super::work::{Verifying, Work};
+use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::controllers::{Kind, OpenError, Rig};
+
+/// Between two samples at the speed of real time.
+const TICK: Duration = Duration::from_millis(20);
+/// Shortest time between two samples of a simulated robot whose time runs faster.
+const SHORTEST_TICK: Duration = Duration::from_millis(1);
+/// Longest step of a simulated robot's time while something goes on (s).
+const LONGEST_STEP_S: f64 = 0.2;
+/// Between two pictures of the time that is left until a lost connection is tried again.
+const COUNTDOWN: Duration = Duration::from_millis(250);
+/// Why something ends if nothing is wrong.
+const BY_OPERATOR: &str = "it was stopped by the operator";
+
+struct Worker {
+    tell: StatusPublisher,
+    connection: Option<Connection>,
+    work: Work,
+    watches: bool,
+    speed: f64,
+}
+
+/// Serves orders until nobody gives any more; then the platform is stopped.
+pub(super) fn serve(orders: &Receiver<DriverCommand>, tell: StatusPublisher, speed: f64) {
+    let mut worker = Worker {
+        tell,
+        connection: None,
+        work: Work::None,
+        watches: false,
+        speed,
+    };
+    let mut was_busy = false;
+    loop {
+        let pause = worker.pause();
+        if was_busy && pause.is_none() {
+            worker.show(true);
+        }
+        was_busy = pause.is_some();
+        let order = match pause {
+            Some(pause) => match orders.recv_timeout(pause) {
+                Ok(order) => Some(order),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => break,
+            },
+            None => match orders.recv() {
+                Ok(order) => Some(order),
+                Err(_) => break,
+            },
+        };
+        let done = catch_unwind(AssertUnwindSafe(|| worker.step(order, was_busy)));
+        if done.is_err() {
+            worker.end(Some(
+                "the part of the program that serves it broke down".to_owned(),
+            ));
+        }
+    }
+    worker.end(None);
+}
+
+impl Worker {
+    /// Time until the next sample; `None` while nothing goes on.
+    fn pause(&self) -> Option<Duration> {
+        let connection = self.connection.as_ref()?;
+        if connection.lost().is_some() {
+            return Some(COUNTDOWN);
+        }
+        let moves = connection.controller.state().activity == Activity::Moving;
+        if moves || self.work.needs_ticks() {
+            let tick = TICK.div_f64(connection.clock.speed().max(1.0));
+            return Some(tick.max(SHORTEST_TICK));
+        }
+        let watches = self.watches.then_some(PICTURE);
+        watches.into_iter().chain(connection.pause()).min()
+    }
+
+    /// Whether what goes on is more than listening to a real controller.
+    fn is_busy(&self) -> bool {
+        let moves = |connection: &Connection| {
+            let state = connection.controller.state();
+            state.activity == Activity::Moving
+        };
+        self.work.needs_ticks() || self.watches || self.connection.as_ref().is_some_and(moves)
+    }
+
+    /// Does one step; `goes_on`: something went on before.
+    fn step(&mut self, order: Option<DriverCommand>, goes_on: bool) {
+        let given = order.is_some();
+        if let Some(connection) = &self.connection {
+            connection.clock.go_on(goes_on.then_some(LONGEST_STEP_S));
+        }
+        if let Some(order) = order
+            && let Err(error) = self.perform(order)
+        {
+            self.refuse(&error);
+        }
+        self.tick();
+        self.show(given);
+    }
+
+    fn refuse(&mut self, error: &LinkError) {
+        self.tell.report(DriverEvent::Refused(error.to_string()));
+        if error.is_disconnection() {
+            self.lose(error.to_string());
+        }
+    }
+
+    /// The connection is lost: that to a real controller is made anew, any other has ended.
+    fn lose(&mut self, why: String) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        if !connection.rig.reconnects() {
+            return self.end(Some(why));
+        }
+        if connection.lost().is_some() {
+            return;
+        }
+        connection.lose(why.clone());
+        let now_s = connection.clock.now_s();
+        let mut reports = Vec::new();
+        match &mut self.work {
+            Work::Measuring(measuring) => {
+                measuring.run.hold(LOST.to_owned());
+                reports = measuring.tick(&mut connection.controller, now_s);
+            }
+            // Its targets belong to one way of the platform.
+            Work::Verifying(_) => reports.extend(self.work.abort(&why)),
+            Work::None => {}
+        }
+        for report in reports {
+            self.tell.report(report);
+        }
+        self.tell.report(DriverEvent::Lost(why));
+    }
+
+    /// Tries to make the lost connection anew, if that is due.
+    fn try_again(&mut self) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        if !connection.try_again() {
+            return;
+        }
+        match connection.controller.parameters() {
+            Ok(parameters) => {
+                self.tell.report(DriverEvent::Regained(parameters));
+                self.settle();
+                self.show(true);
+            }
+            Err(error) => connection.lose(error.to_string()),
+        }
+    }
+
+    /// Tells what the controller holds where the connection was lost amid writing.
+    fn settle(&mut self) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        let Some((unsettled, adjustment)) = connection.settle() else {
+            return;
+        };
+        let holds = connection.controller.parameters().ok();
+        self.tell.report(DriverEvent::Written {
+            values: unsettled.new,
+            purpose: unsettled.purpose,
+            result: Ok(Box::new(adjustment)),
+            holds,
+        });
+    }
+
+    fn perform(&mut self, order: DriverCommand) -> Result<(), LinkError> {
+        match order {
+            DriverCommand::Connect(rig, session_id) => self.connect(rig, session_id)?,
+            DriverCommand::Disconnect => self.end(None),
+            DriverCommand::Watch(watches) => self.watches = watches,
+            DriverCommand::Speed(speed) => {
+                self.speed = speed;
+                if let Some(connection) = &self.connection
+                    && !connection.rig.runs_in_real_time()
+                {
+                    connection.clock.set_speed(speed);
+                }
+            }
+            other => self.control(other)?,
+        }
+        Ok(())
+    }
+
+    /// What needs a connection.
+    fn control(&mut self, order: DriverCommand) -> Result<(), LinkError> {
+        let Some(connection) = self.connection.as_mut() else {
+            // What concerns a run that has ended with its connection needs no answer.
+            return Ok(());
+        };
+        let controller = &mut connection.controller;
+        match order {
+            DriverCommand::Arm => {
+                controller.arm()?;
+                self.settle();
+            }
+            DriverCommand::Disarm => controller.disarm(),
+            DriverCommand::Abort => {
+                let stopped = controller.stop();
+                let report = self.work.abort(BY_OPERATOR);
+                report.into_iter().for_each(|r| self.tell.report(r));
+                stopped?;
+            }
+            DriverCommand::Measure(order) => {
+                self.work = Work::Measuring(Box::new(connection.measuring(*order)));
+            }
+            DriverCommand::Verify(targets, stage) => self.verify(targets, stage),
+            DriverCommand::TypedPose(number, pose) => {
+                if let Work::Verifying(verifying) = &self.work
+                    && let Some(typed) = &verifying.typed
+                {
+                    typed.answer(number, pose)?;
+                }
+            }
+            DriverCommand::TryNow => connection.try_now(),
+            DriverCommand::Parameters => {
+                let parameters = controller.parameters()?;
+                self.tell.report(DriverEvent::Parameters(parameters));
+            }
+            DriverCommand::Write(values, purpose) => self.write(values, purpose),
+            DriverCommand::Pause => self.work.measuring(|m| m.run.pause()),
+            DriverCommand::Resume => {
+                self.work.measuring(|m| m.run.resume());
+                self.tell.report(DriverEvent::Resumed);
+            }
+            DriverCommand::Skip => self.work.measuring(|m| m.run.skip()),
+            DriverCommand::Repeat(label) => self.work.measuring(|m| {
+                m.run.repeat(label);
+            }),
+            DriverCommand::LaserDistance(label, distance_m) => {
+                if let Some(laser) = &connection.asked {
+                    laser.answer(label, distance_m)?;
+                }
+            }
+            DriverCommand::Stored(label) => self.work.measuring(|m| m.run.confirm_stored(label)),
+            DriverCommand::Connect(..)
+            | DriverCommand::Disconnect
+            | DriverCommand::Watch(_)
+            | DriverCommand::Speed(_) => {}
+        }
+        Ok(())
+    }
+
+    fn connect(&mut self, rig: Box<Rig>, session_id: u64) -> Result<(), LinkError> {
+        let had_another = self.close(BY_OPERATOR);
+        let made = self.make(rig, session_id);
+        if made.is_err() && had_another {
+            self.tell.report(DriverEvent::Disconnected(None));
+        }
+        made
+    }
+
+    fn make(&mut self, rig: Box<Rig>, session_id: u64) -> Result<(), LinkError> {
+        let opened = rig.open(self.speed).map_err(|error| match error {
+            OpenError::Link(error) => error,
+            OpenError::Read(error) => LinkError::Setup(error.to_string()),
+        })?;
+        let mut connection = Connection::new(opened, rig.clone());
+        connection.controller.connect()?;
+        let parameters = connection.controller.parameters()?;
+        let identity = connection.controller.identity();
+        self.connection = Some(connection);
+        self.tell.report(DriverEvent::Connected {
+            identity,
+            parameters,
+            rig,
+            session_id,
+        });
+        Ok(())
+    }
+
+    /// Stops the platform, ends the connection and says so.
+    fn end(&mut self, why: Option<String>) {
+        if self.close(why.as_deref().unwrap_or(BY_OPERATOR)) {
+            self.show(true);
+            self.tell.report(DriverEvent::Disconnected(why));
+        }
+    }
+
+    /// Stops the platform and ends the connection; whether there was one. What goes on ends with the reason `why`.
+    fn close(&mut self, why: &str) -> bool {
+        let ended = self.work.abort(why);
+        ended.into_iter().for_each(|r| self.tell.report(r));
+        let connection = self.connection.take();
+        connection.is_some_and(|mut connection| {
+            // The connection ends either way, and a lost connection stops the drives.
+            let _ = connection.controller.stop();
+            connection.controller.disconnect();
+            true
+        })
+    }
+
+    fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        let begun = match connection.rig.kind {
+            Kind::Recording => Err("A recording drives to no test poses.".to_owned()),
+            _ => (connection.controller.home()).map_err(|e| format!("The way home: {e}.")),
+        };
+        match begun {
+            Ok(()) => {
+                let has_instrument = connection.instrument.is_some();
+                let run = Verifying::new(targets, stage, has_instrument);
+                self.work = Work::Verifying(Box::new(run));
+            }
+            Err(text) => self.tell.report(DriverEvent::Verified(stage, Err(text))),
+        }
+    }
+
+    fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        let written = if connection.rig.kind == Kind::Recording {
+            let text = "this is a recording, in which nothing can be changed";
+            Err(LinkError::Refused(text.to_owned()))
+        } else {
+            write(connection, &mut self.tell, &values)
+        };
+        if let Ok(adjustment) = &written
+            && adjustment.holds == Holds::Unknown
+        {
+            connection.unsettled = Some(Unsettled {
+                old: adjustment.old.clone(),
+                new: values.clone(),
+                purpose,
+            });
+        }
+        let holds = connection.controller.parameters().ok();
+        self.tell.report(DriverEvent::Written {
+            values,
+            purpose,
+            result: written.map(Box::new).map_err(|error| error.to_string()),
+            holds,
+        });
+    }
+
+    fn tick(&mut self) {
+        let Some(connection) = &mut self.connection else {
+            return;
+        };
+        if connection.lost().is_some() {
+            return self.try_again();
+        }
+        let listens = connection.rig.reconnects();
+        let controller = &mut connection.controller;
+        // What is wrong with a reading nobody waits for shows in the state.
+        let reports = match &mut self.work {
+            Work::None => {
+                if listens || self.watches && self.tell.is_due() {
+                    let _ = controller.sample();
+                }
+                Vec::new()
+            }
+            Work::Measuring(measuring) => {
+                if listens && !measuring.needs_ticks() {
+                    let _ = controller.sample();
+                }
+                measuring.tick(controller, connection.clock.now_s())
+            }
+            Work::Verifying(verifying) => {
+                verifying.tick(controller, connection.instrument.as_deref_mut())
+            }
+        };
+        let is_newly_lost = connection.is_newly_lost();
+        if self.work.has_ended() {
+            self.work = Work::None;
+        }
+        for report in reports {
+            self.tell.report(report);
+        }
+        if is_newly_lost {
+            self.lose("the connection to the controller is lost".to_owned());
+        }
+    }
+
+    /// Puts what is going on where the window finds it; `changed`: at once.
+    fn show(&mut self, changed: bool) {
+        if !changed && !self.tell.is_due() && self.work.needs_ticks() {
+            return;
+        }
+        let live = match &mut self.connection {
+            None => Live::default(),
+            Some(connection) => {
+                let sample = connection.controller.last().cloned();
+                let whereabouts = connection.whereabouts.as_mut();
+                let pose = whereabouts
+                    .zip(sample.as_ref())
+                    .map(|(w, s)| w.of_sample(s));
+                Live {
+                    state: connection.state(),
+                    lost: connection.lost().cloned(),
+                    pose,
+                    sample,
+                    doing: self.work.doing(),
+                    remaining: self.work.remaining(),
+                }
+            }
+        };
+        // Listening to a controller that stands still wakes nobody.
+        let is_new = |shown: &Live| shown.state != live.state || live.lost.is_some();
+        if changed || self.is_busy() || self.tell.shows(is_new) {
+            self.tell.put(live);
+        }
+    }
+}
+
+/// Writes values; where the connection breaks it is made anew, and what was armed for that is disarmed again.
+fn write(
+    connection: &mut Connection,
+    tell: &mut StatusPublisher,
+    values: &[(String, f64)],
+) -> Result<Adjustment, LinkError> {
+    let why = "the connection was lost while values were written";
+    let reconnects = connection.rig.reconnects();
+    let mut policy = BringBack {
+        wait: |pause_s: f64| {
+            let pause = Duration::from_secs_f64(pause_s);
+            let lost = Lost {
+                why: why.to_owned(),
+                due: Instant::now() + pause,
+            };
+            tell.put(Live {
+                lost: Some(lost),
+                ..Live::default()
+            });
+            std::thread::sleep(pause);
+        },
+        was_lost: false,
+    };
+    let controller = &mut connection.controller;
+    let written = match reconnects {
+        true => write_adjustment_reconnecting(controller, values, &mut policy),
+        false => write_adjustment(controller, values),
+    };
+    if policy.was_lost {
+        controller.disarm();
+    }
+    written
+}

@@ -1,0 +1,165 @@
+//! Everything the window knows. It knows nothing of the screens and views that show it: they read it and send commands.
+
+pub mod autosave;
+pub mod caught_panic;
+pub mod command;
+pub mod comparison;
+pub mod discrepancy;
+pub mod edit;
+pub mod figure;
+pub mod fit_progress;
+pub mod link;
+mod memo;
+mod memory;
+pub mod messages;
+pub mod open_session;
+pub mod phase;
+pub mod phase_status;
+pub mod plot_preparation;
+mod selection;
+mod session_lock;
+pub mod tasks;
+
+use std::path::PathBuf;
+
+use tautline_session::{Folders, LeftBehind, Preferences};
+
+pub use memo::Memo;
+pub use open_session::OpenSession;
+pub use selection::Selection;
+
+use autosave::Autosave;
+use caught_panic::CaughtPanic;
+use command::{Leaving, ReportDraft};
+use link::Link;
+use messages::Messages;
+use phase::Screen;
+use session_lock::SessionLock;
+use tasks::Tasks;
+
+/// How the program was started.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// What to open: a session, a robot or a dataset folder.
+    pub path: Option<PathBuf>,
+    /// Where preferences and what is not saved yet lie; by default where the system has such things.
+    pub folders: Option<Folders>,
+    /// Seed of the demonstration, to have the same one again; by default the time.
+    pub demo_seed: Option<u64>,
+    /// How many times faster than real the simulated robot moves; by default 1.
+    pub robot_speed: Option<f64>,
+    /// Where to describe what the window shows, for programs that drive it from the outside.
+    pub observed: Option<PathBuf>,
+}
+
+/// Dialogs above the screen.
+#[derive(Debug, Default)]
+pub struct Dialogs {
+    /// What waits for an answer about unsaved changes.
+    pub leaving: Option<Leaving>,
+    /// The path to save at, while it is asked for.
+    pub save_as: Option<String>,
+    /// What was typed into the command palette, while it is open.
+    pub palette: Option<String>,
+    /// Whether it is asked for leave to write values that did not converge.
+    pub unconverged: bool,
+    /// The report that is to be saved, while its place is asked for.
+    pub report: Option<ReportDraft>,
+    /// Whether the log is open.
+    pub log: bool,
+}
+
+impl Dialogs {
+    /// Opens or closes the command palette.
+    pub fn set_palette(&mut self, open: bool) {
+        self.palette = open.then(|| self.palette.take().unwrap_or_default());
+    }
+}
+
+/// Everything the window knows.
+pub struct Model {
+    /// How the program was started.
+    pub options: Options,
+    /// Where fonts, theme and the window are set.
+    pub context: egui::Context,
+    /// The open session.
+    pub open: Option<OpenSession>,
+    /// What the window shows.
+    pub screen: Screen,
+    /// What is selected, everywhere.
+    pub selection: Selection,
+    /// Keeps commands from the file of the open session while it has unsaved changes.
+    pub session_lock: SessionLock,
+    /// Keeps what is not saved yet.
+    pub autosave: Autosave,
+    /// Where preferences and what is not saved yet lie.
+    pub folders: Folders,
+    /// Choices of the user.
+    pub preferences: Preferences,
+    /// What programs that ended without saving have left behind, once it was looked for.
+    pub unsaved_sessions: Vec<LeftBehind>,
+    /// A panic that was caught, until the operator has seen it.
+    pub caught_panic: Option<CaughtPanic>,
+    /// Running work.
+    pub tasks: Tasks,
+    /// The connection to the controller.
+    pub link: Link,
+    /// What the program had to say.
+    pub messages: Messages,
+    /// Dialogs above the screen.
+    pub dialogs: Dialogs,
+}
+
+impl Model {
+    /// The model at the start of the program.
+    #[must_use]
+    pub fn new(context: &egui::Context, options: Options) -> Self {
+        let mut messages = Messages::default();
+        let folders = options
+            .folders
+            .clone()
+            .unwrap_or_else(|| folders(&mut messages));
+        let preferences = Preferences::load(&folders.preferences());
+        for notice in preferences.notices {
+            messages.warning(notice);
+        }
+        let recovery = folders.recovery();
+        Self {
+            autosave: Autosave::new(recovery, context.clone()),
+            folders,
+            preferences: preferences.value,
+            unsaved_sessions: Vec::new(),
+            caught_panic: None,
+            link: Link::new(context.clone(), options.robot_speed.unwrap_or(1.0)),
+            options,
+            context: context.clone(),
+            open: None,
+            session_lock: SessionLock::default(),
+            screen: Screen::default(),
+            selection: Selection::default(),
+            tasks: Tasks::new(context.clone()),
+            messages,
+            dialogs: Dialogs::default(),
+        }
+    }
+}
+
+impl Model {
+    /// Changes the choices of the user and writes them down.
+    pub fn change_preferences(&mut self, change: impl FnOnce(&mut Preferences)) {
+        change(&mut self.preferences);
+        if let Err(error) = self.preferences.save(&self.folders.preferences()) {
+            self.messages.warning(error.to_string());
+        }
+    }
+}
+
+/// The folders of the user, or temporary ones where the system has none.
+fn folders(messages: &mut Messages) -> Folders {
+    Folders::of_user().unwrap_or_else(|error| {
+        messages.warning(format!(
+            "{error}; what is not saved is kept in a temporary folder."
+        ));
+        Folders::below(&std::env::temp_dir().join("tautline"))
+    })
+}

@@ -1,0 +1,311 @@
+//! The open session with what was computed from it.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use tautline_core::robot::FieldError;
+use tautline_session::{
+    Document as _, LogEntry, MeasuredPose, Phase as LogPhase, ResultRecord, Session,
+};
+
+use super::edit::{Edit, History, Inputs};
+use tautline_workflow::clock;
+pub use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::documents::identification::Identification;
+use tautline_workflow::identification::Fit;
+use tautline_workflow::precalibration::Calibration;
+
+/// Numbers of inputs, never used twice, so that a result that comes late belongs to no other document. A document is known
+/// by the first of its own.
+static NUMBERS: AtomicU64 = AtomicU64::new(0);
+
+/// A result with the number of the inputs it was computed from.
+#[derive(Debug, Clone)]
+pub struct Computed<T> {
+    value: Arc<T>,
+    inputs: u64,
+}
+
+/// The last identification that the session keeps from before.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Stored {
+    /// There is none.
+    #[default]
+    None,
+    /// It is of the data that the session was opened with.
+    Current,
+    /// The data were changed after it.
+    OutOfDate,
+}
+
+impl Stored {
+    fn of(session: &Session) -> Self {
+        let of_identification =
+            |record: &&ResultRecord| record.format() == Some(Identification::FORMAT);
+        let Some(last) = session.results().iter().rev().find(of_identification) else {
+            return Self::None;
+        };
+        if last.basis == Some(session.basis()) {
+            Self::Current
+        } else {
+            Self::OutOfDate
+        }
+    }
+}
+
+/// The open session.
+///
+/// `revision` counts every change; `inputs` is a number that what identification and diagnosis depend on has for itself:
+/// undoing an edit brings the number back, too.
+pub struct OpenSession {
+    id: u64,
+    session: Session,
+    path: Option<PathBuf>,
+    history: History,
+    revision: u64,
+    measured: u64,
+    replaced: u64,
+    inputs: u64,
+    saved: Option<u64>,
+    stored: Stored,
+    fit: Option<Computed<Fit>>,
+    diagnosis: Option<Computed<Diagnosed>>,
+    calibration: OnceLock<Arc<Calibration>>,
+}
+
+impl OpenSession {
+    /// A session; `path` is the file it came from, if it did.
+    #[must_use]
+    pub fn new(session: Session, path: Option<PathBuf>) -> Self {
+        let saved = path.as_ref().map(|_| 0);
+        let inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
+        Self {
+            id: inputs,
+            stored: Stored::of(&session),
+            session,
+            path,
+            history: History::default(),
+            revision: 0,
+            measured: 0,
+            replaced: 0,
+            inputs,
+            saved,
+            fit: None,
+            diagnosis: None,
+            calibration: OnceLock::new(),
+        }
+    }
+
+    /// A recovered session: its file, if it has one, is older.
+    #[must_use]
+    pub fn recovered(session: Session, path: Option<PathBuf>) -> Self {
+        Self {
+            saved: None,
+            ..Self::new(session, path)
+        }
+    }
+
+    /// Tells it from every other document of this run of the program.
+    #[must_use]
+    pub fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// What is in it.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// Its file, once it has one.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// Counts every change.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Counts the changes that are no measured poses.
+    #[must_use]
+    pub fn edits(&self) -> u64 {
+        self.revision - self.measured
+    }
+
+    /// Counts how often measurements came otherwise than pose by pose.
+    #[must_use]
+    pub fn replaced(&self) -> u64 {
+        self.replaced
+    }
+
+    /// The number of what results depend on; no two documents share one.
+    #[must_use]
+    pub fn inputs(&self) -> u64 {
+        self.inputs
+    }
+
+    /// Whether inputs of this number were those of this document once.
+    #[must_use]
+    pub fn knows(&self, inputs: u64) -> bool {
+        inputs >= self.id
+    }
+
+    /// Whether there are changes that the file does not have.
+    #[must_use]
+    pub fn is_unsaved(&self) -> bool {
+        self.saved != Some(self.revision)
+    }
+
+    /// The file has the state of `revision` now.
+    pub fn saved_as(&mut self, path: PathBuf, revision: u64) {
+        self.path = Some(path);
+        self.saved = Some(revision);
+    }
+
+    /// Edits that can be undone and redone.
+    #[must_use]
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Does an edit; says whether anything changed.
+    pub fn edit(&mut self, edit: Edit) -> bool {
+        let inputs = self.history.perform(edit, &mut self.session, self.inputs);
+        inputs.map(|inputs| self.touch(&inputs)).is_some()
+    }
+
+    /// Undoes the last edit and gives its name.
+    pub fn undo(&mut self) -> Option<String> {
+        let (name, inputs) = self.history.undo(&mut self.session, self.inputs)?;
+        self.touch(&inputs);
+        Some(name)
+    }
+
+    /// Does the last undone edit again and gives its name.
+    pub fn redo(&mut self) -> Option<String> {
+        let (name, inputs) = self.history.redo(&mut self.session, self.inputs)?;
+        self.touch(&inputs);
+        Some(name)
+    }
+
+    /// Adds a pose that was measured.
+    ///
+    /// # Errors
+    /// If it does not fit the session; nothing changes then.
+    pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), FieldError> {
+        self.session.append_pose(pose)?;
+        self.measured += 1;
+        self.history.forget_inputs();
+        self.touch(&Inputs::New);
+        Ok(())
+    }
+
+    /// Adds measurements that came otherwise than pose by pose, which cannot be undone; results depend on them.
+    pub fn append(&mut self, change: impl FnOnce(&mut Session)) {
+        change(&mut self.session);
+        self.replaced += 1;
+        self.history.forget_inputs();
+        self.touch(&Inputs::New);
+    }
+
+    /// Adds what cannot be undone and no result depends on, such as what was written to a controller.
+    pub fn record(&mut self, change: impl FnOnce(&mut Session)) {
+        change(&mut self.session);
+        self.revision += 1;
+    }
+
+    /// Adds to the session's log.
+    pub fn log(&mut self, phase: LogPhase, text: impl Into<String>) {
+        self.session.record(LogEntry {
+            time: clock::now(),
+            phase,
+            text: text.into(),
+        });
+        self.revision += 1;
+    }
+
+    /// Adds a result to the session.
+    pub fn add_result(&mut self, result: ResultRecord) {
+        self.session.add_result(result);
+        self.revision += 1;
+    }
+
+    fn touch(&mut self, inputs: &Inputs) {
+        self.revision += 1;
+        match inputs {
+            Inputs::Same => {}
+            Inputs::Again(number) => self.inputs = *number,
+            Inputs::New => {
+                self.inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+        self.session.modified = self.session.modified.max(clock::now());
+        if let Some(calibration) = self.calibration.get()
+            && !calibration.is_of(&self.session)
+        {
+            self.calibration.take();
+        }
+    }
+
+    /// What the tables of phases 1 and 2 tell; computed when it is first asked for.
+    #[must_use]
+    pub fn calibration(&self) -> &Arc<Calibration> {
+        self.calibration
+            .get_or_init(|| Arc::new(Calibration::of(&self.session)))
+    }
+
+    /// The identification that the session keeps from before it was opened.
+    #[must_use]
+    pub fn stored(&self) -> Stored {
+        self.stored
+    }
+
+    /// Takes an identification that was computed from the inputs of the given number.
+    pub fn set_fit(&mut self, fit: Fit, inputs: u64) {
+        self.stored = Stored::None;
+        self.fit = Some(Computed {
+            value: Arc::new(fit),
+            inputs,
+        });
+    }
+
+    /// Takes a diagnosis that was computed from the inputs of the given number.
+    pub fn set_diagnosis(&mut self, diagnosed: Diagnosed, inputs: u64) {
+        self.diagnosis = Some(Computed {
+            value: Arc::new(diagnosed),
+            inputs,
+        });
+    }
+
+    /// The last identification, also if it is out of date.
+    #[must_use]
+    pub fn fit(&self) -> Option<&Arc<Fit>> {
+        self.fit.as_ref().map(|computed| &computed.value)
+    }
+
+    /// The last diagnosis, also if it is out of date.
+    #[must_use]
+    pub fn diagnosis(&self) -> Option<&Arc<Diagnosed>> {
+        self.diagnosis.as_ref().map(|computed| &computed.value)
+    }
+
+    /// Whether the last identification is of the present inputs.
+    #[must_use]
+    pub fn fit_is_current(&self) -> bool {
+        self.fit
+            .as_ref()
+            .is_some_and(|computed| computed.inputs == self.inputs)
+    }
+
+    /// Whether the last diagnosis is of the present inputs.
+    #[must_use]
+    pub fn diagnosis_is_current(&self) -> bool {
+        self.diagnosis
+            .as_ref()
+            .is_some_and(|computed| computed.inputs == self.inputs)
+    }
+}

@@ -1,0 +1,33 @@
+//! How far the adjustment of the controller is.
+
+use tautline_session::{Outcome, Stage};
+
+use crate::model::OpenSession;
+use crate::model::phase::{PhaseStatus, Progress};
+
+/// What was written, and whether it was verified.
+pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
+    let session = open.session();
+    let verified = |stage: Stage| session.verifications().iter().any(|run| run.stage == stage);
+    let Some(last) = session.adjustments().last() else {
+        return if verified(Stage::Before) {
+            PhaseStatus::new(Progress::InProgress, "measured before the adjustment")
+        } else {
+            PhaseStatus::new(Progress::NotStarted, "nothing written yet")
+        };
+    };
+    let after =
+        |run: &tautline_session::Verification| run.stage == Stage::After && run.time >= last.time;
+    match &last.outcome {
+        Outcome::Written if open.fit().is_some() && !open.fit_is_current() => {
+            PhaseStatus::new(Progress::OutOfDate, "data changed since it was written")
+        }
+        Outcome::Written if session.verifications().iter().any(after) => {
+            PhaseStatus::new(Progress::Done, "written and verified")
+        }
+        Outcome::Written => PhaseStatus::new(Progress::InProgress, "written, not verified"),
+        Outcome::RolledBack => PhaseStatus::new(Progress::NotStarted, "rolled back"),
+        Outcome::Begun => PhaseStatus::new(Progress::Attention, "writing was interrupted"),
+        Outcome::Failed(_) => PhaseStatus::new(Progress::Attention, "writing failed"),
+    }
+}

@@ -1,0 +1,55 @@
+//! How far each phase is, in one line.
+
+mod adjustment;
+mod measuring;
+mod modeling;
+mod precalibration;
+
+pub use self::modeling::{elongation, pulleys};
+pub use self::precalibration::{force_sensors, home, winches};
+
+use super::OpenSession;
+use super::open_session::Stored;
+use super::phase::{Phase, PhaseStatus, Progress};
+use tautline_workflow::documents::identification::Explains;
+use tautline_workflow::wording::count;
+
+/// How far a phase of this session is.
+#[must_use]
+pub fn of(open: &OpenSession, step: Phase) -> PhaseStatus {
+    match step {
+        Phase::Precalibration => precalibration::whole(open.calibration()),
+        Phase::Modeling => elongation(open),
+        Phase::Measuring => measuring::whole(open),
+        Phase::Identification => identification(open),
+        Phase::Adjustment => adjustment::whole(open),
+    }
+}
+
+fn identification(open: &OpenSession) -> PhaseStatus {
+    let Some(fit) = open.fit() else {
+        return match open.stored() {
+            Stored::None => PhaseStatus::new(Progress::NotStarted, "not identified"),
+            Stored::Current => PhaseStatus::new(Progress::InProgress, "identifying again"),
+            Stored::OutOfDate => PhaseStatus::new(Progress::OutOfDate, "data changed since"),
+        };
+    };
+    if !open.fit_is_current() {
+        return PhaseStatus::new(Progress::OutOfDate, "data changed since");
+    }
+    let explains = Explains::of(fit.solution.p_value());
+    let found = open.diagnosis().filter(|_| open.diagnosis_is_current());
+    let found = found.map_or(0, |diagnosed| diagnosed.diagnosis.findings.len());
+    match explains {
+        _ if found > 0 => PhaseStatus::new(
+            Progress::Attention,
+            format!("{} to look at", count(found, "finding")),
+        ),
+        _ if !fit.solution.outside_surface.is_empty() => {
+            PhaseStatus::new(Progress::Attention, "elongation is extrapolated")
+        }
+        _ if !fit.solution.converged() => PhaseStatus::new(Progress::Attention, "did not converge"),
+        Explains::Yes => PhaseStatus::new(Progress::Done, explains.words()),
+        _ => PhaseStatus::new(Progress::Attention, explains.words()),
+    }
+}

@@ -1,0 +1,198 @@
+//! What some plots need and only a task can compute: variables at all readings, and the fit with what was found.
+
+use std::sync::Arc;
+
+use tautline_core::diagnosis::{Quantity, Variables};
+use tautline_core::effect::measurements_as_modelled;
+use tautline_core::estimation::{Control, Linearisation, Method, Problem, ReadingKind};
+use tautline_core::measurement::{Dataset, Variable};
+use tautline_core::robot::Robot;
+
+use super::open_session::Diagnosed;
+use tautline_workflow::identification::{Fit, FitOrder, fit};
+
+/// Readings of one kind and cable with what they may depend on.
+#[derive(Debug, Clone)]
+pub struct Along {
+    /// Kind of reading.
+    pub quantity: Quantity,
+    /// Cable, if the reading is a cable's.
+    pub cable: Option<usize>,
+    /// Each variable that varies, with its value in each row of the measurements.
+    pub variables: Vec<(Variable, Vec<f64>)>,
+}
+
+/// What was prepared.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The fit of the model as it is.
+    pub base: Arc<Fit>,
+    /// The fit of the model with what was found.
+    pub extended: Option<Fit>,
+    /// Variables at the readings of the base fit.
+    pub along: Vec<Along>,
+}
+
+/// What is to be prepared, and what it came to.
+#[derive(Debug, Clone)]
+pub struct Preparation {
+    /// The last identification.
+    pub fit: Option<Arc<Fit>>,
+    /// The last diagnosis.
+    pub diagnosed: Option<Arc<Diagnosed>>,
+    /// What was prepared, or why it could not be.
+    pub result: Result<Arc<Prepared>, String>,
+}
+
+impl Preparation {
+    /// Computes it; a diagnosis comes first, since it is what the plots are about. `method` is that of the
+    /// identification; a diagnosis always is of the joint problem.
+    #[must_use]
+    pub fn new(
+        fit: Option<Arc<Fit>>,
+        diagnosed: Option<Arc<Diagnosed>>,
+        method: Method,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Self {
+        let result = match (&diagnosed, &fit) {
+            (Some(found), _) => before_and_after(found, cancelled),
+            (None, Some(fit)) => along(fit, method).map(|along| Prepared {
+                base: Arc::clone(fit),
+                extended: None,
+                along,
+            }),
+            (None, None) => Err("nothing is identified".to_owned()),
+        };
+        Self {
+            fit,
+            diagnosed,
+            result: result.map(Arc::new),
+        }
+    }
+
+    /// Whether it was prepared from these.
+    #[must_use]
+    pub fn is_of(&self, fit: Option<&Arc<Fit>>, diagnosed: Option<&Arc<Diagnosed>>) -> bool {
+        same(self.fit.as_ref(), fit) && same(self.diagnosed.as_ref(), diagnosed)
+    }
+}
+
+/// The fits of a diagnosis' model as it was and with what was found.
+fn before_and_after(found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<Prepared, String> {
+    let robot = &found.dataset.robot;
+    let base = again(robot, found, cancelled)?;
+    let model = found.diagnosis.extended_solution.globals.model(robot);
+    let extended = (!found.diagnosis.findings.is_empty())
+        .then(|| again(&model, found, cancelled))
+        .transpose()?;
+    Ok(Prepared {
+        along: along(&base, Method::Joint)?,
+        base: Arc::new(base),
+        extended,
+    })
+}
+
+/// Fits the measurements of a diagnosis with a model, its effects held.
+fn again(model: &Robot, found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<Fit, String> {
+    let measurements = measurements_as_modelled(model, &found.dataset.measurements)
+        .map_err(|error| error.to_string())?;
+    let order = FitOrder {
+        dataset: Arc::new(Dataset {
+            robot: model.clone(),
+            measurements: measurements.into_owned(),
+        }),
+        method: Method::Joint,
+        effects: Vec::new(),
+    };
+    let done = fit(order, &mut |_| match cancelled() {
+        true => Control::Cancel,
+        false => Control::Continue,
+    });
+    if cancelled() {
+        return Err("it was cancelled".to_owned());
+    }
+    done.map_err(|error| error.to_string())
+}
+
+/// Whether two are the same object, not only equal.
+pub fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => true,
+        _ => false,
+    }
+}
+
+fn along(fit: &Fit, method: Method) -> Result<Vec<Along>, String> {
+    let problem = Problem::new(&fit.dataset).map_err(|error| error.to_string())?;
+    let mut problem = problem.with_method(method);
+    // Those that are not the model's own were identified.
+    let effects = fit.solution.globals.effects.iter();
+    problem.free_effects = effects.skip(problem.held_effects.len()).cloned().collect();
+    let linear = Linearisation::new(&problem, &fit.solution);
+    let variables = Variables::new(&problem, &fit.solution, &linear);
+    let known = |(quantity, cable): (Quantity, Option<usize>)| {
+        let values = Variable::ALL.into_iter().filter_map(|variable| {
+            let values = variables.values(quantity, cable, variable)?;
+            Some((variable, values))
+        });
+        Along {
+            quantity,
+            cable,
+            variables: values.collect(),
+        }
+    };
+    let mut along: Vec<Along> = groups(fit).into_iter().map(known).collect();
+    along.retain(|group| !group.variables.is_empty());
+    Ok(along)
+}
+
+/// Kinds of readings, per cable where they belong to cables, that a fit has.
+fn groups(fit: &Fit) -> Vec<(Quantity, Option<usize>)> {
+    let mut groups: Vec<_> = fit
+        .analysis
+        .readings
+        .iter()
+        .filter_map(|reading| group_of(reading.kind))
+        .collect();
+    let tensions = fit.analysis.tension_errors_n.iter();
+    groups.extend(tensions.map(|(_, cable, _)| (Quantity::Tension, Some(*cable))));
+    groups.sort();
+    groups.dedup();
+    groups
+}
+
+/// Kind and cable of a reading; none for the balance of forces, which no sensor reads.
+#[must_use]
+pub fn group_of(kind: ReadingKind) -> Option<(Quantity, Option<usize>)> {
+    Some(match kind {
+        ReadingKind::Length(cable) => (Quantity::Length, Some(cable)),
+        ReadingKind::Swivel(cable) => (Quantity::Swivel, Some(cable)),
+        ReadingKind::Laser => (Quantity::Laser, None),
+        ReadingKind::TrackerPosition(_) => (Quantity::TrackerPosition, None),
+        ReadingKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, None),
+        ReadingKind::Inclination(_) => (Quantity::Inclination, None),
+        ReadingKind::Equilibrium(_) => return None,
+    })
+}
+
+/// Residuals of a kind of reading in their own standard deviations: row and value.
+#[must_use]
+pub fn residuals(fit: &Fit, quantity: Quantity, cable: Option<usize>) -> Vec<(usize, f64)> {
+    if quantity == Quantity::Tension {
+        let sensors = &fit.dataset.robot.cables;
+        let errors = fit.analysis.tension_errors_n.iter();
+        return errors
+            .filter(|(_, of, _)| Some(*of) == cable)
+            .filter_map(|(row, of, error)| {
+                let sd = sensors.get(*of)?.force_sensor?.tension_sd_n;
+                Some((*row, error / sd))
+            })
+            .collect();
+    }
+    let readings = fit.analysis.readings.iter();
+    readings
+        .filter(|reading| group_of(reading.kind) == Some((quantity, cable)))
+        .filter_map(|reading| Some((reading.row, reading.normalised()?)))
+        .collect()
+}

@@ -1,0 +1,177 @@
+//! Work off the user interface's thread: named, with progress, to be cancelled, reporting by messages.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::thread;
+
+use super::caught_panic::{self, CaughtPanic};
+use super::command::Outcome;
+use super::memory;
+
+/// State of a running task.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TaskProgress {
+    /// Part that is done, where it is known.
+    pub fraction: Option<f32>,
+    /// What it is about.
+    pub text: String,
+}
+
+/// A running task as the user interface sees it.
+#[derive(Debug)]
+pub struct Running {
+    id: u64,
+    /// What it does, such as "Identifying".
+    pub title: String,
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    cancelled: AtomicBool,
+    progress: Mutex<TaskProgress>,
+}
+
+impl Running {
+    /// How far it is.
+    #[must_use]
+    pub fn progress(&self) -> TaskProgress {
+        self.shared
+            .progress
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Asks it to end.
+    pub fn cancel(&self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A running task as its own code sees it.
+pub struct TaskHandle {
+    shared: Arc<Shared>,
+    context: egui::Context,
+}
+
+impl TaskHandle {
+    /// Whether the operator wants it to end.
+    #[must_use]
+    pub fn cancelled(&self) -> bool {
+        self.shared.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Tells how far it is.
+    pub fn tell(&self, fraction: Option<f32>, text: impl Into<String>) {
+        let text = text.into();
+        *self
+            .shared
+            .progress
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = TaskProgress { fraction, text };
+        self.context.request_repaint();
+    }
+}
+
+/// All running tasks.
+pub struct Tasks {
+    context: egui::Context,
+    sender: mpsc::Sender<(u64, Outcome)>,
+    receiver: mpsc::Receiver<(u64, Outcome)>,
+    running: Vec<Running>,
+    next: u64,
+}
+
+impl Tasks {
+    /// No task yet; `context` is woken when one has something to tell.
+    #[must_use]
+    pub fn new(context: egui::Context) -> Self {
+        let (sender, receiver) = mpsc::channel();
+        Self {
+            context,
+            sender,
+            receiver,
+            running: Vec::new(),
+            next: 0,
+        }
+    }
+
+    /// Starts a task; its outcome arrives at the next frame after it is done.
+    pub fn start(
+        &mut self,
+        title: impl Into<String>,
+        work: impl FnOnce(&TaskHandle) -> Outcome + Send + 'static,
+    ) {
+        let id = self.next;
+        self.next += 1;
+        let shared = Arc::new(Shared::default());
+        let title = title.into();
+        self.running.push(Running {
+            id,
+            title: title.clone(),
+            shared: Arc::clone(&shared),
+        });
+        let handle = TaskHandle {
+            shared,
+            context: self.context.clone(),
+        };
+        let (sender, context) = (self.sender.clone(), self.context.clone());
+        let named = title.clone();
+        let run = move || {
+            let outcome = caught_panic::guard(|| work(&handle)).unwrap_or_else(|caught_panic| {
+                Outcome::Panicked {
+                    task: named,
+                    caught_panic,
+                }
+            });
+            // Nobody listens any more when the program ends.
+            let _ = sender.send((id, outcome));
+            context.request_repaint();
+            memory::give_back();
+        };
+        if thread::Builder::new()
+            .name(title.clone())
+            .spawn(run)
+            .is_err()
+        {
+            let _ = self.sender.send((
+                id,
+                Outcome::Panicked {
+                    task: title,
+                    caught_panic: CaughtPanic {
+                        what: "no thread could be started".into(),
+                    },
+                },
+            ));
+        }
+    }
+
+    /// Outcomes that arrived since the last call.
+    pub fn outcomes(&mut self) -> Vec<Outcome> {
+        let arrived: Vec<(u64, Outcome)> = self.receiver.try_iter().collect();
+        self.running
+            .retain(|task| arrived.iter().all(|(id, _)| *id != task.id));
+        arrived.into_iter().map(|(_, outcome)| outcome).collect()
+    }
+
+    /// The tasks that run now, the oldest first.
+    #[must_use]
+    pub fn running(&self) -> &[Running] {
+        &self.running
+    }
+
+    /// Whether a task of this title runs.
+    #[must_use]
+    pub fn runs(&self, title: &str) -> bool {
+        self.running.iter().any(|task| task.title == title)
+    }
+
+    /// Asks all tasks of this title to end.
+    pub fn cancel(&self, title: &str) {
+        self.running
+            .iter()
+            .filter(|task| task.title == title)
+            .for_each(Running::cancel);
+    }
+}

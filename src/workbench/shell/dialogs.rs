@@ -1,0 +1,187 @@
+//! Questions that have to be answered before the program goes on.
+
+use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
+
+use super::state::State;
+use crate::model::command::{Answer, FileCommand, ReportCommand, ReportDraft, RobotCommand};
+use crate::theme::{self, GRID};
+use crate::widgets::{heading, icon_button, muted, primary, section};
+use tautline_workflow::report::{Part, ReportChoice};
+
+/// Draws the question that is open, if one is.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    // Where to save is asked above it.
+    if state.model.dialogs.leaving.is_some() && state.model.dialogs.save_as.is_none() {
+        unsaved(ui, state);
+    }
+    if state.model.dialogs.unconverged {
+        unconverged(ui, state);
+    }
+    if let Some(saving) = state.model.dialogs.report.take() {
+        report(ui, state, saving);
+    }
+}
+
+/// Where is the report to be saved?
+fn report(ui: &mut Ui, state: &mut State, mut saving: ReportDraft) {
+    let format = saving.format;
+    let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
+        ui.set_width(520.0);
+        heading(ui, &format!("Save the report as {}", format.title()));
+        ui.horizontal(|ui| {
+            let width = ui.available_width() - 120.0;
+            let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(width));
+            field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the report"));
+            if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
+                state.outbox.send(ReportCommand::Browse(format));
+            }
+        });
+        let height = (ui.ctx().content_rect().height() - 180.0).max(80.0);
+        egui::ScrollArea::vertical()
+            .max_height(height)
+            .auto_shrink([false, true])
+            .show(ui, |ui| choice(ui, &mut saving.choice));
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            let path = saving.path.trim();
+            if primary(ui, "Save report", !path.is_empty()).clicked() {
+                state.outbox.send(ReportCommand::Save(path.into()));
+            }
+            if ui.button("Cancel").clicked() {
+                state.outbox.send(ReportCommand::Cancel);
+            }
+        });
+    });
+    if modal.should_close() {
+        state.outbox.send(ReportCommand::Cancel);
+    }
+    state.model.dialogs.report = Some(saving);
+}
+
+/// What of a report is wanted, and what stands at its head.
+fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
+    section(ui, "Head");
+    Grid::new("head of the report")
+        .num_columns(2)
+        .spacing([3.0 * GRID, 1.5 * GRID])
+        .show(ui, |ui| {
+            for (name, text, hint) in [
+                ("Title", &mut choice.title, "That of the session"),
+                ("Line above it", &mut choice.header, "None"),
+                ("Company", &mut choice.company, "None"),
+                ("Operator", &mut choice.operator, "None"),
+            ] {
+                let label = ui.label(name);
+                let field = TextEdit::singleline(text)
+                    .hint_text(hint)
+                    .desired_width(320.0);
+                ui.add(field).labelled_by(label.id);
+                ui.end_row();
+            }
+        });
+    section(ui, "Parts");
+    Grid::new("parts of the report")
+        .num_columns(2)
+        .spacing([6.0 * GRID, GRID])
+        .show(ui, |ui| {
+            for (k, part) in Part::all().iter().enumerate() {
+                let mut wanted = !choice.without.contains(part);
+                if ui.checkbox(&mut wanted, part.title()).changed() {
+                    if wanted {
+                        choice.without.remove(part);
+                    } else {
+                        choice.without.insert(*part);
+                    }
+                }
+                if k % 2 == 1 {
+                    ui.end_row();
+                }
+            }
+        });
+}
+
+/// Save the changes first?
+fn unsaved(ui: &mut Ui, state: &mut State) {
+    let name = state
+        .model
+        .open
+        .as_ref()
+        .map_or_else(String::new, |open| open.session().name.clone());
+    let modal = Modal::new(Id::unique("unsaved changes")).show(ui.ctx(), |ui| {
+        ui.set_width(420.0);
+        heading(ui, "Save the changes?");
+        ui.label(format!("{name} has changes that no file has yet."));
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            if primary(ui, "Save", true).clicked() {
+                state.outbox.send(FileCommand::Answer(Answer::Save));
+            }
+            if ui.button("Do not save").clicked() {
+                state.outbox.send(FileCommand::Answer(Answer::Discard));
+            }
+            if ui.button("Cancel").clicked() {
+                state.outbox.send(FileCommand::Answer(Answer::Cancel));
+            }
+        });
+    });
+    if modal.should_close() {
+        state.outbox.send(FileCommand::Answer(Answer::Cancel));
+    }
+}
+
+/// Write values that were still changing?
+fn unconverged(ui: &mut Ui, state: &mut State) {
+    let modal = Modal::new(Id::unique("unconverged values")).show(ui.ctx(), |ui| {
+        ui.set_width(420.0);
+        heading(ui, "Write these values?");
+        ui.label("The identification did not converge: its values can make the robot less exact.");
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            if primary(ui, "Do not write", true).clicked() {
+                state.outbox.send(RobotCommand::WriteUnconverged(false));
+            }
+            if ui.button("Write all the same").clicked() {
+                state.outbox.send(RobotCommand::WriteUnconverged(true));
+            }
+        });
+    });
+    if modal.should_close() {
+        state.outbox.send(RobotCommand::WriteUnconverged(false));
+    }
+}
+
+/// Draws what is left after the program broke down.
+pub fn broken(ui: &mut Ui, state: &mut State) {
+    let Some(caught_panic) = state.model.caught_panic.clone() else {
+        return;
+    };
+    let folder = state.model.folders.recovery();
+    ui.painter()
+        .rect_filled(ui.ctx().content_rect(), 0.0, theme::of(ui).panel);
+    ui.vertical_centered(|ui| {
+        ui.set_width(640.0_f32.min(ui.available_width() - 8.0 * GRID));
+        ui.add_space(ui.available_height() * 0.2);
+        ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
+            heading(ui, "Tautline has met an error of its own");
+            ui.label("The session is kept as it was. Nothing that was measured is lost. It is in the folder");
+            ui.label(RichText::new(folder.display().to_string()).font(theme::strong(13.0)));
+            ui.label("and is offered for recovery when the program is started again.");
+            ui.add_space(2.0 * GRID);
+            muted(ui, "Please report this:");
+            ui.add(egui::Label::new(RichText::new(&caught_panic.what).small()).wrap().selectable(true));
+            ui.add_space(2.0 * GRID);
+            ui.horizontal(|ui| {
+                if primary(ui, "Quit", true).clicked() {
+                    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+                }
+                if ui.button("Go on").clicked() {
+                    state.model.caught_panic = None;
+                }
+                if ui.button("Copy the report").clicked() {
+                    ui.ctx().copy_text(caught_panic.what.clone());
+                }
+            });
+        });
+    });
+}

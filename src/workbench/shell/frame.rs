@@ -1,0 +1,115 @@
+//! The frame of the window: menus, phase rail, status, and the screen between them.
+
+use egui::{CentralPanel, Frame, Margin, Panel, Rangef, Ui};
+
+use super::sized::{Size, sized};
+use super::{State, dialogs, log, palette, rail, save_as, status, top};
+use crate::model::phase::{Phase, Screen};
+use crate::screens::{self, Part};
+use crate::theme::{self, GRID};
+use crate::views;
+
+/// Width of the window (points) below which the rail shows icons alone.
+const NARROW: f32 = 1120.0;
+/// Width of the window (points) below which one part is shown at a time.
+const COMPACT: f32 = 900.0;
+
+/// Width of the panel of a phase (points), if nobody chose another.
+const PANEL: f32 = 440.0;
+
+/// Draws the whole window.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    top::shortcuts(ui, state);
+    let (fill, ground) = (theme::of(ui).panel, theme::of(ui).ground);
+    let centre = || CentralPanel::no_frame().frame(Frame::new().fill(ground));
+    let bar = Frame::new()
+        .fill(fill)
+        .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
+    Panel::top("top")
+        .frame(bar)
+        .show(ui, |ui| top::show(ui, state));
+    Panel::bottom("status")
+        .frame(bar)
+        .show(ui, |ui| status::show(ui, state));
+    match state.model.screen {
+        Screen::Start => {
+            centre().show(ui, |ui| screens::start::show(ui, state));
+        }
+        Screen::Compare => {
+            centre().show(ui, |ui| screens::compare::show(ui, state));
+        }
+        Screen::Phase(step) if ui.available_width() < COMPACT => compact(ui, state, step),
+        Screen::Phase(step) => phase(ui, state, step),
+    }
+    palette::show(ui, state);
+    log::show(ui, state);
+    screens::connect::show(ui, state);
+    dialogs::show(ui, state);
+    save_as::show(ui, state);
+}
+
+/// Rail, 3D view, plots and the panel of the phase beside each other.
+fn phase(ui: &mut Ui, state: &mut State, step: Phase) {
+    let side = side(ui);
+    let narrow = ui.available_width() < NARROW;
+    let rail = Panel::left("rail").frame(side).resizable(false);
+    rail.exact_size(if narrow { rail::NARROW } else { 208.0 })
+        .show(ui, |ui| rail::show(ui, state, narrow));
+    let layout = state.model.preferences.layout;
+    let width = Size {
+        wanted: layout.panel_width.map_or(PANEL, |width| width as f32),
+        range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
+    };
+    let panel = Panel::right("phase").frame(side);
+    let dragged = sized(ui, panel, (width, 0), |ui| screens::phase(ui, state, step));
+    if let Some(width) = dragged {
+        state
+            .model
+            .change_preferences(|p| p.layout.panel_width = Some(f64::from(width)));
+    }
+    let height = ui.available_height();
+    // A low window still has room for a plot below its lines of choices.
+    let usual = (0.38 * height).min(300.0).max((0.5 * height).min(240.0));
+    let size = Size {
+        wanted: layout.plots_height.map_or(usual, |height| height as f32),
+        range: Rangef::new(140.0, (0.7 * height).max(150.0)),
+    };
+    let plots = Panel::bottom("plots").frame(side);
+    let dragged = sized(ui, plots, (size, 1), |ui| views::plots::show(ui, state));
+    if let Some(height) = dragged {
+        state
+            .model
+            .change_preferences(|p| p.layout.plots_height = Some(f64::from(height)));
+    }
+    views::robot(ui, state);
+}
+
+/// One part at a time, where the window has no room for all of them.
+fn compact(ui: &mut Ui, state: &mut State, step: Phase) {
+    let side = side(ui);
+    let rail = Panel::left("narrow rail")
+        .frame(side)
+        .resizable(false)
+        .exact_size(rail::NARROW);
+    rail.show(ui, |ui| rail::show(ui, state, true));
+    Panel::top("parts").frame(side).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for part in Part::ALL {
+                ui.selectable_value(&mut state.panels.part, part, part.title());
+            }
+        });
+    });
+    CentralPanel::no_frame()
+        .frame(side)
+        .show(ui, |ui| match state.panels.part {
+            Part::Panel => screens::phase(ui, state, step),
+            Part::Robot => views::robot(ui, state),
+            Part::Plots => views::plots::show(ui, state),
+        });
+}
+
+fn side(ui: &Ui) -> Frame {
+    Frame::new()
+        .fill(theme::of(ui).panel)
+        .inner_margin(Margin::same(3 * GRID as i8))
+}

@@ -1,0 +1,47 @@
+//! The log window: all messages.
+
+use egui::{ScrollArea, Ui, Window};
+use tautline_session::Timestamp;
+
+use super::state::State;
+use crate::model::messages::Severity;
+use crate::theme;
+use crate::widgets::muted;
+
+/// Draws the log while it is open.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let mut open = state.model.dialogs.log;
+    Window::new("Log")
+        .open(&mut open)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(ui.ctx().content_rect().center())
+        .default_size([640.0, 360.0])
+        .show(ui.ctx(), |ui| {
+            if state.model.messages.all().is_empty() {
+                muted(ui, "Nothing has happened yet.");
+            }
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .stick_to_bottom(true)
+                .show(ui, |ui| {
+                    for message in state.model.messages.all() {
+                        let colour = match message.severity {
+                            Severity::Info => theme::of(ui).text,
+                            Severity::Warning => theme::of(ui).warning,
+                            Severity::Error => theme::of(ui).bad,
+                        };
+                        ui.horizontal_wrapped(|ui| {
+                            muted(ui, &clock_time(&message.time));
+                            ui.colored_label(colour, &message.text);
+                        });
+                    }
+                });
+        });
+    state.model.dialogs.log = open;
+}
+
+/// Time of day as people write it: `19:07:24 UTC`.
+fn clock_time(time: &Timestamp) -> String {
+    let text = time.to_string();
+    format!("{} UTC", text.get(11..19).unwrap_or(&text))
+}

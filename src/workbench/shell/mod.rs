@@ -1,0 +1,149 @@
+//! The window: menus, phase rail, panels, views, dialogs and status bar around the model, and the loop that runs them.
+
+mod dialogs;
+mod frame;
+mod log;
+mod menu;
+mod observed;
+mod palette;
+mod rail;
+mod save_as;
+mod sized;
+mod state;
+mod status;
+mod top;
+
+pub use state::State;
+
+use crate::commands;
+use crate::model::caught_panic;
+use crate::model::command::{CompareCommand, FileCommand};
+use crate::model::phase::Screen;
+use crate::model::{OpenSession, Options};
+use crate::theme;
+
+/// The workbench as eframe runs it.
+pub struct App {
+    /// Everything it knows.
+    pub state: State,
+}
+
+impl App {
+    /// The workbench in a window; opens what the options name.
+    #[must_use]
+    pub fn new(creation: &eframe::CreationContext<'_>, options: Options) -> Self {
+        caught_panic::listen();
+        theme::install(&creation.egui_ctx);
+        if let Some(path) = &options.observed {
+            observed::observe(&creation.egui_ctx, path.clone());
+        }
+        let mut state = State::new(&creation.egui_ctx, options);
+        commands::restore(&state);
+        commands::search(&mut state);
+        if let Some(path) = state.model.options.path.clone() {
+            state.outbox.send(FileCommand::Open(path));
+        }
+        Self { state }
+    }
+}
+
+impl App {
+    /// The window's own close button asks about unsaved changes, too.
+    fn ask_before_closing(&mut self, ctx: &egui::Context) {
+        let unsaved = self
+            .state
+            .model
+            .open
+            .as_ref()
+            .is_some_and(OpenSession::is_unsaved);
+        let broken = self.state.model.caught_panic.is_some();
+        if unsaved && !broken && ctx.input(|input| input.viewport().close_requested()) {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.state.outbox.send(FileCommand::Quit);
+        }
+    }
+}
+
+impl App {
+    /// A frame: what `show` draws, then the commands that were given. A panic in it leaves the session as it is, kept,
+    /// and is told by the next frame.
+    fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
+        let state = &mut self.state;
+        if state.model.caught_panic.is_some() {
+            dialogs::broken(ui, state);
+            return;
+        }
+        let done = caught_panic::guard(|| {
+            show(ui, state);
+            for command in state.outbox.take() {
+                commands::perform(state, command);
+            }
+        });
+        state.model.caught_panic = done.err();
+        if state.model.caught_panic.is_some() {
+            ui.ctx().request_repaint();
+        }
+        state.model.autosave.follow(state.model.open.as_ref());
+        if let Some(text) = state.model.session_lock.follow(state.model.open.as_ref()) {
+            state.model.messages.warning(text);
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        for outcome in self.state.model.tasks.outcomes() {
+            let received = caught_panic::guard(|| commands::receive(&mut self.state, outcome));
+            self.state.model.caught_panic = received.err().or(self.state.model.caught_panic.take());
+        }
+        for kept in self.state.model.autosave.kept() {
+            commands::kept(&mut self.state, kept);
+        }
+        for report in self.state.model.link.reports() {
+            commands::robot::reported(&mut self.state, report);
+        }
+        commands::robot::follow(&mut self.state);
+        self.ask_before_closing(ctx);
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        for file in dropped {
+            let path = file.path().to_path_buf();
+            match self.state.model.screen {
+                Screen::Compare => self.state.outbox.send(CompareCommand::Drop(path)),
+                _ => self.state.outbox.send(FileCommand::Open(path)),
+            }
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frame(ui, frame::show);
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.state.views.destroy();
+        self.state.model.autosave.flush();
+    }
+}
+
+/// Opens the window and runs the workbench until it is closed.
+///
+/// # Errors
+/// If no window can be opened, as without a display.
+pub fn run(start: Options) -> Result<(), eframe::Error> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Tautline")
+        .with_app_id("tautline")
+        .with_inner_size([1440.0, 900.0])
+        .with_min_inner_size([640.0, 400.0]);
+    let options = eframe::NativeOptions {
+        viewport,
+        ..Default::default()
+    };
+    eframe::run_native(
+        "tautline",
+        options,
+        Box::new(|creation| Ok(Box::new(App::new(creation, start)))),
+    )
+}
+
+#[cfg(test)]
+mod tests;

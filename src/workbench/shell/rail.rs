@@ -1,0 +1,106 @@
+//! The rail of the five phases at the left.
+
+use egui::{Align, Layout, RichText, Sense, Ui, UiBuilder, Vec2};
+
+use super::state::State;
+use crate::model::command::ViewCommand;
+use crate::model::phase::{Phase, PhaseStatus, Screen};
+use crate::model::phase_status;
+use crate::theme::{self, GRID};
+
+/// Width of the rail with icons alone, margins included.
+pub const NARROW: f32 = 68.0;
+
+/// Draws the rail; a `narrow` one has icons alone.
+pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
+    ui.spacing_mut().item_spacing.y = GRID;
+    egui::ScrollArea::vertical()
+        .id_salt("rail")
+        .auto_shrink(false)
+        .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
+        .show(ui, |ui| entries(ui, state, narrow));
+}
+
+fn entries(ui: &mut Ui, state: &mut State, narrow: bool) {
+    for step in Phase::ALL {
+        let Some(open) = &state.model.open else {
+            return;
+        };
+        let standing = phase_status::of(open, step);
+        let selected = state.model.screen == Screen::Phase(step);
+        if entry(ui, (step, &standing), selected, narrow) {
+            state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
+        }
+    }
+}
+
+fn entry(
+    ui: &mut Ui,
+    (step, standing): (Phase, &PhaseStatus),
+    selected: bool,
+    narrow: bool,
+) -> bool {
+    let palette = theme::of(ui);
+    let width = ui.available_width();
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 17.0 * GRID), Sense::click());
+    let title = format!("{}. {}", step.number(), step.title());
+    let name = format!("Phase {}: {}", step.number(), step.title());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
+    if selected || response.hovered() || response.has_focus() {
+        let fill = if selected {
+            palette.raised
+        } else {
+            palette.hovered.gamma_multiply(0.5)
+        };
+        ui.painter().rect_filled(rect, 4.0, fill);
+    }
+    if selected {
+        let edge = rect.with_max_x(rect.min.x + 3.0);
+        ui.painter().rect_filled(edge, 1.0, palette.accent);
+    }
+    let inside = rect.shrink2(Vec2::new(2.0 * GRID, 2.0 * GRID));
+    let builder = UiBuilder::new()
+        .max_rect(inside)
+        .layout(Layout::top_down(Align::Min));
+    let mut inner = ui.new_child(builder);
+    if narrow {
+        icon(&mut inner, step, standing);
+    } else {
+        words(&mut inner, &title, standing);
+    }
+    response
+        .on_hover_text(format!(
+            "{title}\n{}: {}",
+            standing.progress.words(),
+            standing.line
+        ))
+        .clicked()
+}
+
+fn words(ui: &mut Ui, title: &str, standing: &PhaseStatus) {
+    let palette = theme::of(ui);
+    ui.spacing_mut().item_spacing = Vec2::new(1.5 * GRID, 0.5 * GRID);
+    ui.horizontal(|ui| {
+        let icon = standing.progress.icon().rich_text().size(16.0);
+        ui.label(icon.color(palette.progress(standing.progress)));
+        ui.label(RichText::new(title).font(theme::strong(13.0)));
+    });
+    let line = RichText::new(&standing.line).small().color(palette.muted);
+    ui.add(egui::Label::new(line).wrap());
+}
+
+fn icon(ui: &mut Ui, step: Phase, standing: &PhaseStatus) {
+    let colour = theme::of(ui).progress(standing.progress);
+    ui.vertical_centered(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
+        ui.label(
+            standing
+                .progress
+                .icon()
+                .rich_text()
+                .size(18.0)
+                .color(colour),
+        );
+        ui.label(RichText::new(step.number().to_string()).font(theme::strong(13.0)));
+    });
+}

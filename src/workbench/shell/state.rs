@@ -1,0 +1,36 @@
+//! The model with what screens and views remember.
+
+use crate::model::command::Outbox;
+use crate::model::{Model, Options};
+use crate::screens::PanelStates;
+use crate::views::ViewStates;
+use crate::views::plots::Panes;
+
+/// Everything the window has.
+pub struct State {
+    /// Everything it knows.
+    pub model: Model,
+    /// Commands that were given in this frame.
+    pub outbox: Outbox,
+    /// What the panels remember.
+    pub panels: PanelStates,
+    /// What the views remember.
+    pub views: ViewStates,
+}
+
+impl State {
+    /// The state at the start of the program.
+    #[must_use]
+    pub fn new(context: &egui::Context, options: Options) -> Self {
+        let model = Model::new(context, options);
+        Self {
+            views: ViewStates {
+                plots: Panes::of(&model.preferences.plots),
+                ..ViewStates::default()
+            },
+            panels: PanelStates::default(),
+            outbox: Outbox::default(),
+            model,
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The bar at the bottom: running work and the last message.
+
+use egui::{Align, Layout, ProgressBar, RichText, Ui};
+use egui_material_icons::icons;
+use tautline_link::Activity;
+
+use super::state::State;
+use crate::model::command::{RobotCommand, Setup, ViewCommand};
+use crate::model::messages::Severity;
+use crate::screens::measuring::controller::lost_words;
+use crate::theme;
+use crate::widgets::{icon_only, muted};
+use tautline_workflow::controllers::Kind;
+
+/// Draws the bar.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    ui.horizontal(|ui| {
+        last_message(ui, state);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            controller(ui, state);
+            work(ui, state);
+        });
+    });
+}
+
+fn last_message(ui: &mut Ui, state: &mut State) {
+    if icon_only(ui, icons::ICON_LIST, "Show the log", true).clicked() {
+        state.outbox.send(ViewCommand::Log(true));
+    }
+    let palette = theme::of(ui);
+    let Some(message) = state.model.messages.last() else {
+        muted(ui, "Ready");
+        return;
+    };
+    let (icon, colour) = match message.severity {
+        Severity::Info => (icons::ICON_INFO, palette.muted),
+        Severity::Warning => (icons::ICON_WARNING, palette.warning),
+        Severity::Error => (icons::ICON_ERROR, palette.bad),
+    };
+    ui.label(icon.rich_text().size(16.0).color(colour));
+    let width = ui.available_width() - 320.0;
+    ui.scope(|ui| {
+        ui.set_max_width(width.max(200.0));
+        ui.add(egui::Label::new(&message.text).truncate())
+            .on_hover_text(&message.text);
+    });
+}
+
+/// The controller in words; a robot that moves can be stopped from everywhere.
+fn controller(ui: &mut Ui, state: &mut State) {
+    let live = state.model.link.live();
+    let palette = theme::of(ui);
+    if let Some(lost) = &live.lost {
+        let words = lost_words(lost);
+        return chip(ui, state, (words.trim_end_matches('.'), palette.bad));
+    }
+    let Some(controller) = live.state else {
+        if state.model.open.is_some() {
+            let words = match state.model.link.connecting {
+                true => "connecting…",
+                false => "not connected",
+            };
+            chip(ui, state, (words, palette.muted));
+        }
+        return;
+    };
+    let moving = controller.activity == Activity::Moving;
+    if (moving || state.model.link.is_busy())
+        && icon_only(ui, icons::ICON_STOP_CIRCLE, "Stop the robot", true).clicked()
+    {
+        state.outbox.send(RobotCommand::Stop);
+    }
+    let (words, colour) = match (&controller.activity, controller.armed) {
+        (Activity::Fault(_), _) => ("fault", palette.bad),
+        (Activity::Moving, _) => ("moving", palette.warning),
+        (_, true) => ("armed", palette.warning),
+        (_, false) => ("not armed", palette.muted),
+    };
+    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
+    // A recording must never look like a robot.
+    let words = match (kind, words) {
+        (Some(Kind::Recording), _) => "recording, no robot".to_owned(),
+        (Some(Kind::OfDescription), words) => format!("simulated, {words}"),
+        (_, words) => words.to_owned(),
+    };
+    chip(ui, state, (&words, colour));
+}
+
+/// What the controller is and does; a click opens the window that connects.
+fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) {
+    let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
+    if state.model.link.connected.is_some() {
+        ui.label(RichText::new(words).small().color(colour));
+        let identity = RichText::new(&state.model.link.identity).small();
+        ui.add(egui::Label::new(identity).truncate());
+        ui.label(icon.size(16.0).color(colour));
+        return;
+    }
+    let text = RichText::new(words).small().color(colour);
+    let button = egui::Button::new((icon.size(16.0).color(colour), text));
+    let name = format!("Controller: {words}");
+    let response = ui.add(button.frame_when_inactive(false));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    if response.on_hover_text("Connect…").clicked() {
+        state.outbox.send(RobotCommand::Setup(Setup::Open));
+    }
+}
+
+fn work(ui: &mut Ui, state: &mut State) {
+    let Some(task) = state.model.tasks.running().first() else {
+        return;
+    };
+    let progress = task.progress();
+    if icon_only(
+        ui,
+        icons::ICON_CLOSE,
+        &format!("Cancel: {}", task.title),
+        true,
+    )
+    .clicked()
+    {
+        task.cancel();
+    }
+    match progress.fraction {
+        Some(fraction) => {
+            ui.add(ProgressBar::new(fraction).desired_width(120.0));
+        }
+        None => {
+            ui.spinner();
+        }
+    }
+    let text = if progress.text.is_empty() {
+        task.title.clone()
+    } else {
+        format!("{}: {}", task.title, progress.text)
+    };
+    ui.add(egui::Label::new(RichText::new(text).small()).truncate());
+}

@@ -1,0 +1,139 @@
+//! The bar at the top: menus, name of the session, undo and redo.
+
+use egui::{MenuBar, Ui};
+use egui_material_icons::icons;
+
+use super::menu::{self, Item, Menu};
+use super::state::State;
+use crate::model::command::{Command, ViewCommand};
+use crate::theme;
+use crate::widgets::{icon_only, muted};
+
+/// Height of a line of a menu with the space below it (points).
+const LINE: f32 = 32.0;
+
+/// Gives the commands whose keys were pressed.
+pub fn shortcuts(ui: &Ui, state: &mut State) {
+    let mut items = menu::items(state);
+    // Keys without Shift also match with it: those that need it come first.
+    items.sort_by_key(|item| item.shortcut.is_none_or(|keys| !keys.modifiers.shift));
+    for item in items {
+        let Some(shortcut) = item.shortcut else {
+            continue;
+        };
+        // What cannot be done now is left to the field that is typed in, but never to the same keys without Shift.
+        if !item.enabled && !shortcut.modifiers.shift {
+            continue;
+        }
+        let is_pressed = ui.input_mut(|input| input.consume_shortcut(&shortcut));
+        if is_pressed && item.enabled {
+            state.outbox.send(item.command);
+        }
+    }
+}
+
+/// Draws the bar.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let items = menu::items(state);
+    MenuBar::new().ui(ui, |ui| {
+        for menu in Menu::ALL {
+            ui.menu_button(menu.title(), |ui| {
+                lines(ui, state, (menu, &items));
+            });
+        }
+        ui.separator();
+        title(ui, state);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            right(ui, state);
+        });
+    });
+}
+
+/// The lines of a menu; those of a long one are scrolled in a low window.
+fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
+    let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
+    let room = ui.ctx().content_rect().height() - 56.0;
+    let mut add = |ui: &mut Ui| own.iter().for_each(|item| line(ui, state, item));
+    if own.len() as f32 * LINE > room {
+        egui::ScrollArea::vertical()
+            .max_height(room)
+            .show(ui, |ui| add(ui));
+    } else {
+        add(ui);
+    }
+}
+
+fn line(ui: &mut Ui, state: &mut State, item: &Item) {
+    let mut button = egui::Button::new(&item.title);
+    if let Some(shortcut) = item.shortcut {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
+    }
+    if ui.add_enabled(item.enabled, button).clicked() {
+        state.outbox.send(item.command.clone());
+        ui.close();
+    }
+}
+
+fn title(ui: &mut Ui, state: &State) {
+    let Some(open) = &state.model.open else {
+        return;
+    };
+    ui.label(egui::RichText::new(&open.session().name).font(theme::strong(13.0)));
+    if open.is_unsaved() {
+        muted(ui, "not saved");
+    }
+}
+
+fn right(ui: &mut Ui, state: &mut State) {
+    if icon_only(ui, icons::ICON_SEARCH, "Command palette", true).clicked() {
+        state.outbox.send(ViewCommand::Palette(true));
+    }
+    let dark = ui.theme() == egui::Theme::Dark;
+    let (icon, name, theme) = if dark {
+        (
+            icons::ICON_LIGHT_MODE,
+            "Switch to the light theme",
+            egui::ThemePreference::Light,
+        )
+    } else {
+        (
+            icons::ICON_DARK_MODE,
+            "Switch to the dark theme",
+            egui::ThemePreference::Dark,
+        )
+    };
+    if icon_only(ui, icon, name, true).clicked() {
+        state.outbox.send(ViewCommand::Theme(theme));
+    }
+    let history = state
+        .model
+        .open
+        .as_ref()
+        .map(crate::model::OpenSession::history);
+    let redo = history
+        .and_then(|history| history.next_redo())
+        .map(|name| format!("Redo: {name}"));
+    let undo = history
+        .and_then(|history| history.next_undo())
+        .map(|name| format!("Undo: {name}"));
+    if icon_only(
+        ui,
+        icons::ICON_REDO,
+        redo.as_deref().unwrap_or("Redo"),
+        redo.is_some(),
+    )
+    .clicked()
+    {
+        state.outbox.send(Command::Redo);
+    }
+    if icon_only(
+        ui,
+        icons::ICON_UNDO,
+        undo.as_deref().unwrap_or("Undo"),
+        undo.is_some(),
+    )
+    .clicked()
+    {
+        state.outbox.send(Command::Undo);
+    }
+}

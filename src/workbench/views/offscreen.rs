@@ -1,0 +1,228 @@
+//! Pictures without a window: for reports and tests, through EGL.
+#![expect(
+    unsafe_code,
+    reason = "glutin marks everything that talks to a driver as unsafe"
+)]
+
+use std::sync::Arc;
+
+use eframe::egui_glow::Painter;
+use eframe::glow;
+use egui::{FullOutput, TexturesDelta, Theme};
+use glutin::api::egl::context::PossiblyCurrentContext;
+use glutin::api::egl::device::Device;
+use glutin::api::egl::display::Display;
+use glutin::config::{Api, ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{ContextApi, ContextAttributesBuilder, Version};
+use glutin::prelude::*;
+use image::RgbaImage;
+
+use super::robot_3d::camera::Camera;
+use super::robot_3d::drawing::{Drawing, Options};
+use super::robot_3d::picking::Picture;
+use super::robot_3d::scene::Scene;
+use super::robot_3d::{Canvas, paint_picture};
+use crate::model::Selection;
+use crate::theme;
+
+/// Why there is no picture.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum OffscreenError {
+    /// No driver.
+    #[error(
+        "no picture can be drawn without a window, because there is no OpenGL by way of EGL: {0}"
+    )]
+    NoGl(String),
+    /// The driver refused.
+    #[error("the picture could not be drawn: {0}")]
+    Refused(String),
+}
+
+/// OpenGL without a window.
+pub struct HeadlessGl {
+    gl: Arc<glow::Context>,
+    context: PossiblyCurrentContext,
+    _display: Display,
+}
+
+impl HeadlessGl {
+    /// OpenGL on the first device that has it.
+    ///
+    /// # Errors
+    /// If no device has it.
+    pub fn new() -> Result<Self, OffscreenError> {
+        let devices =
+            Device::query_devices().map_err(|error| OffscreenError::NoGl(error.to_string()))?;
+        let mut last = "there is no device".to_owned();
+        for device in devices {
+            match Self::on(&device) {
+                Ok(gl) => return Ok(gl),
+                Err(error) => last = error.to_string(),
+            }
+        }
+        Err(OffscreenError::NoGl(last))
+    }
+
+    fn on(device: &Device) -> Result<Self, glutin::error::Error> {
+        let template = ConfigTemplateBuilder::new()
+            .with_api(Api::OPENGL)
+            .with_surface_type(ConfigSurfaceTypes::empty())
+            .build();
+        let attributes = ContextAttributesBuilder::new()
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
+            .build(None);
+        // SAFETY: the device comes from the query, no native handle is passed, and the display outlives the context:
+        // both are kept together.
+        unsafe {
+            let display = Display::with_device(device, None)?;
+            let config = display
+                .find_configs(template)?
+                .next()
+                .ok_or(glutin::error::ErrorKind::BadConfig)?;
+            let context = display.create_context(&config, &attributes)?;
+            let context = context.make_current_surfaceless()?;
+            let load = |name: &std::ffi::CStr| display.get_proc_address(name);
+            Ok(Self {
+                gl: Arc::new(glow::Context::from_loader_function_cstr(load)),
+                context,
+                _display: display,
+            })
+        }
+    }
+
+    /// The functions of OpenGL; they work on the thread on which [`Self::make_current`] was called last.
+    #[must_use]
+    pub fn gl(&self) -> &Arc<glow::Context> {
+        &self.gl
+    }
+
+    /// Makes this the context of the present thread.
+    ///
+    /// # Errors
+    /// If the driver refuses.
+    pub fn make_current(&self) -> Result<(), OffscreenError> {
+        self.context
+            .make_current_surfaceless()
+            .map_err(|error| OffscreenError::Refused(error.to_string()))
+    }
+}
+
+/// Paints what egui has drawn, with its 3D parts, without a window.
+pub struct OffscreenPainter {
+    painter: Painter,
+    headless: HeadlessGl,
+}
+
+impl OffscreenPainter {
+    /// A painter.
+    ///
+    /// # Errors
+    /// If there is no OpenGL.
+    pub fn new() -> Result<Self, OffscreenError> {
+        let headless = HeadlessGl::new()?;
+        let painter = Painter::new(Arc::clone(headless.gl()), "", None, false)
+            .map_err(|error| OffscreenError::Refused(error.to_string()))?;
+        Ok(Self { painter, headless })
+    }
+
+    /// The OpenGL that it paints with.
+    #[must_use]
+    pub fn headless(&self) -> &HeadlessGl {
+        &self.headless
+    }
+
+    /// Takes fonts and pictures that egui wants to be kept.
+    ///
+    /// # Errors
+    /// If the driver refuses.
+    pub fn take_textures(&mut self, delta: &mut TexturesDelta) -> Result<(), OffscreenError> {
+        self.headless.make_current()?;
+        for (id, images) in delta.set.drain() {
+            for image in images {
+                self.painter.set_texture(id, &image);
+            }
+        }
+        for id in delta.free.drain() {
+            self.painter.free_texture(id);
+        }
+        Ok(())
+    }
+
+    /// The picture of a frame.
+    ///
+    /// # Errors
+    /// If the driver refuses.
+    pub fn picture(
+        &mut self,
+        context: &egui::Context,
+        output: &FullOutput,
+    ) -> Result<RgbaImage, OffscreenError> {
+        self.headless.make_current()?;
+        let scale = context.pixels_per_point();
+        let size = context.content_rect().size() * scale;
+        let size = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
+        let primitives = context.tessellate(output.shapes.clone(), scale);
+        let painter = &mut self.painter;
+        paint_picture(self.headless.gl(), size, || {
+            painter.clear(size, [0.0, 0.0, 0.0, 1.0]);
+            painter.paint_primitives(size, scale, &primitives);
+        })
+        .map_err(OffscreenError::Refused)
+    }
+}
+
+impl Drop for OffscreenPainter {
+    fn drop(&mut self) {
+        if self.headless.make_current().is_ok() {
+            self.painter.destroy();
+        }
+    }
+}
+
+/// The picture of a scene as the view draws it, numbers and legends included: `size` points large, with `scale` pixels for
+/// each.
+///
+/// # Errors
+/// If there is no OpenGL or it refuses.
+pub fn render_scene(
+    scene: &Scene,
+    options: &Options,
+    camera: &Camera,
+    (size, scale): ([u32; 2], f32),
+    theme: Theme,
+) -> Result<RgbaImage, OffscreenError> {
+    let mut painter = OffscreenPainter::new()?;
+    let context = egui::Context::default();
+    theme::install(&context);
+    context.set_theme(theme);
+    let side = |side: u32| side.max(1) as f32;
+    let rect =
+        egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side(size[0]), side(size[1])));
+    let mut input = egui::RawInput {
+        screen_rect: Some(rect),
+        ..Default::default()
+    };
+    if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
+        viewport.native_pixels_per_point = Some(scale);
+    }
+    let canvas = Canvas::default();
+    let selection = Selection::default();
+    let drawing = Arc::new(Drawing::new(scene, options, selection, theme));
+    let picture = Picture {
+        scene,
+        options,
+        camera,
+        size: [rect.width(), rect.height()].map(f64::from),
+    };
+    // Fonts are laid out in the first pass and known in the second.
+    let mut output = FullOutput::default();
+    for _ in 0..2 {
+        output = context.run_ui(input.clone(), |ui| {
+            canvas.paint(ui, rect, &drawing, (1, false), &picture, selection);
+        });
+        painter.take_textures(&mut output.textures_delta)?;
+    }
+    let image = painter.picture(&context, &output);
+    canvas.destroy();
+    image
+}

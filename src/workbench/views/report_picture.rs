@@ -1,0 +1,52 @@
+//! The picture of the robot on the first page.
+
+use std::collections::BTreeSet;
+use std::io::Cursor;
+
+use egui::Theme;
+use tautline_session::Session;
+
+use super::offscreen::render_scene;
+use super::robot_3d::camera::{Camera, StandardView};
+use super::robot_3d::drawing::Options;
+use super::robot_3d::scene::Subject;
+use tautline_workflow::identification::Fit;
+
+/// Width and height (points of the screen).
+const SIZE: [u32; 2] = [840, 560];
+/// Pixels for each.
+const SCALE: f32 = 2.0;
+
+/// The robot with its cables as PNG; with an identification also how far the pulleys are from the drawing. Coordinates
+/// of the pulleys in `pinned` are written beside them.
+///
+/// # Errors
+/// One sentence, if there is no OpenGL.
+pub fn report_picture(
+    session: &Session,
+    fit: Option<&Fit>,
+    pinned: &BTreeSet<usize>,
+) -> Result<Vec<u8>, String> {
+    let subject = Subject {
+        fit,
+        ..Subject::new(&session.robot, &session.measurements)
+    };
+    let scene = subject.scene();
+    let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
+    let options = Options {
+        pinned: pinned.clone(),
+        ..Options::default()
+    };
+    let mut extent = scene.extent();
+    extent.extend(options.tips(&scene));
+    let camera = Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
+    let image = render_scene(&scene, &options, &camera, (SIZE, SCALE), Theme::Light)
+        .map_err(|error| error.to_string())?;
+    let mut png = Cursor::new(Vec::new());
+    // Paper has no transparency.
+    image::DynamicImage::ImageRgba8(image)
+        .to_rgb8()
+        .write_to(&mut png, image::ImageFormat::Png)
+        .map_err(|error| error.to_string())?;
+    Ok(png.into_inner())
+}
