@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_session::Method;
+use tautline_workflow::BadInput;
+use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
+use tautline_workflow::identification::Identification;
 
-use super::output::{is_readable, write_json};
-use super::{BadInput, input};
+use crate::input;
+use crate::output::{is_readable, write_json};
 pub use document::ComparisonDocument;
-use tautline_workflow::comparison::{LEVEL, compare_fits, identify_to_compare};
-use tautline_workflow::identification::Fit;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -42,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         identified(&arguments.first)?,
         identified(&arguments.second)?,
     );
-    let compared = compare_fits([&first, &second], level).map_err(BadInput::new)?;
+    let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
     let document = ComparisonDocument::of(&compared);
     if let Some(path) = &arguments.json {
         write_json(path, &tautline_session::document(&document))?;
@@ -53,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn identified(path: &Path) -> Result<Fit> {
+fn identified(path: &Path) -> Result<Identification> {
     let session = input::session(path)?;
     if session.settings.identification.method == Method::Published {
         eprintln!(

@@ -3,14 +3,16 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_core::effect::measurements_as_modelled;
-use tautline_core::estimation::{Geometry, Poses, Problem};
+use tautline_core::estimation::{Control, Geometry, Method, Poses};
 use tautline_core::measurement::Dataset;
-use tautline_session::{read_dataset, read_robot};
+use tautline_session::read_robot;
+use tautline_workflow::BadInput;
+use tautline_workflow::identification::{IdentificationRequest, identify};
 
-use super::BadInput;
-use super::fitted::{Fitted, print_report};
-use super::output::{is_readable, write_json};
+use crate::identify::print;
+use crate::input;
+use crate::not_converged::NotConverged;
+use crate::output::{is_readable, write_json};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -29,37 +31,37 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let folder = read_dataset(&arguments.dataset)?;
-    let model = read_robot(&arguments.model)?;
-    for notice in folder.notices.iter().chain(&model.notices) {
-        eprintln!("{notice}");
-    }
-    let cables = folder.dataset.robot.cable_count();
-    if model.value.cable_count() != cables {
+    let measured = input::dataset(&arguments.dataset)?;
+    let model = input::noticed(read_robot(&arguments.model)?);
+    let cables = measured.robot.cable_count();
+    if model.cable_count() != cables {
         return Err(BadInput::new(format!(
             "{}: found {} cables, expected the {cables} of the dataset",
             arguments.model.display(),
-            model.value.cable_count()
+            model.cable_count()
         )));
     }
-    let modelled = measurements_as_modelled(&model.value, &folder.dataset.measurements);
-    let measurements = modelled.map_err(BadInput::new)?.into_owned();
+    let drawing = measured.robot;
     let dataset = Dataset {
-        robot: model.value,
-        measurements,
+        robot: model,
+        measurements: measured.measurements,
     };
-    let mut problem = Problem::new(&dataset).map_err(BadInput::new)?;
-    problem.geometry = Geometry::Held;
+    let request = IdentificationRequest::new(dataset, Method::Joint, &[]);
+    let mut request = request.map_err(BadInput::new)?;
+    request.options.geometry = Geometry::Held;
     if arguments.poses_held {
-        problem.poses = Poses::HeldAtTracker;
+        request.options.poses = Poses::HeldAtTracker;
     }
-    let fitted = Fitted::solve(&problem, 1)?.compared_with(&folder.dataset.robot);
-    let identification = fitted.identification();
+    let fitted = identify(&request, &mut |_| Control::Continue).map_err(BadInput::new)?;
+    let document = fitted
+        .refuse_extrapolation()
+        .map_err(BadInput::new)?
+        .document();
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&identification))?;
+        write_json(path, &tautline_session::document(&document))?;
     }
     if is_readable(arguments.json.as_deref()) {
-        print_report(&fitted, &identification);
+        print(&document, &drawing);
     }
-    Ok(())
+    NotConverged::check(document.converged)
 }

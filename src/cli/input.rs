@@ -1,27 +1,34 @@
-//! What commands read.
+//! What commands read; notices about it go to standard error.
 
 use std::path::Path;
 
 use anyhow::Result;
-use tautline_core::effect::measurements_as_modelled;
 use tautline_core::measurement::Dataset;
-use tautline_session::{Session, import, read_dataset};
-
-use super::BadInput;
-use tautline_workflow::clock;
+use tautline_core::robot::Robot;
+use tautline_core::robot::presets::{self, Preset};
+use tautline_session::{Loaded, Session, import, read_dataset, read_robot};
 use tautline_workflow::comparison::as_session;
+use tautline_workflow::{BadInput, clock};
 
-/// Reads a session, or begins one with a robot or a dataset folder; prints notices.
+/// What was read, its notices printed.
+pub fn noticed<T>(read: Loaded<T>) -> T {
+    for notice in &read.notices {
+        eprintln!("{notice}");
+    }
+    read.value
+}
+
+/// Reads a session, or begins one with a robot or a dataset folder.
 pub fn session(path: &Path) -> Result<Session> {
-    let read = import(path, None)?;
-    let (session, notices) = as_session(path, read.value, clock::now()).map_err(BadInput::new)?;
-    for notice in read.notices.iter().chain(&notices) {
+    let imported = noticed(import(path, None)?);
+    let (session, notices) = as_session(path, imported, clock::now()).map_err(BadInput::new)?;
+    for notice in &notices {
         eprintln!("{notice}");
     }
     Ok(session)
 }
 
-/// Reads a dataset folder and prints its notices.
+/// Reads a dataset folder.
 pub fn dataset(folder: &Path) -> Result<Dataset> {
     let read = read_dataset(folder)?;
     for notice in &read.notices {
@@ -30,15 +37,30 @@ pub fn dataset(folder: &Path) -> Result<Dataset> {
     Ok(read.dataset)
 }
 
-/// The same with the readings on the channels on which the robot's model has them.
-pub fn as_modelled(dataset: Dataset) -> Result<Dataset> {
-    let Dataset {
-        robot,
-        measurements,
-    } = dataset;
-    let modelled = measurements_as_modelled(&robot, &measurements).map_err(BadInput::new)?;
-    Ok(Dataset {
-        measurements: modelled.into_owned(),
-        robot,
+/// A robot that an argument names.
+pub struct RobotSource {
+    /// The robot.
+    pub robot: Robot,
+    /// The preset that it is, if it is none of a file.
+    pub preset: Option<Preset>,
+}
+
+/// The preset of this name, or the robot of this file.
+pub fn robot(name: &str) -> Result<RobotSource> {
+    if let Some(preset) = presets::find(name) {
+        return Ok(RobotSource {
+            robot: preset.robot.clone(),
+            preset: Some(preset),
+        });
+    }
+    let path = Path::new(name);
+    if !path.exists() {
+        let presets = presets::NAMES.join(", ");
+        let message = format!("--robot: found \"{name}\", expected a file or one of {presets}");
+        return Err(BadInput::new(message));
+    }
+    Ok(RobotSource {
+        robot: noticed(read_robot(path)?),
+        preset: None,
     })
 }

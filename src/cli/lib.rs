@@ -4,17 +4,18 @@ mod accuracy;
 mod adjust;
 mod compare;
 mod diagnose;
+mod effect_arguments;
 mod effects;
 mod evaluate;
-mod fitted;
 mod identify;
 mod input;
 mod live;
 mod measure;
+mod method;
+mod not_converged;
 mod output;
 mod plan;
 mod precalibrate;
-mod published;
 mod report;
 mod schemas;
 mod simulate;
@@ -28,7 +29,9 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tautline_session::{ReadError, Session};
 use tautline_workflow::BadInput;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
+
+use not_converged::NotConverged;
 
 /// Calibrate cable-driven parallel robots.
 #[derive(Debug, Parser)]
@@ -106,7 +109,7 @@ pub struct Window {
     /// Opens the window and returns once it is closed.
     pub open: fn(WindowOptions) -> anyhow::Result<()>,
     /// Draws the robot for a report (PNG).
-    pub picture: fn(&Session, Option<&Fit>) -> Result<Vec<u8>, String>,
+    pub picture: fn(&Session, Option<&Identification>) -> Result<Vec<u8>, String>,
 }
 
 /// Runs the command line.
@@ -160,8 +163,13 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else {
         return ExitCode::SUCCESS;
     };
-    let bad_input = error.is::<ReadError>() || error.is::<BadInput>();
     let message = format!("{error:#}");
     eprintln!("{}", message.replace('\n', " "));
-    ExitCode::from(if bad_input { 2 } else { 1 })
+    ExitCode::from(if error.is::<ReadError>() || error.is::<BadInput>() {
+        2
+    } else if error.is::<NotConverged>() {
+        not_converged::EXIT_CODE
+    } else {
+        1
+    })
 }

@@ -6,15 +6,13 @@ mod report;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use tautline_core::effect::{BoundEffect, EffectRequest};
 use tautline_core::estimation::Control;
 use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
-use tautline_core::robot::{Robot, presets};
-use tautline_session::read_robot;
+use tautline_workflow::BadInput;
 
-use super::BadInput;
-use super::output::{is_readable, write_json};
-use crate::output::say;
+use crate::effect_arguments::FreedEffects;
+use crate::input::{self, RobotSource};
+use crate::output::{is_readable, say, write_json};
 pub use document::PlanDocument;
 
 #[derive(Debug, clap::Args)]
@@ -31,9 +29,8 @@ pub struct Arguments {
     /// Seed of the poses drawn
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Effects that are to be estimated as well, as with identify
-    #[arg(long, value_name = "ID[:CABLE][:K=V],..", value_delimiter = ',')]
-    effects: Vec<String>,
+    #[command(flatten)]
+    effects: FreedEffects,
     /// Write the poses in the order of measurement
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
@@ -43,12 +40,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let preset = presets::find(&arguments.robot);
-    let robot = match &preset {
-        Some(preset) => preset.robot.clone(),
-        None => robot_from_file(&arguments.robot)?,
-    };
-    let effects = bound_effects(arguments, &robot)?;
+    let RobotSource { robot, preset } = input::robot(&arguments.robot)?;
+    let effects = arguments.effects.bind(&robot)?;
     let options = PlanOptions {
         candidates: arguments.candidates,
         workspace: preset.as_ref().map(|p| p.workspace),
@@ -75,30 +68,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn robot_from_file(name: &str) -> Result<Robot> {
-    let path = Path::new(name);
-    if !path.exists() {
-        let presets = presets::NAMES.join(", ");
-        let message = format!("found \"{name}\", expected a file or one of {presets}");
-        return Err(BadInput::new(message));
-    }
-    let read = read_robot(path)?;
-    for notice in &read.notices {
-        eprintln!("{notice}");
-    }
-    Ok(read.value)
-}
-
-fn bound_effects(arguments: &Arguments, robot: &Robot) -> Result<Vec<BoundEffect>> {
-    let mut bound = Vec::new();
-    for text in &arguments.effects {
-        let request = EffectRequest::parse(text);
-        let effects = request.bind(robot);
-        bound.extend(effects.map_err(|e| BadInput::new(format!("--effects: {e}")))?);
-    }
-    Ok(bound)
 }
 
 /// `pose,x_m,y_m,z_m,qw,qx,qy,qz`.

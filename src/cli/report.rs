@@ -2,20 +2,16 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use anyhow::Result;
-use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
 use tautline_core::estimation::Control;
-use tautline_session::Session;
-
-use super::diagnose::Shown;
-use super::{BadInput, Window, input};
-use tautline_workflow::clock;
-use tautline_workflow::comparison::identify;
-use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::diagnosis::dataset_to_diagnose;
+use tautline_workflow::identification::identify_session;
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat, ReportInput, write_report};
+use tautline_workflow::{BadInput, clock};
+
+use crate::diagnose::diagnose_with_progress;
+use crate::{Window, input};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -77,10 +73,13 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     let (fit, diagnosis) = if session.measurements.is_empty() {
         (None, None)
     } else {
-        let fit = identify(&session, &mut |_| Control::Continue)
-            .map_err(|error| BadInput::new(format!("{}: {error}", arguments.subject.display())))?;
-        let diagnosis = examine(&session, &fit)
-            .map_err(|error| error.context(arguments.subject.display().to_string()))?;
+        let place = arguments.subject.display();
+        let fit = identify_session(&session, &mut |_| Control::Continue)
+            .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
+        let dataset = Arc::new(dataset_to_diagnose(&session, &fit));
+        let alpha = session.settings.diagnosis.alpha;
+        let diagnosis = diagnose_with_progress(dataset, alpha)
+            .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
         (Some(fit), Some(diagnosis))
     };
     let picture = (window.picture)(&session, fit.as_ref());
@@ -98,26 +97,4 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     };
     write_report(&arguments.out, &input)?;
     Ok(())
-}
-
-/// Diagnoses the model with the effects that the session has added to it, at the values that were identified.
-fn examine(session: &Session, fit: &Fit) -> Result<Diagnosed> {
-    let alpha = session.settings.diagnosis.alpha;
-    let options = DiagnosisOptions {
-        alpha,
-        ..DiagnosisOptions::default()
-    };
-    let mut dataset = session.dataset();
-    dataset.robot.effects.clone_from(&fit.model.effects);
-    let started = Instant::now();
-    let mut shown = Shown::start();
-    let diagnosis = diagnose(&dataset, &options, &mut |progress| shown.tell(*progress))
-        .map_err(BadInput::new)?;
-    drop(shown);
-    Ok(Diagnosed {
-        dataset: Arc::new(dataset),
-        diagnosis,
-        alpha,
-        seconds: started.elapsed().as_secs_f64(),
-    })
 }

@@ -14,12 +14,12 @@ use super::verify::VerificationDocument;
 use crate::output::say;
 use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
-use tautline_workflow::documents::identification::Identification;
+use tautline_workflow::identification::IdentificationDocument;
 
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
     let mut schemas = tautline_session::schemas();
-    schemas.push(tautline_session::document_schema::<Identification>());
+    schemas.push(tautline_session::document_schema::<IdentificationDocument>());
     schemas.push(tautline_session::document_schema::<DiagnosisDocument>());
     schemas.push(tautline_session::document_schema::<Accuracy>());
     schemas.push(tautline_session::document_schema::<Precalibration>());

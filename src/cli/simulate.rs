@@ -1,14 +1,14 @@
 //! `tautline simulate`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_core::effect::{BoundEffect, EffectSetting};
-use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationError, SimulationOptions, TrueGeometry, simulate};
-use tautline_session::{PhaseData, read_robot, write_dataset, write_robot};
+use tautline_session::{PhaseData, write_dataset, write_robot};
+use tautline_workflow::BadInput;
 
-use super::BadInput;
+use crate::effect_arguments::HiddenEffects;
+use crate::input::{self, RobotSource};
 use crate::output::say;
 
 #[derive(Debug, clap::Args)]
@@ -22,9 +22,8 @@ pub struct Arguments {
     /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Hide an effect in the data; may be repeated
-    #[arg(long = "effect", value_name = "ID[:CABLE][:k=v,...]")]
-    effects: Vec<String>,
+    #[command(flatten)]
+    effects: HiddenEffects,
     /// True entry points: measured (of the preset), drawn from the priors, or nominal
     #[arg(long, value_enum)]
     truth: Option<Truth>,
@@ -44,11 +43,7 @@ enum Truth {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let preset = presets::find(&arguments.robot);
-    let robot = match &preset {
-        Some(preset) => preset.robot.clone(),
-        None => robot_from_file(&arguments.robot)?,
-    };
+    let RobotSource { robot, preset } = input::robot(&arguments.robot)?;
     let measured = preset
         .as_ref()
         .and_then(|p| p.measured_entry_points_m.clone());
@@ -61,14 +56,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (Some(Truth::Nominal), _) => TrueGeometry::Nominal,
         _ => TrueGeometry::Drawn,
     };
-    let effects: Result<Vec<_>> = arguments
-        .effects
-        .iter()
-        .map(|e| parse_effect(e, &robot))
-        .collect();
     let options = SimulationOptions {
         geometry,
-        effects: effects?,
+        effects: arguments.effects.settings(&robot)?,
         noise: !arguments.no_noise,
         workspace: preset.as_ref().map(|p| p.workspace),
         tension: preset.as_ref().map(|p| p.tension),
@@ -93,44 +83,4 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say!("assumed, not published: {}", preset.assumed);
     }
     Ok(())
-}
-
-/// The robot of a file, or what else could be named.
-pub fn robot_from_file(name: &str) -> Result<Robot> {
-    let path = Path::new(name);
-    if !path.exists() {
-        let presets = presets::NAMES.join(", ");
-        let message = format!("--robot: found \"{name}\", expected a file or one of {presets}");
-        return Err(BadInput::new(message));
-    }
-    Ok(read_robot(path)?.value)
-}
-
-/// `ID[:CABLE][:k=v,...]`.
-pub fn parse_effect(text: &str, robot: &Robot) -> Result<EffectSetting> {
-    let mut parts = text.split(':');
-    let mut setting = EffectSetting {
-        effect: parts.next().unwrap_or_default().to_owned(),
-        targets: Vec::new(),
-        parameters: std::collections::BTreeMap::new(),
-    };
-    for part in parts {
-        if !part.contains('=') {
-            setting.targets.push(part.to_owned());
-            continue;
-        }
-        for pair in part.split(',') {
-            let value = pair
-                .split_once('=')
-                .and_then(|(k, v)| Some((k, v.parse::<f64>().ok()?)));
-            let Some((name, value)) = value.filter(|(_, v)| v.is_finite()) else {
-                let message = format!("--effect {text}: found \"{pair}\", expected NAME=NUMBER");
-                return Err(BadInput::new(message));
-            };
-            setting.parameters.insert(name.to_owned(), value);
-        }
-    }
-    let bound = BoundEffect::from_setting(&setting, robot)
-        .map_err(|error| BadInput::new(format!("--effect {text}: {error}")))?;
-    Ok(bound.setting(robot))
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_session::AdsMapping;
 
-use super::measure::robot;
-use super::output::write_json;
+use crate::input;
+use crate::output::write_json;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -19,6 +19,6 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mapping = AdsMapping::default_for(&robot(&arguments.robot)?);
+    let mapping = AdsMapping::default_for(&input::robot(&arguments.robot)?.robot);
     write_json(&arguments.out, &tautline_session::document(&mapping))
 }

@@ -7,6 +7,7 @@ mod bad_input;
 pub mod clock;
 pub mod comparison;
 pub mod controllers;
+pub mod diagnosis;
 pub mod documents;
 pub mod fonts;
 pub mod identification;

@@ -2,14 +2,14 @@
 
 use std::collections::HashSet;
 
-use tautline_core::effect::BoundEffect;
-use tautline_core::estimation::{Control, Method};
+use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
 use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
 use tautline_session::{PlannedPose, Session};
 
 use crate::controllers::bounds;
+use crate::identification::IdentificationRequest;
 
 /// Seed of the poses among which is chosen.
 pub const SEED: u64 = 1;
@@ -29,33 +29,26 @@ pub struct Outlook {
     pub way_m: f64,
 }
 
-/// What is planned: the options that depend on the session alone.
+/// Options of a plan for what is to be identified, on top of the raw measurements `existing`.
 fn options<'a>(
-    session: &Session,
-    effects: &'a [BoundEffect],
+    request: &'a IdentificationRequest,
     existing: &'a Measurements,
     (poses, seed): (usize, u64),
 ) -> PlanOptions<'a> {
-    let (workspace, tension) = bounds(&session.robot);
+    let (workspace, tension) = bounds(&request.dataset.robot);
     PlanOptions {
         workspace: Some(workspace),
         tension: Some(tension),
-        effects,
+        effects: &request.effects,
         // Before more poses than the home pose are measured there is nothing to build on.
         existing: (existing.len() > 1).then_some(existing),
-        method: match session.settings.identification.method {
-            tautline_session::Method::Simple => Method::Simple,
-            _ => Method::Joint,
-        },
+        method: request.method,
         ..PlanOptions::new(poses, seed)
     }
 }
 
-fn effects(session: &Session) -> Result<Vec<BoundEffect>, String> {
-    let effects: Result<Vec<BoundEffect>, _> = (session.settings.identification.effects.iter())
-        .map(|setting| BoundEffect::from_setting(setting, &session.robot))
-        .collect();
-    effects.map_err(|error| error.to_string())
+fn request(session: &Session) -> Result<IdentificationRequest, String> {
+    IdentificationRequest::of_session(session).map_err(|error| error.to_string())
 }
 
 /// Chooses so many poses with a seed, after those that are measured already.
@@ -67,10 +60,10 @@ pub fn outlook(
     wanted: (usize, u64),
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Outlook, String> {
-    let effects = effects(session)?;
+    let request = request(session)?;
     let measured = session.dataset().measurements;
-    let options = options(session, &effects, &measured, wanted);
-    let planned = plan(&session.robot, &options, observe);
+    let options = options(&request, &measured, wanted);
+    let planned = plan(&request.dataset.robot, &options, observe);
     let planned = planned.map_err(|error| error.to_string())?;
     Ok(Outlook::of(with_home(session, &planned), &planned))
 }
@@ -97,7 +90,7 @@ pub fn stored(
     session: &Session,
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Outlook, String> {
-    let effects = effects(session)?;
+    let request = request(session)?;
     let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
     let measured = session.dataset().measurements;
     let others: Vec<usize> = (0..measured.len())
@@ -108,8 +101,8 @@ pub fn stored(
         .filter(|pose| pose.label != 0)
         .map(PlannedPose::pose)
         .collect();
-    let options = options(session, &effects, &measured, (poses.len(), SEED));
-    let planned = expect(&session.robot, &poses, &options, observe);
+    let options = options(&request, &measured, (poses.len(), SEED));
+    let planned = expect(&request.dataset.robot, &poses, &options, observe);
     let planned = planned.map_err(|error| error.to_string())?;
     Ok(Outlook::of(session.plan.clone(), &planned))
 }

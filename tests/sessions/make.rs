@@ -11,7 +11,7 @@ use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Document, LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp};
 use tautline_workbench::model::open_session::Diagnosed;
 use tautline_workflow::documents;
-use tautline_workflow::identification::{Fit, FitOrder, fit};
+use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 use tautline_workflow::samples::tables::{bench, home_platform};
 
 use super::recipes::{Hidden, Recipe};
@@ -27,7 +27,7 @@ pub struct Made {
     /// The session.
     pub session: Session,
     /// Its identification.
-    pub fit: Fit,
+    pub fit: Identification,
     /// Its diagnosis, where its recipe has one.
     pub diagnosed: Option<Diagnosed>,
 }
@@ -38,11 +38,11 @@ pub struct Made {
 /// If the recipe is of no possible robot.
 pub fn make(recipe: &Recipe) -> Result<Made> {
     let mut session = measured(recipe)?;
-    let order = FitOrder::of(&session)?;
-    let mut fit = fit(order, &mut |_| Control::Continue)?;
+    let request = IdentificationRequest::of_session(&session)?;
+    let mut fit = identify(&request, &mut |_| Control::Continue)?;
     // No clock runs here: a time that differs would make another file.
     fit.seconds = 0.0;
-    let document = fit.solved().identification();
+    let document = fit.document();
     let poses = session.measurements.len();
     let said = format!("Identified from {poses} poses.");
     let time = after(&session, IDENTIFIED_AFTER_S);

@@ -13,7 +13,7 @@ use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::Live;
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
-use tautline_workflow::identification::{FitOrder, fit};
+use tautline_workflow::identification::{IdentificationRequest, identify};
 
 use crate::support::{settle, workbench};
 
@@ -36,13 +36,9 @@ pub fn session_of(name: &str, poses: usize) -> Session {
 pub fn open(harness: &mut Harness<'_, App>, session: Session, is_identified: bool) {
     let mut document = OpenSession::new(session, None);
     if is_identified {
-        let order = FitOrder {
-            dataset: document.session().dataset().into(),
-            method: tautline_core::estimation::Method::Joint,
-            effects: Vec::new(),
-        };
+        let request = IdentificationRequest::of_session(document.session()).expect("a request");
         let keep = &mut |_: &_| tautline_core::estimation::Control::Continue;
-        let fit = fit(order, keep).expect("a fit");
+        let fit = identify(&request, keep).expect("a fit");
         let inputs = document.inputs();
         document.set_fit(fit, inputs);
     }

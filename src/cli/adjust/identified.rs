@@ -5,30 +5,14 @@ use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Solution};
 use tautline_core::robot::Robot;
 use tautline_session::{Method, ResultRecord, Session};
-
-use crate::BadInput;
-use tautline_workflow::clock;
-use tautline_workflow::comparison::identify;
-use tautline_workflow::documents::identification::Identification;
 use tautline_workflow::documents::record;
-use tautline_workflow::identification::{Fit, FitOrder, compare_published};
+use tautline_workflow::identification::{
+    Identification, IdentificationDocument, IdentificationRequest, identify_published,
+    identify_session,
+};
+use tautline_workflow::{BadInput, clock};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum MethodName {
-    Joint,
-    Simple,
-    Published,
-}
-
-impl From<MethodName> for Method {
-    fn from(name: MethodName) -> Self {
-        match name {
-            MethodName::Joint => Self::Joint,
-            MethodName::Simple => Self::Simple,
-            MethodName::Published => Self::Published,
-        }
-    }
-}
+use crate::method::MethodName;
 
 /// An identification that can be written.
 pub struct Identified {
@@ -38,9 +22,9 @@ pub struct Identified {
     pub method: String,
     /// One sentence, without a full stop, where the identification did not converge.
     pub unconverged: Option<String>,
-    document: Identification,
+    document: IdentificationDocument,
     /// Of the joint and simple methods; the published one has no standard deviations.
-    fit: Option<Fit>,
+    identification: Option<Identification>,
 }
 
 impl Identified {
@@ -52,52 +36,53 @@ impl Identified {
         if settings.method == Method::Published {
             return Self::published(&session);
         }
-        let quiet = &mut |_: &_| Control::Continue;
-        let fit = identify(&session, quiet)
+        let identified = identify_session(&session, &mut |_| Control::Continue)
             .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
-        for open in &fit.open {
+        for open in &identified.open {
             eprintln!("open: {}", open.sentence);
         }
-        let document = fit.solved().identification();
+        let document = identified.document();
         Ok(Self {
-            model: fit.model.clone(),
+            model: identified.model.clone(),
             method: document.method.clone(),
-            unconverged: (!fit.solution.converged()).then(|| {
-                let steps = fit.solution.iterations;
+            unconverged: (!document.converged).then(|| {
+                let steps = document.iterations;
                 format!("The identification did not converge in {steps} steps")
             }),
             document,
-            fit: Some(fit),
+            identification: Some(identified),
         })
     }
 
     fn published(session: &Session) -> Result<Self> {
-        let place = |error: String| BadInput::new(format!("{}: {error}", session.name));
-        let order = FitOrder::of(session).map_err(|error| place(error.to_string()))?;
-        let compared = compare_published(&order.dataset).map_err(place)?;
-        let unconverged = match compared.fit.result.stop {
+        let place =
+            |error: &dyn std::fmt::Display| BadInput::new(format!("{}: {error}", session.name));
+        let request = IdentificationRequest::of_session(session).map_err(|error| place(&error))?;
+        let published = identify_published(&request.dataset).map_err(|error| place(&error))?;
+        let unconverged = match published.result.stop {
             PublishedStop::SmallStep | PublishedStop::SmallError => None,
             // As in the publication, whose steps are counted, not awaited.
             PublishedStop::IterationLimit => Some(format!(
                 "The published method was still moving when its {} steps were used up",
-                compared.fit.result.iterations
+                published.result.iterations
             )),
             PublishedStop::Diverged => {
                 return Err(anyhow!("{}: the published method diverged", session.name));
             }
         };
+        let document = published.document();
         Ok(Self {
-            model: compared.fit.applied_to(&order.dataset).robot,
-            method: compared.identification.method.clone(),
+            model: published.poses.dataset.robot.clone(),
+            method: document.method.clone(),
             unconverged,
-            document: compared.identification,
-            fit: None,
+            document,
+            identification: None,
         })
     }
 
     /// The solution, for standard deviations.
     pub fn solution(&self) -> Option<&Solution> {
-        self.fit.as_ref().map(|fit| &fit.solution)
+        self.identification.as_ref().map(|found| &found.solution)
     }
 
     /// The result as the session keeps it.

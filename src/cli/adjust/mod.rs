@@ -12,16 +12,16 @@ use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::plan_adjustment;
 use tautline_session::Outcome;
-
-use super::BadInput;
-use super::live::{Connection, RobotArguments, SessionFile, link_error};
-use super::measure::require_simulated;
-use super::output::{is_readable, say, tell_error, write_json};
-pub use document::AdjustmentDocument;
-use identified::{Identified, MethodName};
-use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::adjusting::{former_values, revertible, values_to_write};
+use tautline_workflow::BadInput;
+use tautline_workflow::adjusting::{Purpose, former_values, revertible, values_to_write};
 use tautline_workflow::controllers::Rig;
+
+use crate::live::{Connection, RobotArguments, SessionFile, link_error};
+use crate::measure::require_simulated;
+use crate::method::MethodName;
+use crate::output::{is_readable, say, tell_error, write_json};
+pub use document::AdjustmentDocument;
+use identified::Identified;
 use writing::write;
 
 #[derive(Debug, clap::Args)]

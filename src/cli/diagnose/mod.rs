@@ -5,19 +5,20 @@ mod report;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use anyhow::Result;
-use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
+use tautline_core::diagnosis::DiagnosisOptions;
+use tautline_core::estimation::EstimationError;
+use tautline_core::measurement::Dataset;
 use tautline_session::write_robot;
-
-use super::BadInput;
-use super::fitted::refuse_extrapolation;
-use super::input;
-use super::output::{is_readable, line, write_json};
-pub use progress::Shown;
+use tautline_workflow::BadInput;
+use tautline_workflow::diagnosis::diagnose_dataset;
 use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::documents::identification::identified;
+use tautline_workflow::identification::{extrapolation, identified};
+
+use crate::input;
+use crate::output::{is_readable, line, write_json};
+use progress::ProgressLine;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -44,26 +45,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let message = format!("--alpha: found {alpha}, expected a number above 0 and below 0.5");
         return Err(BadInput::new(message));
     }
-    let dataset = input::dataset(&arguments.dataset)?;
-    let options = DiagnosisOptions {
-        alpha,
-        ..DiagnosisOptions::default()
-    };
-    let started = Instant::now();
-    let mut shown = Shown::start();
-    let diagnosis = diagnose(&dataset, &options, &mut |progress| shown.tell(*progress))
+    let dataset = Arc::new(input::dataset(&arguments.dataset)?);
+    let diagnosed = diagnose_with_progress(Arc::clone(&dataset), alpha)
         .map_err(|error| BadInput::new(format!("{}: {error}", arguments.dataset.display())))?;
-    drop(shown);
-    let seconds = started.elapsed().as_secs_f64();
-    // A model that misses the readings may well lead out of the range: what counts is the last one.
-    refuse_extrapolation(&dataset, &diagnosis.extended_solution)?;
-    let diagnosed = Diagnosed {
-        dataset: Arc::new(dataset),
-        diagnosis,
-        alpha,
-        seconds,
-    };
-    deliver(arguments, &diagnosed)
+    // A model that does not fit the readings may well need extrapolation: what counts is the extended one.
+    match extrapolation(&dataset, &diagnosed.diagnosis.extended_solution) {
+        Some(place) => Err(BadInput::new(place)),
+        None => deliver(arguments, &diagnosed),
+    }
+}
+
+/// Diagnoses, with a line on the terminal that says how far it is.
+pub fn diagnose_with_progress(
+    dataset: Arc<Dataset>,
+    alpha: f64,
+) -> Result<Diagnosed, EstimationError> {
+    let mut line = ProgressLine::start();
+    diagnose_dataset(dataset, alpha, &mut |progress| line.update(*progress))
 }
 
 /// Writes and prints what was asked for.

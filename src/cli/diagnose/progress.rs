@@ -1,4 +1,4 @@
-//! One line on the terminal that tells what a long diagnosis is about.
+//! One line on the terminal that says how far a long diagnosis is.
 
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -7,19 +7,18 @@ use std::time::{Duration, Instant};
 
 use tautline_core::diagnosis::DiagnosisProgress;
 use tautline_core::estimation::Control;
-
 use tautline_workflow::documents::diagnosis::stage;
 
-/// A diagnosis that is done sooner shows nothing.
+/// Time after which the line appears, so that a short diagnosis shows none.
 const QUIET: Duration = Duration::from_secs(1);
-/// How long to wait for news once the latest are shown.
+/// How long to wait for the next message once the latest is shown.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
-/// The line, as long as this value lives; there is none where nobody watches.
-pub struct Shown(Option<(Sender<DiagnosisProgress>, JoinHandle<()>)>);
+/// The line, as long as this value lives; there is none where standard error is no terminal.
+pub struct ProgressLine(Option<(Sender<DiagnosisProgress>, JoinHandle<()>)>);
 
-impl Shown {
-    /// Begins to watch; the line comes when the diagnosis takes long.
+impl ProgressLine {
+    /// Starts the line, which appears when the diagnosis takes long.
     pub fn start() -> Self {
         if !std::io::stderr().is_terminal() {
             return Self(None);
@@ -29,17 +28,17 @@ impl Shown {
         Self(Some((sender, thread)))
     }
 
-    /// Tells where the diagnosis is.
-    pub fn tell(&mut self, progress: DiagnosisProgress) -> Control {
+    /// Shows how far the diagnosis is.
+    pub fn update(&mut self, progress: DiagnosisProgress) -> Control {
         if let Some((sender, _)) = &self.0 {
-            // Nobody listens only if standard error is gone; the result matters all the same.
+            // The thread is gone only if standard error is; the diagnosis goes on without its line.
             let _ = sender.send(progress);
         }
         Control::Continue
     }
 }
 
-impl Drop for Shown {
+impl Drop for ProgressLine {
     fn drop(&mut self) {
         if let Some((sender, thread)) = self.0.take() {
             drop(sender);
@@ -48,8 +47,8 @@ impl Drop for Shown {
     }
 }
 
-/// Shows the latest news until the sender is gone, then clears the line.
-fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duration) {
+/// Shows the latest progress until the sender is gone, then clears the line.
+fn show(progress: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duration) {
     let started = Instant::now();
     let mut latest = None;
     let mut shown = None;
@@ -59,7 +58,7 @@ fn show(news: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duratio
         } else {
             quiet.saturating_sub(started.elapsed())
         };
-        match news.recv_timeout(wait) {
+        match progress.recv_timeout(wait) {
             Ok(progress) => latest = Some(progress),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,

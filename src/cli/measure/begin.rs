@@ -4,24 +4,16 @@ use anyhow::Result;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, true_robot};
 use tautline_session::{LogEntry, Phase, Session, Simulator};
+use tautline_workflow::controllers::ControllerChoice;
+use tautline_workflow::{BadInput, clock};
 
 use super::Arguments;
-use crate::{BadInput, input, simulate};
-use tautline_workflow::clock;
-use tautline_workflow::controllers::ControllerChoice;
-
-/// The robot of this name or in this file.
-pub fn robot(name: &str) -> Result<Robot> {
-    match presets::find(name) {
-        Some(preset) => Ok(preset.robot),
-        None => simulate::robot_from_file(name),
-    }
-}
+use crate::input;
 
 /// A session of the robot that is asked for, nothing measured yet.
 pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Session> {
     let robot = match (&arguments.robot, choice) {
-        (Some(name), _) => robot(name)?,
+        (Some(name), _) => input::robot(name)?.robot,
         (None, ControllerChoice::Replay(folder)) => input::dataset(folder)?.robot,
         (None, _) => {
             let place = arguments.session.display();
@@ -57,11 +49,9 @@ fn truth(robot: &Robot, arguments: &Arguments) -> Result<Robot> {
     let measured = preset
         .as_ref()
         .and_then(|p| p.measured_entry_points_m.clone());
-    let effects = arguments.effects.iter();
-    let effects: Result<Vec<_>> = effects.map(|e| simulate::parse_effect(e, robot)).collect();
     let options = SimulationOptions {
         geometry: measured.map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
-        effects: effects?,
+        effects: arguments.effects.settings(robot)?,
         ..SimulationOptions::new(0, arguments.seed)
     };
     Ok(true_robot(robot, &options))

@@ -10,12 +10,12 @@ use tautline_link::measuring::{
     Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
 use tautline_session::{Keeper, Session};
-
-use crate::BadInput;
-use crate::live::{Connection, SessionFile, interrupt, typed};
-use tautline_workflow::comparison::identify;
+use tautline_workflow::BadInput;
 use tautline_workflow::controllers::Rig;
+use tautline_workflow::identification::identify_session;
 use tautline_workflow::wording::sentence;
+
+use crate::live::{Connection, SessionFile, interrupt, typed};
 
 /// Poses, home included, before which nobody asks whether it is good enough.
 const LEAST: usize = 6;
@@ -205,7 +205,7 @@ impl Drive {
             return false;
         }
         let quiet = &mut |_: &_| Control::Continue;
-        let fit = identify(session, quiet).ok();
+        let fit = identify_session(session, quiet).ok();
         let fit = fit.filter(|fit| fit.solution.converged() && fit.open.is_empty());
         self.ended.largest_sd_m = fit.and_then(|fit| largest_sd_m(&fit.solution));
         self.ended.largest_sd_m.is_some_and(|sd_m| sd_m <= limit_m)

@@ -10,17 +10,17 @@ use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
 use tautline_session::{LaserSettings, Outcome, Phase, Session};
+use tautline_workflow::BadInput;
+use tautline_workflow::controllers::{ControllerChoice, Rig};
+use tautline_workflow::identification::{Identification, identify_session};
+use tautline_workflow::wording::count;
 
-use super::BadInput;
-use super::live::{Connection, RobotArguments, SessionFile, interrupt, typed};
-use super::output::{is_readable, tell_error, write_json};
-pub use begin::robot;
+use crate::effect_arguments::HiddenEffects;
+use crate::input;
+use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
+use crate::output::{is_readable, tell_error, write_json};
 pub use document::MeasuringDocument;
 use drive::{Drive, End};
-use tautline_workflow::comparison::identify;
-use tautline_workflow::controllers::{ControllerChoice, Rig};
-use tautline_workflow::identification::Fit;
-use tautline_workflow::wording::count;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -41,9 +41,8 @@ pub struct Arguments {
     /// Seed of the plan and of a new simulated robot
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Hide an effect in a new simulated robot; may be repeated
-    #[arg(long = "effect", value_name = "ID[:CABLE][:k=v,...]")]
-    effects: Vec<String>,
+    #[command(flatten)]
+    effects: HiddenEffects,
     /// End as soon as no coordinate of an entry point has a larger standard deviation than this (mm)
     #[arg(long, value_name = "MM")]
     stop_at: Option<f64>,
@@ -110,10 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
     file.save()?;
-    connection
-        .controller
-        .arm()
-        .map_err(super::live::link_error)?;
+    connection.controller.arm().map_err(link_error)?;
     let drive = Drive::new(&file.session, &rig, stop_at_m, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
     let enough = is_enough(&file.session);
@@ -133,7 +129,7 @@ fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -
     refuse_interrupted(&file.session, &place.to_string())?;
     require_simulated(&file.session, choice, &place.to_string())?;
     if let Some(robot) = &arguments.robot {
-        let asked = begin::robot(robot)?.name;
+        let asked = input::robot(robot)?.robot.name;
         let known = &file.session.robot.name;
         if asked != *known {
             return Err(BadInput::new(format!(
@@ -169,7 +165,7 @@ pub fn refuse_interrupted(session: &Session, place: &str) -> Result<()> {
 /// one parameter, there are still more readings than unknowns, and they leave nothing open.
 fn is_enough(session: &Session) -> bool {
     let quiet = &mut |_: &_| tautline_core::estimation::Control::Continue;
-    identify(session, quiet).is_ok_and(|Fit { solution, open, .. }| {
+    identify_session(session, quiet).is_ok_and(|Identification { solution, open, .. }| {
         let parameters = solution.parameters.len() as f64;
         solution.converged() && open.is_empty() && solution.degrees_of_freedom > parameters
     })

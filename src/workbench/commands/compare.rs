@@ -14,6 +14,7 @@ use crate::model::tasks::TaskHandle;
 use crate::shell::State;
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{as_session, identify_to_compare};
+use tautline_workflow::identification::IdentificationError;
 
 pub(super) fn perform(state: &mut State, command: CompareCommand) {
     match command {
@@ -104,7 +105,7 @@ impl Job {
             Self::Identify(session, inputs) => (*session, Source::Open, Some(inputs)),
             Self::Read(path) => (read(&path)?, Source::File(path), None),
         };
-        let named = |error: String| match &source {
+        let named = |error: IdentificationError| match &source {
             Source::File(path) => format!("{}: {error}.", path.display()),
             Source::Open => format!("{}: {error}.", session.name),
         };

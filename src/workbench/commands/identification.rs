@@ -2,9 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::time::Instant;
 
-use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
+use tautline_core::diagnosis::Diagnosis;
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
@@ -21,9 +20,12 @@ use crate::model::tasks::TaskHandle;
 use crate::screens::identification::Half;
 use crate::shell::State;
 use tautline_workflow::clock;
+use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
 use tautline_workflow::documents::record;
-use tautline_workflow::identification::{Fit, FitOrder, compare_published, fit};
+use tautline_workflow::identification::{
+    Identification, IdentificationRequest, identify as identify_request, identify_published,
+};
 use tautline_workflow::wording::{count, ratio};
 
 pub(super) fn perform(state: &mut State, command: IdentificationCommand) {
@@ -120,7 +122,7 @@ pub(super) fn follow(state: &mut State, before: Option<&Model>, what: &str) {
     }
     state.panels.identification.before = open.fit().map(|fit| Before {
         what: what.to_owned(),
-        missed: fit.missed(),
+        missed: fit.residual_ratio(),
         chi2: fit.solution.chi2,
         degrees_of_freedom: fit.solution.degrees_of_freedom,
     });
@@ -139,10 +141,10 @@ fn identified(
     session: &Session,
     live: &FitProgress,
     task: &TaskHandle,
-) -> Result<Option<Fit>, String> {
-    let order = FitOrder::of(session).map_err(|error| error.to_string())?;
-    live.begin(&order.dataset);
-    let found = fit(order, &mut |progress| {
+) -> Result<Option<Identification>, String> {
+    let request = IdentificationRequest::of_session(session).map_err(|error| error.to_string())?;
+    live.begin(&request.dataset);
+    let found = identify_request(&request, &mut |progress| {
         let missed = live.step(progress.loss);
         let step = progress.iteration;
         task.tell(
@@ -157,16 +159,17 @@ fn identified(
     }
     if session.settings.identification.method == Method::Published {
         task.tell(None, "the published method, for comparison");
-        found.published = Some(compare_published(&found.dataset));
+        let published = identify_published(&found.dataset);
+        found.published = Some(published.map_err(|error| error.to_string()));
     }
     Ok(Some(found))
 }
 
 /// The document that `identify --json` writes, for the session.
-fn identification_record(session: &Session, fit: &Fit) -> ResultRecord {
+fn identification_record(session: &Session, fit: &Identification) -> ResultRecord {
     let document = match &fit.published {
-        Some(Ok(compared)) => compared.identification.clone(),
-        _ => fit.solved().identification(),
+        Some(Ok(published)) => published.document(),
+        _ => fit.document(),
     };
     record(session, "Identification", &document, clock::now())
 }
@@ -186,13 +189,10 @@ fn start_diagnosis(state: &mut State, keep: bool) {
     });
 }
 
-/// Diagnoses the model as it is, the effects that were added to it included. A diagnosis holds those at the values that
-/// identification found: their directions have nothing left in the residuals, so the gain of any further cause is
-/// understated rather than overstated and there are no more false alarms than asked for; the standard deviations of new
-/// causes are a little too small until they are added and all is identified together.
+/// Diagnoses the model as it is, with the effects that were added to it at their identified values.
 fn diagnosed(
     session: &Session,
-    current: Option<Arc<Fit>>,
+    current: Option<Arc<Identification>>,
     keep: bool,
     task: &TaskHandle,
 ) -> Result<Option<Box<DiagnosisResult>>, String> {
@@ -205,7 +205,7 @@ fn diagnosed(
                 None => return Ok(None),
             },
         };
-        dataset.robot.effects.clone_from(&fitted.model.effects);
+        dataset = dataset_to_diagnose(session, &fitted);
     }
     let alpha = session.settings.diagnosis.alpha;
     let Some(diagnosed) = examined(dataset, alpha, task)? else {
@@ -221,12 +221,7 @@ fn diagnosed(
 }
 
 fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Diagnosed>, String> {
-    let options = DiagnosisOptions {
-        alpha,
-        ..DiagnosisOptions::default()
-    };
-    let started = Instant::now();
-    let found = diagnose(&dataset, &options, &mut |progress| {
+    let found = diagnose_dataset(Arc::new(dataset), alpha, &mut |progress| {
         let words = stage(progress.stage);
         let text = match progress.findings {
             0 => words.to_owned(),
@@ -235,16 +230,15 @@ fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Di
         task.tell(None, text);
         control(task)
     });
-    let diagnosis = found.map_err(|error| error.to_string())?;
-    let seconds = started.elapsed().as_secs_f64();
+    let diagnosed = found.map_err(|error| error.to_string())?;
+    let Diagnosis {
+        cancelled,
+        findings,
+        ..
+    } = &diagnosed.diagnosis;
     // Without its last tests a diagnosis that found nothing yet looks like one that found nothing.
-    let worthless = diagnosis.cancelled && diagnosis.findings.is_empty();
-    Ok((!worthless).then(|| Diagnosed {
-        dataset: Arc::new(dataset),
-        diagnosis,
-        alpha,
-        seconds,
-    }))
+    let is_inconclusive = *cancelled && findings.is_empty();
+    Ok((!is_inconclusive).then_some(diagnosed))
 }
 
 pub(super) fn receive(state: &mut State, outcome: IdentificationOutcome) {
@@ -304,7 +298,7 @@ pub(super) fn receive(state: &mut State, outcome: IdentificationOutcome) {
 fn take_fit(
     open: &mut OpenSession,
     inputs: u64,
-    fit: Fit,
+    fit: Identification,
     record: Option<Box<ResultRecord>>,
 ) -> String {
     let text = format!(

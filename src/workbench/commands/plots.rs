@@ -6,7 +6,6 @@ use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use egui::{ColorImage, Rect};
-use tautline_core::estimation::Method;
 use tautline_session::{write_bytes, write_text};
 
 use crate::model::command::{Outcome, PlotCommand, PlotOutcome};
@@ -45,9 +44,8 @@ fn prepare(state: &mut State) {
         return;
     };
     let (fit, diagnosed) = (open.fit().cloned(), open.diagnosis().cloned());
-    let method = fit.as_ref().map_or(Method::Joint, |fit| fit.method);
     state.model.tasks.start(PREPARING, move |task| {
-        let prepared = Preparation::new(fit, diagnosed, method, &|| task.cancelled());
+        let prepared = Preparation::new(fit, diagnosed, &|| task.cancelled());
         PlotOutcome::Prepared(Box::new(prepared)).into()
     });
 }

@@ -8,8 +8,8 @@ use tautline_core::comparison::Comparison;
 use super::figure::Figure;
 use crate::views::plots::residuals_of_both;
 use crate::views::robot_3d::scene::{Scene, Subject};
-use tautline_workflow::comparison::{LEVEL, compare_fits};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::comparison::{LEVEL, compare_identifications};
+use tautline_workflow::identification::Identification;
 
 /// One of the two places of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub struct Run {
     /// Where it comes from.
     pub source: Source,
     /// Its identification.
-    pub fit: Arc<Fit>,
+    pub fit: Arc<Identification>,
     /// Number of the inputs of the open session, if it is that one.
     pub inputs: Option<u64>,
 }
@@ -76,7 +76,7 @@ impl Compared {
     /// One sentence, if the robots have other cables or one of the sessions leaves its geometry open.
     pub fn new(runs: [Arc<Run>; 2]) -> Result<Self, String> {
         let fits = runs.each_ref().map(|run| run.fit.as_ref());
-        let comparison = compare_fits(fits, LEVEL)?;
+        let comparison = compare_identifications(fits, LEVEL)?;
         let [first, _] = fits;
         let subject = Subject {
             fit: Some(first),

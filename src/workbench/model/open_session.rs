@@ -12,8 +12,7 @@ use tautline_session::{
 use super::edit::{Edit, History, Inputs};
 use tautline_workflow::clock;
 pub use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::documents::identification::Identification;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::{Identification, IdentificationDocument};
 use tautline_workflow::precalibration::Calibration;
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other document. A document is known
@@ -42,7 +41,7 @@ pub enum Stored {
 impl Stored {
     fn of(session: &Session) -> Self {
         let of_identification =
-            |record: &&ResultRecord| record.format() == Some(Identification::FORMAT);
+            |record: &&ResultRecord| record.format() == Some(IdentificationDocument::FORMAT);
         let Some(last) = session.results().iter().rev().find(of_identification) else {
             return Self::None;
         };
@@ -69,7 +68,7 @@ pub struct OpenSession {
     inputs: u64,
     saved: Option<u64>,
     stored: Stored,
-    fit: Option<Computed<Fit>>,
+    fit: Option<Computed<Identification>>,
     diagnosis: Option<Computed<Diagnosed>>,
     calibration: OnceLock<Arc<Calibration>>,
 }
@@ -265,7 +264,7 @@ impl OpenSession {
     }
 
     /// Takes an identification that was computed from the inputs of the given number.
-    pub fn set_fit(&mut self, fit: Fit, inputs: u64) {
+    pub fn set_fit(&mut self, fit: Identification, inputs: u64) {
         self.stored = Stored::None;
         self.fit = Some(Computed {
             value: Arc::new(fit),
@@ -283,7 +282,7 @@ impl OpenSession {
 
     /// The last identification, also if it is out of date.
     #[must_use]
-    pub fn fit(&self) -> Option<&Arc<Fit>> {
+    pub fn fit(&self) -> Option<&Arc<Identification>> {
         self.fit.as_ref().map(|computed| &computed.value)
     }
 

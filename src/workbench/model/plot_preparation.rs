@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{Quantity, Variables};
-use tautline_core::effect::measurements_as_modelled;
-use tautline_core::estimation::{Control, Linearisation, Method, Problem, ReadingKind};
+use tautline_core::estimation::{Control, Linearisation, Method, ReadingKind};
 use tautline_core::measurement::{Dataset, Variable};
 use tautline_core::robot::Robot;
 
 use super::open_session::Diagnosed;
-use tautline_workflow::identification::{Fit, FitOrder, fit};
+use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 
 /// Readings of one kind and cable with what they may depend on.
 #[derive(Debug, Clone)]
@@ -26,9 +25,9 @@ pub struct Along {
 #[derive(Debug)]
 pub struct Prepared {
     /// The fit of the model as it is.
-    pub base: Arc<Fit>,
+    pub base: Arc<Identification>,
     /// The fit of the model with what was found.
-    pub extended: Option<Fit>,
+    pub extended: Option<Identification>,
     /// Variables at the readings of the base fit.
     pub along: Vec<Along>,
 }
@@ -37,7 +36,7 @@ pub struct Prepared {
 #[derive(Debug, Clone)]
 pub struct Preparation {
     /// The last identification.
-    pub fit: Option<Arc<Fit>>,
+    pub fit: Option<Arc<Identification>>,
     /// The last diagnosis.
     pub diagnosed: Option<Arc<Diagnosed>>,
     /// What was prepared, or why it could not be.
@@ -45,18 +44,16 @@ pub struct Preparation {
 }
 
 impl Preparation {
-    /// Computes it; a diagnosis comes first, since it is what the plots are about. `method` is that of the
-    /// identification; a diagnosis always is of the joint problem.
+    /// Computes it; a diagnosis comes first, since it is what the plots are about.
     #[must_use]
     pub fn new(
-        fit: Option<Arc<Fit>>,
+        fit: Option<Arc<Identification>>,
         diagnosed: Option<Arc<Diagnosed>>,
-        method: Method,
         cancelled: &dyn Fn() -> bool,
     ) -> Self {
         let result = match (&diagnosed, &fit) {
             (Some(found), _) => before_and_after(found, cancelled),
-            (None, Some(fit)) => along(fit, method).map(|along| Prepared {
+            (None, Some(fit)) => along(fit).map(|along| Prepared {
                 base: Arc::clone(fit),
                 extended: None,
                 along,
@@ -72,7 +69,11 @@ impl Preparation {
 
     /// Whether it was prepared from these.
     #[must_use]
-    pub fn is_of(&self, fit: Option<&Arc<Fit>>, diagnosed: Option<&Arc<Diagnosed>>) -> bool {
+    pub fn is_of(
+        &self,
+        fit: Option<&Arc<Identification>>,
+        diagnosed: Option<&Arc<Diagnosed>>,
+    ) -> bool {
         same(self.fit.as_ref(), fit) && same(self.diagnosed.as_ref(), diagnosed)
     }
 }
@@ -86,25 +87,25 @@ fn before_and_after(found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<P
         .then(|| again(&model, found, cancelled))
         .transpose()?;
     Ok(Prepared {
-        along: along(&base, Method::Joint)?,
+        along: along(&base)?,
         base: Arc::new(base),
         extended,
     })
 }
 
 /// Fits the measurements of a diagnosis with a model, its effects held.
-fn again(model: &Robot, found: &Diagnosed, cancelled: &dyn Fn() -> bool) -> Result<Fit, String> {
-    let measurements = measurements_as_modelled(model, &found.dataset.measurements)
-        .map_err(|error| error.to_string())?;
-    let order = FitOrder {
-        dataset: Arc::new(Dataset {
-            robot: model.clone(),
-            measurements: measurements.into_owned(),
-        }),
-        method: Method::Joint,
-        effects: Vec::new(),
+fn again(
+    model: &Robot,
+    found: &Diagnosed,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Identification, String> {
+    let dataset = Dataset {
+        robot: model.clone(),
+        measurements: found.dataset.measurements.clone(),
     };
-    let done = fit(order, &mut |_| match cancelled() {
+    let request = IdentificationRequest::new(dataset, Method::Joint, &[]);
+    let request = request.map_err(|error| error.to_string())?;
+    let done = identify(&request, &mut |_| match cancelled() {
         true => Control::Cancel,
         false => Control::Continue,
     });
@@ -123,12 +124,8 @@ pub fn same<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
     }
 }
 
-fn along(fit: &Fit, method: Method) -> Result<Vec<Along>, String> {
-    let problem = Problem::new(&fit.dataset).map_err(|error| error.to_string())?;
-    let mut problem = problem.with_method(method);
-    // Those that are not the model's own were identified.
-    let effects = fit.solution.globals.effects.iter();
-    problem.free_effects = effects.skip(problem.held_effects.len()).cloned().collect();
+fn along(fit: &Identification) -> Result<Vec<Along>, String> {
+    let problem = fit.problem().map_err(|error| error.to_string())?;
     let linear = Linearisation::new(&problem, &fit.solution);
     let variables = Variables::new(&problem, &fit.solution, &linear);
     let known = |(quantity, cable): (Quantity, Option<usize>)| {
@@ -148,7 +145,7 @@ fn along(fit: &Fit, method: Method) -> Result<Vec<Along>, String> {
 }
 
 /// Kinds of readings, per cable where they belong to cables, that a fit has.
-fn groups(fit: &Fit) -> Vec<(Quantity, Option<usize>)> {
+fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
     let mut groups: Vec<_> = fit
         .analysis
         .readings
@@ -178,7 +175,11 @@ pub fn group_of(kind: ReadingKind) -> Option<(Quantity, Option<usize>)> {
 
 /// Residuals of a kind of reading in their own standard deviations: row and value.
 #[must_use]
-pub fn residuals(fit: &Fit, quantity: Quantity, cable: Option<usize>) -> Vec<(usize, f64)> {
+pub fn residuals(
+    fit: &Identification,
+    quantity: Quantity,
+    cable: Option<usize>,
+) -> Vec<(usize, f64)> {
     if quantity == Quantity::Tension {
         let sensors = &fit.dataset.robot.cables;
         let errors = fit.analysis.tension_errors_n.iter();

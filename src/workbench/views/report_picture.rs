@@ -10,7 +10,7 @@ use super::offscreen::render_scene;
 use super::robot_3d::camera::{Camera, StandardView};
 use super::robot_3d::drawing::Options;
 use super::robot_3d::scene::Subject;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Width and height (points of the screen).
 const SIZE: [u32; 2] = [840, 560];
@@ -24,7 +24,7 @@ const SCALE: f32 = 2.0;
 /// One sentence, if there is no OpenGL.
 pub fn report_picture(
     session: &Session,
-    fit: Option<&Fit>,
+    fit: Option<&Identification>,
     pinned: &BTreeSet<usize>,
 ) -> Result<Vec<u8>, String> {
     let subject = Subject {

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use tautline_session::{Session, Timestamp, WriteError, write_bytes};
 
 use crate::documents::diagnosis::Diagnosed;
-use crate::identification::Fit;
+use crate::identification::Identification;
 pub use choice::{Part, ReportChoice};
 pub use pdf::PdfError;
 
@@ -31,7 +31,7 @@ pub struct ReportInput<'a> {
     /// The session.
     pub session: &'a Session,
     /// Its identification, if there is one.
-    pub fit: Option<&'a Fit>,
+    pub fit: Option<&'a Identification>,
     /// Its diagnosis, if there is one.
     pub diagnosis: Option<&'a Diagnosed>,
     /// Whether the session was changed after identification or diagnosis.

@@ -1,7 +1,5 @@
 //! Whole reports of a small robot.
 
-use std::sync::Arc;
-
 use hayro_syntax::Pdf;
 use hayro_syntax::object::{Dict, Object};
 use quick_xml::Reader;
@@ -16,7 +14,7 @@ use tautline_session::{
 use super::document::{Block, Document};
 use super::*;
 use crate::documents::diagnosis::samples::{dataset, diagnosed};
-use crate::identification::{FitOrder, fit};
+use crate::identification::{IdentificationRequest, identify};
 
 /// A name that would be a program if it were taken as markup.
 const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";
@@ -24,7 +22,7 @@ const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";
 struct Sample {
     choice: ReportChoice,
     session: Session,
-    fit: Fit,
+    fit: Identification,
     diagnosis: Diagnosed,
 }
 
@@ -61,12 +59,9 @@ fn verification(stage: Stage, off_m: f64) -> Verification {
 fn sample(verdicts: &[Verdict]) -> Sample {
     let mut data = dataset();
     data.robot.cables[0].name = HOSTILE.to_owned();
-    let order = FitOrder {
-        dataset: Arc::new(data.clone()),
-        method: Method::Joint,
-        effects: Vec::new(),
-    };
-    let fit = fit(order, &mut |_| Control::Continue).expect("a fit");
+    let request = IdentificationRequest::new(data.clone(), Method::Joint, &[]);
+    let request = request.expect("a request");
+    let fit = identify(&request, &mut |_| Control::Continue).expect("a fit");
     let mut session = Session::new("Trial", data.robot.clone(), time(0));
     session.measurements = data.measurements.clone();
     session.exclude(5).expect("a measured pose");

@@ -6,7 +6,7 @@ use tautline_session::ResultRecord;
 
 use crate::model::figure::Figure;
 use crate::model::open_session::Diagnosed;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Title of the task that identifies.
 pub const IDENTIFYING: &str = "Identifying";
@@ -35,7 +35,7 @@ pub enum IdentificationOutcome {
         /// The document for the session; none where the session has it already.
         record: Option<Box<ResultRecord>>,
         /// The fit, or one sentence; `None` if it was stopped.
-        result: Result<Option<Box<Fit>>, String>,
+        result: Result<Option<Box<Identification>>, String>,
     },
     /// Of a diagnosis.
     Diagnosed {

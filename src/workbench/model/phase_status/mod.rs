@@ -11,7 +11,7 @@ pub use self::precalibration::{force_sensors, home, winches};
 use super::OpenSession;
 use super::open_session::Stored;
 use super::phase::{Phase, PhaseStatus, Progress};
-use tautline_workflow::documents::identification::Explains;
+use tautline_workflow::identification::Explains;
 use tautline_workflow::wording::count;
 
 /// How far a phase of this session is.

@@ -23,7 +23,7 @@ use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
-use tautline_workflow::documents::identification::Explains;
+use tautline_workflow::identification::Explains;
 
 /// Identity and revision of the document, place of its fit, count of the parameters' changes.
 type Key = (u64, u64, Option<usize>, u64);

@@ -9,7 +9,7 @@ use crate::model::comparison::Compared;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
-use tautline_workflow::documents::identification::Explains;
+use tautline_workflow::identification::Explains;
 use tautline_workflow::wording::sentence;
 use tautline_workflow::wording::units::{decimals, people, quantity, unit_of, with_sd};
 
@@ -177,7 +177,7 @@ fn fits(ui: &mut Ui, compared: &Compared) {
     ];
     let named = compared.runs.iter().zip(["A", "B"]);
     let rows = named.map(|(run, name)| {
-        let missed = run.fit.missed();
+        let missed = run.fit.residual_ratio();
         let explains = Explains::of(run.fit.solution.p_value());
         vec![
             Cell::new(name),

@@ -9,7 +9,7 @@ use crate::model::OpenSession;
 use crate::model::edit::{Edit, same_effect};
 use crate::theme;
 use crate::widgets::muted;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::list;
 use tautline_workflow::wording::units::{significant, unit_of, with_sd};
 
@@ -99,7 +99,7 @@ fn title(settings: &[EffectSetting]) -> String {
 }
 
 /// The size that was identified, in words.
-fn size(open: &OpenSession, fit: &Fit, setting: &EffectSetting) -> String {
+fn size(open: &OpenSession, fit: &Identification, setting: &EffectSetting) -> String {
     let robot = &open.session().robot;
     let effects = fit.solution.globals.effects.iter().enumerate();
     let mut same = effects.filter(|(_, bound)| same_effect(&bound.setting(robot), setting));
@@ -122,7 +122,7 @@ fn size(open: &OpenSession, fit: &Fit, setting: &EffectSetting) -> String {
     format!("{cable}{}", values.join(", "))
 }
 
-fn value(fit: &Fit, index: usize, bound: &BoundEffect, which: usize) -> String {
+fn value(fit: &Identification, index: usize, bound: &BoundEffect, which: usize) -> String {
     let parameter = &bound.effect.parameters()[which];
     let number = bound.values[which];
     let is_it = |id: &ParameterId| match *id {

@@ -12,8 +12,7 @@ use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, section, verdict};
-use tautline_workflow::documents::identification::{Explains, entry_point_sd, extrapolated};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::{Explains, Identification, entry_point_sd};
 use tautline_workflow::wording::units::with_sd;
 use tautline_workflow::wording::{ratio, sentence};
 
@@ -51,7 +50,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 }
 
 /// Whether the model explains the data, and how well it did before the last change.
-pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
+pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
     let solution = &fit.solution;
     if !solution.converged() {
         verdict(
@@ -60,7 +59,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
             "The fit did not converge: do not rely on the numbers.",
         );
     }
-    if let Some(place) = extrapolated(&fit.dataset, solution) {
+    if let Some(place) = fit.extrapolation() {
         let text = format!("{}: the result does not hold there.", sentence(&place));
         verdict(ui, Verdict::Bad, &text);
     }
@@ -75,7 +74,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
     if explains == Explains::No {
         muted(ui, "The standard deviations hold only if it did.");
     }
-    if let Some(missed) = fit.missed() {
+    if let Some(missed) = fit.residual_ratio() {
         let before = panel.memory.before.as_ref();
         let text = format!(
             "The readings are missed by {} times their noise.",
@@ -104,7 +103,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Fit) {
     }
 }
 
-fn published(ui: &mut Ui, fit: &Fit) {
+fn published(ui: &mut Ui, fit: &Identification) {
     match &fit.published {
         None => {}
         Some(Err(error)) => verdict(
@@ -112,10 +111,10 @@ fn published(ui: &mut Ui, fit: &Fit) {
             Verdict::Doubtful,
             &format!("{}: it cannot be compared.", sentence(error)),
         ),
-        Some(Ok(compared)) => {
-            let identification = &compared.identification;
-            let missed = (identification.chi2 / identification.dof.max(1.0)).sqrt();
-            let end = if compared.fit.converged() {
+        Some(Ok(published)) => {
+            let solution = &published.poses.solution;
+            let missed = (solution.chi2 / solution.degrees_of_freedom.max(1.0)).sqrt();
+            let end = if published.converged() {
                 ""
             } else {
                 " It did not converge."
@@ -160,7 +159,7 @@ fn moved(solution: &Solution, cable: usize, way: Vector3<f64>) -> (f64, Option<f
     (size, Some(variance.max(0.0).sqrt()))
 }
 
-fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Fit>) {
+fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
     ui.add_space(2.0 * GRID);
     ui.horizontal(|ui| {
         ui.label(egui::RichText::new("Pulleys").font(theme::strong(13.0)));
@@ -169,7 +168,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Fit>) {
         });
     });
     let compared = match &fit.published {
-        Some(Ok(compared)) => Some(&compared.fit.result.entry_points_m),
+        Some(Ok(published)) => Some(&published.result.entry_points_m),
         _ => None,
     };
     let mut shares = vec![5.0, 4.0, 4.0];
@@ -267,7 +266,7 @@ fn axes(
 }
 
 /// Home pose and target plane: what changed, with standard deviations.
-fn others(ui: &mut Ui, fit: &Fit) {
+fn others(ui: &mut Ui, fit: &Identification) {
     let robot = &fit.dataset.robot;
     let globals = &fit.solution.globals;
     let home = robot.home.map(|home| globals.home.difference(&home.pose()));

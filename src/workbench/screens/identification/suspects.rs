@@ -9,14 +9,14 @@ use crate::model::command::ViewCommand;
 use crate::model::edit::Edit;
 use crate::theme;
 use crate::widgets::{muted, section};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::count;
 
 /// Most suspect poses that are listed.
 const SHOWN: usize = 5;
 
 /// Draws both lists.
-pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit) {
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification) {
     let poses = &fit.suspects;
     if !poses.is_empty() {
         section(ui, "Suspicious readings");
@@ -37,13 +37,13 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit) {
     excluded(ui, panel);
 }
 
-fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Fit, readings: &[Reading]) {
+fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification, readings: &[Reading]) {
     let label = fit.dataset.measurements.labels[readings[0].row];
     let more = match readings.len() {
         1 => String::new(),
         several => format!(", and {} more", several - 1),
     };
-    let text = format!("Pose {label}, {}{more}", fit.solved().suspect(&readings[0]));
+    let text = format!("Pose {label}, {}{more}", fit.suspect_line(&readings[0]));
     let selected = panel.selection.pose == Some(label);
     let colour = if selected {
         theme::of(ui).accent

@@ -38,7 +38,7 @@ pub use sources::residuals::of_both as residuals_of_both;
 use sources::tensions::Shown as Tensions;
 use sources::variable::Choice;
 pub use tab::Tab;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Label of an axis along which poses stand.
 pub const POSE: &str = "Pose";
@@ -72,7 +72,7 @@ pub struct PlotState {
 struct FigureOf {
     session: (tautline_session::Timestamp, u64),
     options: (Tab, Unit, Tensions, Option<Choice>, Option<usize>),
-    fit: Option<Arc<Fit>>,
+    fit: Option<Arc<Identification>>,
     diagnosed: Option<Arc<Diagnosed>>,
     prepared: Option<Arc<Prepared>>,
 }

@@ -39,7 +39,7 @@ use crate::model::{OpenSession, Selection};
 use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::empty;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;
@@ -83,7 +83,7 @@ struct SceneKey {
     session: SessionKey,
     revision: u64,
     robot: Robot,
-    fit: Option<Arc<Fit>>,
+    fit: Option<Arc<Identification>>,
     selection: Selection,
     live: Option<Live>,
     planned: Vec<Pose>,

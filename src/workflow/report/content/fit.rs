@@ -6,19 +6,16 @@ use tautline_core::robot::Robot;
 
 use super::{number, signed};
 use crate::documents::diagnosis::Diagnosed;
-use crate::documents::identification::reading_name;
-use crate::identification::Fit;
+use crate::identification::{Identification, SUSPECT_LEVEL, reading_name};
 use crate::report::document::{Block, Section, Table};
 use crate::report::plots;
 use crate::wording::units::{people, quantity};
 use crate::wording::{odds, ratio, sentence};
 
-/// Level for all readings together at which single readings are called suspect.
-const SUSPECT_LEVEL: f64 = 0.01;
 /// Most suspect readings that are listed.
 const SUSPECTS: usize = 12;
 
-pub fn section(fit: &Fit, diagnosed: Option<&Diagnosed>) -> Section {
+pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {
     let mut section = Section::new("How well the model fits");
     section.lead(verdict(fit));
     if let Some(diagnosed) = diagnosed {
@@ -53,7 +50,7 @@ pub fn section(fit: &Fit, diagnosed: Option<&Diagnosed>) -> Section {
     section
 }
 
-fn verdict(fit: &Fit) -> String {
+fn verdict(fit: &Identification) -> String {
     let solution = &fit.solution;
     let by = (solution.chi2 / solution.degrees_of_freedom).sqrt();
     match solution.p_value() {
@@ -88,7 +85,7 @@ fn quantity_of(kind: ReadingKind) -> Option<(Quantity, &'static str)> {
     })
 }
 
-fn kinds(fit: &Fit) -> Table {
+fn kinds(fit: &Identification) -> Table {
     let mut table = Table::new(
         "Residuals by kind of reading: root mean square, and over what noise alone would leave",
         2,
@@ -135,7 +132,7 @@ fn kinds(fit: &Fit) -> Table {
 }
 
 /// Estimated errors of the tensions over the noise of their sensors.
-fn tension_noise(robot: &Robot, fit: &Fit) -> f64 {
+fn tension_noise(robot: &Robot, fit: &Identification) -> f64 {
     rms(fit
         .analysis
         .tension_errors_n
@@ -155,7 +152,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
-fn cable_plots(fit: &Fit) -> Vec<crate::report::drawing::Drawing> {
+fn cable_plots(fit: &Identification) -> Vec<crate::report::drawing::Drawing> {
     let labels = &fit.dataset.measurements.labels;
     let cables = fit.dataset.robot.cables.iter().enumerate();
     cables
@@ -174,7 +171,7 @@ fn cable_plots(fit: &Fit) -> Vec<crate::report::drawing::Drawing> {
         .collect()
 }
 
-fn suspects(fit: &Fit, section: &mut Section) {
+fn suspects(fit: &Identification, section: &mut Section) {
     let suspects = fit.analysis.suspects(SUSPECT_LEVEL);
     if suspects.is_empty() {
         section.note("No single reading stands out.");

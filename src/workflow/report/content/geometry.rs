@@ -1,11 +1,10 @@
 //! The identified parameters.
 
-use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::{Parameter, ParameterId};
 use tautline_core::geometry::Coordinate;
 
 use super::{NONE, number, signed};
-use crate::identification::Fit;
+use crate::identification::Identification;
 use crate::report::document::{Section, Table};
 use crate::wording::units::{decimals, people, unit_of};
 
@@ -16,7 +15,7 @@ const LISTED: usize = 10;
 /// Most decimals of a number that people read.
 const FINEST: usize = 4;
 
-pub fn section(fit: &Fit) -> Section {
+pub fn section(fit: &Identification) -> Section {
     let mut section = Section::new("Identified values");
     if fit.solution.covariance.is_none() {
         section.lead(
@@ -40,16 +39,16 @@ fn common_decimals(sds: impl Iterator<Item = f64>) -> usize {
 }
 
 /// Standard deviation of a parameter; `None` where the data do not determine it.
-fn sd(fit: &Fit, id: &ParameterId) -> Option<f64> {
+fn sd(fit: &Identification, id: &ParameterId) -> Option<f64> {
     let index = fit.solution.parameters.iter().position(|p| p.id == *id)?;
     fit.solution.standard_deviation(index)
 }
 
-fn is_estimated(fit: &Fit, id: &ParameterId) -> bool {
+fn is_estimated(fit: &Identification, id: &ParameterId) -> bool {
     fit.solution.parameters.iter().any(|p| p.id == *id)
 }
 
-fn entry_points(fit: &Fit) -> Table {
+fn entry_points(fit: &Identification) -> Table {
     let mut table = Table::new(
         "Where the cables reach their pulleys (mm, base frame)",
         2,
@@ -92,14 +91,8 @@ fn entry_points(fit: &Fit) -> Table {
     table
 }
 
-/// The effects that were identified: those whose values were held come before them.
-fn free_effects(fit: &Fit) -> &[BoundEffect] {
-    let effects = &fit.solution.globals.effects;
-    effects.get(fit.held..).unwrap_or_default()
-}
-
 /// Nominal and identified value of a parameter that is no entry point; the nominal one only where it is one number.
-fn values(fit: &Fit, parameter: &Parameter) -> Option<(Option<f64>, f64)> {
+fn values(fit: &Identification, parameter: &Parameter) -> Option<(Option<f64>, f64)> {
     let globals = &fit.solution.globals;
     let robot = &fit.dataset.robot;
     match parameter.id {
@@ -122,7 +115,7 @@ fn values(fit: &Fit, parameter: &Parameter) -> Option<(Option<f64>, f64)> {
             Some((Some(0.0), *globals.home_tension_error_n.get(cable)?))
         }
         ParameterId::Effect { effect, parameter } => {
-            let bound = free_effects(fit).get(effect)?;
+            let bound = fit.free_effects().get(effect)?;
             let neutral = bound.effect.parameters().get(parameter)?.neutral;
             Some((Some(neutral), *bound.values.get(parameter)?))
         }
@@ -130,10 +123,10 @@ fn values(fit: &Fit, parameter: &Parameter) -> Option<(Option<f64>, f64)> {
 }
 
 /// Unit in which people read a parameter, and the factor to it.
-fn unit<'a>(fit: &Fit, parameter: &'a Parameter) -> (f64, &'a str) {
+fn unit<'a>(fit: &Identification, parameter: &'a Parameter) -> (f64, &'a str) {
     let name = match parameter.id {
         ParameterId::Effect { effect, parameter } => {
-            let bound = free_effects(fit).get(effect);
+            let bound = fit.free_effects().get(effect);
             let all = bound.map(|bound| bound.effect.parameters());
             all.and_then(|all| all.get(parameter)).map(|p| p.name)
         }
@@ -142,7 +135,7 @@ fn unit<'a>(fit: &Fit, parameter: &'a Parameter) -> (f64, &'a str) {
     people(unit_of(name.unwrap_or_default(), parameter.unit))
 }
 
-fn others(fit: &Fit) -> Table {
+fn others(fit: &Identification) -> Table {
     let mut table = Table::new(
         "Everything else that was identified; home rotations are those from the nominal pose",
         2,
@@ -177,7 +170,7 @@ fn others(fit: &Fit) -> Table {
     table
 }
 
-fn correlations(fit: &Fit, section: &mut Section) {
+fn correlations(fit: &Identification, section: &mut Section) {
     let Some(all) = fit.solution.correlations() else {
         return;
     };

@@ -4,14 +4,14 @@ use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::Method;
 use tautline_session::Session;
 
-use crate::identification::Fit;
+use crate::identification::Identification;
 use crate::report::document::Section;
 use crate::wording::{count, list};
 
 /// Where the method comes from.
 const SOURCE: &str = "X. Jin, J. Jung, S. Y. Ko, E. Choi, J.-O. Park, C.-S. Kim: Geometric parameter calibration for a cable-driven parallel robot based on a single one-dimensional laser distance sensor measurement and experimental modeling. Sensors 18 (2018) 2392, doi:10.3390/s18072392.";
 
-pub fn section(session: &Session, fit: &Fit) -> Section {
+pub fn section(session: &Session, fit: &Identification) -> Section {
     let mut section = Section::new("Method");
     let tensions = match fit.method {
         Method::Simple => "Tensions are taken as the sensors say, without the balance of forces",

@@ -5,7 +5,7 @@ use tautline_core::estimation::Solution;
 use tautline_session::Session;
 
 use super::accuracy;
-use crate::identification::Fit;
+use crate::identification::Identification;
 use crate::report::ReportInput;
 use crate::report::document::{Block, Section};
 use crate::wording::count;
@@ -83,14 +83,10 @@ fn verdict(solution: &Solution, session: &Session) -> String {
 }
 
 /// How far the entry points are from the drawing.
-fn moved(fit: &Fit) -> String {
+fn moved(fit: &Identification) -> String {
     let nominal = &fit.dataset.robot.cables;
-    let points = nominal.iter().zip(&fit.solution.globals.entry_points);
-    let distances = points.map(|(cable, found)| {
-        let drawn = cable.pulley.entry_point_m;
-        let square: f64 = (0..3).map(|k| (found[k] - drawn[k]).powi(2)).sum();
-        (square.sqrt(), cable.name.as_str())
-    });
+    let distances = fit.displacements_m(&fit.dataset.robot).into_iter();
+    let distances = distances.zip(nominal.iter().map(|cable| cable.name.as_str()));
     let farthest = distances.max_by(|a, b| a.0.total_cmp(&b.0));
     let poses = count(fit.dataset.measurements.len(), "pose");
     match farthest {

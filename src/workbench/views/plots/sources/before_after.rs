@@ -4,7 +4,7 @@ use tautline_core::diagnosis::Quantity;
 
 use crate::model::figure::{Axis, Columns, Curve, Figure, Ink};
 use crate::model::plot_preparation::{Prepared, residuals};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Half of the width that is shown (standard deviations); what is beyond counts in the outermost columns.
 const MOST: f64 = 6.0;
@@ -43,7 +43,7 @@ pub fn figure(prepared: &Prepared) -> Figure {
 }
 
 /// All standardised residuals of a fit.
-fn all(fit: &Fit) -> Vec<f64> {
+fn all(fit: &Identification) -> Vec<f64> {
     let mut values: Vec<f64> = fit
         .analysis
         .readings

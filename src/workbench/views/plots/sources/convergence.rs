@@ -1,11 +1,11 @@
 //! Chi-square after each step of an identification.
 
 use crate::model::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// The way of a fit to its solution.
 #[must_use]
-pub fn figure(fit: &Fit) -> Figure {
+pub fn figure(fit: &Identification) -> Figure {
     let steps = fit.steps.iter().enumerate();
     let places: Vec<[f64; 2]> = steps
         .filter(|(_, loss)| **loss > 0.0)

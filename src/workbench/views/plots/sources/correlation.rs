@@ -3,7 +3,7 @@
 use tautline_core::estimation::{Parameter, ParameterId};
 
 use crate::model::figure::{Axis, Figure, Heat, Shades};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Cable that a parameter belongs to.
 fn cable_of(parameter: &Parameter) -> Option<usize> {
@@ -25,7 +25,7 @@ fn group_of(parameter: &Parameter) -> String {
 
 /// The correlations as a heat map; empty where the data do not determine them.
 #[must_use]
-pub fn figure(fit: &Fit) -> Figure {
+pub fn figure(fit: &Identification) -> Figure {
     let Some(correlations) = fit.solution.correlations() else {
         return Figure::default();
     };

@@ -7,7 +7,7 @@ use tautline_core::estimation::{Reading, ReadingKind};
 use super::over_pose;
 use crate::model::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use crate::views::plots::POSE;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,7 +61,7 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 /// Residuals of the lengths of all cables.
 #[must_use]
-pub fn lengths(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
+pub fn lengths(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let named = cable_points(fit, unit, excluded)
         .into_iter()
@@ -76,7 +76,7 @@ pub fn lengths(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
 /// Residuals of the lengths of all cables in two sessions, the second as rings. Their poses have nothing to do with each
 /// other, so a point stands for no pose.
 #[must_use]
-pub fn of_both(fits: [&Fit; 2]) -> Figure {
+pub fn of_both(fits: [&Identification; 2]) -> Figure {
     let unit = Unit::default();
     let nothing = BTreeSet::new();
     let key = |name| Series::new(name, Ink::Text, Marker::Circle, Vec::new());
@@ -111,13 +111,13 @@ fn over_poses(unit: Unit, band: Option<Band>, series: Vec<Series>) -> Figure {
     }
 }
 
-fn length_readings(fit: &Fit) -> impl Iterator<Item = &Reading> {
+fn length_readings(fit: &Identification) -> impl Iterator<Item = &Reading> {
     let readings = fit.analysis.readings.iter();
     readings.filter(|reading| matches!(reading.kind, ReadingKind::Length(_)))
 }
 
 /// Residuals of the lengths of each cable.
-fn cable_points(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Vec<Vec<Point>> {
+fn cable_points(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Vec<Vec<Point>> {
     let mut points: Vec<Vec<Point>> = vec![Vec::new(); fit.dataset.robot.cable_count()];
     for reading in &fit.analysis.readings {
         if let ReadingKind::Length(cable) = reading.kind
@@ -132,7 +132,7 @@ fn cable_points(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Vec<Vec<Poin
 
 /// Residuals of the laser.
 #[must_use]
-pub fn laser(fit: &Fit, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
+pub fn laser(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     let readings = || {
         let all = fit.analysis.readings.iter();
         all.filter(|reading| reading.kind == ReadingKind::Laser)

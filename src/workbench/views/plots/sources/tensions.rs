@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::over_pose;
 use crate::model::figure::{Axis, Band, Figure, Point, Series};
 use crate::views::plots::POSE;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// What is shown of tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -19,7 +19,7 @@ pub enum Shown {
 
 /// Tensions of all cables.
 #[must_use]
-pub fn figure(fit: &Fit, shown: Shown, excluded: &BTreeSet<i64>) -> Figure {
+pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let mut points: Vec<Vec<Point>> = vec![Vec::new(); cables.len()];
     let mut put = |row: usize, cable: usize, value: f64| {

@@ -10,7 +10,7 @@ use super::at_row;
 use crate::model::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Prepared, residuals};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Places along a fitted curve.
 const PLACES: usize = 120;
@@ -141,14 +141,14 @@ pub fn figure(
     figure
 }
 
-fn places(fit: &Fit, choice: Choice, values: &[f64], factor: f64) -> Vec<Place> {
+fn places(fit: &Identification, choice: Choice, values: &[f64], factor: f64) -> Vec<Place> {
     residuals(fit, choice.quantity, choice.cable)
         .into_iter()
         .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
         .collect()
 }
 
-fn series(choice: Choice, fit: &Fit, points: Vec<Point>) -> Series {
+fn series(choice: Choice, fit: &Identification, points: Vec<Point>) -> Series {
     let cables = &fit.dataset.robot.cables;
     match choice
         .cable

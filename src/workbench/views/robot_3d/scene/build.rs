@@ -16,7 +16,7 @@ use super::{
 };
 use crate::model::Selection;
 use crate::views::robot_3d::{Live, camera};
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// What is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +26,7 @@ pub struct Subject<'a> {
     /// What was measured.
     pub measurements: &'a Measurements,
     /// What was identified, if it was.
-    pub fit: Option<&'a Fit>,
+    pub fit: Option<&'a Identification>,
     /// The pose that is shown, and the cable whose residuals the poses show.
     pub selection: Selection,
     /// Where the platform is now, while it is measured; comes before the selected pose.
@@ -189,7 +189,7 @@ impl<'a> Subject<'a> {
 /// Row in the data of the fit, and pose, by label.
 type Fitted = HashMap<i64, (usize, Pose)>;
 
-fn fitted_poses(fit: &Fit) -> Fitted {
+fn fitted_poses(fit: &Identification) -> Fitted {
     let labels = &fit.dataset.measurements.labels;
     let poses = fit.solution.poses.iter();
     let labelled = poses.filter_map(|(row, pose)| Some((*labels.get(*row)?, (*row, *pose))));
@@ -206,7 +206,11 @@ fn given_pose(data: &Measurements, row: usize) -> Option<Pose> {
     })
 }
 
-fn displacement(fit: &Fit, index: usize, nominal: &tautline_core::robot::Cable) -> Displacement {
+fn displacement(
+    fit: &Identification,
+    index: usize,
+    nominal: &tautline_core::robot::Cable,
+) -> Displacement {
     let from = Vec3::from(nominal.pulley.entry_point_m);
     let entries = &fit.solution.globals.entry_points;
     let found = entries.get(index).map_or(from, |entry| Vec3::from(*entry));
@@ -219,7 +223,7 @@ fn displacement(fit: &Fit, index: usize, nominal: &tautline_core::robot::Cable) 
 }
 
 /// Covariance of an entry point (m^2); coordinates that were not estimated have none.
-fn covariance(fit: &Fit, index: usize) -> Option<Matrix3<f64>> {
+fn covariance(fit: &Identification, index: usize) -> Option<Matrix3<f64>> {
     let whole = fit.solution.covariance.as_ref()?;
     let mut columns = [None; 3];
     for (column, parameter) in fit.solution.parameters.iter().enumerate() {

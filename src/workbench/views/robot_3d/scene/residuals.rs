@@ -3,7 +3,7 @@
 use tautline_core::estimation::{Reading, ReadingKind};
 
 use super::Residual;
-use tautline_workflow::identification::Fit;
+use tautline_workflow::identification::Identification;
 
 /// Normalised residuals of the lengths of a fit.
 #[derive(Debug, Default)]
@@ -14,7 +14,7 @@ pub struct Residuals {
 
 impl Residuals {
     /// Those of `fit`.
-    pub fn of(fit: &Fit) -> Self {
+    pub fn of(fit: &Identification) -> Self {
         let length = |reading: &Reading| match reading.kind {
             ReadingKind::Length(cable) => {
                 let value = reading.normalised().unwrap_or(reading.standardised);

@@ -7,7 +7,7 @@ use tautline_session::Document;
 
 /// Machine form of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Identification {
+pub struct IdentificationDocument {
     /// joint, simple or published.
     pub method: String,
     /// Whether the solver converged.
@@ -80,7 +80,7 @@ pub struct FittedEffect {
     pub sd: Option<f64>,
 }
 
-impl Document for Identification {
+impl Document for IdentificationDocument {
     const FORMAT: &'static str = "tautline-identification";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;

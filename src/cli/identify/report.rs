@@ -1,18 +1,19 @@
 //! The readable report of an identification.
 
-use super::Fitted;
+use tautline_core::robot::Robot;
+use tautline_workflow::identification::{Explains, IdentificationDocument};
+
 use crate::output::say;
 use crate::table;
-use tautline_workflow::documents::identification::{Explains, Identification};
 
 /// Most suspect readings that a report lists.
 const SUSPECTS_SHOWN: usize = 10;
 
-/// The readable report.
-pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
-    say!("{}", headline(fitted, identification));
+/// Prints an identification, its entry points compared with those of a drawing.
+pub fn print(identification: &IdentificationDocument, drawing: &Robot) {
+    say!("{}", identification.summary(&drawing.name));
     say!("{}", adequacy(identification));
-    print_entry_points(fitted, identification);
+    print_entry_points(identification, drawing);
     if !identification.effects.is_empty() {
         print_effects(identification);
     }
@@ -23,19 +24,19 @@ pub fn print_report(fitted: &Fitted<'_>, identification: &Identification) {
     print_suspects(&identification.suspect_readings);
 }
 
-/// What stands in the place of a standard deviation that there is none of.
+/// Shown in place of a standard deviation that the data do not determine.
 fn no_sd() -> String {
     "-".to_owned()
 }
 
-fn print_entry_points(fitted: &Fitted<'_>, identification: &Identification) {
+fn print_entry_points(identification: &IdentificationDocument, drawing: &Robot) {
     let mut points = table::numbers(&[
         "Cable", "x mm", "y mm", "z mm", "sd x", "sd y", "sd z", "moved mm",
     ]);
-    for (index, cable) in fitted.robot().cables.iter().enumerate() {
-        let point = fitted.solution.globals.entry_points[index];
-        let drawn = fitted.drawn_m[index];
-        let sds = identification.entry_points_sd_m[index];
+    let found = identification.entry_points_m.iter();
+    let found = found.zip(&identification.entry_points_sd_m);
+    for (cable, (point, sds)) in drawing.cables.iter().zip(found) {
+        let drawn = cable.pulley.entry_point_m;
         let square: f64 = (0..3).map(|k| (point[k] - drawn[k]).powi(2)).sum();
         let mut cells = vec![cable.name.clone()];
         cells.extend(point.map(|v| table::mm(v, 2)));
@@ -46,7 +47,7 @@ fn print_entry_points(fitted: &Fitted<'_>, identification: &Identification) {
     say!("{points}");
 }
 
-fn print_effects(identification: &Identification) {
+fn print_effects(identification: &IdentificationDocument) {
     let mut effects = table::numbers(&["Effect", "value", "sd", "unit"]);
     for effect in &identification.effects {
         let on = effect.targets.join(", ");
@@ -61,7 +62,7 @@ fn print_effects(identification: &Identification) {
     say!("{effects}");
 }
 
-fn print_residuals(identification: &Identification) {
+fn print_residuals(identification: &IdentificationDocument) {
     let rms = &identification.rms;
     let show = |name: &str, value: Option<f64>, scale: f64, unit: &str| {
         if let Some(value) = value {
@@ -82,24 +83,8 @@ fn print_suspects(suspects: &[String]) {
     }
 }
 
-fn headline(fitted: &Fitted<'_>, identification: &Identification) -> String {
-    let end = if identification.converged {
-        "converged"
-    } else {
-        "did NOT converge"
-    };
-    format!(
-        "{}: {} poses, {} method {end} after {} iterations in {:.3} ms",
-        fitted.robot().name,
-        identification.poses.len(),
-        identification.method,
-        identification.iterations,
-        identification.seconds * 1e3
-    )
-}
-
 /// Whether the model explains the data, in words.
-fn adequacy(identification: &Identification) -> String {
+fn adequacy(identification: &IdentificationDocument) -> String {
     let (chi2, dof) = (identification.chi2, identification.dof);
     let figures = format!("chi-square {chi2:.1} for {dof:.0} degrees of freedom");
     let explains = Explains::of(identification.p_value);

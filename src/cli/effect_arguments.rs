@@ -1,0 +1,235 @@
+//! `--effect`: effects that are hidden in simulated data or freed in an identification.
+
+use anyhow::Result;
+use tautline_core::effect::{BoundEffect, EffectRequest, EffectSetting};
+use tautline_core::measurement::Measurements;
+use tautline_core::robot::Robot;
+use tautline_workflow::BadInput;
+
+/// Effects to hide.
+#[derive(Debug, Default, clap::Args)]
+pub struct HiddenEffects {
+    /// Hide an effect in the data, on all cables unless one is named; may be repeated
+    #[arg(
+        long = "effect",
+        alias = "effects",
+        value_name = "ID[:CABLE][:NAME=NUMBER,..]"
+    )]
+    texts: Vec<String>,
+}
+
+/// Effects to estimate.
+#[derive(Debug, Default, clap::Args)]
+pub struct FreedEffects {
+    /// Estimate an effect, on each cable unless one is named; what cannot be estimated is given, as the pose of a slip:
+    /// cable_slip:cable-3:pose=12; may be repeated, or several separated by commas
+    #[arg(
+        long = "effect",
+        alias = "effects",
+        value_name = "ID[:CABLE][:NAME=NUMBER,..]"
+    )]
+    texts: Vec<String>,
+}
+
+impl HiddenEffects {
+    pub fn is_empty(&self) -> bool {
+        self.texts.is_empty()
+    }
+
+    /// The effects; parameters that are not given have no influence.
+    pub fn settings(&self, robot: &Robot) -> Result<Vec<EffectSetting>> {
+        let mut settings = Vec::new();
+        for one in self.texts.iter().flat_map(|text| split(text)) {
+            let bad = |error: String| BadInput::new(format!("--effect {one}: {error}"));
+            let setting = parse(&one).map_err(bad)?;
+            let bound = BoundEffect::from_setting(&setting, robot);
+            settings.push(
+                bound
+                    .map_err(|error| bad(error.to_string()))?
+                    .setting(robot),
+            );
+        }
+        Ok(settings)
+    }
+}
+
+impl FreedEffects {
+    /// The effects at the values at which estimation starts, one for each cable where the effect is per cable and none
+    /// is named. Poses that they name must be in `data`, where there are data.
+    pub fn settings(
+        &self,
+        robot: &Robot,
+        data: Option<&Measurements>,
+    ) -> Result<Vec<EffectSetting>> {
+        let bound = self.bind(robot)?;
+        for effect in &bound {
+            data.map_or(Ok(()), |data| effect.check_poses(data))
+                .map_err(|error| BadInput::new(format!("--effect: {error}")))?;
+        }
+        Ok(bound.iter().map(|effect| effect.setting(robot)).collect())
+    }
+
+    /// The same as they act on the robot.
+    pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>> {
+        let mut bound = Vec::new();
+        for one in self.texts.iter().flat_map(|text| split(text)) {
+            let bad = |error: String| BadInput::new(format!("--effect {one}: {error}"));
+            let mut setting = parse(&one).map_err(bad)?;
+            let request = EffectRequest {
+                cable: setting.targets.pop(),
+                effect: setting.effect,
+                values: setting.parameters.into_iter().collect(),
+            };
+            if let Some(other) = setting.targets.pop() {
+                return Err(bad(format!(
+                    "found the cable \"{other}\" too, expected one cable"
+                )));
+            }
+            bound.extend(
+                request
+                    .bind(robot)
+                    .map_err(|error| bad(error.to_string()))?,
+            );
+        }
+        Ok(bound)
+    }
+}
+
+/// The effects of one argument: a comma begins another one unless a parameter `NAME=NUMBER` follows it.
+fn split(text: &str) -> Vec<String> {
+    let mut effects: Vec<String> = Vec::new();
+    for part in text.split(',') {
+        let name = part.split(':').next().unwrap_or_default();
+        match effects.last_mut() {
+            Some(last) if name.contains('=') => {
+                last.push(',');
+                last.push_str(part);
+            }
+            _ => effects.push(part.to_owned()),
+        }
+    }
+    effects
+}
+
+/// Reads `ID[:CABLE]..[:NAME=NUMBER,..]`; a colon may stand for the comma as well.
+fn parse(text: &str) -> Result<EffectSetting, String> {
+    let mut parts = text.split(':');
+    let mut setting = EffectSetting {
+        effect: parts.next().unwrap_or_default().trim().to_owned(),
+        targets: Vec::new(),
+        parameters: Default::default(),
+    };
+    for part in parts {
+        if !part.contains('=') {
+            setting.targets.push(part.trim().to_owned());
+            continue;
+        }
+        for pair in part.split(',') {
+            let value = pair
+                .split_once('=')
+                .and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
+            let Some((name, value)) = value.filter(|(_, value)| value.is_finite()) else {
+                return Err(format!("found \"{pair}\", expected NAME=NUMBER"));
+            };
+            setting.parameters.insert(name.to_owned(), value);
+        }
+    }
+    Ok(setting)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use tautline_core::robot::presets;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Freed {
+        #[command(flatten)]
+        effects: FreedEffects,
+    }
+
+    #[derive(Debug, Parser)]
+    struct Hidden {
+        #[command(flatten)]
+        effects: HiddenEffects,
+    }
+
+    fn freed(arguments: &[&str]) -> Result<Vec<EffectSetting>> {
+        let arguments = Freed::parse_from([&["tautline"], arguments].concat());
+        let robot = presets::find("planar").expect("a preset").robot;
+        arguments.effects.settings(&robot, None)
+    }
+
+    #[test]
+    fn both_names_of_the_flag_take_one_effect_or_a_list() {
+        let expected = freed(&["--effect", "winch_scale:cable-2", "--effect", "laser_scale"]);
+        let expected = expected.expect("effects");
+        assert_eq!(expected.len(), 2);
+        for arguments in [
+            &["--effect", "winch_scale:cable-2,laser_scale"][..],
+            &["--effects", "winch_scale:cable-2,laser_scale"],
+            &[
+                "--effects",
+                "winch_scale:cable-2",
+                "--effect",
+                "laser_scale",
+            ],
+        ] {
+            assert_eq!(
+                freed(arguments).expect("effects"),
+                expected,
+                "{arguments:?}"
+            );
+        }
+        assert_eq!(
+            freed(&["--effect", "winch_scale"]).expect("effects").len(),
+            4
+        );
+    }
+
+    #[test]
+    fn parameters_may_be_separated_by_commas_or_colons() {
+        let expected = freed(&[
+            "--effect",
+            "cable_slip:cable-2:pose=2,step=0.003,laser_scale",
+        ]);
+        let expected = expected.expect("effects");
+        assert_eq!(expected.len(), 2);
+        assert_eq!(expected[0].parameters["step"], 0.003);
+        let other = freed(&[
+            "--effects",
+            "cable_slip:cable-2:pose=2:step=0.003,laser_scale",
+        ]);
+        assert_eq!(other.expect("effects"), expected);
+    }
+
+    #[test]
+    fn two_cables_can_be_exchanged_in_simulated_data() {
+        let robot = presets::find("planar").expect("a preset").robot;
+        let text = "cable_swap:cable-1:cable-2";
+        for flag in ["--effect", "--effects"] {
+            let arguments = Hidden::parse_from(["tautline", flag, text]);
+            let settings = arguments.effects.settings(&robot).expect("an effect");
+            assert_eq!(settings[0].targets, ["cable-1", "cable-2"]);
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (text, expected) in [
+            (
+                "winch_scale:scale=much",
+                "found \"scale=much\", expected NAME=NUMBER",
+            ),
+            ("winch_skale", "unknown effect"),
+            ("winch_scale:cable-9", "no cable \"cable-9\""),
+            ("winch_scale:cable-1:cable-2", "expected one cable"),
+        ] {
+            let error = freed(&["--effect", text]).expect_err(text).to_string();
+            assert!(error.starts_with(&format!("--effect {text}: ")), "{error}");
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

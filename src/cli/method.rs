@@ -1,0 +1,21 @@
+//! `--method`.
+
+use tautline_session::Method;
+
+/// A method of identification by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum MethodName {
+    Joint,
+    Simple,
+    Published,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::Joint => Self::Joint,
+            MethodName::Simple => Self::Simple,
+            MethodName::Published => Self::Published,
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! Identification: the one way from measured poses to an identified robot, for every command and for the window.
+//!
+//! A request says what is identified from which data; [`identify`] solves it and analyses the residuals.
+
+mod adequacy;
+mod document;
+mod model;
+mod pose_context;
+mod published;
+mod request;
+mod wording;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use tautline_core::effect::{BoundEffect, EffectError};
+use tautline_core::estimation::{
+    Analysis, Control, Deficiency, EstimationError, Method, ParameterId, Problem, Progress,
+    Reading, ReadingKind, Solution, deficiencies,
+};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
+use tautline_session::Session;
+
+pub use adequacy::Explains;
+pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
+pub use model::{entry_point_sd, identified};
+pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};
+pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
+pub use wording::reading_name;
+
+/// Level for all readings together at which single readings are called suspect.
+pub const SUSPECT_LEVEL: f64 = 0.01;
+
+/// Why there is no identification, or none to rely on.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentificationError {
+    /// Nothing was measured.
+    #[error("there are no measured poses, so nothing can be identified")]
+    NoPoses,
+    /// An effect does not fit the robot or the measurements.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// The data do not make a problem.
+    #[error(transparent)]
+    Estimation(#[from] EstimationError),
+    /// A measured elongation surface would have to be extrapolated: where, and the range that was measured.
+    #[error("{0}")]
+    OutsideSurface(String),
+    /// The solver did not converge.
+    #[error("the identification did not converge")]
+    NotConverged,
+}
+
+/// An identified robot with the data that it was identified from.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// Robot and measurements, without the excluded poses.
+    pub dataset: Arc<Dataset>,
+    /// How tensions entered.
+    pub method: Method,
+    /// What else was asked for.
+    pub options: IdentificationOptions,
+    /// Number of effects whose values were held; they come first in the solution.
+    pub held: usize,
+    /// Parameters, poses, covariance.
+    pub solution: Solution,
+    /// Readings with what the solution predicts for them.
+    pub analysis: Analysis,
+    /// Readings that do not fit, grouped by pose, the worst pose first.
+    pub suspects: Vec<Vec<Reading>>,
+    /// What the readings leave open.
+    pub open: Vec<Deficiency>,
+    /// The robot with the identified values; standard deviations are those of the solution.
+    pub model: Robot,
+    /// Chi-square after each step, for the convergence plot.
+    pub steps: Vec<f64>,
+    /// Time of the solve alone (s).
+    pub seconds: f64,
+    /// The published method on the same data, where it was asked for; else one sentence on why it cannot be applied.
+    pub published: Option<Result<PublishedIdentification, String>>,
+}
+
+/// Identifies; `observe` sees every step and can cancel.
+///
+/// Values that the effects depend on, as wrap angles, are taken at the poses of the solution itself.
+///
+/// # Errors
+/// If the data do not make a problem. Non-convergence is a field of the solution, not an error.
+pub fn identify(
+    request: &IdentificationRequest,
+    observe: &mut dyn FnMut(&Progress) -> Control,
+) -> Result<Identification, EstimationError> {
+    let started = Instant::now();
+    let mut steps = Vec::new();
+    let (problem, solution) = pose_context::solve(request, &mut |progress| {
+        steps.push(progress.loss);
+        observe(progress)
+    })?;
+    let seconds = started.elapsed().as_secs_f64();
+    let analysis = Analysis::new(&problem, &solution);
+    Ok(Identification {
+        model: identified(&request.dataset.robot, &solution),
+        method: request.method,
+        options: request.options,
+        held: problem.held_effects.len(),
+        suspects: by_pose(analysis.suspects(SUSPECT_LEVEL)),
+        open: deficiencies(&problem, &solution),
+        analysis,
+        solution,
+        steps,
+        seconds,
+        published: None,
+        dataset: Arc::clone(&request.dataset),
+    })
+}
+
+/// Identifies a session as its settings ask, for a result that can be relied on. Where they ask for the published
+/// method the joint one is used, because the published one has no standard deviations.
+///
+/// # Errors
+/// If nothing was measured, the data do not make a problem, or the solution needs an extrapolated elongation.
+pub fn identify_session(
+    session: &Session,
+    observe: &mut dyn FnMut(&Progress) -> Control,
+) -> Result<Identification, IdentificationError> {
+    if session.measurements.is_empty() {
+        return Err(IdentificationError::NoPoses);
+    }
+    let request = IdentificationRequest::of_session(session)?;
+    identify(&request, observe)?.refuse_extrapolation()
+}
+
+impl Identification {
+    /// The problem that this is the solution of.
+    ///
+    /// # Errors
+    /// None that making the problem did not have before.
+    pub fn problem(&self) -> Result<Problem<'_>, EstimationError> {
+        let mut problem = self.options.problem(&self.dataset, self.method)?;
+        problem.free_effects = self.free_effects().to_vec();
+        Ok(pose_context::at_poses_of(problem, &self.solution))
+    }
+
+    /// The effects that were identified, with their values.
+    #[must_use]
+    pub fn free_effects(&self) -> &[BoundEffect] {
+        let effects = &self.solution.globals.effects;
+        effects.get(self.held..).unwrap_or_default()
+    }
+
+    /// Root mean square of the residuals over that of noise alone; `None` if nothing is redundant.
+    #[must_use]
+    pub fn residual_ratio(&self) -> Option<f64> {
+        let freedom = self.solution.degrees_of_freedom;
+        (freedom > 0.0).then(|| (self.solution.chi2 / freedom).sqrt())
+    }
+
+    /// Distance of each identified entry point from that of `drawing` (m).
+    #[must_use]
+    pub fn displacements_m(&self, drawing: &Robot) -> Vec<f64> {
+        let drawn = drawing
+            .cables
+            .iter()
+            .map(|cable| cable.pulley.entry_point_m);
+        let found = self.solution.globals.entry_points.iter();
+        let distance = |(found, drawn): (&[f64; 3], [f64; 3])| {
+            let square: f64 = (0..3).map(|k| (found[k] - drawn[k]).powi(2)).sum();
+            square.sqrt()
+        };
+        found.zip(drawn).map(distance).collect()
+    }
+
+    /// Where a measured elongation had to be extrapolated, in words: the solution does not hold then.
+    #[must_use]
+    pub fn extrapolation(&self) -> Option<String> {
+        extrapolation(&self.dataset, &self.solution)
+    }
+
+    /// The same identification, refused where a measured elongation had to be extrapolated.
+    ///
+    /// # Errors
+    /// If it had to.
+    pub fn refuse_extrapolation(self) -> Result<Self, IdentificationError> {
+        match self.extrapolation() {
+            None => Ok(self),
+            Some(place) => Err(IdentificationError::OutsideSurface(place)),
+        }
+    }
+
+    /// The identified parameters of the effects.
+    #[must_use]
+    pub fn effects(&self) -> Vec<FittedEffect> {
+        let mut effects = Vec::new();
+        for (index, parameter) in self.solution.parameters.iter().enumerate() {
+            let ParameterId::Effect {
+                effect,
+                parameter: which,
+            } = parameter.id
+            else {
+                continue;
+            };
+            let bound = &self.free_effects()[effect];
+            let description = bound.effect.parameters()[which];
+            effects.push(FittedEffect {
+                effect: bound.effect.id().to_owned(),
+                targets: bound.setting(&self.dataset.robot).targets,
+                parameter: description.name.to_owned(),
+                value: bound.values[which],
+                unit: description.unit.to_owned(),
+                sd: self.solution.standard_deviation(index),
+            });
+        }
+        effects
+    }
+
+    /// Machine form.
+    #[must_use]
+    pub fn document(&self) -> IdentificationDocument {
+        let measurements = &self.dataset.measurements;
+        let solution = &self.solution;
+        let cables = self.dataset.robot.cable_count();
+        let has_latent_tension = self.method == Method::Joint && !measurements.force_n.is_empty();
+        let tension_n = self.analysis.tension_rms_n();
+        let poses = solution.poses.iter().map(|(row, pose)| FittedPose {
+            pose: measurements.labels[*row],
+            position_m: pose.position.into(),
+            orientation_wxyz: pose.orientation_wxyz(),
+        });
+        IdentificationDocument {
+            method: match self.method {
+                Method::Joint => "joint",
+                Method::Simple => "simple",
+            }
+            .to_owned(),
+            converged: solution.converged(),
+            iterations: solution.iterations,
+            seconds: self.seconds,
+            chi2: solution.chi2,
+            dof: solution.degrees_of_freedom,
+            p_value: solution.p_value(),
+            entry_points_m: solution.globals.entry_points.clone(),
+            entry_points_sd_m: (0..cables)
+                .map(|cable| [0, 1, 2].map(|axis| entry_point_sd(solution, cable, axis)))
+                .collect(),
+            rms: Rms {
+                length_m: (self.analysis).rms(|kind| matches!(kind, ReadingKind::Length(_))),
+                laser_m: self.analysis.rms(|kind| kind == ReadingKind::Laser),
+                tension_n: tension_n.filter(|_| has_latent_tension),
+            },
+            poses: poses.collect(),
+            effects: self.effects(),
+            undetermined: self.open.iter().map(|d| d.sentence.clone()).collect(),
+            suspect_readings: self.suspect_lines(),
+        }
+    }
+}
+
+/// Where a measured elongation had to be extrapolated, in words: the solution does not hold then.
+#[must_use]
+pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
+    let first = solution.outside_surface.first()?;
+    let label = dataset.measurements.labels[first.row];
+    let cable = &dataset.robot.cables[first.cable].name;
+    let more = match solution.outside_surface.len() - 1 {
+        0 => String::new(),
+        count => format!(" (and {count} more)"),
+    };
+    let range = first.range;
+    Some(format!(
+        "pose {label}, {cable}: {range} of its elongation surface{more}"
+    ))
+}
+
+/// Groups readings by pose, in the order of the first of each.
+fn by_pose(readings: Vec<Reading>) -> Vec<Vec<Reading>> {
+    let mut places: HashMap<usize, usize> = HashMap::new();
+    let mut poses: Vec<Vec<Reading>> = Vec::new();
+    for reading in readings {
+        let place = *places.entry(reading.row).or_insert_with(|| {
+            poses.push(Vec::new());
+            poses.len() - 1
+        });
+        poses[place].push(reading);
+    }
+    poses
+}

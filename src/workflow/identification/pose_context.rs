@@ -1,0 +1,59 @@
+//! Solving with effects whose influence depends on where the platform is.
+//!
+//! Wrap angles, directions of travel and the like are held during a solve, at poses that have to be known before. The
+//! commanded poses may be far off or missing, so the problem is solved without its free effects first, and then again
+//! with these values taken at the poses found, until chi-square no longer changes: what is reported holds at the poses
+//! of the solution itself.
+
+use tautline_core::estimation::{
+    Control, EstimationError, Options, Problem, Progress, Solution, Termination,
+    solve as solve_once,
+};
+
+use super::request::IdentificationRequest;
+
+/// Relative change of chi-square below which the poses have settled.
+const SETTLED: f64 = 1e-9;
+/// Most solves with the effects. Each starts at the one before and changes the wrap angles by micrometres of the poses;
+/// more than three have not been seen.
+const MOST_SOLVES: usize = 10;
+
+/// Solves a request; the problem is as it was solved last.
+pub(super) fn solve<'a>(
+    request: &'a IdentificationRequest,
+    observe: &mut dyn FnMut(&Progress) -> Control,
+) -> Result<(Problem<'a>, Solution), EstimationError> {
+    let mut problem = request.options.problem(&request.dataset, request.method)?;
+    let options = Options::default();
+    let mut solution = solve_once(&problem, &options, observe)?;
+    if problem.held_effects.is_empty() && request.effects.is_empty() {
+        return Ok((problem, solution));
+    }
+    let mut iterations = solution.iterations;
+    let mut effects = request.effects.clone();
+    for _ in 0..MOST_SOLVES {
+        if solution.termination == Termination::Cancelled {
+            break;
+        }
+        let before = solution.chi2;
+        problem = problem.at_poses_of(&solution);
+        problem.free_effects = effects;
+        solution = solve_once(&problem, &options, observe)?;
+        iterations += solution.iterations;
+        effects = solution.globals.effects[problem.held_effects.len()..].to_vec();
+        if (solution.chi2 - before).abs() <= SETTLED * before {
+            break;
+        }
+    }
+    solution.iterations = iterations;
+    Ok((problem, solution))
+}
+
+/// The same problem with its context at the poses of its own solution.
+pub(super) fn at_poses_of<'a>(problem: Problem<'a>, solution: &Solution) -> Problem<'a> {
+    if problem.held_effects.is_empty() && problem.free_effects.is_empty() {
+        problem
+    } else {
+        problem.at_poses_of(solution)
+    }
+}

@@ -1,0 +1,110 @@
+//! What is identified from which data, made from a session or from a dataset and command-line arguments alike.
+
+use std::sync::Arc;
+
+use tautline_core::effect::{BoundEffect, EffectError, EffectSetting, measurements_as_modelled};
+use tautline_core::estimation::{EstimationError, Geometry, Loss, Method, Poses, Problem};
+use tautline_core::measurement::Dataset;
+use tautline_session::Session;
+
+/// What to identify.
+#[derive(Debug, Clone)]
+pub struct IdentificationRequest {
+    /// Robot and measurements, without the excluded poses; readings are on the channels on which the model has them.
+    pub dataset: Arc<Dataset>,
+    /// How tensions enter.
+    pub method: Method,
+    /// Effects whose parameters are identified; those of the robot's own model are held.
+    pub effects: Vec<BoundEffect>,
+    /// What else is asked for.
+    pub options: IdentificationOptions,
+}
+
+/// What can be asked for besides the method; by default what identification is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IdentificationOptions {
+    /// Loss function of the standardised residuals.
+    pub loss: Loss,
+    /// Whether geometry and effects are estimated.
+    pub geometry: Geometry,
+    /// Whether poses are estimated.
+    pub poses: Poses,
+}
+
+impl Default for IdentificationOptions {
+    fn default() -> Self {
+        Self {
+            loss: Loss::Square,
+            geometry: Geometry::Estimated,
+            poses: Poses::Estimated,
+        }
+    }
+}
+
+impl IdentificationOptions {
+    /// The problem without free effects, which starts at the robot's own values.
+    pub(super) fn problem(
+        self,
+        dataset: &Dataset,
+        method: Method,
+    ) -> Result<Problem<'_>, EstimationError> {
+        let mut problem = Problem::new(dataset)?.with_method(method);
+        problem.loss = self.loss;
+        problem.geometry = self.geometry;
+        problem.poses = self.poses;
+        Ok(problem)
+    }
+}
+
+impl IdentificationRequest {
+    /// Identifies the robot of a dataset, with its raw measurements, together with `effects`.
+    ///
+    /// Effects without a parameter to estimate, as exchanged channels, become part of the robot's model; those of a pose
+    /// that is not in the data act on nothing and are left out.
+    ///
+    /// # Errors
+    /// If an effect does not fit the robot.
+    pub fn new(
+        mut dataset: Dataset,
+        method: Method,
+        effects: &[EffectSetting],
+    ) -> Result<Self, EffectError> {
+        let mut free = Vec::new();
+        for setting in effects {
+            let bound = BoundEffect::to_estimate(setting, &dataset.robot)?;
+            if !bound.effect.is_estimable() {
+                dataset.robot.effects.push(setting.clone());
+            } else if bound.check_poses(&dataset.measurements).is_ok() {
+                free.push(bound);
+            }
+        }
+        let modelled = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+        dataset.measurements = modelled.into_owned();
+        Ok(Self {
+            dataset: Arc::new(dataset),
+            method,
+            effects: free,
+            options: IdentificationOptions::default(),
+        })
+    }
+
+    /// What a session asks for.
+    ///
+    /// # Errors
+    /// If an effect does not fit the robot.
+    pub fn of_session(session: &Session) -> Result<Self, EffectError> {
+        let settings = &session.settings.identification;
+        let method = solved_method(settings.method);
+        Self::new(session.dataset(), method, &settings.effects)
+    }
+}
+
+/// How tensions enter under a method of a session. The published method weighs nothing and has no standard deviations:
+/// what needs them takes the joint one in its place.
+#[must_use]
+pub fn solved_method(method: tautline_session::Method) -> Method {
+    match method {
+        tautline_session::Method::Simple => Method::Simple,
+        tautline_session::Method::Joint | tautline_session::Method::Published => Method::Joint,
+    }
+}

@@ -1,0 +1,68 @@
+//! What an identification says, in words.
+
+use tautline_core::estimation::{Reading, ReadingKind};
+use tautline_core::robot::Robot;
+
+use super::{Identification, IdentificationDocument, SUSPECT_LEVEL};
+use crate::wording::count;
+
+impl IdentificationDocument {
+    /// The first line of whatever is said about it: the robot, how it was identified and whether that converged.
+    #[must_use]
+    pub fn summary(&self, robot: &str) -> String {
+        let (poses, steps) = (
+            count(self.poses.len(), "pose"),
+            count(self.iterations, "iteration"),
+        );
+        let (method, ms) = (&self.method, self.seconds * 1e3);
+        if self.converged {
+            format!("{robot}: {poses}, {method} method converged after {steps} in {ms:.3} ms")
+        } else {
+            format!(
+                "{robot}: {poses}, {method} method did NOT converge ({steps} in {ms:.3} ms): do not rely on these values"
+            )
+        }
+    }
+}
+
+impl Identification {
+    /// The first line of whatever is said about it: the robot, how it was identified and whether that converged.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        self.document().summary(&self.dataset.robot.name)
+    }
+
+    /// A suspect reading in words: `length of cable-3: off by +5.1 standard deviations`.
+    #[must_use]
+    pub fn suspect_line(&self, reading: &Reading) -> String {
+        let size = reading.normalised().unwrap_or(f64::NAN);
+        let what = reading_name(&self.dataset.robot, reading.kind);
+        format!("{what}: off by {size:+.1} standard deviations")
+    }
+
+    pub(super) fn suspect_lines(&self) -> Vec<String> {
+        let labels = &self.dataset.measurements.labels;
+        let suspects = self.analysis.suspects(SUSPECT_LEVEL);
+        let line = |reading: &Reading| {
+            let label = labels[reading.row];
+            format!("pose {label}, {}", self.suspect_line(reading))
+        };
+        suspects.iter().map(line).collect()
+    }
+}
+
+/// What was read: `length of cable-3`.
+#[must_use]
+pub fn reading_name(robot: &Robot, kind: ReadingKind) -> String {
+    let cable = |index: usize| robot.cables[index].name.as_str();
+    let axis = |k: usize| ["x", "y", "z"][k];
+    match kind {
+        ReadingKind::Length(index) => format!("length of {}", cable(index)),
+        ReadingKind::Equilibrium(c) => format!("tensions, balance of {}", c.describe()),
+        ReadingKind::Laser => "laser distance".to_owned(),
+        ReadingKind::Swivel(index) => format!("swivel angle of {}", cable(index)),
+        ReadingKind::TrackerPosition(k) => format!("measured position {}", axis(k)),
+        ReadingKind::TrackerOrientation(k) => format!("measured rotation about {}", axis(k)),
+        ReadingKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
+    }
+}
