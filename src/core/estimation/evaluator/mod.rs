@@ -401,10 +401,19 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     }
 
     /// Equations of a packet at its present poses.
-    #[inline(always)]
+    ///
+    /// A kernel of its own, so that the evaluation is compiled once for each instruction set and not
+    /// once for each use.
+    #[inline(never)]
     pub fn equations_at(&mut self, batch: usize) -> &mut Equations<T> {
-        let attitude = self.attitude(batch);
-        self.evaluate(batch, &attitude);
+        let token = self.token;
+        T::run(
+            token,
+            Evaluate {
+                evaluator: self,
+                batch,
+            },
+        );
         &mut self.equations
     }
 }
@@ -450,6 +459,21 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
             };
             evaluator.assemble_batch(batch, &attitude, self.huber, self.damping);
         }
+    }
+}
+
+/// One packet at its present poses.
+struct Evaluate<'e, 'a, T: Packet> {
+    evaluator: &'e mut Evaluator<'a, T>,
+    batch: usize,
+}
+
+impl<T: Packet> Kernel for Evaluate<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let attitude = self.evaluator.attitude(self.batch);
+        self.evaluator.evaluate(self.batch, &attitude);
     }
 }
 

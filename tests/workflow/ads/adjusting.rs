@@ -1,0 +1,210 @@
+//! Writing values while connections break: afterwards the controller holds all old or all new ones, and which is told.
+
+use std::time::Duration;
+
+use serde_json::json;
+use tautline_core::robot::presets;
+use tautline_link::adjusting::{
+    Holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
+};
+use tautline_link::ads::AdsOptions;
+use tautline_link::parameters::parameters_of;
+use tautline_link::reconnecting::{Attempts, BackOff, ReconnectPolicy};
+use tautline_link::{Controller, LinkError};
+
+use tautline_validation::ads::symbols::{Style, global};
+use tautline_validation::ads::Plant;
+
+const VALUES: usize = 6;
+
+/// Entry points of two cables, each coordinate moved by a millimetre or more.
+fn new_values() -> Vec<(String, f64)> {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let points = parameters_of(&robot)
+        .into_iter()
+        .filter(|p| p.name.contains("entry_point"));
+    let moved = points.take(VALUES).zip(1..);
+    moved
+        .map(|(p, k)| (p.name, p.value + 1e-3 * f64::from(k)))
+        .collect()
+}
+
+fn held(plant: &Plant) -> Vec<f64> {
+    let names: Vec<String> = new_values().into_iter().map(|(name, _)| name).collect();
+    let mut reader = plant.client();
+    reader.connect().expect("connected");
+    reader.read(&names).expect("values")
+}
+
+fn policy() -> Attempts<fn(f64)> {
+    Attempts {
+        back_off: BackOff::default(),
+        attempts: 3,
+        late_s: 0.0,
+        wait: |_| (),
+    }
+}
+
+/// After an attempt with a fault the values are those that it told.
+fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
+    let at = format!("{action} {kind} {number}, sums {sums}");
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.armed();
+    plant.server.order(json!({ "sums": sums }));
+    let old = held(&plant);
+    plant.server.fault(kind, number, action);
+    let written = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy());
+    // Where the old values could not even be read nothing was written.
+    let holds = written.map_or(Holds::Old, |adjustment| adjustment.holds);
+    let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
+    let now = held(&plant);
+    match holds {
+        Holds::New => assert_eq!(now, new, "{at}"),
+        Holds::Old => assert_eq!(now, old, "{at}"),
+        ref other => panic!("{at}: {other:?}"),
+    }
+    holds
+}
+
+#[test]
+fn a_connection_that_breaks_at_any_written_value() {
+    // Singly written: as many requests as values.
+    for number in 1..=VALUES as u64 {
+        assert_eq!(
+            attempt("write", number, "before", false),
+            Holds::Old,
+            "{number}"
+        );
+        let after = attempt("write", number, "after", false);
+        assert_eq!(after == Holds::New, number == VALUES as u64, "{number}");
+    }
+}
+
+#[test]
+fn a_connection_that_breaks_amid_the_answer_to_any_written_value() {
+    for number in 1..=VALUES as u64 {
+        let held = attempt("write", number, "half", false);
+        assert_eq!(held == Holds::New, number == VALUES as u64, "{number}");
+    }
+}
+
+#[test]
+fn a_connection_that_breaks_while_all_are_written_at_once() {
+    assert_eq!(attempt("write", 1, "before", true), Holds::Old);
+    assert_eq!(attempt("write", 1, "after", true), Holds::New);
+    assert_eq!(attempt("write", 1, "half", true), Holds::New);
+}
+
+#[test]
+fn a_connection_that_breaks_while_values_are_read_back() {
+    // Old values, version of the program, new values.
+    assert_eq!(attempt("read", 1, "half", true), Holds::Old);
+    assert_eq!(attempt("read", 2, "half", true), Holds::Old);
+    assert_eq!(attempt("read", 3, "half", true), Holds::New);
+}
+
+#[test]
+fn values_of_which_one_cannot_be_written_are_taken_back() {
+    let plant = Plant::start(Style::Single);
+    let mut client = plant.armed();
+    let old = held(&plant);
+    let mut new = new_values();
+    new[4].1 = f64::NAN;
+    let adjustment = write_adjustment(&mut client, &new).expect("an attempt");
+    assert_eq!(adjustment.holds, Holds::Old);
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
+fn what_a_controller_holds_is_settled_by_hand_too() {
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.armed();
+    plant.server.order(json!({"sums": false}));
+    plant.server.fault("write", 3, "after");
+    let adjustment = write_adjustment(&mut client, &new_values()).expect("an attempt");
+    assert_eq!(adjustment.holds, Holds::Unknown);
+    client.connect().expect("connected again");
+    let unarmed = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
+    assert!(
+        matches!(unarmed.holds, Holds::Mixed(ref names) if names.len() == 3),
+        "{unarmed:?}"
+    );
+    client.arm().expect("armed");
+    let settled = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
+    assert_eq!(settled.holds, Holds::Old);
+    let old: Vec<f64> = adjustment.old.iter().map(|(_, value)| *value).collect();
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
+fn a_controller_that_is_not_there_any_more_leaves_it_open() {
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.armed();
+    plant.server.fault("write", 1, "after");
+    // Nothing can be looked up any more, so there is no new connection.
+    plant.server.order(json!({"codes": {}, "state": 6}));
+    let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy())
+        .expect("an attempt");
+    assert_eq!(adjustment.holds, Holds::Unknown);
+    let problem = adjustment.problem.expect("a problem");
+    assert!(problem.contains("could not be made anew"), "{problem}");
+    plant.server.order(json!({"state": 5}));
+    client.connect().expect("connected again");
+    let settled = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
+    assert_eq!(settled.holds, Holds::New);
+    plant
+        .server
+        .order(json!({"codes": {global("entry_point"): 0x723}}));
+    assert!(settle_adjustment(&mut client, &adjustment.old, &new_values()).is_err());
+}
+
+/// Restarts the controller before it is connected again: everything is elsewhere then.
+struct Restarting<'p>(&'p Plant, usize);
+
+impl ReconnectPolicy for Restarting<'_> {
+    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+        if self.1 == 0 {
+            self.0.server.order(json!({"restart": 0.1}));
+        }
+        self.1 += 1;
+        policy().bring_back(controller)
+    }
+
+    fn pause(&mut self) {}
+}
+
+#[test]
+fn a_controller_that_restarts_amid_writing() {
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.armed();
+    plant.server.order(json!({"sums": false}));
+    let old = held(&plant);
+    plant.server.fault("write", 4, "before");
+    let mut policy = Restarting(&plant, 0);
+    let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
+    assert_eq!(adjustment.expect("an attempt").holds, Holds::Old);
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
+fn a_write_that_arrives_after_the_connection_was_made_anew() {
+    let plant = Plant::start(Style::Arrays);
+    let mut client = plant.client_with(AdsOptions {
+        timeout_s: 1.5,
+        ..AdsOptions::default()
+    });
+    client.connect().expect("connected");
+    client.arm().expect("armed");
+    plant.server.fault("write", 1, "late");
+    let mut policy = Attempts {
+        back_off: BackOff::default(),
+        attempts: 3,
+        late_s: 3.0,
+        wait: |pause_s| std::thread::sleep(Duration::from_secs_f64(pause_s)),
+    };
+    let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
+    // Old values were read first; then the late ones arrived.
+    assert_eq!(adjustment.expect("an attempt").holds, Holds::New);
+    let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
+    assert_eq!(held(&plant), new);
+}
