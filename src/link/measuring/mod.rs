@@ -9,8 +9,6 @@ mod accepted;
 mod at_pose;
 mod channels;
 mod checks;
-#[cfg(test)]
-mod fault_tests;
 mod options;
 mod precision;
 mod settling;

@@ -319,5 +319,4 @@ fn arrived(held: f64, value: f64) -> bool {
 }
 
 #[cfg(test)]
-#[path = "adjusting_tests.rs"]
 mod tests;

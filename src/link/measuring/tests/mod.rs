@@ -1,5 +1,7 @@
 //! Tests of measuring runs on simulated robots.
 
+mod faults;
+
 use tautline_core::effect::{EffectRequest, EffectSetting};
 use tautline_core::estimation::{ParameterId, Problem};
 
