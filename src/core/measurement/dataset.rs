@@ -29,6 +29,15 @@ impl Grid {
         }
     }
 
+    /// A grid of one pose; empty if there are no values.
+    #[must_use]
+    pub fn of_row(values: Vec<f64>) -> Self {
+        Self {
+            columns: values.len(),
+            values,
+        }
+    }
+
     /// A grid of `rows` poses and `columns` cables in which nothing was measured.
     #[must_use]
     pub fn missing(rows: usize, columns: usize) -> Self {
@@ -97,6 +106,9 @@ pub struct Measurements {
     pub time_s: Vec<f64>,
     /// Temperature (degrees Celsius).
     pub temperature_c: Vec<f64>,
+    /// Group labels: poses with the same label were read in one standstill (or one run) and share slow errors; an empty
+    /// label is no group.
+    pub groups: Vec<String>,
     /// Commanded pose, where given.
     pub commanded: Vec<Option<Pose>>,
     /// Motor revolutions since home, positive pays cable out.
@@ -184,6 +196,7 @@ impl Measurements {
             labels: pick(&self.labels, rows),
             time_s: pick(&self.time_s, rows),
             temperature_c: pick(&self.temperature_c, rows),
+            groups: pick(&self.groups, rows),
             commanded: pick(&self.commanded, rows),
             revolutions: pick_grid(&self.revolutions),
             length_m: pick_grid(&self.length_m),
@@ -203,6 +216,50 @@ impl Measurements {
                 .iter()
                 .map(|(name, cells)| (name.clone(), pick(cells, rows)))
                 .collect(),
+        }
+    }
+
+    /// Appends the rows of `other`. A quantity that only one of both has is "not measured" in the rows of the other one;
+    /// true poses are kept only where all rows have one.
+    pub fn append(&mut self, other: Self) {
+        let (before, added) = (self.len(), other.len());
+        let join = Join { before, added };
+        if other.truth.poses.is_empty() || (self.truth.poses.is_empty() && before > 0) {
+            self.truth.poses.clear();
+        } else {
+            self.truth.poses.extend(other.truth.poses);
+        }
+        let (tension, more) = (&mut self.truth.tension_n, &other.truth.tension_n);
+        join.grids(tension, more);
+        self.labels.extend(other.labels);
+        join.columns(&mut self.time_s, other.time_s, &f64::NAN);
+        join.columns(&mut self.temperature_c, other.temperature_c, &f64::NAN);
+        join.columns(&mut self.groups, other.groups, &String::new());
+        join.columns(&mut self.commanded, other.commanded, &None);
+        join.grids(&mut self.revolutions, &other.revolutions);
+        join.grids(&mut self.length_m, &other.length_m);
+        join.grids(&mut self.force_n, &other.force_n);
+        join.columns(&mut self.laser_m, other.laser_m, &f64::NAN);
+        join.grids(&mut self.swivel_rad, &other.swivel_rad);
+        let missing = [f64::NAN; 3];
+        join.columns(&mut self.inclination_rad, other.inclination_rad, &missing);
+        let position = &mut self.tracked_position_m;
+        join.columns(position, other.tracked_position_m, &missing);
+        let (orientation, more) = (
+            &mut self.tracked_orientation_wxyz,
+            other.tracked_orientation_wxyz,
+        );
+        join.columns(orientation, more, &[f64::NAN; 4]);
+        let sd = &mut self.tracked_position_sd_m;
+        join.columns(sd, other.tracked_position_sd_m, &missing);
+        for (name, cells) in other.other {
+            match self.other.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, known)) => known.extend(cells),
+                None => self.other.push((name, [vec![String::new(); before], cells].concat())),
+            }
+        }
+        for (_, cells) in &mut self.other {
+            cells.resize(before + added, String::new());
         }
     }
 
@@ -228,5 +285,36 @@ impl Measurements {
         column(&mut self.tracked_position_m, &data.tracked_position_m);
         let turned = &data.tracked_orientation_wxyz;
         column(&mut self.tracked_orientation_wxyz, turned);
+    }
+}
+
+/// Numbers of rows of two tables of which the second is appended to the first.
+struct Join {
+    before: usize,
+    added: usize,
+}
+
+impl Join {
+    fn columns<T: Clone>(&self, to: &mut Vec<T>, more: Vec<T>, missing: &T) {
+        if !to.is_empty() || !more.is_empty() {
+            to.resize(self.before, missing.clone());
+            to.extend(more);
+            to.resize(self.before + self.added, missing.clone());
+        }
+    }
+
+    fn grids(&self, to: &mut Grid, more: &Grid) {
+        match (to.is_empty(), more.is_empty()) {
+            (true, true) => return,
+            (true, false) => *to = Grid::missing(self.before, more.columns()),
+            (false, _) => {}
+        }
+        let nothing = vec![f64::NAN; to.columns()];
+        for row in 0..self.added {
+            match more.is_empty() {
+                true => to.push_row(&nothing),
+                false => to.push_row(more.row(row)),
+            }
+        }
     }
 }
