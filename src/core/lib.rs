@@ -19,4 +19,5 @@ pub mod planning;
 pub mod real;
 pub mod robot;
 pub mod simulation;
+mod small_cholesky;
 pub mod statistics;

@@ -26,7 +26,6 @@ mod readings;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::geometry::Vec3;
 use crate::kinematics::KinematicsError;
 use crate::measurement::Dataset;
 use crate::robot::Robot;
@@ -260,8 +259,8 @@ impl Problem {
         let home_lengths = self.newton.lengths(&readings.home);
         let lengths = readings.measured_lengths(&home_lengths);
         let found = self.newton.solve(&lengths, &readings.starts);
-        let lasers = found.placements.iter().zip(&readings.laser_m);
-        let lasers = lasers.map(|(placement, reading)| readings.laser_at(placement) - reading);
+        let lasers = found.poses.iter().zip(&readings.laser_m);
+        let lasers = lasers.map(|(pose, reading)| readings.laser_at(pose) - reading);
         let residuals = found.residuals.iter().copied();
         DVector::from_vec(residuals.chain(lasers).collect())
     }
@@ -301,13 +300,6 @@ fn pseudo_inverse_times(matrix: DMatrix<f64>, vector: &DVector<f64>) -> Option<D
     let svd = matrix.try_svd(true, true, f64::EPSILON, 10_000)?;
     let cutoff = RELATIVE_CUTOFF * svd.singular_values.max();
     svd.solve(vector, cutoff).ok()
-}
-
-/// Position and rotation matrix, updated as the reference does: never orthonormalised again.
-#[derive(Debug, Clone, Copy)]
-struct MatrixPose {
-    position: Vec3,
-    rotation: nalgebra::Matrix3<f64>,
 }
 
 #[cfg(test)]

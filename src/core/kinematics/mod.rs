@@ -1,7 +1,7 @@
 //! Cable and platform kinematics.
 
-mod bank;
 mod budget;
+mod cable_arrays;
 mod drawing;
 mod forward;
 mod inverse;
@@ -10,9 +10,9 @@ mod pulley;
 pub(crate) mod samples;
 mod statics;
 
-pub use bank::MAX_CABLES;
-pub(crate) use bank::{CableBank, Placement};
 pub use budget::{BudgetError, CableBudget, cable_budget};
+pub(crate) use cable_arrays::CableArrays;
+pub use cable_arrays::MAX_CABLES;
 pub use drawing::{CableDetail, CableDrawing, cable_polyline};
 pub use forward::{ForwardKinematics, ForwardSolution};
 pub use inverse::{

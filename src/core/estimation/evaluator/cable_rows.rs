@@ -9,13 +9,15 @@
 //! the estimated tensions, not at the readings: only so is the gradient that of the problem with
 //! the tensions as unknowns, and motions that nothing fixes stay open.
 
-use super::equations::{Attitude, Equations};
+use super::equations::Equations;
 use super::inputs::CableLink;
 use super::layout::Layout;
 use crate::cable::{CableLaw, ElongationSurface, Unstrained};
 use crate::effect::CablePort;
+use crate::geometry::PosePacket;
 use crate::kinematics::{CablePath, PathChange, PulleyGeometry};
 use crate::real::{Real, add_scaled, cross, difference, dot, scaled, unit_vector};
+use crate::small_cholesky::{TRIANGLE, entry};
 
 /// What does not change from pose to pose, per cable.
 #[derive(Debug, Clone)]
@@ -90,7 +92,7 @@ impl<T: Real> CableState<T> {
     pub fn new(
         constants: &CableConstants,
         inputs: &CableInputs<T>,
-        pose: &Attitude<T>,
+        pose: &PosePacket<T>,
         down: [f64; 3],
     ) -> Self {
         let p = &inputs.ports;
@@ -219,7 +221,7 @@ impl<T: Real> CableState<T> {
         &self,
         port: CablePort,
         swivel_zero: [f64; 3],
-        pose: &Attitude<T>,
+        pose: &PosePacket<T>,
     ) -> PortChange<T> {
         let zero = self.tension.lift(0.0);
         let length_only = |length| PortChange {
@@ -300,7 +302,7 @@ impl<T: Real> CableState<T> {
         (link, slope): (&CableLink, T),
         (index, constants): (usize, &CableConstants),
         layout: &Layout,
-        pose: &Attitude<T>,
+        pose: &PosePacket<T>,
         equations: &mut Equations<T>,
     ) {
         let slope = if link.is_proportional {
@@ -351,7 +353,7 @@ impl<T: Real> CableState<T> {
         for k in 0..6 {
             let scaled = a[k] * spread;
             for q in 0..=k {
-                let index = k * (k + 1) / 2 + q;
+                let index = entry(k, q);
                 balance.covariance[index] = scaled.mul_add(a[q], balance.covariance[index]);
             }
         }
@@ -410,7 +412,7 @@ pub(super) fn add_lever_rotation<T: Real>(lever: [T; 3], force: [T; 3], balance:
 pub(super) struct Balance<T> {
     pub residual: [T; 6],
     /// Lower triangle of the covariance, row by row.
-    pub covariance: [T; 21],
+    pub covariance: [T; TRIANGLE],
     /// Column by column: derivative with respect to each pose coordinate.
     pub by_pose: [[T; 6]; 6],
     pub present: T,
@@ -421,7 +423,7 @@ impl<T: Real> Balance<T> {
     pub fn new(zero: T) -> Self {
         Self {
             residual: [zero; 6],
-            covariance: [zero; 21],
+            covariance: [zero; TRIANGLE],
             by_pose: [[zero; 6]; 6],
             present: zero.lift(1.0),
         }

@@ -1,7 +1,8 @@
 //! The whitened equations of one packet of poses, with their derivatives.
 
 use super::layout::{CABLE_COLUMNS, Layout};
-use crate::real::{Real, cross, dot, scaled, square_norm};
+use crate::real::{Real, scaled};
+use crate::small_cholesky::{TRIANGLE, back_substitute};
 
 /// Rows of one packet of poses; sparse where the equations are.
 #[derive(Debug, Clone)]
@@ -24,7 +25,7 @@ pub(in crate::estimation) struct Equations<T> {
     /// 1 where a row was measured, else 0.
     pub present: Vec<T>,
     /// Cholesky factor of the equilibrium rows' covariance, its diagonal inverted.
-    pub balance_factor: [T; 21],
+    pub balance_factor: [T; TRIANGLE],
     /// `dL0/dT` of each cable (m/N), if asked for.
     pub length_by_tension: Vec<T>,
     /// Force and torque per tension of each cable, if asked for.
@@ -52,7 +53,7 @@ impl<T: Real> Equations<T> {
             balance_by_column: vec![[zero; 6]; dense],
             by_effect: vec![zero; layout.rows * layout.effects],
             present: vec![zero; layout.rows],
-            balance_factor: [zero; 21],
+            balance_factor: [zero; TRIANGLE],
             length_by_tension: vec![zero; layout.cables],
             structure: vec![[zero; 6]; layout.cables],
         }
@@ -106,13 +107,8 @@ impl<T: Real> Equations<T> {
     pub fn balance_multipliers(&self, layout: &Layout) -> [T; 6] {
         let mut lambda = [self.laser_by_plane.lift(0.0); 6];
         if let Some(first) = layout.equilibrium {
-            for k in (0..6).rev() {
-                let mut sum = self.residual[first + k];
-                for q in k + 1..6 {
-                    sum = sum - self.balance_factor[q * (q + 1) / 2 + k] * lambda[q];
-                }
-                lambda[k] = sum * self.balance_factor[k * (k + 1) / 2 + k];
-            }
+            lambda.copy_from_slice(&self.residual[first..first + 6]);
+            back_substitute(&self.balance_factor, &mut lambda);
         }
         lambda
     }
@@ -155,78 +151,5 @@ impl<T: Real> Equations<T> {
             sum = r.mul_add(*r, sum);
         }
         sum
-    }
-}
-
-/// Position and orientation of a packet of platforms.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::estimation) struct Attitude<T> {
-    /// Platform origin, base frame (m).
-    pub position: [T; 3],
-    /// Orientation, quaternion w first, of norm 1.
-    pub quaternion: [T; 4],
-    /// Rows of the rotation matrix from the platform to the base frame.
-    pub rotation: [[T; 3]; 3],
-}
-
-impl<T: Real> Attitude<T> {
-    #[inline(always)]
-    pub fn new(position: [T; 3], quaternion: [T; 4]) -> Self {
-        let [w, x, y, z] = quaternion;
-        let one = w.lift(1.0);
-        let two = w.lift(2.0);
-        let rotation = [
-            [
-                one - two * (y * y + z * z),
-                two * (x * y - w * z),
-                two * (x * z + w * y),
-            ],
-            [
-                two * (x * y + w * z),
-                one - two * (x * x + z * z),
-                two * (y * z - w * x),
-            ],
-            [
-                two * (x * z - w * y),
-                two * (y * z + w * x),
-                one - two * (x * x + y * y),
-            ],
-        ];
-        Self {
-            position,
-            quaternion,
-            rotation,
-        }
-    }
-
-    /// Rotates a vector from the platform to the base frame.
-    #[inline(always)]
-    pub fn rotate(&self, v: [T; 3]) -> [T; 3] {
-        let [x, y, z] = self.rotation;
-        [dot(x, v), dot(y, v), dot(z, v)]
-    }
-
-    /// The attitude after a small motion. The rotation is `1 + phi/2` as a quaternion, normalised:
-    /// it agrees with the exponential to second order, and needs no trigonometry.
-    #[inline(always)]
-    pub fn moved(&self, step: [T; 6]) -> Self {
-        let half = self.position[0].lift(0.5);
-        let v = scaled([step[3], step[4], step[5]], half);
-        let [w, x, y, z] = self.quaternion;
-        let q = [x, y, z];
-        let c = cross(v, q);
-        let turned = [
-            w - dot(v, q),
-            v[0].mul_add(w, q[0]) + c[0],
-            v[1].mul_add(w, q[1]) + c[1],
-            v[2].mul_add(w, q[2]) + c[2],
-        ];
-        let inverse = half.lift(1.0) / square_norm(turned).sqrt();
-        let position = [
-            self.position[0] + step[0],
-            self.position[1] + step[1],
-            self.position[2] + step[2],
-        ];
-        Self::new(position, scaled(turned, inverse))
     }
 }

@@ -14,9 +14,9 @@ mod span;
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
 use inputs::{PortInputs, Selection, circumstances_of, tension_noise_gain};
-use packing::{InstrumentInputs, constants_of, pack_attitudes, pack_instruments};
+use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
 
-pub(super) use equations::{Attitude, Equations};
+pub(super) use equations::Equations;
 pub(super) use layout::{Layout, effect_columns};
 pub(super) use normal::{Elimination, Sums};
 
@@ -24,15 +24,16 @@ use std::sync::Arc;
 
 use super::problem::{Globals, Poses, Problem};
 use crate::effect::Circumstances;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, PosePacket};
 use crate::real::{Kernel, Packet};
+use crate::small_cholesky::TRIANGLE;
 
 /// Scalars per pose that the back-substitution needs, besides `Y`.
-const FACTOR_AND_RESIDUAL: usize = 27;
+const FACTOR_AND_RESIDUAL: usize = TRIANGLE + 6;
 /// Largest error of a tension reading at which the equilibrium is linearised, in its standard deviations.
 const LARGEST_ERROR: f64 = 5.0;
 /// Scalars of a pose: position and quaternion.
-const ATTITUDE: usize = 7;
+const POSE_NUMBERS: usize = 7;
 
 /// The equations of a set of poses, packed for evaluation.
 #[derive(Clone)]
@@ -62,8 +63,8 @@ pub(super) struct Evaluator<'a, T: Packet> {
     balanced: [f64; 6],
     /// Whether the equations carry what only the home row and reports need.
     pub detailed: bool,
-    /// Attitudes, packet by packet; the previous ones are kept for a rejected step.
-    attitudes: Packed,
+    /// Poses, packet by packet; the previous ones are kept for a rejected step.
+    packed_poses: Packed,
     previous: Packed,
     /// Factor, residual and `Y` of every packet, for the back-substitution.
     eliminated: Packed,
@@ -143,7 +144,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             free,
             balanced,
             detailed: is_home,
-            attitudes: pack_attitudes::<T>(start),
+            packed_poses: pack_poses::<T>(start),
             previous: packed(0),
             eliminated: packed(0),
             equations: Equations::new(&layout, zero),
@@ -225,7 +226,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.sums.clear();
         self.reserve();
         if step.is_some() {
-            self.previous.clone_from(&self.attitudes);
+            self.previous.clone_from(&self.packed_poses);
         }
         let token = self.token;
         T::run(
@@ -252,26 +253,26 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     }
 
     #[inline(always)]
-    fn move_packet(&mut self, batch: usize, step: &[f64]) -> Attitude<T> {
-        let attitude = self.attitude(batch).moved(self.pose_step(batch, step));
-        self.store_attitude(batch, &attitude);
-        attitude
+    fn move_packet(&mut self, batch: usize, step: &[f64]) -> PosePacket<T> {
+        let pose = self.pose_packet(batch).moved(self.pose_step(batch, step));
+        self.store_pose(batch, &pose);
+        pose
     }
 
     /// Goes back to the poses before the last step.
     pub fn undo_step(&mut self) {
-        std::mem::swap(&mut self.attitudes, &mut self.previous);
+        std::mem::swap(&mut self.packed_poses, &mut self.previous);
     }
 
     #[inline(always)]
     fn assemble_batch(
         &mut self,
         batch: usize,
-        attitude: &Attitude<T>,
+        pose: &PosePacket<T>,
         huber: Option<f64>,
         damping: f64,
     ) {
-        self.evaluate(batch, attitude);
+        self.evaluate(batch, pose);
         let loss = match huber {
             Some(limit) => self.equations.weigh_down_outliers(&self.layout, limit),
             None => self.equations.square_sum(),
@@ -296,7 +297,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let size = per_pose * T::LANES;
         let slot = &mut self.eliminated[batch * size..(batch + 1) * size];
         store_all(&self.elimination.factor, slot, 0);
-        store_all(&self.elimination.residual, slot, 21);
+        store_all(&self.elimination.residual, slot, TRIANGLE);
         for (column, values) in self.elimination.columns.iter().enumerate() {
             store_all(values, slot, FACTOR_AND_RESIDUAL + 6 * column);
         }
@@ -309,7 +310,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let slot = &self.eliminated[batch * size..(batch + 1) * size];
         let zero = T::splat(self.token, 0.0);
         let factor = load_all(self.token, slot, 0, zero);
-        let residual = load_all(self.token, slot, 21, zero);
+        let residual = load_all(self.token, slot, TRIANGLE, zero);
         let mut moved = [zero; 6];
         for (column, delta) in step.iter().enumerate() {
             let delta = T::splat(self.token, *delta);
@@ -321,24 +322,24 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         Elimination::pose_step(&factor, residual, moved)
     }
 
-    /// The attitude of a packet.
+    /// The poses of a packet.
     #[inline(always)]
-    pub fn attitude(&self, batch: usize) -> Attitude<T> {
+    pub fn pose_packet(&self, batch: usize) -> PosePacket<T> {
         let zero = T::splat(self.token, 0.0);
-        let first = batch * ATTITUDE;
-        Attitude::new(
-            load_all(self.token, &self.attitudes, first, zero),
-            load_all(self.token, &self.attitudes, first + 3, zero),
+        let first = batch * POSE_NUMBERS;
+        PosePacket::new(
+            load_all(self.token, &self.packed_poses, first, zero),
+            load_all(self.token, &self.packed_poses, first + 3, zero),
         )
     }
 
     #[inline(always)]
-    fn store_attitude(&mut self, batch: usize, attitude: &Attitude<T>) {
-        store_all(&attitude.position, &mut self.attitudes, batch * ATTITUDE);
+    fn store_pose(&mut self, batch: usize, pose: &PosePacket<T>) {
+        store_all(&pose.position, &mut self.packed_poses, batch * POSE_NUMBERS);
         store_all(
-            &attitude.quaternion,
-            &mut self.attitudes,
-            batch * ATTITUDE + 3,
+            &pose.quaternion,
+            &mut self.packed_poses,
+            batch * POSE_NUMBERS + 3,
         );
     }
 
@@ -346,7 +347,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     pub fn poses(&self) -> Vec<Pose> {
         let at = |index: usize, k: usize| {
             let (batch, lane) = (index / T::LANES, index % T::LANES);
-            self.attitudes[(batch * ATTITUDE + k) * T::LANES + lane]
+            self.packed_poses[(batch * POSE_NUMBERS + k) * T::LANES + lane]
         };
         let pose = |index: usize| {
             Pose::from_parts(
@@ -359,7 +360,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
 
     /// Sets the pose of a packed row, which must be the only one.
     pub fn set_single_pose(&mut self, pose: &Pose) {
-        self.attitudes = pack_attitudes::<T>(std::slice::from_ref(pose));
+        self.packed_poses = pack_poses::<T>(std::slice::from_ref(pose));
     }
 
     /// Estimated error of a cable's tension reading (N), by the last evaluation of the packet.
@@ -453,11 +454,11 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
     fn call(self) {
         let evaluator = self.evaluator;
         for batch in 0..evaluator.batches() {
-            let attitude = match self.step {
+            let pose = match self.step {
                 Some(step) => evaluator.move_packet(batch, step),
-                None => evaluator.attitude(batch),
+                None => evaluator.pose_packet(batch),
             };
-            evaluator.assemble_batch(batch, &attitude, self.huber, self.damping);
+            evaluator.assemble_batch(batch, &pose, self.huber, self.damping);
         }
     }
 }
@@ -472,7 +473,7 @@ impl<T: Packet> Kernel for Evaluate<'_, '_, T> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let attitude = self.evaluator.attitude(self.batch);
+        let attitude = self.evaluator.pose_packet(self.batch);
         self.evaluator.evaluate(self.batch, &attitude);
     }
 }

@@ -8,12 +8,13 @@ use super::columns::{Packed, packed};
 use super::equations::Equations;
 use super::layout::{CABLE_COLUMNS, Layout};
 use crate::real::{Packet, negated, scaled, square_norm};
+use crate::small_cholesky::{TRIANGLE, back_substitute, entry, factorise, forward_substitute};
 
 /// Elimination of one packet of poses.
 #[derive(Clone)]
 pub(in crate::estimation) struct Elimination<T> {
     /// Lower triangle of `L`, row by row, with the reciprocals of its diagonal in place of it.
-    pub factor: [T; 21],
+    pub factor: [T; TRIANGLE],
     /// `y`.
     pub residual: [T; 6],
     /// `Y`, column by column.
@@ -41,7 +42,7 @@ pub(in crate::estimation) struct Sums<T: Packet> {
 impl<T: Packet> Elimination<T> {
     pub fn new(layout: &Layout, zero: T) -> Self {
         Self {
-            factor: [zero; 21],
+            factor: [zero; TRIANGLE],
             residual: [zero; 6],
             columns: vec![[zero; 6]; layout.columns],
         }
@@ -51,13 +52,13 @@ impl<T: Packet> Elimination<T> {
     #[inline(always)]
     pub fn eliminate(&mut self, equations: &Equations<T>, layout: &Layout, damping: f64) {
         let zero = equations.laser_by_plane.lift(0.0);
-        let mut hessian = [zero; 21];
+        let mut hessian = [zero; TRIANGLE];
         let mut gradient = [zero; 6];
         for (j, r) in equations.by_pose.iter().zip(&equations.residual) {
             for k in 0..6 {
                 gradient[k] = j[k].mul_add(*r, gradient[k]);
                 for q in 0..=k {
-                    let at = k * (k + 1) / 2 + q;
+                    let at = entry(k, q);
                     hessian[at] = j[k].mul_add(j[q], hessian[at]);
                 }
             }
@@ -173,17 +174,12 @@ impl<T: Packet> Elimination<T> {
 
     /// `dx` from `Y dg` of the poses.
     #[inline(always)]
-    pub fn pose_step(factor: &[T; 21], residual: [T; 6], moved: [T; 6]) -> [T; 6] {
+    pub fn pose_step(factor: &[T; TRIANGLE], residual: [T; 6], moved: [T; 6]) -> [T; 6] {
         let mut x = residual;
         for k in 0..6 {
             x[k] = -(residual[k] + moved[k]);
         }
-        for k in (0..6).rev() {
-            for q in k + 1..6 {
-                x[k] = x[k].minus_product(factor[q * (q + 1) / 2 + k], x[q]);
-            }
-            x[k] = x[k] * factor[k * (k + 1) / 2 + k];
-        }
+        back_substitute(factor, &mut x);
         x
     }
 }
@@ -199,43 +195,6 @@ fn add_to<T: Packet>(sum: &mut [T], terms: &[T]) {
 fn add_product<T: Packet>(column: &mut [T; 6], j: &[T; 6], g: T) {
     for k in 0..6 {
         column[k] = j[k].mul_add(g, column[k]);
-    }
-}
-
-/// Cholesky factorisation in place, the diagonal inverted; a pivot that is zero but for rounding gives
-/// the reciprocal 0, so that nothing moves along it. The diagonal grows by the factor `1 + damping`.
-#[inline(always)]
-pub(super) fn factorise<T: Packet>(a: &mut [T; 21], damping: f64) {
-    let zero = a[0].lift(0.0);
-    let one = a[0].lift(1.0);
-    for k in 0..6 {
-        let diagonal = k * (k + 1) / 2 + k;
-        let grown = a[diagonal] * zero.lift(1.0 + damping);
-        let mut pivot = grown;
-        for q in 0..k {
-            let mut sum = a[k * (k + 1) / 2 + q];
-            for p in 0..q {
-                sum = sum.minus_product(a[k * (k + 1) / 2 + p], a[q * (q + 1) / 2 + p]);
-            }
-            let entry = sum * a[q * (q + 1) / 2 + q];
-            a[k * (k + 1) / 2 + q] = entry;
-            pivot = pivot.minus_product(entry, entry);
-        }
-        let sound = pivot - grown * zero.lift(1e-13);
-        let inverse = one / sound.select_positive(pivot, one).sqrt();
-        a[diagonal] = sound.select_positive(inverse, zero);
-    }
-}
-
-/// `L^-1 b` in place.
-#[inline(always)]
-pub(super) fn forward_substitute<T: Packet>(factor: &[T; 21], b: &mut [T; 6]) {
-    for k in 0..6 {
-        let mut sum = b[k];
-        for q in 0..k {
-            sum = sum.minus_product(factor[k * (k + 1) / 2 + q], b[q]);
-        }
-        b[k] = sum * factor[k * (k + 1) / 2 + k];
     }
 }
 
@@ -276,7 +235,7 @@ impl<T: Packet> Sums<T> {
         self.readings += readings.sum();
         let mut determined = zero;
         for k in 0..6 {
-            let inverse = elimination.factor[k * (k + 1) / 2 + k];
+            let inverse = elimination.factor[entry(k, k)];
             determined = determined + inverse.select_positive(one, zero);
         }
         self.coordinates += determined.sum();
@@ -384,7 +343,7 @@ impl<T: Packet> Sums<T> {
             g_k.mul_add(residual, gradient)
                 .store(&mut self.gradient, row);
             for (q, g_q) in g[..=k].iter().enumerate() {
-                let at = row * (row + 1) / 2 + first + q;
+                let at = entry(row, first + q);
                 let sum = T::load(self.token, &self.information, at);
                 g_k.mul_add(*g_q, sum).store(&mut self.information, at);
             }
@@ -405,7 +364,7 @@ impl<T: Packet> Sums<T> {
             let column = layout.effect_column() + e;
             let by_effect = equations.by_effect[row * layout.effects + e];
             for (q, g_q) in g.iter().enumerate() {
-                let at = column * (column + 1) / 2 + first + q;
+                let at = entry(column, first + q);
                 let sum = T::load(self.token, &self.information, at);
                 by_effect
                     .mul_add(*g_q, sum)

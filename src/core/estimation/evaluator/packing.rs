@@ -1,6 +1,6 @@
 //! Packs constants, readings and poses.
 
-use super::ATTITUDE;
+use super::POSE_NUMBERS;
 use super::cable_rows::CableConstants;
 use super::columns::{Column, ColumnStore, Packed, packed};
 use super::layout::Layout;
@@ -49,9 +49,9 @@ pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableCon
 }
 
 /// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.
-pub(super) fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Packed {
+pub(super) fn pack_poses<T: Packet>(poses: &[Pose]) -> Packed {
     let count = poses.len().next_multiple_of(T::LANES);
-    let mut values = packed(count * ATTITUDE);
+    let mut values = packed(count * POSE_NUMBERS);
     for index in 0..count {
         let Some(pose) = poses.get(index).or(poses.last()) else {
             continue;
@@ -59,7 +59,7 @@ pub(super) fn pack_attitudes<T: Packet>(poses: &[Pose]) -> Packed {
         let (batch, lane) = (index / T::LANES, index % T::LANES);
         let numbers = pose.position.iter().copied().chain(pose.orientation_wxyz());
         for (k, value) in numbers.enumerate() {
-            values[(batch * ATTITUDE + k) * T::LANES + lane] = value;
+            values[(batch * POSE_NUMBERS + k) * T::LANES + lane] = value;
         }
     }
     values

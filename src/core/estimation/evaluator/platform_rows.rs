@@ -1,8 +1,9 @@
 //! Equations of the readings that concern the platform: laser, external instrument, inclinometer.
 
-use super::equations::{Attitude, Equations};
+use super::equations::Equations;
 use super::layout::Layout;
 use crate::effect::PlatformPort;
+use crate::geometry::PosePacket;
 use crate::real::{Real, add_scaled, cross, dot, scaled, unit_vector};
 
 /// Laser reading of a packet of poses: distance `(h - n.o) / (n.q)` from the origin
@@ -24,7 +25,7 @@ impl<T: Real> LaserInputs<T> {
         row: usize,
         links: &[(PlatformPort, usize, T)],
         layout: &Layout,
-        pose: &Attitude<T>,
+        pose: &PosePacket<T>,
         equations: &mut Equations<T>,
     ) {
         let p = &self.ports;
@@ -70,7 +71,7 @@ pub(super) fn tracker_position_rows<T: Real>(
     first: usize,
     reading: [T; 3],
     inverse_sd: [T; 3],
-    pose: &Attitude<T>,
+    pose: &PosePacket<T>,
     equations: &mut Equations<T>,
 ) {
     for k in 0..3 {
@@ -91,7 +92,7 @@ pub(super) fn tracker_orientation_rows<T: Real>(
     first: usize,
     reading: [T; 4],
     inverse_sd: T,
-    pose: &Attitude<T>,
+    pose: &PosePacket<T>,
     equations: &mut Equations<T>,
 ) {
     let (w0, present) = reading[0].present();
@@ -136,7 +137,7 @@ pub(super) fn inclination_rows<T: Real>(
     ports: &[T; PlatformPort::COUNT],
     links: &[(PlatformPort, usize, T)],
     layout: &Layout,
-    pose: &Attitude<T>,
+    pose: &PosePacket<T>,
     equations: &mut Equations<T>,
 ) {
     let r = &pose.rotation;

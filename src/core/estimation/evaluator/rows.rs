@@ -1,16 +1,16 @@
 //! Evaluates all rows of one packet of poses.
 
 use super::cable_rows::{Balance, CableInputs, CableState, add_lever_rotation};
-use super::equations::Attitude;
-use super::normal;
 use super::platform_rows::{self, LaserInputs};
 use super::{Evaluator, LARGEST_ERROR};
 use crate::effect::PlatformPort;
+use crate::geometry::PosePacket;
 use crate::real::{Packet, constants, scaled, unit_vector};
+use crate::small_cholesky::{entry, factorise, forward_substitute};
 
 impl<T: Packet> Evaluator<'_, T> {
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, batch: usize, pose: &Attitude<T>) {
+    pub(super) fn evaluate(&mut self, batch: usize, pose: &PosePacket<T>) {
         let zero = T::splat(self.token, 0.0);
         self.equations.by_effect.fill(zero);
         let mut balance = Balance::new(zero);
@@ -42,7 +42,7 @@ impl<T: Packet> Evaluator<'_, T> {
         &mut self,
         batch: usize,
         cable: usize,
-        pose: &Attitude<T>,
+        pose: &PosePacket<T>,
         balance: &mut Balance<T>,
     ) {
         let columns = &self.ports.cables[cable];
@@ -88,17 +88,17 @@ impl<T: Packet> Evaluator<'_, T> {
         &mut self,
         batch: usize,
         first: usize,
-        pose: &Attitude<T>,
+        pose: &PosePacket<T>,
         balance: &mut Balance<T>,
     ) {
         let zero = T::splat(self.token, 0.0);
         self.add_gravity(batch, pose, balance);
         for k in 0..6 {
-            let diagonal = k * (k + 1) / 2 + k;
+            let diagonal = entry(k, k);
             if self.balanced[k] == 0.0 {
                 for q in 0..6 {
                     let (row, column) = (k.max(q), k.min(q));
-                    balance.covariance[row * (row + 1) / 2 + column] = zero;
+                    balance.covariance[entry(row, column)] = zero;
                 }
                 balance.covariance[diagonal] = zero.lift(1.0);
                 balance.residual[k] = zero;
@@ -113,20 +113,20 @@ impl<T: Packet> Evaluator<'_, T> {
                 balance.covariance[diagonal] = balance.covariance[diagonal] + variance;
             }
         }
-        normal::factorise(&mut balance.covariance, 0.0);
+        factorise(&mut balance.covariance, 0.0);
         self.equations.balance_factor = balance.covariance;
         // A factor whose inverse diagonal is zero whitens to nothing where a tension was not read.
         let mut factor = balance.covariance;
         for k in 0..6 {
-            let diagonal = k * (k + 1) / 2 + k;
+            let diagonal = entry(k, k);
             factor[diagonal] = factor[diagonal] * balance.present;
         }
-        normal::forward_substitute(&factor, &mut balance.residual);
+        forward_substitute(&factor, &mut balance.residual);
         for column in &mut balance.by_pose {
-            normal::forward_substitute(&factor, column);
+            forward_substitute(&factor, column);
         }
         for column in &mut self.equations.balance_by_column {
-            normal::forward_substitute(&factor, column);
+            forward_substitute(&factor, column);
         }
         for k in 0..6 {
             let row = first + k;
@@ -140,7 +140,7 @@ impl<T: Packet> Evaluator<'_, T> {
     }
 
     #[inline(always)]
-    fn add_gravity(&mut self, batch: usize, pose: &Attitude<T>, balance: &mut Balance<T>) {
+    fn add_gravity(&mut self, batch: usize, pose: &PosePacket<T>, balance: &mut Balance<T>) {
         let [mass, x, y, z, ..] = self.ports.store.load_all(&self.ports.platform, batch);
         let per_kilogram = constants(mass, self.gravity);
         let weight = scaled(per_kilogram, mass);
@@ -171,7 +171,7 @@ impl<T: Packet> Evaluator<'_, T> {
     }
 
     #[inline(always)]
-    fn evaluate_platform(&mut self, batch: usize, pose: &Attitude<T>) {
+    fn evaluate_platform(&mut self, batch: usize, pose: &PosePacket<T>) {
         let robot = &self.problem.dataset.robot;
         let zero = T::splat(self.token, 0.0);
         let ports: [T; PlatformPort::COUNT] =

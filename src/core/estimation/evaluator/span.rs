@@ -7,7 +7,7 @@ use crate::cable::ElongationSurface;
 impl Evaluator<'_, f64> {
     /// The surface of a cable and its length from drum to anchor (m) at the first packed pose.
     pub fn span_on_surface(&self, cable: usize) -> Option<(&ElongationSurface, f64)> {
-        let attitude = self.attitude(0);
+        let pose = self.pose_packet(0);
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: 0.0,
@@ -17,7 +17,7 @@ impl Evaluator<'_, f64> {
         };
         let constants = &self.constants[cable];
         let surface = constants.surface.as_ref()?;
-        let state = CableState::new(constants, &inputs, &attitude, self.down);
+        let state = CableState::new(constants, &inputs, &pose, self.down);
         Some((surface, constants.run + state.path_length()))
     }
 }

@@ -1,14 +1,14 @@
 //! Forward kinematics by plain Newton steps with a forward-difference Jacobian, as published.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3};
+use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::geometry::Vec3;
-use crate::kinematics::{CableBank, KinematicsError, MAX_CABLES, Placement};
+use crate::geometry::{Pose, PosePacket, Twist};
+use crate::kinematics::{CableArrays, KinematicsError, MAX_CABLES};
 use crate::real::{Lanes, Packet, Real, add_scaled};
 use crate::robot::Robot;
 
-use super::{MatrixPose, pseudo_inverse_times};
+use super::pseudo_inverse_times;
 
 /// Limit on the Newton steps.
 const STEPS: usize = 30;
@@ -21,18 +21,16 @@ type Lengths = [f64; MAX_CABLES];
 
 /// Plain Newton for all poses at once.
 pub(super) struct PlainNewton {
-    bank: CableBank,
+    cables: CableArrays,
     free: Vec<usize>,
     arch: Arch,
     /// Step of the forward differences (m, rad).
     difference: f64,
-    /// Rotations by that step about x, y, z.
-    turns: [Matrix3<f64>; 3],
 }
 
 /// Where Newton stopped.
 pub(super) struct Found {
-    pub(super) placements: Vec<MatrixPose>,
+    pub(super) poses: Vec<Pose>,
     /// Length residuals (m), row-major.
     pub(super) residuals: Vec<f64>,
 }
@@ -41,80 +39,64 @@ impl PlainNewton {
     pub(super) fn new(robot: &Robot, difference: f64) -> Result<Self, KinematicsError> {
         let freedom = robot.platform.freedom();
         let free = freedom.coordinates().iter().map(|c| c.index());
-        let turn = |k| Rotation3::new(Vec3::ith(k, difference)).into_inner();
         Ok(Self {
-            bank: CableBank::new(robot)?,
+            cables: CableArrays::new(robot)?,
             free: free.collect(),
             arch: Arch::new(),
             difference,
-            turns: [turn(0), turn(1), turn(2)],
         })
     }
 
     pub(super) fn set_entry_points(&mut self, entries: &[[f64; 3]]) {
-        self.bank.set_entry_points(entries);
+        self.cables.set_entry_points(entries);
     }
 
     /// Geometric lengths at a pose (m).
-    pub(super) fn lengths(&self, pose: &MatrixPose) -> Vec<f64> {
-        let lengths = self.lengths_at(pose.position, &pose.rotation);
-        lengths[..self.bank.count()].to_vec()
+    pub(super) fn lengths(&self, pose: &Pose) -> Vec<f64> {
+        self.lengths_at(pose)[..self.cables.count()].to_vec()
     }
 
-    fn lengths_at(&self, position: Vec3, rotation: &Matrix3<f64>) -> Lengths {
+    fn lengths_at(&self, pose: &Pose) -> Lengths {
         self.arch.dispatch(LengthsAt {
-            bank: &self.bank,
-            placement: Placement {
-                position: position.into(),
-                rotation: rotation.transpose().into(),
-            },
+            cables: &self.cables,
+            pose: PosePacket::from(pose),
         })
     }
 
     /// The poses with the given lengths (m, row-major) from the given starts.
-    pub(super) fn solve(&self, lengths_m: &[f64], starts: &[MatrixPose]) -> Found {
-        let m = self.bank.count();
-        let mut placements = starts.to_vec();
+    pub(super) fn solve(&self, lengths_m: &[f64], starts: &[Pose]) -> Found {
+        let m = self.cables.count();
+        let mut poses = starts.to_vec();
         for _ in 0..STEPS {
             let mut at_rest = true;
-            for (pose, measured) in placements.iter_mut().zip(lengths_m.chunks_exact(m)) {
+            for (pose, measured) in poses.iter_mut().zip(lengths_m.chunks_exact(m)) {
                 let step = self.step(pose, measured);
                 at_rest &= step.iter().all(|v| v.abs() < STEP_STOP);
-                pose.position += Vec3::new(step[0], step[1], step[2]);
-                let turn = Rotation3::new(Vec3::new(step[3], step[4], step[5]));
-                pose.rotation = turn.into_inner() * pose.rotation;
+                *pose = pose.perturbed(&step);
             }
             if at_rest {
                 break;
             }
         }
         let mut residuals = Vec::with_capacity(lengths_m.len());
-        for (pose, measured) in placements.iter().zip(lengths_m.chunks_exact(m)) {
-            let lengths = self.lengths_at(pose.position, &pose.rotation);
+        for (pose, measured) in poses.iter().zip(lengths_m.chunks_exact(m)) {
+            let lengths = self.lengths_at(pose);
             residuals.extend(lengths.iter().zip(measured).map(|(l, read)| l - read));
         }
-        Found {
-            placements,
-            residuals,
-        }
+        Found { poses, residuals }
     }
 
     /// `-pinv(J) r` as a twist.
-    fn step(&self, pose: &MatrixPose, measured: &[f64]) -> [f64; 6] {
-        let (m, n) = (self.bank.count(), self.free.len());
-        let here = self.lengths_at(pose.position, &pose.rotation);
+    fn step(&self, pose: &Pose, measured: &[f64]) -> Twist {
+        let (m, n) = (self.cables.count(), self.free.len());
+        let here = self.lengths_at(pose);
         let mut system = System {
             m,
             n,
             columns: [[0.0; MAX_CABLES]; 7],
         };
         for (column, k) in self.free.iter().enumerate() {
-            let there = if *k < 3 {
-                let moved = pose.position + Vec3::ith(*k, self.difference);
-                self.lengths_at(moved, &pose.rotation)
-            } else {
-                self.lengths_at(pose.position, &(self.turns[k - 3] * pose.rotation))
-            };
+            let there = self.lengths_at(&pose.perturbed(&Twist::ith(*k, self.difference)));
             for i in 0..m {
                 // Through the residuals, as published: their rounding is that of the reference.
                 let (after, before) = (there[i] - measured[i], here[i] - measured[i]);
@@ -125,7 +107,7 @@ impl PlainNewton {
             system.columns[n][i] = measured[i] - here[i];
         }
         let solution = system.solve();
-        let mut step = [0.0; 6];
+        let mut step = Twist::zeros();
         for (column, k) in self.free.iter().enumerate() {
             step[*k] = solution[column];
         }
@@ -133,10 +115,10 @@ impl PlainNewton {
     }
 }
 
-/// Lengths of all cables at a placement.
+/// Lengths of all cables at a pose.
 struct LengthsAt<'a> {
-    bank: &'a CableBank,
-    placement: Placement<f64>,
+    cables: &'a CableArrays,
+    pose: PosePacket<f64>,
 }
 
 impl WithSimd for LengthsAt<'_> {
@@ -145,12 +127,12 @@ impl WithSimd for LengthsAt<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Lengths {
         let mut lengths = [0.0; MAX_CABLES];
-        let place = self.placement.splat(simd);
+        let pose = self.pose.splat(simd);
         let one = Lanes::splat(simd, 1.0);
-        for index in 0..self.bank.vectors::<S>() {
-            let arm = self.bank.arms(simd, index, &place.rotation);
-            let anchor = add_scaled(place.position, one, arm);
-            let path = self.bank.pulleys(simd, index).path_to(anchor);
+        for index in 0..self.cables.vectors::<S>() {
+            let arm = self.cables.arms(simd, index, &pose);
+            let anchor = add_scaled(pose.position, one, arm);
+            let path = self.cables.pulleys(simd, index).path_to(anchor);
             // Where an anchor is inside its pulley there is no length.
             let none = Lanes::splat(simd, f64::NAN);
             let length = (-path.clearance).select_positive(none, path.length);

@@ -5,13 +5,13 @@ use crate::kinematics::ForwardKinematics;
 use crate::measurement::{Dataset, Measurements};
 use crate::robot::{Laser, Robot};
 
-use super::{MatrixPose, PublishedError};
+use super::PublishedError;
 
 /// Readings and constants, poses in the order of the measurements.
 pub(super) struct Readings {
-    pub(super) home: MatrixPose,
+    pub(super) home: Pose,
     /// Where forward kinematics starts at every pose.
-    pub(super) starts: Vec<MatrixPose>,
+    pub(super) starts: Vec<Pose>,
     /// Laser readings (m).
     pub(super) laser_m: Vec<f64>,
     home_row: usize,
@@ -23,15 +23,6 @@ pub(super) struct Readings {
     length_to_pulley_m: Vec<f64>,
 }
 
-impl From<&Pose> for MatrixPose {
-    fn from(pose: &Pose) -> Self {
-        Self {
-            position: pose.position,
-            rotation: pose.orientation.to_rotation_matrix().into_inner(),
-        }
-    }
-}
-
 impl Readings {
     pub(super) fn new(dataset: &Dataset) -> Result<Self, PublishedError> {
         let missing = |what| PublishedError::Missing { what };
@@ -40,7 +31,7 @@ impl Readings {
         let laser = robot.laser.ok_or(missing("a laser distance sensor"))?;
         let home_row = measured.home_row().ok_or(missing("readings at home"))?;
         check(robot, measured)?;
-        let home = MatrixPose::from(&home.pose());
+        let home = home.pose();
         let mut readings = Self {
             home,
             starts: Vec::new(),
@@ -100,7 +91,7 @@ impl Readings {
                 let own = &lengths[j * m..(j + 1) * m];
                 solver.solve_from_anywhere(own).pose
             };
-            MatrixPose::from(&commanded.unwrap_or_else(searched))
+            commanded.unwrap_or_else(searched)
         });
         self.starts = starts.collect();
         Ok(())
@@ -122,15 +113,15 @@ impl Readings {
     }
 
     /// Predicted laser distance (m), equation 8.
-    pub(super) fn laser_at(&self, pose: &MatrixPose) -> f64 {
+    pub(super) fn laser_at(&self, pose: &Pose) -> f64 {
         let (origin, direction) = self.beam(pose);
         let normal = Vec3::from(self.laser.target_plane.normal);
         (self.plane_offset_m - normal.dot(&origin)) / normal.dot(&direction)
     }
 
-    fn beam(&self, pose: &MatrixPose) -> (Vec3, Vec3) {
-        let origin = pose.position + pose.rotation * Vec3::from(self.laser.origin_m);
-        (origin, pose.rotation * Vec3::from(self.laser.direction))
+    fn beam(&self, pose: &Pose) -> (Vec3, Vec3) {
+        let origin = pose.transform(&self.laser.origin_m.into());
+        (origin, pose.orientation * Vec3::from(self.laser.direction))
     }
 }
 

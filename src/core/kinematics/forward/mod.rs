@@ -10,19 +10,18 @@
 //! with a residual are not: see [`ForwardKinematics::with_residual_limit`].
 //! Sources: Jin et al. 2018, equation 5; Pott 2018, chapter 4.4; Nocedal and Wright 2006, chapter 10.
 
-mod descent;
+mod levenberg_marquardt;
 mod normal;
 mod starts;
 
-use nalgebra::{Quaternion, UnitQuaternion};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::geometry::{Freedom, Pose, Vec3};
+use crate::geometry::{Freedom, Pose, PosePacket};
 use crate::robot::Robot;
 
 use super::KinematicsError;
-use super::bank::{CableBank, MAX_CABLES};
-use descent::{Descent, Lengths, State};
+use super::cable_arrays::{CableArrays, MAX_CABLES};
+use levenberg_marquardt::{LengthProblem, Minimum, minimise};
 
 /// Poses closer to a singularity than this are not called found; see
 /// [`ForwardSolution::conditioning`].
@@ -37,7 +36,7 @@ const STARTS: usize = 40;
 /// A robot prepared for forward kinematics.
 #[derive(Debug, Clone)]
 pub struct ForwardKinematics {
-    bank: CableBank,
+    cables: CableArrays,
     free: [bool; 6],
     freedom: Freedom,
     centre: Pose,
@@ -73,17 +72,17 @@ impl ForwardKinematics {
     /// # Errors
     /// A pulley whose numbers cannot be used, by name, or an impossible number of cables.
     pub fn new(robot: &Robot) -> Result<Self, KinematicsError> {
-        let bank = CableBank::new(robot)?;
+        let cables = CableArrays::new(robot)?;
         let freedom = robot.platform.freedom();
         let mut free = [false; 6];
         for coordinate in freedom.coordinates() {
             free[coordinate.index()] = true;
         }
-        let frame_size_m = starts::frame_size(&bank);
+        let frame_size_m = starts::frame_size(&cables);
         let home = robot.home.map(|home| home.pose());
         Ok(Self {
-            centre: home.unwrap_or_else(|| starts::centre(&bank, robot, frame_size_m)),
-            bank,
+            centre: home.unwrap_or_else(|| starts::centre(&cables, robot, frame_size_m)),
+            cables,
             free,
             freedom,
             frame_size_m,
@@ -114,7 +113,7 @@ impl ForwardKinematics {
     /// Number of cables.
     #[must_use]
     pub fn cable_count(&self) -> usize {
-        self.bank.count()
+        self.cables.count()
     }
 
     /// The start of [`Self::solve_from_anywhere`]: the home pose or the middle of the frame.
@@ -144,7 +143,7 @@ impl ForwardKinematics {
 
     fn search(&self, lengths_m: &[f64], start: &Pose, enough_m: f64) -> ForwardSolution {
         let mut lengths = [f64::NAN; MAX_CABLES];
-        let count = lengths_m.len().min(self.bank.count());
+        let count = lengths_m.len().min(self.cables.count());
         lengths[..count].copy_from_slice(&lengths_m[..count]);
         let known = lengths.iter().filter(|l| !l.is_nan()).count();
         self.arch.dispatch(Search {
@@ -172,13 +171,13 @@ impl WithSimd for Search<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> ForwardSolution {
-        let mut best = self.descend(simd, State::from_pose(self.start));
+        let mut best = self.minimise(simd, self.start);
         let (mut iterations, mut used) = (best.iterations, 1);
         // Fewer lengths than coordinates: no start can make the pose unique.
         let determined = self.known >= self.problem.freedom.count();
         while determined && used < self.problem.starts && !self.suffices(&best) {
-            let next = starts::further(self.problem, self.start, &best.state.pose(), used);
-            let found = self.descend(simd, State::from_pose(&next));
+            let next = starts::further(self.problem, self.start, &best.pose.into(), used);
+            let found = self.minimise(simd, &next);
             iterations += found.iterations;
             used += 1;
             if self.rank(&found) < self.rank(&best) {
@@ -187,7 +186,7 @@ impl WithSimd for Search<'_> {
         }
         let converged = self.accepts(&best);
         ForwardSolution {
-            pose: best.state.pose(),
+            pose: best.pose.into(),
             converged,
             residual_rms_m: self.rms(&best),
             iterations,
@@ -199,52 +198,34 @@ impl WithSimd for Search<'_> {
 
 impl Search<'_> {
     #[inline(always)]
-    fn descend<S: Simd>(&self, simd: S, state: State) -> Descent {
-        let lengths = Lengths {
-            bank: &self.problem.bank,
+    fn minimise<S: Simd>(&self, simd: S, start: &Pose) -> Minimum {
+        let problem = LengthProblem {
+            cables: &self.problem.cables,
             measured: self.lengths,
             free: &self.problem.free,
         };
-        descent::descend(simd, lengths, state)
+        minimise(simd, problem, PosePacket::from(start))
     }
 
-    fn rms(&self, found: &Descent) -> f64 {
+    fn rms(&self, found: &Minimum) -> f64 {
         (found.cost / self.known.max(1) as f64).sqrt()
     }
 
     /// Order of preference: accepted before not, then by residual.
-    fn rank(&self, found: &Descent) -> (bool, f64) {
+    fn rank(&self, found: &Minimum) -> (bool, f64) {
         (!self.accepts(found), found.cost)
     }
 
-    fn suffices(&self, found: &Descent) -> bool {
+    fn suffices(&self, found: &Minimum) -> bool {
         self.accepts(found) && self.rms(found) <= self.enough_m
     }
 
-    fn accepts(&self, found: &Descent) -> bool {
-        found.at_rest
+    fn accepts(&self, found: &Minimum) -> bool {
+        found.converged
             && !found.blocked
             && found.conditioning > SINGULAR
             && self.known >= self.problem.freedom.count()
             && self.rms(found) <= self.problem.residual_limit_m
-    }
-}
-
-impl State {
-    fn from_pose(pose: &Pose) -> Self {
-        let q = pose.orientation.quaternion();
-        Self {
-            position: pose.position.into(),
-            quaternion: [q.w, q.i, q.j, q.k],
-        }
-    }
-
-    fn pose(&self) -> Pose {
-        let [w, x, y, z] = self.quaternion;
-        Pose {
-            position: Vec3::from(self.position),
-            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-        }
     }
 }
 

@@ -2,17 +2,10 @@
 
 use pulp::Simd;
 
-use super::super::bank::{CableBank, Placement};
-use crate::real::{Lanes, Packet, Real, add_scaled, cross, scaled};
-
-/// Entries of the lower triangle of a symmetric 6 x 6 matrix, row by row.
-pub(super) const TRIANGLE: usize = 21;
-
-/// Position of entry `(row, column)`, `column <= row`, in the triangle.
-#[inline(always)]
-pub(super) const fn entry(row: usize, column: usize) -> usize {
-    row * (row + 1) / 2 + column
-}
+use super::super::cable_arrays::CableArrays;
+use crate::geometry::PosePacket;
+use crate::real::{Lanes, Packet, Real, add_scaled, cross, negated, scaled};
+use crate::small_cholesky::{TRIANGLE, back_substitute, entry, factorise, forward_substitute};
 
 /// `sum r^2`, `J^T r` and `J^T J` of the length residuals `r = l(pose) - l_measured` with respect to
 /// the twist of the platform (m^2, m^2 and m^2/rad, ..).
@@ -25,25 +18,25 @@ pub(super) struct NormalEquations {
     pub(super) blocked: f64,
 }
 
-/// Normal equations at a placement; cables whose length is NaN do not take part. `lengths` is
+/// Normal equations at a pose; cables whose length is NaN do not take part. `lengths` is
 /// padded with NaN to whole vectors.
 #[inline(always)]
 pub(super) fn assemble<S: Simd>(
     simd: S,
-    bank: &CableBank,
+    cables: &CableArrays,
     lengths: &[f64],
-    placement: &Placement<f64>,
+    pose: &PosePacket<f64>,
 ) -> NormalEquations {
     let zero = Lanes::splat(simd, 0.0);
     let (mut cost, mut blocked) = (zero, zero);
     let mut gradient = [zero; 6];
     let mut matrix = [zero; TRIANGLE];
-    let place = placement.splat(simd);
-    for index in 0..bank.vectors::<S>() {
+    let pose = pose.splat(simd);
+    for index in 0..cables.vectors::<S>() {
         let (length, weight) = Lanes::load(simd, lengths, index).present();
-        let arm = bank.arms(simd, index, &place.rotation);
-        let anchor = add_scaled(place.position, zero.lift(1.0), arm);
-        let path = bank.pulleys(simd, index).path_to(anchor);
+        let arm = cables.arms(simd, index, &pose);
+        let anchor = add_scaled(pose.position, zero.lift(1.0), arm);
+        let path = cables.pulleys(simd, index).path_to(anchor);
         let residual = (path.length - length) * weight;
         // Row of J: minus [u; (R b) x u].
         let down = scaled(path.toward_exit, -weight);
@@ -92,47 +85,17 @@ impl NormalEquations {
     #[inline(always)]
     pub(super) fn step(&self, damping: f64) -> Option<[f64; 6]> {
         let factor = self.factor(damping)?;
-        let mut x = self.gradient.map(|v| -v);
-        for i in 0..6 {
-            for j in 0..i {
-                x[i] -= factor[entry(i, j)] * x[j];
-            }
-            x[i] *= factor[entry(i, i)];
-        }
-        for i in (0..6).rev() {
-            for j in i + 1..6 {
-                x[i] -= factor[entry(j, i)] * x[j];
-            }
-            x[i] *= factor[entry(i, i)];
-        }
-        Some(x)
+        let mut step = negated(self.gradient);
+        forward_substitute(&factor, &mut step);
+        back_substitute(&factor, &mut step);
+        Some(step)
     }
 
-    /// Cholesky factor of the damped matrix, with the reciprocals of its diagonal.
     #[inline(always)]
     fn factor(&self, damping: f64) -> Option<[f64; TRIANGLE]> {
-        let mut l = self.matrix;
-        for i in 0..6 {
-            let diagonal = l[entry(i, i)];
-            let mut pivot = diagonal * (1.0 + damping);
-            for k in 0..i {
-                pivot -= l[entry(i, k)] * l[entry(i, k)];
-            }
-            // Below rounding the direction is not seen by the cables at all.
-            if pivot.is_nan() || pivot <= 1e-13 * diagonal {
-                return None;
-            }
-            let inverse = 1.0 / pivot.sqrt();
-            l[entry(i, i)] = inverse;
-            for j in i + 1..6 {
-                let mut value = l[entry(j, i)];
-                for k in 0..i {
-                    value -= l[entry(j, k)] * l[entry(i, k)];
-                }
-                l[entry(j, i)] = value * inverse;
-            }
-        }
-        Some(l)
+        let mut factor = self.matrix;
+        factorise(&mut factor, damping);
+        (0..6).all(|k| factor[entry(k, k)] > 0.0).then_some(factor)
     }
 
     /// Smallest pivot of the Cholesky factor relative to its column: the sine of the smallest
@@ -148,9 +111,9 @@ impl NormalEquations {
         })
     }
 
-    /// Decrease of the cost that the linear model promises for `step`.
+    /// Decrease of the cost that the linear model predicts for `step`.
     #[inline(always)]
-    pub(super) fn promised_decrease(&self, step: &[f64; 6]) -> f64 {
+    pub(super) fn predicted_reduction(&self, step: &[f64; 6]) -> f64 {
         let mut curvature = 0.0;
         let mut slope = 0.0;
         for i in 0..6 {

@@ -1,6 +1,6 @@
 //! Where forward kinematics starts, and where it tries again.
 
-use super::super::bank::CableBank;
+use super::super::cable_arrays::CableArrays;
 use super::ForwardKinematics;
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
@@ -11,21 +11,21 @@ const TURN: f64 = 1.2;
 const SPREAD: f64 = 0.6;
 
 /// Diagonal of the box around the entry points (m).
-pub(super) fn frame_size(bank: &CableBank) -> f64 {
-    half_width(bank).norm() * 2.0
+pub(super) fn frame_size(cables: &CableArrays) -> f64 {
+    half_width(cables).norm() * 2.0
 }
 
-fn half_width(bank: &CableBank) -> Vec3 {
+fn half_width(cables: &CableArrays) -> Vec3 {
     Vec3::from_fn(|k, _| {
-        let (low, high) = bank.entry_range(k);
+        let (low, high) = cables.entry_range(k);
         0.5 * (high - low)
     })
 }
 
 /// The middle of the entry points; below it, along gravity, where they all lie at one height: there
 /// the platform hangs, and at that height itself vertical motion would change no length.
-pub(super) fn centre(bank: &CableBank, robot: &Robot, frame_size_m: f64) -> Pose {
-    let mut position = Vec3::from(bank.entry_centroid());
+pub(super) fn centre(cables: &CableArrays, robot: &Robot, frame_size_m: f64) -> Pose {
+    let mut position = Vec3::from(cables.entry_centroid());
     let down = robot.gravity().try_normalize(1e-9).unwrap_or_default();
     let heights = robot
         .cables
@@ -51,7 +51,7 @@ pub(super) fn centre(bank: &CableBank, robot: &Robot, frame_size_m: f64) -> Pose
 /// `start`.
 ///
 /// Small platforms find their position from almost anywhere and err in their orientation, so the
-/// first ones turn the platform where the best descent so far has put it; then points of a Halton
+/// first ones turn the platform where the best minimum so far has put it; then points of a Halton
 /// sequence around the centre.
 pub(super) fn further(
     problem: &ForwardKinematics,
@@ -69,7 +69,7 @@ pub(super) fn further(
     } else {
         // Along a flat frame's normal the platform may still be far: use a part of the size.
         let least = 0.25 * problem.frame_size_m;
-        let half = half_width(&problem.bank).map(|v| v.max(least));
+        let half = half_width(&problem.cables).map(|v| v.max(least));
         for k in 0..6 {
             let scale = if k < 3 { SPREAD * half[k] } else { TURN };
             twist[k] += scale * (2.0 * halton(number, BASES[k]) - 1.0);

@@ -2,7 +2,8 @@
 
 use pulp::Simd;
 
-use crate::real::{Lanes, Packet, dot};
+use crate::geometry::PosePacket;
+use crate::real::{Lanes, Packet};
 use crate::robot::Robot;
 
 use super::inverse::check_pulley;
@@ -15,7 +16,7 @@ const WIDEST: usize = 8;
 
 /// Pulleys and platform anchors of all cables, in columns padded with copies of the first cable.
 #[derive(Debug, Clone)]
-pub(crate) struct CableBank {
+pub(crate) struct CableArrays {
     count: usize,
     entry: [Vec<f64>; 3],
     axis: [Vec<f64>; 3],
@@ -23,14 +24,7 @@ pub(crate) struct CableBank {
     anchor: [Vec<f64>; 3],
 }
 
-/// A robot's position and rotation as plain numbers; `rotation[row][column]`.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Placement<T> {
-    pub(crate) position: [T; 3],
-    pub(crate) rotation: [[T; 3]; 3],
-}
-
-impl CableBank {
+impl CableArrays {
     /// The cables of `robot`.
     pub(crate) fn new(robot: &Robot) -> Result<Self, KinematicsError> {
         let count = robot.cable_count();
@@ -102,14 +96,9 @@ impl CableBank {
         &self,
         simd: S,
         index: usize,
-        rotation: &[[Lanes<S>; 3]; 3],
+        pose: &PosePacket<Lanes<S>>,
     ) -> [Lanes<S>; 3] {
-        let anchor = load_vector(simd, &self.anchor, index);
-        [
-            dot(rotation[0], anchor),
-            dot(rotation[1], anchor),
-            dot(rotation[2], anchor),
-        ]
+        pose.rotate(load_vector(simd, &self.anchor, index))
     }
 }
 
@@ -120,23 +109,4 @@ fn load_vector<S: Simd>(simd: S, columns: &[Vec<f64>; 3], index: usize) -> [Lane
         Lanes::load(simd, &columns[1], index),
         Lanes::load(simd, &columns[2], index),
     ]
-}
-
-impl Placement<f64> {
-    /// The same placement in all lanes.
-    // No closures here and wherever lanes are: they would be compiled for the plain processor.
-    #[inline(always)]
-    pub(crate) fn splat<S: Simd>(&self, simd: S) -> Placement<Lanes<S>> {
-        let mut place = Placement {
-            position: [Lanes::splat(simd, 0.0); 3],
-            rotation: [[Lanes::splat(simd, 0.0); 3]; 3],
-        };
-        for i in 0..3 {
-            place.position[i] = Lanes::splat(simd, self.position[i]);
-            for j in 0..3 {
-                place.rotation[i][j] = Lanes::splat(simd, self.rotation[i][j]);
-            }
-        }
-        place
-    }
 }

@@ -1,0 +1,65 @@
+//! Cholesky factorisation of symmetric 6 x 6 matrices, over plain numbers or SIMD lanes.
+//!
+//! A matrix or factor is its lower triangle row by row, see [`entry`]. A factor `L` of `A = L L^T` holds the
+//! reciprocals of its diagonal: the kernels multiply where they would divide.
+
+use crate::real::Real;
+
+/// Entries of the lower triangle.
+pub(crate) const TRIANGLE: usize = 21;
+
+/// A pivot below this part of its diagonal element is zero: rounding of the sums of squares leaves up to some 1e-14.
+const ZERO_PIVOT: f64 = 1e-13;
+
+/// Place of entry `(row, column)`, `column <= row`, in a lower triangle of any size.
+#[inline(always)]
+pub(crate) const fn entry(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
+}
+
+/// Replaces `A` by its factor. The diagonal grows by the factor `1 + damping` before. A pivot that is zero but for
+/// rounding, or not a number, gives the reciprocal 0, so that nothing moves along it.
+#[inline(always)]
+pub(crate) fn factorise<T: Real>(a: &mut [T; TRIANGLE], damping: f64) {
+    let zero = a[0].lift(0.0);
+    let one = a[0].lift(1.0);
+    for k in 0..6 {
+        let grown = a[entry(k, k)] * zero.lift(1.0 + damping);
+        let mut pivot = grown;
+        for q in 0..k {
+            let mut sum = a[entry(k, q)];
+            for p in 0..q {
+                sum = sum.minus_product(a[entry(k, p)], a[entry(q, p)]);
+            }
+            let value = sum * a[entry(q, q)];
+            a[entry(k, q)] = value;
+            pivot = pivot.minus_product(value, value);
+        }
+        let sound = pivot - grown * zero.lift(ZERO_PIVOT);
+        let inverse = one / sound.select_positive(pivot, one).sqrt();
+        a[entry(k, k)] = sound.select_positive(inverse, zero);
+    }
+}
+
+/// `L^-1 b` in place.
+#[inline(always)]
+pub(crate) fn forward_substitute<T: Real>(factor: &[T; TRIANGLE], b: &mut [T; 6]) {
+    for k in 0..6 {
+        let mut sum = b[k];
+        for q in 0..k {
+            sum = sum.minus_product(factor[entry(k, q)], b[q]);
+        }
+        b[k] = sum * factor[entry(k, k)];
+    }
+}
+
+/// `L^-T b` in place.
+#[inline(always)]
+pub(crate) fn back_substitute<T: Real>(factor: &[T; TRIANGLE], b: &mut [T; 6]) {
+    for k in (0..6).rev() {
+        for q in k + 1..6 {
+            b[k] = b[k].minus_product(factor[entry(q, k)], b[q]);
+        }
+        b[k] = b[k] * factor[entry(k, k)];
+    }
+}
