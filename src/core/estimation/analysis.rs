@@ -21,7 +21,7 @@ use crate::real::{Kernel, Lanes, Packet};
 pub enum ReadingKind {
     /// Length of a cable.
     Length(usize),
-    /// Balance of forces or torques along a coordinate; stands for the tension readings.
+    /// EquilibriumRows of forces or torques along a coordinate; stands for the tension readings.
     Equilibrium(Coordinate),
     /// Laser distance.
     Laser,

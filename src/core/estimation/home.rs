@@ -72,8 +72,8 @@ impl HomeRow {
         let mut gradients = Vec::new();
         for row in layout.cables..layout.rows {
             for parameter in parameters {
-                let balance = layout.equilibrium.and_then(|first| row.checked_sub(first));
-                let derivative = match (parameter.id.clone(), balance.filter(|k| *k < 6)) {
+                let equilibrium = layout.equilibrium.and_then(|first| row.checked_sub(first));
+                let derivative = match (parameter.id.clone(), equilibrium.filter(|k| *k < 6)) {
                     (ParameterId::HomeTension { cable }, Some(k)) => {
                         let scale =
                             sd.map_or(0.0, |sd| if k < 3 { sd.force_n } else { sd.torque_nm });
@@ -82,9 +82,10 @@ impl HomeRow {
                     (ParameterId::Home(coordinate), _) => {
                         equations.by_pose[row][coordinate.index()]
                     }
-                    (id, balance) => direct_column(&id, &layout, problem).map_or(0.0, |column| {
-                        row_derivative(equations, &layout, (row, balance), column)
-                    }),
+                    (id, equilibrium) => direct_column(&id, &layout, problem)
+                        .map_or(0.0, |column| {
+                            row_derivative(equations, &layout, (row, equilibrium), column)
+                        }),
                 };
                 gradients.push(derivative);
             }
@@ -160,11 +161,11 @@ fn length_gradient(
 fn row_derivative(
     equations: &HomeEquations,
     layout: &Layout,
-    (row, balance): (usize, Option<usize>),
+    (row, equilibrium): (usize, Option<usize>),
     column: usize,
 ) -> f64 {
-    if let Some(k) = balance {
-        return equations.balance_by_column[column][k];
+    if let Some(k) = equilibrium {
+        return equations.equilibrium_by_column[column][k];
     }
     if let Some(effect) = column.checked_sub(layout.effect_column()) {
         return equations.by_effect[row * layout.effects + effect];

@@ -221,7 +221,7 @@ impl<'a> Builder<'a> {
         for (column, r) in present.iter().enumerate() {
             equations.residual.fill(0.0);
             equations.residual[*r] = 1.0;
-            let lambda = equations.balance_multipliers(layout);
+            let lambda = equations.equilibrium_multipliers(layout);
             for (k, r) in present.iter().enumerate() {
                 let sd = kinds[k].sd;
                 map[(k, column)] = match kind_of(layout, *r) {

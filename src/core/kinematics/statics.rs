@@ -105,7 +105,7 @@ const NEWTON_STEPS: usize = 60;
 /// Curvature added to the dual, relative to columns of `A` of norm 1.
 const PROXIMAL_WEIGHT: f64 = 1e-6;
 /// Imbalance that counts as none, relative to the wrenches that are balanced.
-const BALANCE_TOLERANCE: f64 = 1e-10;
+const EQUILIBRIUM_TOLERANCE: f64 = 1e-10;
 
 type Vector6 = SVector<f64, 6>;
 type Matrix6 = SMatrix<f64, 6, 6>;
@@ -141,7 +141,7 @@ pub fn distribute_tension(
         let imbalance = dual.imbalance(&next);
         let run = next - centre;
         centre = next;
-        if imbalance.norm() <= BALANCE_TOLERANCE * dual.scale(&next) {
+        if imbalance.norm() <= EQUILIBRIUM_TOLERANCE * dual.scale(&next) {
             feasibility = Feasibility::Feasible;
             break;
         }
@@ -259,7 +259,7 @@ impl<'a> Dual<'a> {
         let mut lambda = *centre;
         for taken in 0..NEWTON_STEPS {
             let gradient = self.imbalance(&lambda) + (lambda - centre) * PROXIMAL_WEIGHT;
-            if gradient.norm() <= 0.1 * BALANCE_TOLERANCE * self.scale(&lambda) {
+            if gradient.norm() <= 0.1 * EQUILIBRIUM_TOLERANCE * self.scale(&lambda) {
                 return (lambda, taken);
             }
             let Some(factor) = self.curvature(&lambda).cholesky() else {
@@ -318,7 +318,7 @@ impl<'a> Dual<'a> {
             }
         }
         let against = if most < 0.0 { -most } else { 0.0 };
-        against > BALANCE_TOLERANCE * scale
+        against > EQUILIBRIUM_TOLERANCE * scale
     }
 }
 

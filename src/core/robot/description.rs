@@ -113,7 +113,7 @@ impl Platform {
     }
 }
 
-/// Standard deviation of the wrench balance.
+/// Standard deviation of the static equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WrenchSd {
     /// Of each force component (N).
@@ -365,7 +365,7 @@ impl Robot {
         self.cables.iter().all(|cable| cable.force_sensor.is_some())
     }
 
-    /// Standard deviation of the wrench balance, the stated one or the default: 1e-4 of the
+    /// Standard deviation of the static equilibrium, the stated one or the default: 1e-4 of the
     /// weight and that times 0.1 m. `None` if the mass is not given.
     #[must_use]
     pub fn wrench_sd(&self) -> Option<WrenchSd> {

@@ -322,7 +322,8 @@ impl<T: Real> CableState<T> {
             *entry = (change.swivel * slope).mul_add(weight, *entry);
         }
         if layout.equilibrium.is_some() {
-            let column = &mut equations.balance_by_column[layout.effect_column() + link.parameter];
+            let column =
+                &mut equations.equilibrium_by_column[layout.effect_column() + link.parameter];
             let back = -(self.regression * length);
             for k in 0..6 {
                 let by_length = self.structure[k] * back;
@@ -333,12 +334,12 @@ impl<T: Real> CableState<T> {
 
     /// Adds this cable to the equilibrium rows, not yet whitened.
     #[inline(always)]
-    pub fn add_balance(
+    pub fn add_to_equilibrium(
         &self,
         index: usize,
         residual: T,
         layout: &Layout,
-        balance: &mut Balance<T>,
+        equilibrium: &mut EquilibriumRows<T>,
         equations: &mut Equations<T>,
     ) {
         let a = &self.structure;
@@ -348,17 +349,17 @@ impl<T: Real> CableState<T> {
         let spread = present.select_positive(self.spread, self.tension_variance);
         let back = -(regression * residual);
         for k in 0..6 {
-            balance.residual[k] = a[k].mul_add(self.tension + back, balance.residual[k]);
+            equilibrium.residual[k] = a[k].mul_add(self.tension + back, equilibrium.residual[k]);
         }
         for k in 0..6 {
             let scaled = a[k] * spread;
             for q in 0..=k {
                 let index = entry(k, q);
-                balance.covariance[index] = scaled.mul_add(a[q], balance.covariance[index]);
+                equilibrium.covariance[index] = scaled.mul_add(a[q], equilibrium.covariance[index]);
             }
         }
         let first = layout.cable_column(index);
-        let columns = &mut equations.balance_by_column[first..first + 4];
+        let columns = &mut equations.equilibrium_by_column[first..first + 4];
         let mut moved = [[zero; 6]; 3];
         for axis in 0..3 {
             let turned = self.path.turn_along(axis, self.expected);
@@ -367,20 +368,20 @@ impl<T: Real> CableState<T> {
             for k in 0..6 {
                 moved[axis][k] = a[k].mul_add(back, change[k]);
                 columns[axis][k] = -moved[axis][k];
-                balance.by_pose[axis][k] = balance.by_pose[axis][k] + moved[axis][k];
+                equilibrium.by_pose[axis][k] = equilibrium.by_pose[axis][k] + moved[axis][k];
             }
         }
         columns[3] = scaled(*a, regression);
-        self.add_rotation(&moved, balance);
+        self.add_rotation(&moved, equilibrium);
     }
 
     /// A rotation about axis k moves the anchor by `e_k x lever` and turns the lever arm.
     #[inline(always)]
-    fn add_rotation(&self, moved: &[[T; 6]; 3], balance: &mut Balance<T>) {
+    fn add_rotation(&self, moved: &[[T; 6]; 3], equilibrium: &mut EquilibriumRows<T>) {
         let [x, y, z] = self.lever;
         let steps = [(2, y, 1, z), (0, z, 2, x), (1, x, 0, y)];
         for (k, (plus, by_plus, minus, by_minus)) in steps.into_iter().enumerate() {
-            let column = &mut balance.by_pose[3 + k];
+            let column = &mut equilibrium.by_pose[3 + k];
             for q in 0..6 {
                 let change = moved[plus][q] * by_plus - moved[minus][q] * by_minus;
                 column[q] = column[q] + change;
@@ -389,17 +390,21 @@ impl<T: Real> CableState<T> {
         add_lever_rotation(
             self.lever,
             scaled(self.path.toward_exit, self.expected),
-            balance,
+            equilibrium,
         );
     }
 }
 
 /// Torque change of a force on a lever arm that turns: `(e_k x r) x f = r f_k - e_k (r.f)`.
 #[inline(always)]
-pub(super) fn add_lever_rotation<T: Real>(lever: [T; 3], force: [T; 3], balance: &mut Balance<T>) {
+pub(super) fn add_lever_rotation<T: Real>(
+    lever: [T; 3],
+    force: [T; 3],
+    equilibrium: &mut EquilibriumRows<T>,
+) {
     let along = dot(lever, force);
     for k in 0..3 {
-        let column = &mut balance.by_pose[3 + k];
+        let column = &mut equilibrium.by_pose[3 + k];
         for q in 0..3 {
             column[3 + q] = lever[q].mul_add(force[k], column[3 + q]);
         }
@@ -409,7 +414,7 @@ pub(super) fn add_lever_rotation<T: Real>(lever: [T; 3], force: [T; 3], balance:
 
 /// The equilibrium rows of a packet of poses while they are summed up.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Balance<T> {
+pub(super) struct EquilibriumRows<T> {
     pub residual: [T; 6],
     /// Lower triangle of the covariance, row by row.
     pub covariance: [T; TRIANGLE],
@@ -418,7 +423,7 @@ pub(super) struct Balance<T> {
     pub present: T,
 }
 
-impl<T: Real> Balance<T> {
+impl<T: Real> EquilibriumRows<T> {
     #[inline(always)]
     pub fn new(zero: T) -> Self {
         Self {

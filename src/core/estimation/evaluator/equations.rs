@@ -18,14 +18,14 @@ pub(in crate::estimation) struct Equations<T> {
     /// Derivative of the laser row with respect to the offset of the target plane.
     pub laser_by_plane: T,
     /// Derivative of the equilibrium rows, column by column.
-    pub balance_by_column: Vec<[T; 6]>,
+    pub equilibrium_by_column: Vec<[T; 6]>,
     /// Derivative of every row with respect to the effects, row by row; those of the
-    /// equilibrium rows are in `balance_by_column`.
+    /// equilibrium rows are in `equilibrium_by_column`.
     pub by_effect: Vec<T>,
     /// 1 where a row was measured, else 0.
     pub present: Vec<T>,
     /// Cholesky factor of the equilibrium rows' covariance, its diagonal inverted.
-    pub balance_factor: [T; TRIANGLE],
+    pub equilibrium_factor: [T; TRIANGLE],
     /// `dL0/dT` of each cable (m/N), if asked for.
     pub length_by_tension: Vec<T>,
     /// Force and torque per tension of each cable, if asked for.
@@ -50,10 +50,10 @@ impl<T: Real> Equations<T> {
             length_by_cable: vec![[zero; CABLE_COLUMNS]; layout.cables],
             swivel_by_cable: vec![[zero; CABLE_COLUMNS]; swivels],
             laser_by_plane: zero,
-            balance_by_column: vec![[zero; 6]; dense],
+            equilibrium_by_column: vec![[zero; 6]; dense],
             by_effect: vec![zero; layout.rows * layout.effects],
             present: vec![zero; layout.rows],
-            balance_factor: [zero; TRIANGLE],
+            equilibrium_factor: [zero; TRIANGLE],
             length_by_tension: vec![zero; layout.cables],
             structure: vec![[zero; 6]; layout.cables],
         }
@@ -70,12 +70,12 @@ impl<T: Real> Equations<T> {
     #[inline(always)]
     pub fn weigh_down_outliers(&mut self, layout: &Layout, limit: f64) -> T {
         let zero = self.laser_by_plane.lift(0.0);
-        let balance = layout.equilibrium.map_or(0..0, |first| first..first + 6);
+        let equilibrium = layout.equilibrium.map_or(0..0, |first| first..first + 6);
         let mut loss = zero;
         for row in 0..layout.rows {
             let r = self.residual[row];
             let size = r.max(-r);
-            if balance.contains(&row) {
+            if equilibrium.contains(&row) {
                 loss = loss + r * r;
                 continue;
             }
@@ -104,11 +104,11 @@ impl<T: Real> Equations<T> {
 
     /// `lambda_q = E^-1 residual` of the equilibrium rows, with their covariance `E`.
     #[inline(always)]
-    pub fn balance_multipliers(&self, layout: &Layout) -> [T; 6] {
+    pub fn equilibrium_multipliers(&self, layout: &Layout) -> [T; 6] {
         let mut lambda = [self.laser_by_plane.lift(0.0); 6];
         if let Some(first) = layout.equilibrium {
             lambda.copy_from_slice(&self.residual[first..first + 6]);
-            back_substitute(&self.balance_factor, &mut lambda);
+            back_substitute(&self.equilibrium_factor, &mut lambda);
         }
         lambda
     }
@@ -121,18 +121,18 @@ impl<T: Real> Equations<T> {
         // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
         let weight = -self.length_by_cable[cable][3];
         let regression = c * c.lift(spread.1) * weight * weight;
-        self.residual[cable] * weight - regression * self.balance_of(cable, lambda)
+        self.residual[cable] * weight - regression * self.structure_product(cable, lambda)
     }
 
     /// `A lambda_q` of a cable.
     #[inline(always)]
-    fn balance_of(&self, cable: usize, lambda: &[T; 6]) -> T {
+    fn structure_product(&self, cable: usize, lambda: &[T; 6]) -> T {
         let a = &self.structure[cable];
-        let mut balance = lambda[0].lift(0.0);
+        let mut equilibrium = lambda[0].lift(0.0);
         for k in 0..6 {
-            balance = a[k].mul_add(lambda[k], balance);
+            equilibrium = a[k].mul_add(lambda[k], equilibrium);
         }
-        balance
+        equilibrium
     }
 
     /// Estimated error of a tension reading (N): `sd_T^2 (c lambda_l + A lambda_q)`.
@@ -140,7 +140,7 @@ impl<T: Real> Equations<T> {
     pub fn tension_error(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
         let c = self.length_by_tension[cable];
         let length = self.length_multiplier(cable, spread, lambda);
-        c.lift(spread.1) * c.mul_add(length, self.balance_of(cable, lambda))
+        c.lift(spread.1) * c.mul_add(length, self.structure_product(cable, lambda))
     }
 
     /// Sum of squares of all rows.

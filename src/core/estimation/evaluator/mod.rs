@@ -60,7 +60,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     /// 1 for coordinates in which the poses move, else 0.
     free: [f64; 6],
     /// 1 for coordinates in which wrenches balance, else 0.
-    balanced: [f64; 6],
+    in_equilibrium: [f64; 6],
     /// Whether the equations carry what only the home row and reports need.
     pub detailed: bool,
     /// Poses, packet by packet; the previous ones are kept for a rejected step.
@@ -117,11 +117,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let gravity = robot.gravity();
         let down = gravity.try_normalize(0.0).unwrap_or_default().into();
         let moving = problem.poses == Poses::Estimated || is_home;
-        let mut balanced = [0.0; 6];
+        let mut in_equilibrium = [0.0; 6];
         for coordinate in robot.platform.freedom().coordinates() {
-            balanced[coordinate.index()] = 1.0;
+            in_equilibrium[coordinate.index()] = 1.0;
         }
-        let free = if moving { balanced } else { [0.0; 6] };
+        let free = if moving { in_equilibrium } else { [0.0; 6] };
         let wrench = robot.wrench_sd();
         let wrench_variance = std::array::from_fn(|k| {
             wrench.map_or(1.0, |sd| {
@@ -142,7 +142,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             gravity: gravity.into(),
             wrench_variance,
             free,
-            balanced,
+            in_equilibrium,
             detailed: is_home,
             packed_poses: pack_poses::<T>(start),
             previous: packed(0),
@@ -374,7 +374,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     #[inline(always)]
     fn update_tension_errors(&mut self, batch: usize) {
         let first = batch * self.layout.cables;
-        let lambda = self.equations.balance_multipliers(&self.layout);
+        let lambda = self.equations.equilibrium_multipliers(&self.layout);
         for (cable, spread) in self.spreads.iter().enumerate() {
             let error = self.equations.tension_error(cable, *spread, &lambda);
             error.store(&mut self.tension_errors, first + cable);

@@ -112,7 +112,11 @@ impl<T: Packet> Elimination<T> {
         }
         if let Some(first_row) = layout.equilibrium {
             let rows = &equations.by_pose[first_row..first_row + 6];
-            for (column, g) in self.columns.iter_mut().zip(&equations.balance_by_column) {
+            for (column, g) in self
+                .columns
+                .iter_mut()
+                .zip(&equations.equilibrium_by_column)
+            {
                 for (j, g) in rows.iter().zip(g) {
                     add_product(column, j, *g);
                 }
@@ -149,7 +153,7 @@ impl<T: Packet> Elimination<T> {
             .and_then(|first| row.checked_sub(first))
             .filter(|k| *k < 6)
         {
-            for (column, g) in equations.balance_by_column.iter().enumerate() {
+            for (column, g) in equations.equilibrium_by_column.iter().enumerate() {
                 gradient[column] = gradient[column] + g[k];
             }
             return gradient;
@@ -242,10 +246,10 @@ impl<T: Packet> Sums<T> {
         match layout.equilibrium {
             None => self.add_columns(elimination, y, None),
             Some(first) => {
-                let balance = &equations.balance_by_column;
+                let equilibrium = &equations.equilibrium_by_column;
                 let mut residual = *y;
                 residual.copy_from_slice(&equations.residual[first..first + 6]);
-                self.add_columns(elimination, y, Some((balance, &residual)));
+                self.add_columns(elimination, y, Some((equilibrium, &residual)));
             }
         }
         self.add_sparse(equations, layout);
@@ -257,7 +261,7 @@ impl<T: Packet> Sums<T> {
         &mut self,
         elimination: &Elimination<T>,
         y: &[T; 6],
-        balance: Option<(&Vec<[T; 6]>, &[T; 6])>,
+        equilibrium: Option<(&Vec<[T; 6]>, &[T; 6])>,
     ) {
         let mut at = 0;
         for (i, column) in elimination.columns.iter().enumerate() {
@@ -266,14 +270,14 @@ impl<T: Packet> Sums<T> {
             for k in 0..6 {
                 gradient = minus[k].mul_add(y[k], gradient);
             }
-            if let Some((columns, residual)) = balance {
+            if let Some((columns, residual)) = equilibrium {
                 for k in 0..6 {
                     gradient = columns[i][k].mul_add(residual[k], gradient);
                 }
             }
             gradient.store(&mut self.gradient, i);
             let others = &elimination.columns[..=i];
-            match balance {
+            match equilibrium {
                 None => {
                     for other in others {
                         let mut sum = T::load(self.token, &self.information, at);
@@ -325,8 +329,8 @@ impl<T: Packet> Sums<T> {
             self.add_effects(layout.plane_column(), &g, row, equations, layout);
         }
         if layout.effects > 0 {
-            let balance = layout.equilibrium.map_or(0..0, |first| first..first + 6);
-            for row in (0..layout.rows).filter(|row| !balance.contains(row)) {
+            let equilibrium = layout.equilibrium.map_or(0..0, |first| first..first + 6);
+            for row in (0..layout.rows).filter(|row| !equilibrium.contains(row)) {
                 let first = row * layout.effects;
                 let e = &equations.by_effect[first..first + layout.effects];
                 self.add_block(layout.effect_column(), e, equations.residual[row]);

@@ -1,6 +1,6 @@
 //! Evaluates all rows of one packet of poses.
 
-use super::cable_rows::{Balance, CableInputs, CableState, add_lever_rotation};
+use super::cable_rows::{CableInputs, CableState, EquilibriumRows, add_lever_rotation};
 use super::platform_rows::{self, LaserInputs};
 use super::{Evaluator, LARGEST_ERROR};
 use crate::effect::PlatformPort;
@@ -13,16 +13,16 @@ impl<T: Packet> Evaluator<'_, T> {
     pub(super) fn evaluate(&mut self, batch: usize, pose: &PosePacket<T>) {
         let zero = T::splat(self.token, 0.0);
         self.equations.by_effect.fill(zero);
-        let mut balance = Balance::new(zero);
+        let mut equilibrium = EquilibriumRows::new(zero);
         if self.layout.equilibrium.is_some() {
             let first = self.layout.plane_column();
-            self.equations.balance_by_column[first..].fill([zero; 6]);
+            self.equations.equilibrium_by_column[first..].fill([zero; 6]);
         }
         for cable in 0..self.layout.cables {
-            self.evaluate_cable(batch, cable, pose, &mut balance);
+            self.evaluate_cable(batch, cable, pose, &mut equilibrium);
         }
         if let Some(first) = self.layout.equilibrium {
-            self.finish_balance(batch, first, pose, &mut balance);
+            self.whiten_equilibrium(batch, first, pose, &mut equilibrium);
         }
         if self.is_latent {
             self.update_tension_errors(batch);
@@ -43,7 +43,7 @@ impl<T: Packet> Evaluator<'_, T> {
         batch: usize,
         cable: usize,
         pose: &PosePacket<T>,
-        balance: &mut Balance<T>,
+        equilibrium: &mut EquilibriumRows<T>,
     ) {
         let columns = &self.ports.cables[cable];
         let swivel = self.platform.swivel.get(cable);
@@ -68,8 +68,14 @@ impl<T: Packet> Evaluator<'_, T> {
             state.swivel_row(at, constants, &inputs, &mut self.equations);
         }
         if self.layout.equilibrium.is_some() {
-            state.add_balance(cable, residual, &self.layout, balance, &mut self.equations);
-            balance.present = balance.present * inputs.ports[1].present().1;
+            state.add_to_equilibrium(
+                cable,
+                residual,
+                &self.layout,
+                equilibrium,
+                &mut self.equations,
+            );
+            equilibrium.present = equilibrium.present * inputs.ports[1].present().1;
         }
         if self.detailed || self.is_latent {
             self.equations.length_by_tension[cable] = state.length_by_tension();
@@ -84,73 +90,78 @@ impl<T: Packet> Evaluator<'_, T> {
 
     /// Adds gravity, whitens, and leaves out coordinates that are not free.
     #[inline(always)]
-    fn finish_balance(
+    fn whiten_equilibrium(
         &mut self,
         batch: usize,
         first: usize,
         pose: &PosePacket<T>,
-        balance: &mut Balance<T>,
+        equilibrium: &mut EquilibriumRows<T>,
     ) {
         let zero = T::splat(self.token, 0.0);
-        self.add_gravity(batch, pose, balance);
+        self.add_gravity(batch, pose, equilibrium);
         for k in 0..6 {
             let diagonal = entry(k, k);
-            if self.balanced[k] == 0.0 {
+            if self.in_equilibrium[k] == 0.0 {
                 for q in 0..6 {
                     let (row, column) = (k.max(q), k.min(q));
-                    balance.covariance[entry(row, column)] = zero;
+                    equilibrium.covariance[entry(row, column)] = zero;
                 }
-                balance.covariance[diagonal] = zero.lift(1.0);
-                balance.residual[k] = zero;
-                for column in &mut balance.by_pose {
+                equilibrium.covariance[diagonal] = zero.lift(1.0);
+                equilibrium.residual[k] = zero;
+                for column in &mut equilibrium.by_pose {
                     column[k] = zero;
                 }
-                for column in &mut self.equations.balance_by_column {
+                for column in &mut self.equations.equilibrium_by_column {
                     column[k] = zero;
                 }
             } else {
                 let variance = zero.lift(self.wrench_variance[k]);
-                balance.covariance[diagonal] = balance.covariance[diagonal] + variance;
+                equilibrium.covariance[diagonal] = equilibrium.covariance[diagonal] + variance;
             }
         }
-        factorise(&mut balance.covariance, 0.0);
-        self.equations.balance_factor = balance.covariance;
+        factorise(&mut equilibrium.covariance, 0.0);
+        self.equations.equilibrium_factor = equilibrium.covariance;
         // A factor whose inverse diagonal is zero whitens to nothing where a tension was not read.
-        let mut factor = balance.covariance;
+        let mut factor = equilibrium.covariance;
         for k in 0..6 {
             let diagonal = entry(k, k);
-            factor[diagonal] = factor[diagonal] * balance.present;
+            factor[diagonal] = factor[diagonal] * equilibrium.present;
         }
-        forward_substitute(&factor, &mut balance.residual);
-        for column in &mut balance.by_pose {
+        forward_substitute(&factor, &mut equilibrium.residual);
+        for column in &mut equilibrium.by_pose {
             forward_substitute(&factor, column);
         }
-        for column in &mut self.equations.balance_by_column {
+        for column in &mut self.equations.equilibrium_by_column {
             forward_substitute(&factor, column);
         }
         for k in 0..6 {
             let row = first + k;
-            self.equations.residual[row] = balance.residual[k];
+            self.equations.residual[row] = equilibrium.residual[k];
             for q in 0..6 {
-                self.equations.by_pose[row][q] = balance.by_pose[q][k];
+                self.equations.by_pose[row][q] = equilibrium.by_pose[q][k];
             }
-            let counted = balance.present * zero.lift(self.balanced[k]);
+            let counted = equilibrium.present * zero.lift(self.in_equilibrium[k]);
             self.equations.present[row] = counted;
         }
     }
 
     #[inline(always)]
-    fn add_gravity(&mut self, batch: usize, pose: &PosePacket<T>, balance: &mut Balance<T>) {
+    fn add_gravity(
+        &mut self,
+        batch: usize,
+        pose: &PosePacket<T>,
+        equilibrium: &mut EquilibriumRows<T>,
+    ) {
         let [mass, x, y, z, ..] = self.ports.store.load_all(&self.ports.platform, batch);
         let per_kilogram = constants(mass, self.gravity);
         let weight = scaled(per_kilogram, mass);
         let lever = pose.rotate([x, y, z]);
         let torque = crate::real::cross(lever, weight);
         for k in 0..3 {
-            balance.residual[k] = balance.residual[k] + weight[k];
-            balance.residual[3 + k] = balance.residual[3 + k] + torque[k];
+            equilibrium.residual[k] = equilibrium.residual[k] + weight[k];
+            equilibrium.residual[3 + k] = equilibrium.residual[3 + k] + torque[k];
         }
-        add_lever_rotation(lever, weight, balance);
+        add_lever_rotation(lever, weight, equilibrium);
         for link in &self.ports.platform_links {
             let slope = self.ports.store.load(link.slope, batch);
             let (force, lever) = match link.port {
@@ -159,7 +170,7 @@ impl<T: Packet> Evaluator<'_, T> {
                 _ => continue,
             };
             let column = self.layout.effect_column() + link.parameter;
-            let column = &mut self.equations.balance_by_column[column];
+            let column = &mut self.equations.equilibrium_by_column[column];
             let torque = crate::real::cross(lever, force);
             for k in 0..3 {
                 if matches!(link.port, PlatformPort::Mass) {

@@ -75,9 +75,9 @@ fn scale_of(problem: &Problem<'_>, layout: &Layout, column: usize) -> f64 {
 }
 
 fn derivative(equations: &Equations<f64>, layout: &Layout, row: usize, column: usize) -> f64 {
-    let balance = layout.equilibrium.and_then(|first| row.checked_sub(first));
-    if let Some(k) = balance.filter(|k| *k < 6) {
-        return equations.balance_by_column[column][k];
+    let equilibrium = layout.equilibrium.and_then(|first| row.checked_sub(first));
+    if let Some(k) = equilibrium.filter(|k| *k < 6) {
+        return equations.equilibrium_by_column[column][k];
     }
     if let Some(effect) = column.checked_sub(layout.effect_column()) {
         return equations.by_effect[row * layout.effects + effect];
