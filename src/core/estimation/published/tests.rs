@@ -1,7 +1,7 @@
 //! Tests of the published method on data without noise.
 
 use super::*;
-use crate::geometry::{Pose, Twist};
+use crate::geometry::{Pose, Twist, Vec3};
 use crate::kinematics::{inverse_kinematics, samples};
 use crate::measurement::{Grid, Measurements};
 use crate::robot::{ForceSensor, Home, Laser, TargetPlane};
