@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
-use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, expect, plan};
+use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, evaluate, plan};
 use tautline_session::{PlannedPose, Session};
 
 use crate::controllers::bounds;
@@ -102,7 +102,7 @@ pub fn stored(
         .map(PlannedPose::pose)
         .collect();
     let options = options(&request, &measured, (poses.len(), SEED));
-    let planned = expect(&request.dataset.robot, &poses, &options, observe);
+    let planned = evaluate(&request.dataset.robot, &poses, &options, observe);
     let planned = planned.map_err(|error| error.to_string())?;
     Ok(Outlook::of(session.plan.clone(), &planned))
 }

@@ -4,7 +4,7 @@
 //! parabola that belongs to the extra length by sag of [`crate::cable::CableLaw`]: at the part `x` of the chord from the
 //! pulley to the platform, `w l_f^2 / (2 T) x (1 - x)` times gravity's direction across the chord.
 
-use super::budget::{BudgetError, ModelledCable, down, modelled};
+use super::length_breakdown::{LengthBreakdownError, ModelledCable, down, modelled_cables};
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
@@ -62,9 +62,9 @@ pub fn cable_polyline(
     pose: &Pose,
     tensions_n: &[Option<f64>],
     detail: &CableDetail,
-) -> Result<Vec<Result<CableDrawing, BudgetError>>, BudgetError> {
+) -> Result<Vec<Result<CableDrawing, LengthBreakdownError>>, LengthBreakdownError> {
     let down = down(robot);
-    let cables = modelled(robot, pose, tensions_n)?.into_iter();
+    let cables = modelled_cables(robot, pose, tensions_n)?.into_iter();
     Ok(cables
         .map(|cable| Ok(drawing(&cable?, down, detail)))
         .collect())

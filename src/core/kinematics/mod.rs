@@ -1,16 +1,15 @@
 //! Cable and platform kinematics.
 
-mod budget;
 mod cable_arrays;
 mod drawing;
 mod forward;
 mod inverse;
+mod length_breakdown;
 mod pulley;
 #[cfg(test)]
 pub(crate) mod samples;
 mod statics;
 
-pub use budget::{BudgetError, CableBudget, cable_budget};
 pub(crate) use cable_arrays::CableArrays;
 pub use cable_arrays::MAX_CABLES;
 pub use drawing::{CableDetail, CableDrawing, cable_polyline};
@@ -19,6 +18,7 @@ pub use inverse::{
     CableState, KinematicsError, LengthGradient, check_path_at, inverse_kinematics,
     length_gradients,
 };
+pub use length_breakdown::{LengthBreakdown, LengthBreakdownError, length_breakdown};
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
 pub use statics::{
     Feasibility, TensionDistribution, applied_wrench, distribute_tension, equilibrium_residual,

@@ -3,22 +3,22 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::outlook::Outlook;
+use super::information_model::InformationModel;
 use super::{PlanError, PlanOptions, PlanProgress};
 use crate::estimation::Control;
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::kinematics::inverse_kinematics;
 use crate::robot::{Laser, Robot};
-use crate::simulation::bounds;
+use crate::simulation::{PlannedRow, bounds};
 
 /// Poses that are tried for each that is wanted.
-const TRIES: usize = 20;
-/// Share of coordinates that are drawn at their limits: far apart, poses tell more.
+const TRIES_PER_POSE: usize = 20;
+/// Share of coordinates that are drawn at their limits: poses far apart carry more information.
 const AT_LIMIT: f64 = 0.4;
 /// Least cosine of the angle at which the beam meets the target.
 const LEAST_INCIDENCE: f64 = 0.5;
-/// Poses between two reports.
-const REPORTED: usize = 500;
+/// Poses drawn between two progress reports.
+const REPORT_INTERVAL: usize = 500;
 
 /// How many poses were drawn, and why some were refused.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -45,29 +45,38 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// A pose that somebody has chosen; `None` if no tensions hold the platform there.
-    pub fn chosen(outlook: &Outlook<'_>, pose: Pose) -> Option<Self> {
-        let laser = outlook.robot.laser.as_ref();
+    pub fn chosen(model: &InformationModel<'_>, pose: Pose) -> Option<Self> {
+        let laser = model.robot.laser.as_ref();
         Some(Self {
             pose,
-            tensions_n: outlook.tensions(&pose)?,
+            tensions_n: model.tensions(&pose)?,
             laser_m: laser.and_then(|laser| laser_distance(laser, &pose)),
         })
+    }
+
+    /// The pose as a row of the measurements with this label.
+    pub fn row(&self, label: i64) -> PlannedRow {
+        PlannedRow {
+            label,
+            pose: self.pose,
+            tensions_n: self.tensions_n.clone(),
+        }
     }
 }
 
 /// Draws candidates until there are enough or too many were refused.
 pub(super) fn draw(
-    outlook: &Outlook<'_>,
+    model: &InformationModel<'_>,
     options: &PlanOptions<'_>,
     observer: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<(Vec<Candidate>, Refused), PlanError> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let wanted = options.candidates.max(options.poses);
-    let frame = Frame::of(outlook, options.min_frame_distance_m);
+    let frame = Frame::of(model, options.min_frame_distance_m);
     let mut refused = Refused::default();
     let mut found = Vec::with_capacity(wanted);
-    while found.len() < wanted && refused.tried < TRIES * wanted {
-        if refused.tried % REPORTED == 0 {
+    while found.len() < wanted && refused.tried < TRIES_PER_POSE * wanted {
+        if refused.tried % REPORT_INTERVAL == 0 {
             let progress = PlanProgress::Candidates {
                 found: found.len(),
                 wanted,
@@ -77,8 +86,8 @@ pub(super) fn draw(
             }
         }
         refused.tried += 1;
-        let pose = draw_pose(outlook, &mut rng);
-        found.extend(judged(outlook, options, &frame, pose, &mut refused));
+        let pose = draw_pose(model, &mut rng);
+        found.extend(accept(model, options, &frame, pose, &mut refused));
     }
     if found.len() < options.poses {
         return Err(PlanError::TooFewPoses {
@@ -90,10 +99,10 @@ pub(super) fn draw(
     Ok((found, refused))
 }
 
-fn draw_pose(outlook: &Outlook<'_>, rng: &mut ChaCha8Rng) -> Pose {
-    let workspace = &outlook.workspace;
+fn draw_pose(model: &InformationModel<'_>, rng: &mut ChaCha8Rng) -> Pose {
+    let workspace = &model.workspace;
     let mut twist = Twist::zeros();
-    for coordinate in outlook.robot.platform.freedom().coordinates() {
+    for coordinate in model.robot.platform.freedom().coordinates() {
         let k = coordinate.index();
         let half = match workspace.half_extent_m.get(k) {
             Some(half) => *half,
@@ -106,14 +115,14 @@ fn draw_pose(outlook: &Outlook<'_>, rng: &mut ChaCha8Rng) -> Pose {
     workspace.centre.perturbed(&twist)
 }
 
-fn judged(
-    outlook: &Outlook<'_>,
+fn accept(
+    model: &InformationModel<'_>,
     options: &PlanOptions<'_>,
     frame: &Frame,
     pose: Pose,
     refused: &mut Refused,
 ) -> Option<Candidate> {
-    let robot = &outlook.robot;
+    let robot = &model.robot;
     if inverse_kinematics(robot, &pose).is_err() {
         refused.kinematics += 1;
         return None;
@@ -134,7 +143,7 @@ fn judged(
         }
         None => None,
     };
-    let Some(tensions_n) = outlook.tensions(&pose) else {
+    let Some(tensions_n) = model.tensions(&pose) else {
         refused.tension += 1;
         return None;
     };
@@ -162,9 +171,9 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(outlook: &Outlook<'_>, distance_m: f64) -> Self {
-        let (mut low, mut high) = bounds(&outlook.robot);
-        let centre = outlook.workspace.centre.position;
+    fn of(model: &InformationModel<'_>, distance_m: f64) -> Self {
+        let (mut low, mut high) = bounds(&model.robot);
+        let centre = model.workspace.centre.position;
         for k in 0..3 {
             // A robot that hangs under its pulleys, or moves in their plane, has no frame on that side.
             if centre[k] < low[k] + distance_m {

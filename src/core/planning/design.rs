@@ -8,14 +8,15 @@ use nalgebra::{DMatrix, DMatrixView};
 use super::{PlanError, PlanProgress};
 use crate::estimation::{Control, ExpectedInformation};
 
-/// Standard deviation (m, rad, ...) of a parameter of which nothing is known, while poses are chosen.
-const ANYWHERE: f64 = 10.0;
-/// Poses that take part in exchanges: those that would add most to the greedy choice.
-const EXCHANGEABLE: usize = 400;
-/// Gain of `ln det I` below which an exchange is none.
-const LEAST_GAIN: f64 = 1e-6;
-/// Most rounds of exchanges.
-const MOST_ROUNDS: usize = 30;
+/// Prior standard deviation (m, rad, ...) of parameters without a prior while poses are chosen: keeps the information
+/// regular before the data determine them.
+const VAGUE_SD: f64 = 10.0;
+/// Candidates that take part in exchanges: those that would add most to the greedy choice.
+const EXCHANGE_CANDIDATES: usize = 400;
+/// Gain of `ln det I` below which an exchange is not worth it.
+const MIN_GAIN: f64 = 1e-6;
+/// Limit on the rounds of exchanges.
+const MAX_ROUNDS: usize = 30;
 
 /// The candidates chosen, in no order that matters.
 pub(super) fn choose(
@@ -30,7 +31,7 @@ pub(super) fn choose(
         let Some(best) = pool.best() else { break };
         pool.change(best, true);
     }
-    let mut short = Pool::new(information, pool.most_useful(EXCHANGEABLE + count));
+    let mut short = Pool::new(information, pool.most_useful(EXCHANGE_CANDIDATES + count));
     for place in 0..short.members.len() {
         if pool.chosen[short.members[place]] {
             short.change(place, true);
@@ -56,7 +57,7 @@ fn exchange(
     observer: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<(), PlanError> {
     let mut exchanges = 0;
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         report(observer, PlanProgress::Exchanged { exchanges })?;
         let before = exchanges;
         pool.refresh();
@@ -64,7 +65,7 @@ fn exchange(
         for out in chosen.collect::<Vec<_>>() {
             pool.change(out, false);
             let kept = pool.gain(out);
-            let better = pool.best().filter(|b| pool.gain(*b) > kept + LEAST_GAIN);
+            let better = pool.best().filter(|b| pool.gain(*b) > kept + MIN_GAIN);
             exchanges += usize::from(better.is_some());
             pool.change(better.unwrap_or(out), true);
         }
@@ -125,7 +126,7 @@ impl<'a> Pool<'a> {
         let chosen = (0..self.members.len()).filter(|place| self.chosen[*place]);
         let mut total = self.information.of(chosen.map(|place| self.members[place]));
         for k in 0..total.nrows() {
-            total[(k, k)] += ANYWHERE.powi(-2);
+            total[(k, k)] += VAGUE_SD.powi(-2);
         }
         let Some(factor) = total.cholesky() else {
             return;

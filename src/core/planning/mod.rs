@@ -1,15 +1,15 @@
-//! Which poses to measure, so that they tell as much as possible about the robot.
+//! Which poses to measure, so that the parameters of the robot are determined best.
 //!
-//! Poses are drawn that the robot can hold and the laser can measure; those are chosen that make the information on
-//! all parameters together largest (D-optimal), and put in an order of short moves in which no coordinate
-//! follows the time. What standard deviations to expect is known before anything is measured.
+//! Candidates are drawn that the robot can hold and the laser can measure. Those are chosen that maximise the
+//! determinant of the information matrix (D-optimal), and put in an order of short moves in which no coordinate
+//! correlates with time. The standard deviations to expect are known before anything is measured.
 
 mod candidates;
 mod design;
 mod expectation;
+mod information_model;
 mod order;
-mod outlook;
-mod platform;
+mod position_error;
 #[cfg(test)]
 mod tests;
 
@@ -27,9 +27,9 @@ use crate::robot::Robot;
 use crate::simulation::{SimulationError, TensionRange, Workspace};
 
 use candidates::{Candidate, draw};
-use outlook::Outlook;
+use information_model::InformationModel;
 
-/// What is planned.
+/// What to plan.
 #[derive(Debug, Clone)]
 pub struct PlanOptions<'a> {
     /// Number of poses to measure, the home pose not counted.
@@ -77,7 +77,7 @@ impl PlanOptions<'_> {
     }
 }
 
-/// What a plan is busy with.
+/// Progress of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlanProgress {
     /// Drawing poses that can be held.
@@ -105,7 +105,7 @@ pub enum PlanError {
     /// Nothing was asked for.
     #[error("found 0 poses to plan, expected at least 1")]
     NoPoses,
-    /// There is nothing that measuring would tell.
+    /// Every parameter is known exactly.
     #[error(
         "nothing is to be identified: every entry point, the home pose and the target plane count as known exactly"
     )]
@@ -157,7 +157,7 @@ pub struct PlannedPose {
     pub laser_m: Option<f64>,
 }
 
-/// Poses to measure, and what they will tell.
+/// Poses to measure, and the standard deviations that they lead to.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The poses in the order in which to measure them.
@@ -168,7 +168,7 @@ pub struct Plan {
     pub candidates: usize,
     /// Path length, and how far coordinates follow the time.
     pub order: Order,
-    /// What the plan makes of the parameters, together with the poses measured already.
+    /// Standard deviations after the plan, together with the poses measured already.
     pub expected: Expectation,
     /// The same of as many poses drawn at random from the candidates: root mean square over several sets.
     pub random: Expectation,
@@ -203,26 +203,25 @@ pub fn plan(
     options: &PlanOptions<'_>,
     observer: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Plan, PlanError> {
-    cautiously(robot, options, |options, range| {
-        let pool = Pool::draw(robot, options, range, observer)?;
-        let chosen = design::choose(&pool.information, options.poses, observer)?;
+    with_tension_margin(robot, options, |options, range| {
+        let set = CandidateSet::draw(robot, options, range, observer)?;
+        let chosen = design::choose(&set.information, options.poses, observer)?;
         let poses: Vec<Pose> = (chosen.iter())
-            .map(|index| pool.candidates[*index].pose)
+            .map(|index| set.candidates[*index].pose)
             .collect();
-        let order = Order::of(&pool.outlook.robot, pool.outlook.start(), &poses);
+        let order = Order::of(&set.model.robot, set.model.start(), &poses);
         let ordered: Vec<Candidate> = (order.sequence.iter())
-            .map(|place| pool.candidates[chosen[*place]].clone())
+            .map(|place| set.candidates[chosen[*place]].clone())
             .collect();
-        pool.plan(&ordered, order)
+        set.plan(&ordered, order)
     })
 }
 
-/// What to expect of `poses` in the order given, as [`plan`] says it of the poses that it chooses; `options.poses`
-/// does not matter.
+/// Evaluates `poses` in the order given as [`plan`] does the poses that it chooses; `options.poses` is ignored.
 ///
 /// # Errors
 /// As [`plan`], and if the platform cannot be held at one of the poses.
-pub fn expect(
+pub fn evaluate(
     robot: &Robot,
     poses: &[Pose],
     options: &PlanOptions<'_>,
@@ -232,21 +231,21 @@ pub fn expect(
         poses: poses.len(),
         ..options.clone()
     };
-    cautiously(robot, &options, |options, range| {
-        let pool = Pool::draw(robot, options, range, observer)?;
+    with_tension_margin(robot, &options, |options, range| {
+        let set = CandidateSet::draw(robot, options, range, observer)?;
         let given: Result<Vec<Candidate>, PlanError> = (1..)
             .zip(poses)
             .map(|(number, pose)| {
-                Candidate::chosen(&pool.outlook, *pose).ok_or(PlanError::NotHeld { number })
+                Candidate::chosen(&set.model, *pose).ok_or(PlanError::NotHeld { number })
             })
             .collect();
-        let order = Order::given(&pool.outlook.robot, pool.outlook.start(), poses);
-        pool.plan(&given?, order)
+        let order = Order::given(&set.model.robot, set.model.start(), poses);
+        set.plan(&given?, order)
     })
 }
 
-/// Plans with tensions that stay off their limits, or if that is not possible, with all of them.
-fn cautiously(
+/// Plans with tensions that stay off their limits by the margin, or where that is impossible, within the limits.
+fn with_tension_margin(
     robot: &Robot,
     options: &PlanOptions<'_>,
     mut plan: impl FnMut(&PlanOptions<'_>, TensionRange) -> Result<Plan, PlanError>,
@@ -260,16 +259,16 @@ fn cautiously(
     }
 }
 
-/// Poses among which is chosen, with what they would tell.
-struct Pool<'a> {
-    outlook: Outlook<'a>,
+/// Poses among which is chosen, with the information that each would add.
+struct CandidateSet<'a> {
+    model: InformationModel<'a>,
     options: &'a PlanOptions<'a>,
     candidates: Vec<Candidate>,
     refused: Refused,
     information: ExpectedInformation,
 }
 
-impl<'a> Pool<'a> {
+impl<'a> CandidateSet<'a> {
     fn draw(
         robot: &Robot,
         options: &'a PlanOptions<'a>,
@@ -279,15 +278,16 @@ impl<'a> Pool<'a> {
         if options.poses == 0 {
             return Err(PlanError::NoPoses);
         }
-        let outlook = Outlook::new(robot, options, range)?;
-        let (candidates, refused) = draw(&outlook, options, observer)?;
-        let labels = outlook.scattered(candidates.len());
-        let information = outlook.information(labels.zip(&candidates))?;
+        let model = InformationModel::new(robot, options, range)?;
+        let (candidates, refused) = draw(&model, options, observer)?;
+        let labels = model.candidate_labels(candidates.len());
+        let information =
+            model.information(labels.zip(&candidates).map(|(label, c)| c.row(label)))?;
         if information.parameters.is_empty() {
             return Err(PlanError::NothingToEstimate);
         }
         Ok(Self {
-            outlook,
+            model,
             options,
             candidates,
             refused,
@@ -298,16 +298,20 @@ impl<'a> Pool<'a> {
     /// The plan that visits these poses one after the other.
     fn plan(&self, ordered: &[Candidate], order: Order) -> Result<Plan, PlanError> {
         let options = self.options;
-        let Outlook {
+        let InformationModel {
             robot, workspace, ..
-        } = &self.outlook;
+        } = &self.model;
         let parameters = &self.information.parameters;
-        let platform = platform::error_weights(robot, workspace, parameters);
+        let platform = position_error::weights(robot, workspace, parameters);
         let known = (&self.information, platform.as_ref());
         let random = expectation::random_sets(known, options.poses, options.seed);
         // Once more, now that time and direction of travel are known.
-        let labels = self.outlook.labels();
-        let information = self.outlook.information(labels.clone().zip(ordered))?;
+        let labels = self.model.labels();
+        let visits = labels
+            .clone()
+            .zip(ordered)
+            .map(|(label, candidate)| candidate.row(label));
+        let information = self.model.information(visits)?;
         Ok(Plan {
             poses: labels
                 .zip(ordered)

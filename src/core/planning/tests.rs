@@ -310,13 +310,13 @@ fn what_a_plan_promises_is_expected_of_its_poses_again() {
     let preset = presets::find("mini").unwrap();
     let options = options_of(&preset, 12);
     let planned = plan(&preset.robot, &options, &mut quiet).unwrap();
-    let again = expect(&preset.robot, &poses_of(&planned), &options, &mut quiet).unwrap();
+    let again = evaluate(&preset.robot, &poses_of(&planned), &options, &mut quiet).unwrap();
     assert_eq!(again.expected, planned.expected);
     assert_eq!(again.random, planned.random);
     assert_eq!(again.after(5), planned.after(5));
     assert!((again.order.travel_m - planned.order.travel_m).abs() < 1e-12);
     let mut poses = poses_of(&planned);
     poses[3].position += crate::geometry::Vec3::new(50.0, 0.0, 0.0);
-    let error = expect(&preset.robot, &poses, &options, &mut quiet).unwrap_err();
+    let error = evaluate(&preset.robot, &poses, &options, &mut quiet).unwrap_err();
     assert_eq!(error, PlanError::NotHeld { number: 4 });
 }

@@ -1,16 +1,16 @@
 //! Virtual robots that produce measurements, from the same prediction that the estimator uses.
 
+mod holding_tensions;
 mod inversion;
-mod loaded;
+mod quasi_static_robot;
 mod readings;
-mod standing;
 mod virtual_robot;
 mod workspace;
 
-pub(crate) use loaded::hold_after_home;
-pub use loaded::{Moment, ambient_temperature_c};
+pub(crate) use holding_tensions::holding_tensions_after_home;
+pub use holding_tensions::{Epoch, ambient_temperature_c};
+pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};
-pub use standing::{Rest, StandingRobot};
 pub use virtual_robot::{
     Simulated, SimulationError, SimulationOptions, TrueGeometry, simulate, true_robot,
 };

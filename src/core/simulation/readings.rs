@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 use super::SimulationError;
+use super::holding_tensions::Schedule;
 use super::inversion::invert_within;
-use super::loaded::Schedule;
 use crate::effect::sign;
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::inverse_kinematics;

@@ -3,8 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::holding_tensions::{Schedule, Visit, holding_tensions};
 use super::inversion::invert;
-use super::loaded::{Rows, Schedule, hold};
 use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
 use crate::effect::{BoundEffect, EffectError, EffectSetting};
@@ -224,19 +224,21 @@ fn visit_poses(
     let mut tensions = Grid::new(robot.cable_count());
     let hold = |poses: &[Pose], pose: &Pose| {
         // Of this row alone: a schedule of all for each would make the time grow as the square of the poses.
-        let moment = |row| Schedule::moment_of(truth, row);
-        let rows = Rows {
+        let epoch = |row| Schedule::epoch_of(truth, row);
+        let visit = Visit {
             // The first row tells time and temperature from which all others count.
-            first: poses.first().map(|first| (moment(0), first)),
-            moment: moment(poses.len()),
+            first: poses.first().map(|first| (epoch(0), first)),
+            epoch: epoch(poses.len()),
             pose,
         };
-        hold(truth, effects, &rows, &range)
+        holding_tensions(truth, effects, &visit, &range)
     };
     if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
         let pose = home.pose();
         inverse_kinematics(truth, &pose)?;
-        tensions.push_row(&hold(&poses, &pose)?.ok_or_else(|| infeasible("the home pose"))?);
+        tensions.push_row(
+            &holding_tensions(&poses, &pose)?.ok_or_else(|| infeasible("the home pose"))?,
+        );
         poses.push(pose);
         commanded.push(nominal.pose());
     }
@@ -257,7 +259,7 @@ fn visit_poses(
         {
             continue;
         }
-        if let Some(held) = hold(&poses, &pose)? {
+        if let Some(held) = holding_tensions(&poses, &pose)? {
             tensions.push_row(&held);
             poses.push(pose);
             commanded.push(target);

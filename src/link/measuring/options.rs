@@ -2,7 +2,7 @@
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::{PerAxis, Robot};
-use tautline_core::simulation::{Moment, StandingRobot, TensionRange, ambient_temperature_c};
+use tautline_core::simulation::{Epoch, QuasiStaticRobot, TensionRange, ambient_temperature_c};
 
 /// A single sample's standard deviations that a rate may show while the platform stands still, per settling time.
 const STILL: f64 = 6.5;
@@ -93,15 +93,15 @@ pub type Predictor = Box<dyn Fn(&Pose) -> Option<Prediction> + Send>;
 /// as they are when the run begins. Nothing is predicted for a robot without a home pose.
 #[must_use]
 pub fn predict_by(robot: &Robot, tension: TensionRange) -> Predictor {
-    let begin = Moment {
+    let begin = Epoch {
         label: 0,
         time_s: 0.0,
         temperature_c: ambient_temperature_c(0.0),
     };
-    let standing = StandingRobot::new(robot.clone(), tension, begin).ok();
+    let standing = QuasiStaticRobot::new(robot.clone(), tension, begin).ok();
     Box::new(move |pose| {
         let robot = standing.as_ref()?;
-        let at = Moment { label: 1, ..begin };
+        let at = Epoch { label: 1, ..begin };
         let readings = robot.at(at, pose, pose).ok()?.readings;
         Some(Prediction {
             revolutions: readings.revolutions.row(0).to_vec(),

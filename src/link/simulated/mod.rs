@@ -2,7 +2,7 @@
 //!
 //! The controller believes its own parameters. A commanded pose becomes motor revolutions by its inverse
 //! kinematics, with the tensions that it distributes; the true robot rests where these revolutions put it (see
-//! [`StandingRobot::at_revolutions`]). So the platform misses its target by as much as the parameters are wrong.
+//! [`QuasiStaticRobot::at_revolutions`]). So the platform misses its target by as much as the parameters are wrong.
 //! Readings follow the same prediction as [`tautline_core::simulation::simulate`]; how the noise of single
 //! samples makes that of their mean says [`SimulatedSetup::repeating_share`]. Effects that name a pose count
 //! commanded poses since home, from 1. Exchanged channels concern what is shown, not how the drives are
@@ -23,7 +23,7 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{
-    Moment, Rest, SimulationError, StandingRobot, TensionRange, ambient_temperature_c,
+    Epoch, QuasiStaticRobot, RestState, SimulationError, TensionRange, ambient_temperature_c,
 };
 
 pub use fault::Fault;
@@ -64,11 +64,11 @@ impl Shared {
 pub struct SimulatedRobot {
     setup: SimulatedSetup,
     parameters: Vec<ParameterInfo>,
-    believed: StandingRobot,
-    real: StandingRobot,
+    believed: QuasiStaticRobot,
+    real: QuasiStaticRobot,
     shared: Arc<Shared>,
     noise: Noise,
-    zeroed: Moment,
+    zeroed: Epoch,
     /// Commanded poses since home.
     visits: i64,
     /// Where the platform rested last, and where the controller believed that was.
@@ -79,8 +79,8 @@ pub struct SimulatedRobot {
     faults: Vec<Fault>,
 }
 
-fn moment(label: i64, time_s: f64) -> Moment {
-    Moment {
+fn moment(label: i64, time_s: f64) -> Epoch {
+    Epoch {
         label,
         time_s,
         temperature_c: ambient_temperature_c(time_s),
@@ -228,7 +228,7 @@ impl SimulatedRobot {
     }
 
     /// The rest to which a commanded pose leads at a moment, and whether it can be reached.
-    fn rest_for(&self, pose: &Pose, at: Moment) -> Result<Rest, SimulationError> {
+    fn rest_for(&self, pose: &Pose, at: Epoch) -> Result<RestState, SimulationError> {
         let wanted = self.believed.at(at, &self.commanded, pose)?;
         let revolutions = wanted.readings.revolutions.row(0);
         self.real
@@ -236,7 +236,7 @@ impl SimulatedRobot {
     }
 
     /// Starts the motion from here to a rest.
-    fn start(&mut self, (start_s, duration_s): (f64, f64), rest: &Rest, label: i64) {
+    fn start(&mut self, (start_s, duration_s): (f64, f64), rest: &RestState, label: i64) {
         let from = self.shared.motion().at(start_s);
         let way = rest.pose.difference(&from.pose);
         let mut places = vec![from.clone()];
@@ -299,14 +299,18 @@ impl SimulatedRobot {
 
     fn rebuild(&mut self) -> Result<(), LinkError> {
         let robot = believed_robot(&self.setup.nominal, &self.parameters)?;
-        let built = StandingRobot::new(robot, self.setup.tension, self.zeroed);
+        let built = QuasiStaticRobot::new(robot, self.setup.tension, self.zeroed);
         self.believed = built.map_err(|e| refused(&e))?;
         Ok(())
     }
 }
 
-fn standing(robot: Robot, range: TensionRange, zeroed: Moment) -> Result<StandingRobot, LinkError> {
-    StandingRobot::new(robot, range, zeroed).map_err(|e| impossible(&e))
+fn standing(
+    robot: Robot,
+    range: TensionRange,
+    zeroed: Epoch,
+) -> Result<QuasiStaticRobot, LinkError> {
+    QuasiStaticRobot::new(robot, range, zeroed).map_err(|e| impossible(&e))
 }
 
 fn believed_robot(nominal: &Robot, parameters: &[ParameterInfo]) -> Result<Robot, LinkError> {
@@ -317,12 +321,12 @@ fn believed_robot(nominal: &Robot, parameters: &[ParameterInfo]) -> Result<Robot
     Ok(robot)
 }
 
-fn home_of(robot: &StandingRobot) -> Pose {
+fn home_of(robot: &QuasiStaticRobot) -> Pose {
     let home = robot.truth().home;
     home.map_or_else(Pose::identity, |home| home.pose())
 }
 
-fn place_of(robot: &StandingRobot, rest: &Rest) -> Place {
+fn place_of(robot: &QuasiStaticRobot, rest: &RestState) -> Place {
     Place {
         pose: rest.pose,
         row: row_of(&robot.as_read(rest), robot.truth().cable_count()),

@@ -473,8 +473,8 @@ impl<T: Packet> Kernel for Evaluate<'_, '_, T> {
     type Output = ();
     #[inline(always)]
     fn call(self) {
-        let attitude = self.evaluator.pose_packet(self.batch);
-        self.evaluator.evaluate(self.batch, &attitude);
+        let pose = self.evaluator.pose_packet(self.batch);
+        self.evaluator.evaluate(self.batch, &pose);
     }
 }
 

@@ -2,7 +2,9 @@
 
 use egui::{Color32, Rect, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
 use tautline_core::geometry::Pose;
-use tautline_core::kinematics::{BudgetError, CableBudget, cable_budget, inverse_kinematics};
+use tautline_core::kinematics::{
+    LengthBreakdown, LengthBreakdownError, inverse_kinematics, length_breakdown,
+};
 use tautline_core::robot::Robot;
 
 use super::pose;
@@ -74,8 +76,8 @@ fn shares(
     robot: &Robot,
     pose: &Pose,
     tensions_n: Option<&[f64]>,
-) -> Result<Vec<Share>, BudgetError> {
-    let unloaded = |reason: &str| -> Result<Vec<Share>, BudgetError> {
+) -> Result<Vec<Share>, LengthBreakdownError> {
+    let unloaded = |reason: &str| -> Result<Vec<Share>, LengthBreakdownError> {
         let states = inverse_kinematics(robot, pose)?.into_iter();
         let share = states.map(|state| Share {
             free_m: state.free_length_m,
@@ -87,8 +89,8 @@ fn shares(
     let Some(tensions_n) = tensions_n else {
         return unloaded("no tension was measured here");
     };
-    match cable_budget(robot, pose, tensions_n, None) {
-        Err(slack @ BudgetError::Slack { .. }) => unloaded(&slack.to_string()),
+    match length_breakdown(robot, pose, tensions_n, None) {
+        Err(slack @ LengthBreakdownError::Slack { .. }) => unloaded(&slack.to_string()),
         Err(error) => Err(error),
         Ok(budgets) => {
             let loaded = budgets.iter().zip(tensions_n);
@@ -99,7 +101,7 @@ fn shares(
     }
 }
 
-fn share(cable: &CableBudget, tension_n: f64) -> Share {
+fn share(cable: &LengthBreakdown, tension_n: f64) -> Share {
     let load = UnderLoad {
         tension_n,
         elastic_m: cable.elastic_m,

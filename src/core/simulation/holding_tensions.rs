@@ -1,4 +1,4 @@
-//! The robot as effects make it at one pose: what holds the platform there.
+//! Tensions that hold the platform at a pose, of a robot with effects.
 
 use super::workspace::TensionRange;
 use crate::effect::{BoundEffect, Circumstances, Dual, PlatformPorts};
@@ -7,9 +7,10 @@ use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
-/// Most steps for tensions and a geometry that depends on them, and the change that ends them (N).
-const LOAD_STEPS: usize = 30;
-const SETTLED_N: f64 = 1e-11;
+/// Limit on the fixed-point steps between tensions and the geometry that depends on them.
+const MAX_STEPS: usize = 30;
+/// Largest change of a tension at which they count as converged (N).
+const TENSION_TOLERANCE_N: f64 = 1e-11;
 
 /// Pauses between poses (s).
 const SECONDS_PER_POSE: f64 = 30.0;
@@ -43,9 +44,9 @@ impl Schedule {
     }
 
     /// Of a row of [`Self::of`], however long that is.
-    pub fn moment_of(robot: &Robot, row: usize) -> Moment {
+    pub fn epoch_of(robot: &Robot, row: usize) -> Epoch {
         let time_s = SECONDS_PER_POSE * row as f64;
-        Moment {
+        Epoch {
             label: i64::from(robot.home.is_none()) + row as i64,
             time_s,
             temperature_c: ambient_temperature_c(time_s),
@@ -59,9 +60,9 @@ pub fn ambient_temperature_c(time_s: f64) -> f64 {
     20.0 + 2.0 * (time_s / 3600.0).sin()
 }
 
-/// When a pose is visited, and what it is called.
+/// Label and circumstances of one pose of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct Epoch {
     /// Label of the pose in the measurements.
     pub label: i64,
     /// Time (s).
@@ -70,30 +71,30 @@ pub struct Moment {
     pub temperature_c: f64,
 }
 
-/// The row that is asked for, and the first one where that is another.
-pub(super) struct Rows<'a> {
-    pub first: Option<(Moment, &'a Pose)>,
-    pub moment: Moment,
+/// One pose of a run. Effects count time and temperature from the first pose.
+pub(super) struct Visit<'a> {
+    /// The first pose, unless this is it.
+    pub first: Option<(Epoch, &'a Pose)>,
+    pub epoch: Epoch,
     pub pose: &'a Pose,
 }
 
-/// The robot with what effects change of its geometry and weight at the last of the `rows` under `tensions`
-/// (N).
-fn loaded_robot(
+/// The robot with what effects change of its geometry and weight at a visit under `tensions` (N).
+fn robot_under_effects(
     truth: &Robot,
     effects: &[BoundEffect],
-    rows: &Rows<'_>,
+    visit: &Visit<'_>,
     tensions: &[f64],
 ) -> Robot {
-    let first = rows.first.into_iter();
-    let (moments, poses): (Vec<Moment>, Vec<Pose>) = first
-        .chain([(rows.moment, rows.pose)])
-        .map(|(moment, pose)| (moment, *pose))
+    let first = visit.first.into_iter();
+    let (epochs, poses): (Vec<Epoch>, Vec<Pose>) = first
+        .chain([(visit.epoch, visit.pose)])
+        .map(|(epoch, pose)| (epoch, *pose))
         .unzip();
     let data = Measurements {
-        labels: moments.iter().map(|at| at.label).collect(),
-        time_s: moments.iter().map(|at| at.time_s).collect(),
-        temperature_c: moments.iter().map(|at| at.temperature_c).collect(),
+        labels: epochs.iter().map(|at| at.label).collect(),
+        time_s: epochs.iter().map(|at| at.time_s).collect(),
+        temperature_c: epochs.iter().map(|at| at.temperature_c).collect(),
         ..Measurements::default()
     };
     let home = truth.home.map(|_| 0);
@@ -118,42 +119,42 @@ fn loaded_robot(
     robot
 }
 
-/// Tensions that hold the platform at the last of the `rows`, as the effects make it and its cables; zero
-/// where tension is not modelled, `None` where no tensions within the range do.
-pub(super) fn hold(
+/// Tensions (N) that hold the platform at a visit under the effects; zero where tension is not modelled, `None` where
+/// no tensions within the range do.
+pub(super) fn holding_tensions(
     truth: &Robot,
     effects: &[BoundEffect],
-    rows: &Rows<'_>,
+    visit: &Visit<'_>,
     range: &TensionRange,
 ) -> Result<Option<Vec<f64>>, KinematicsError> {
     if truth.platform.mass_kg.is_none() || !truth.has_force_sensors() {
         return Ok(Some(vec![0.0; truth.cable_count()]));
     }
-    let pose = rows.pose;
+    let pose = visit.pose;
     let mut tensions = range.tensions(truth, pose)?;
     if effects.is_empty() {
         return Ok(tensions);
     }
     // A frame that yields makes the geometry depend on the tensions.
-    for _ in 0..LOAD_STEPS {
+    for _ in 0..MAX_STEPS {
         let Some(before) = tensions.take() else {
             break;
         };
-        let robot = loaded_robot(truth, effects, rows, &before);
+        let robot = robot_under_effects(truth, effects, visit, &before);
         tensions = range.tensions(&robot, pose)?;
-        let settled = tensions.as_ref().is_some_and(|now| {
+        let converged = tensions.as_ref().is_some_and(|now| {
             let steps = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
-            steps.fold(0.0, f64::max) < SETTLED_N
+            steps.fold(0.0, f64::max) < TENSION_TOLERANCE_N
         });
-        if settled {
+        if converged {
             break;
         }
     }
     Ok(tensions)
 }
 
-/// Tensions that hold the platform at a pose visited right after home, if the robot has one; as [`hold`].
-pub(crate) fn hold_after_home(
+/// Tensions that hold the platform at a pose visited right after home, if the robot has one; as [`holding_tensions`].
+pub(crate) fn holding_tensions_after_home(
     robot: &Robot,
     effects: &[BoundEffect],
     pose: &Pose,
@@ -161,13 +162,13 @@ pub(crate) fn hold_after_home(
 ) -> Result<Option<Vec<f64>>, KinematicsError> {
     let home = robot.home.map(|home| home.pose());
     let visited = usize::from(home.is_some());
-    let moment = |row| Schedule::moment_of(robot, row);
-    let rows = Rows {
-        first: home.as_ref().map(|home| (moment(0), home)),
-        moment: moment(visited),
+    let epoch = |row| Schedule::epoch_of(robot, row);
+    let visit = Visit {
+        first: home.as_ref().map(|home| (epoch(0), home)),
+        epoch: epoch(visited),
         pose,
     };
-    hold(robot, effects, &rows, range)
+    holding_tensions(robot, effects, &visit, range)
 }
 
 #[cfg(test)]
@@ -176,17 +177,17 @@ mod tests {
     use crate::robot::presets;
 
     #[test]
-    fn the_moment_of_a_row_is_that_of_the_schedule() {
+    fn the_epoch_of_a_row_is_that_of_the_schedule() {
         let mut robot = presets::find("mini").unwrap().robot;
         for _ in 0..2 {
             let schedule = Schedule::of(&robot, 400);
             for row in [0, 1, 7, 400] {
-                let expected = Moment {
+                let expected = Epoch {
                     label: schedule.labels[row],
                     time_s: schedule.time_s[row],
                     temperature_c: schedule.temperature_c[row],
                 };
-                assert_eq!(Schedule::moment_of(&robot, row), expected);
+                assert_eq!(Schedule::epoch_of(&robot, row), expected);
             }
             robot.home = None;
         }

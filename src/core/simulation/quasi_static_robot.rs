@@ -1,9 +1,9 @@
-//! A virtual robot that stands: where its platform rests at given motor revolutions, and what is read there.
+//! A virtual robot in static equilibrium: where its platform rests at given motor revolutions, and what is read there.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::holding_tensions::{Epoch, Schedule, Visit, holding_tensions};
 use super::inversion::invert;
-use super::loaded::{Moment, Rows, Schedule, hold};
 use super::readings::{blank, true_directions};
 use super::virtual_robot::{SimulationError, bind};
 use super::workspace::TensionRange;
@@ -14,24 +14,25 @@ use crate::kinematics::length_gradients;
 use crate::measurement::{Dataset, Grid, Measurements};
 use crate::robot::Robot;
 
-/// Most Gauss-Newton steps to the place where the platform rests, and the step that ends them (m, rad).
-const REST_STEPS: usize = 40;
-const RESTED: f64 = 1e-10;
+/// Limit on the Gauss-Newton steps to the pose at rest.
+const MAX_STEPS: usize = 40;
+/// Largest component of the step at which the platform counts as at rest (m, rad).
+const STEP_TOLERANCE: f64 = 1e-10;
 
 /// A robot with effects, tensioned by a distribution within a range, whose encoders were zeroed at home.
 #[derive(Debug, Clone)]
-pub struct StandingRobot {
+pub struct QuasiStaticRobot {
     truth: Robot,
     effects: Vec<BoundEffect>,
     range: TensionRange,
     home: Pose,
-    zeroed: Moment,
+    zeroed_at: Epoch,
     home_tensions_n: Vec<f64>,
 }
 
 /// The platform at rest.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rest {
+pub struct RestState {
     /// Where it is.
     pub pose: Pose,
     /// Tensions (N).
@@ -40,17 +41,21 @@ pub struct Rest {
     pub readings: Measurements,
 }
 
-impl StandingRobot {
-    /// A robot whose encoders were zeroed at its home pose at a moment.
+impl QuasiStaticRobot {
+    /// A robot whose encoders were zeroed at its home pose at the given epoch.
     ///
     /// # Errors
     /// If it has no home pose or cannot be held there, or an effect is unknown.
-    pub fn new(truth: Robot, range: TensionRange, zeroed: Moment) -> Result<Self, SimulationError> {
+    pub fn new(
+        truth: Robot,
+        range: TensionRange,
+        zeroed_at: Epoch,
+    ) -> Result<Self, SimulationError> {
         let home = truth.home.ok_or(EstimationError::NoHome)?.pose();
         let effects = bind(&truth)?;
-        let rows = Rows {
+        let visit = Visit {
             first: None,
-            moment: zeroed,
+            epoch: zeroed_at,
             pose: &home,
         };
         let infeasible = SimulationError::Infeasible {
@@ -58,13 +63,14 @@ impl StandingRobot {
             upper_n: range.upper_n,
             place: "the home pose",
         };
-        let home_tensions_n = hold(&truth, &effects, &rows, &range)?.ok_or(infeasible)?;
+        let home_tensions_n =
+            holding_tensions(&truth, &effects, &visit, &range)?.ok_or(infeasible)?;
         Ok(Self {
             truth,
             effects,
             range,
             home,
-            zeroed,
+            zeroed_at,
             home_tensions_n,
         })
     }
@@ -79,10 +85,10 @@ impl StandingRobot {
     ///
     /// # Errors
     /// If the kinematics has no answer there.
-    pub fn at_home(&self) -> Result<Rest, SimulationError> {
-        let mut exact = self.exact(&[(self.zeroed, self.home, &self.home_tensions_n)]);
+    pub fn at_home(&self) -> Result<RestState, SimulationError> {
+        let mut exact = self.exact(&[(self.zeroed_at, self.home, &self.home_tensions_n)]);
         self.invert(&mut exact, None)?;
-        Ok(Rest {
+        Ok(RestState {
             pose: self.home,
             tensions_n: self.home_tensions_n.clone(),
             readings: exact.measurements,
@@ -93,25 +99,25 @@ impl StandingRobot {
     ///
     /// # Errors
     /// If the kinematics has no answer or no tensions within the range hold the platform there.
-    pub fn at(&self, at: Moment, before: &Pose, pose: &Pose) -> Result<Rest, SimulationError> {
-        let rows = Rows {
-            first: Some((self.zeroed, &self.home)),
-            moment: at,
+    pub fn at(&self, at: Epoch, before: &Pose, pose: &Pose) -> Result<RestState, SimulationError> {
+        let visit = Visit {
+            first: Some((self.zeroed_at, &self.home)),
+            epoch: at,
             pose,
         };
-        let held = hold(&self.truth, &self.effects, &rows, &self.range)?;
+        let held = holding_tensions(&self.truth, &self.effects, &visit, &self.range)?;
         let tensions_n = held.ok_or(SimulationError::Infeasible {
             lower_n: self.range.lower_n,
             upper_n: self.range.upper_n,
             place: "the commanded pose",
         })?;
         let visits = [
-            (self.zeroed, self.home, &self.home_tensions_n),
+            (self.zeroed_at, self.home, &self.home_tensions_n),
             (at, *pose, &tensions_n),
         ];
         let mut exact = self.exact(&visits);
         self.invert(&mut exact, Some(before))?;
-        Ok(Rest {
+        Ok(RestState {
             pose: *pose,
             readings: exact.measurements.select(&[1]),
             tensions_n,
@@ -129,15 +135,15 @@ impl StandingRobot {
     /// As [`Self::at`], and if there is no such place.
     pub fn at_revolutions(
         &self,
-        at: Moment,
+        at: Epoch,
         before: &Pose,
         (revolutions, start): (&[f64], &Pose),
-    ) -> Result<Rest, SimulationError> {
+    ) -> Result<RestState, SimulationError> {
         let mut pose = *start;
-        for _ in 0..REST_STEPS {
+        for _ in 0..MAX_STEPS {
             let rest = self.at(at, before, &pose)?;
             let step = self.step(&rest, revolutions)?;
-            if step.amax() < RESTED {
+            if step.amax() < STEP_TOLERANCE {
                 return Ok(rest);
             }
             pose = pose.perturbed(&step);
@@ -146,7 +152,7 @@ impl StandingRobot {
     }
 
     /// Gauss-Newton step of the platform that makes the length errors least.
-    fn step(&self, rest: &Rest, revolutions: &[f64]) -> Result<Twist, SimulationError> {
+    fn step(&self, rest: &RestState, revolutions: &[f64]) -> Result<Twist, SimulationError> {
         let gradients = length_gradients(&self.truth, &rest.pose)?;
         let freedom = self.truth.platform.freedom();
         let jacobian = DMatrix::from_fn(gradients.len(), freedom.count(), |i, k| {
@@ -167,7 +173,7 @@ impl StandingRobot {
 
     /// What is read, with the channels exchanged that effects exchange.
     #[must_use]
-    pub fn as_read(&self, rest: &Rest) -> Measurements {
+    pub fn as_read(&self, rest: &RestState) -> Measurements {
         let mut data = rest.readings.clone();
         for effect in &self.effects {
             effect.exchange_channels(&mut data);
@@ -175,7 +181,7 @@ impl StandingRobot {
         data
     }
 
-    fn exact(&self, visits: &[(Moment, Pose, &Vec<f64>)]) -> Dataset {
+    fn exact(&self, visits: &[(Epoch, Pose, &Vec<f64>)]) -> Dataset {
         let mut tensions = Grid::new(self.truth.cable_count());
         for (_, _, row) in visits {
             tensions.push_row(row);
@@ -211,9 +217,9 @@ mod tests {
     use crate::robot::presets;
     use crate::simulation::{SimulationOptions, ambient_temperature_c, simulate};
 
-    fn moment(row: usize) -> Moment {
+    fn epoch(row: usize) -> Epoch {
         let time_s = 30.0 * row as f64;
-        Moment {
+        Epoch {
             label: row as i64,
             time_s,
             temperature_c: ambient_temperature_c(time_s),
@@ -243,10 +249,10 @@ mod tests {
             }];
             let run = simulate(&preset.robot, &options).unwrap();
             let data = &run.dataset.measurements;
-            let robot = StandingRobot::new(run.truth, preset.tension, moment(0)).unwrap();
+            let robot = QuasiStaticRobot::new(run.truth, preset.tension, epoch(0)).unwrap();
             let poses = &data.truth.poses;
             for row in 1..poses.len() {
-                let rest = robot.at(moment(row), &poses[row - 1], &poses[row]).unwrap();
+                let rest = robot.at(epoch(row), &poses[row - 1], &poses[row]).unwrap();
                 for cable in 0..preset.robot.cable_count() {
                     let read = rest.readings.revolutions.get(0, cable);
                     let expected = data.revolutions.get(row, cable);
@@ -260,13 +266,13 @@ mod tests {
     #[test]
     fn rests_where_it_would_read_the_commanded_revolutions() {
         let preset = presets::find("mini").unwrap();
-        let robot = StandingRobot::new(preset.robot.clone(), preset.tension, moment(0)).unwrap();
+        let robot = QuasiStaticRobot::new(preset.robot.clone(), preset.tension, epoch(0)).unwrap();
         let home = preset.robot.home.unwrap().pose();
         let target = home.perturbed(&Twist::new(0.1, -0.05, 0.08, 0.1, 0.0, -0.2));
-        let there = robot.at(moment(1), &home, &target).unwrap();
+        let there = robot.at(epoch(1), &home, &target).unwrap();
         let revolutions = there.readings.revolutions.row(0);
         let rest = robot
-            .at_revolutions(moment(1), &home, (revolutions, &home))
+            .at_revolutions(epoch(1), &home, (revolutions, &home))
             .unwrap();
         assert!(rest.pose.difference(&target).amax() < 1e-9);
     }

@@ -1,6 +1,5 @@
-//! The robot as it is known when the plan is made, and what readings at further poses would tell about it.
+//! The robot as it is known when the plan is made, and the information that further poses would add.
 
-use super::candidates::Candidate;
 use super::{PlanError, PlanOptions};
 use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{
@@ -10,11 +9,12 @@ use crate::geometry::Pose;
 use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{
-    PlannedRow, SimulationError, TensionRange, Workspace, hold_after_home, planned_readings,
+    PlannedRow, SimulationError, TensionRange, Workspace, holding_tensions_after_home,
+    planned_readings,
 };
 
-/// What is known before the poses of a plan are measured.
-pub(super) struct Outlook<'a> {
+/// What is known before the poses of a plan are measured, and how further poses would be measured.
+pub(super) struct InformationModel<'a> {
     /// The robot, as the poses measured already have it; with the effects of its model alone.
     pub robot: Robot,
     /// Where the platform may go.
@@ -28,13 +28,13 @@ pub(super) struct Outlook<'a> {
     known: Option<(Measurements, Solution)>,
 }
 
-impl<'a> Outlook<'a> {
+impl<'a> InformationModel<'a> {
     pub fn new(
         robot: &Robot,
         options: &'a PlanOptions<'a>,
         tension: TensionRange,
     ) -> Result<Self, PlanError> {
-        let mut outlook = Self {
+        let mut model = Self {
             robot: robot.clone(),
             workspace: options.workspace.unwrap_or_else(|| Workspace::of(robot)),
             tension,
@@ -44,18 +44,18 @@ impl<'a> Outlook<'a> {
             options,
         };
         if let Some(existing) = options.existing {
-            outlook.learn(existing)?;
+            model.include_existing(existing)?;
         }
-        let held: Result<Vec<_>, _> = (outlook.robot.effects.iter())
+        let held: Result<Vec<_>, _> = (model.robot.effects.iter())
             .map(|setting| BoundEffect::from_setting(setting, robot))
             .collect();
-        outlook.acting = held.map_err(EstimationError::Effect)?;
-        outlook.acting.extend(outlook.free.iter().cloned());
-        Ok(outlook)
+        model.acting = held.map_err(EstimationError::Effect)?;
+        model.acting.extend(model.free.iter().cloned());
+        Ok(model)
     }
 
-    /// Takes over what the poses measured already tell.
-    fn learn(&mut self, existing: &Measurements) -> Result<(), PlanError> {
+    /// Identifies the robot from the poses measured already.
+    fn include_existing(&mut self, existing: &Measurements) -> Result<(), PlanError> {
         let modelled = measurements_as_modelled(&self.robot, existing);
         let dataset = Dataset {
             measurements: modelled.map_err(EstimationError::Effect)?.into_owned(),
@@ -96,21 +96,21 @@ impl<'a> Outlook<'a> {
     }
 
     /// Labels of candidates: when each would be measured is not known yet, so they take turns.
-    pub fn scattered(&self, count: usize) -> impl Iterator<Item = i64> + use<> {
+    pub fn candidate_labels(&self, count: usize) -> impl Iterator<Item = i64> + use<> {
         self.labels().cycle().take(count)
     }
 
     /// Tensions that hold the platform, if there are any and the cables have paths.
     pub fn tensions(&self, pose: &Pose) -> Option<Vec<f64>> {
-        hold_after_home(&self.robot, &self.acting, pose, &self.tension)
+        holding_tensions_after_home(&self.robot, &self.acting, pose, &self.tension)
             .ok()
             .flatten()
     }
 
-    /// What each of these poses tells, and all that is known without them.
-    pub fn information<'c>(
+    /// Information of each of these poses, and of everything that is known without them.
+    pub fn information(
         &self,
-        visits: impl Iterator<Item = (i64, &'c Candidate)>,
+        planned: impl Iterator<Item = PlannedRow>,
     ) -> Result<ExpectedInformation, PlanError> {
         let mut rows = Vec::new();
         if let Some(home) = &self.robot.home {
@@ -126,11 +126,7 @@ impl<'a> Outlook<'a> {
             });
         }
         let first = rows.len();
-        rows.extend(visits.map(|(label, candidate)| PlannedRow {
-            label,
-            pose: candidate.pose,
-            tensions_n: candidate.tensions_n.clone(),
-        }));
+        rows.extend(planned);
         let mut truth = self.robot.clone();
         truth.effects = (self.acting.iter())
             .map(|bound| bound.setting(&self.robot))

@@ -1,4 +1,4 @@
-//! What errors of the parameters do to the platform once a controller uses them.
+//! Position error of the platform once a controller uses parameters with errors.
 //!
 //! A controller whose encoders count from home commands `l(x; p) - l(x_home; p)`. With parameters that are `dp` off,
 //! and lengths that are reached, the platform misses its target by `dx = J^+ (dl/dp (x) - dl/dp (x_home)) dp`,
@@ -20,11 +20,11 @@ use crate::simulation::Workspace;
 const TARGETS: usize = 100;
 /// Their seed: the same for every plan, so that plans can be compared.
 const SEED: u64 = 1;
-/// Directions that the cables hold less than this, per the best held, are left out.
-const HELD: f64 = 1e-9;
+/// Singular values below this part of the largest belong to directions that the cables do not hold; they are left out.
+const CUTOFF: f64 = 1e-9;
 
 /// The weights `M`; `None` for a robot without home pose or where no target has cable paths.
-pub(super) fn error_weights(
+pub(super) fn weights(
     robot: &Robot,
     workspace: &Workspace,
     parameters: &[Parameter],
@@ -36,7 +36,11 @@ pub(super) fn error_weights(
         ..workspace.draw(robot, &mut rng)
     });
     let errors: Vec<DMatrix<f64>> = targets
-        .filter_map(|target| miss(robot, &home, &target, parameters).ok().flatten())
+        .filter_map(|target| {
+            position_error_jacobian(robot, &home, &target, parameters)
+                .ok()
+                .flatten()
+        })
         .collect();
     let mut sum = DMatrix::zeros(parameters.len(), parameters.len());
     for error in &errors {
@@ -46,7 +50,7 @@ pub(super) fn error_weights(
 }
 
 /// Derivative of the position reached at a target by the parameters, 3 rows.
-fn miss(
+fn position_error_jacobian(
     robot: &Robot,
     home: &[LengthGradient],
     target: &Pose,
@@ -68,7 +72,7 @@ fn miss(
         }
     });
     let svd = by_pose.svd(true, true);
-    let cutoff = HELD * svd.singular_values.max();
+    let cutoff = CUTOFF * svd.singular_values.max();
     let Ok(reached) = svd.solve(&by_parameter, cutoff) else {
         return Ok(None);
     };
@@ -90,7 +94,7 @@ mod tests {
     use super::*;
     use crate::geometry::Coordinate;
     use crate::robot::presets;
-    use crate::simulation::{Moment, StandingRobot};
+    use crate::simulation::{Epoch, QuasiStaticRobot};
 
     /// The platform is sent to a target by a controller with wrong parameters, and rests where the cables put it.
     #[test]
@@ -102,7 +106,7 @@ mod tests {
             cable.cable.axial_stiffness_n = Some(1e12);
         }
         let robot = &robot;
-        let moment = |label| Moment {
+        let epoch = |label| Epoch {
             label,
             time_s: 0.0,
             temperature_c: 20.0,
@@ -125,12 +129,14 @@ mod tests {
                 unit: "m",
                 prior_sd: None,
             };
-            let expected = miss(robot, &home, &target, &[parameter]).unwrap().unwrap();
-            let real = StandingRobot::new(robot.clone(), preset.tension, moment(0)).unwrap();
-            let believed = StandingRobot::new(believed, preset.tension, moment(0)).unwrap();
-            let wanted = believed.at(moment(1), &target, &target).unwrap();
+            let expected = position_error_jacobian(robot, &home, &target, &[parameter])
+                .unwrap()
+                .unwrap();
+            let real = QuasiStaticRobot::new(robot.clone(), preset.tension, epoch(0)).unwrap();
+            let believed = QuasiStaticRobot::new(believed, preset.tension, epoch(0)).unwrap();
+            let wanted = believed.at(epoch(1), &target, &target).unwrap();
             let revolutions = wanted.readings.revolutions.row(0);
-            let rest = real.at_revolutions(moment(1), &target, (revolutions, &target));
+            let rest = real.at_revolutions(epoch(1), &target, (revolutions, &target));
             let moved = (rest.unwrap().pose.position - target.position) / off;
             let moved = DVector::from_column_slice(moved.as_slice());
             let difference = (&moved - expected.column(0)).norm();
