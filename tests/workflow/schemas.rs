@@ -66,6 +66,23 @@ fn null_is_as_good_as_absent() {
 }
 
 #[test]
+fn one_coordinate_of_three_may_be_unknown() {
+    let mut robot = minimal();
+    let sd = json!([null, 0.0, 0.01]);
+    robot["cables"][0]["pulley"]["entry_point_sd_m"] = sd.clone();
+    assert!(validator("tautline-robot").is_valid(&robot));
+    let loaded = parse_robot(robot.to_string().as_bytes(), "robot.json").expect("a robot");
+    let read = loaded.value.cables[0].pulley.entry_point_sd_m.each();
+    assert_eq!(read, [None, Some(0.0), Some(0.01)]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("robot.json");
+    write_robot(&path, &loaded.value).expect("written");
+    let written = parsed(&std::fs::read_to_string(&path).expect("a file"));
+    assert_eq!(written["cables"][0]["pulley"]["entry_point_sd_m"], sd);
+    assert!(validator("tautline-robot").is_valid(&written));
+}
+
+#[test]
 fn unknown_keys_are_noticed() {
     let mut robot = minimal();
     robot["colour"] = json!("red");

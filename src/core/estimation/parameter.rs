@@ -65,13 +65,13 @@ pub(super) fn parameters_of(problem: &Problem<'_>) -> Vec<Parameter> {
 
 fn push_entry_points(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     for (cable, description) in problem.dataset.robot.cables.iter().enumerate() {
-        let sd = description.pulley.entry_point_sd_m.map(|sd| sd.each());
+        let sd = description.pulley.entry_point_sd_m.each();
         for (axis, label) in AXES.iter().enumerate() {
             parameters.push(Parameter {
                 id: ParameterId::EntryPoint { cable, axis },
                 name: format!("{} entry point {label}", description.name),
                 unit: "m",
-                prior_sd: sd.map(|sd| sd[axis]),
+                prior_sd: sd[axis],
             });
         }
     }

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::geometry::{Coordinate, Pose, Twist, Vec3};
-use crate::robot::{Cable, CableMaterial, Platform, Pulley, Robot, Winch};
+use crate::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
 
 /// Kind of platform.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +36,7 @@ pub(crate) fn cable(name: &str, entry: Vec3, axis: Vec3, radius_m: f64, anchor: 
         name: name.into(),
         pulley: Pulley {
             entry_point_m: entry.into(),
-            entry_point_sd_m: None,
+            entry_point_sd_m: PerAxis::default(),
             swivel_axis: axis.into(),
             swivel_zero: None,
             swivel_sd_rad: None,

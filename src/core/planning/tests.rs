@@ -278,7 +278,7 @@ fn what_cannot_be_planned_is_said() {
     assert_eq!((found, refused.laser + refused.frame), (0, refused.tried));
     let mut known = preset.robot.clone();
     for cable in &mut known.cables {
-        cable.pulley.entry_point_sd_m = Some(crate::robot::PerAxis::Same(0.0));
+        cable.pulley.entry_point_sd_m = crate::robot::PerAxis::known(0.0);
         cable.force_sensor = None;
     }
     if let (Some(home), Some(laser)) = (&mut known.home, &mut known.laser) {

@@ -7,24 +7,40 @@ use crate::cable::ElongationSurface;
 use crate::effect::EffectSetting;
 use crate::geometry::{Coordinate, Freedom, Pose, Vec3};
 
-/// One standard deviation for all three axes, or one for each.
+/// One standard deviation for all three axes, or one for each. `PerAxis<Option<f64>>`: unknown where it is `None`,
+/// which files write as `null`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a number or three numbers")]
-pub enum PerAxis {
+pub enum PerAxis<T = f64> {
     /// The same on all axes.
-    Same(f64),
+    Same(T),
     /// One per axis x, y, z.
-    Each([f64; 3]),
+    Each([T; 3]),
 }
 
-impl PerAxis {
+impl<T: Copy> PerAxis<T> {
     /// The three values.
     #[must_use]
-    pub fn each(self) -> [f64; 3] {
+    pub fn each(self) -> [T; 3] {
         match self {
             Self::Same(value) => [value; 3],
             Self::Each(values) => values,
         }
+    }
+}
+
+impl PerAxis<Option<f64>> {
+    /// The same standard deviation on all axes.
+    #[must_use]
+    pub fn known(sd: f64) -> Self {
+        Self::Same(Some(sd))
+    }
+}
+
+impl Default for PerAxis<Option<f64>> {
+    /// Unknown on all axes.
+    fn default() -> Self {
+        Self::Same(None)
     }
 }
 
@@ -189,10 +205,10 @@ pub struct Cable {
 pub struct Pulley {
     /// Where the cable reaches the pulley, on the swivel axis, in the base frame (m).
     pub entry_point_m: [f64; 3],
-    /// Standard deviation of the entry point (m): one or three numbers; 0: known exactly, absent
-    /// or null: unknown.
+    /// Standard deviation of the entry point (m): one or three numbers; 0: known exactly, absent or null: unknown,
+    /// also one coordinate of three.
     #[serde(default)]
-    pub entry_point_sd_m: Option<PerAxis>,
+    pub entry_point_sd_m: PerAxis<Option<f64>>,
     /// Direction in which the cable travels when it reaches the pulley (unit vector, base frame).
     pub swivel_axis: [f64; 3],
     /// Direction of swivel angle zero (base frame), needed only for swivel readings.

@@ -72,7 +72,7 @@ const MINI_MEASURED_MM: [[f64; 3]; 8] = [
 /// What the cables of a preset have in common.
 struct CableKind {
     radius_m: f64,
-    entry_point_sd_m: PerAxis,
+    entry_point_sd_m: PerAxis<Option<f64>>,
     winch: Winch,
     material: CableMaterial,
     tension_sd_n: f64,
@@ -84,7 +84,7 @@ impl CableKind {
             name: format!("cable-{}", index + 1),
             pulley: Pulley {
                 entry_point_m: entry,
-                entry_point_sd_m: Some(self.entry_point_sd_m),
+                entry_point_sd_m: self.entry_point_sd_m,
                 swivel_axis: axis,
                 swivel_zero: None,
                 swivel_sd_rad: None,
@@ -160,7 +160,7 @@ fn around(position_m: [f64; 3], half_extent_m: [f64; 3], half_rotation_rad: f64)
 fn mini() -> Preset {
     let kind = CableKind {
         radius_m: 0.018,
-        entry_point_sd_m: PerAxis::Same(8e-3),
+        entry_point_sd_m: PerAxis::known(8e-3),
         winch: Winch {
             drum_diameter_m: 0.04,
             drum_pitch_m: 0.002,
@@ -215,7 +215,7 @@ fn mini() -> Preset {
 fn hall() -> Preset {
     let kind = CableKind {
         radius_m: 0.06,
-        entry_point_sd_m: PerAxis::Same(0.015),
+        entry_point_sd_m: PerAxis::known(0.015),
         winch: Winch {
             drum_diameter_m: 0.2,
             drum_pitch_m: 0.008,
@@ -263,7 +263,7 @@ fn hall() -> Preset {
 fn suspended() -> Preset {
     let kind = CableKind {
         radius_m: 0.08,
-        entry_point_sd_m: PerAxis::Same(0.02),
+        entry_point_sd_m: PerAxis::known(0.02),
         winch: Winch {
             drum_diameter_m: 0.25,
             drum_pitch_m: 0.009,
@@ -314,7 +314,7 @@ fn planar() -> Preset {
     let kind = CableKind {
         radius_m: 0.025,
         // Across the plane the pulleys are known: nothing that is measured depends on it.
-        entry_point_sd_m: PerAxis::Each([4e-3, 4e-3, 0.0]),
+        entry_point_sd_m: PerAxis::Each([4e-3, 4e-3, 0.0].map(Some)),
         winch: Winch {
             drum_diameter_m: 0.06,
             drum_pitch_m: 0.003,

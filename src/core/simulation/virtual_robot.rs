@@ -162,11 +162,9 @@ fn draw_truth(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) 
     let mut truth = robot.clone();
     truth.effects.extend(options.effects.iter().cloned());
     for (index, cable) in truth.cables.iter_mut().enumerate() {
-        let sd = cable
-            .pulley
-            .entry_point_sd_m
-            .map_or([0.0; 3], |sd| sd.each());
-        let offset = sd.map(|sd| normal(rng, sd));
+        // An unknown coordinate has no distribution to draw from.
+        let sd = cable.pulley.entry_point_sd_m.each();
+        let offset = sd.map(|sd| normal(rng, sd.unwrap_or(0.0)));
         match &options.geometry {
             TrueGeometry::Drawn => {
                 for k in 0..3 {
@@ -275,11 +273,9 @@ fn visit_poses(
 }
 
 fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
-    let sds = robot
-        .cables
-        .iter()
-        .filter_map(|c| c.pulley.entry_point_sd_m);
-    let sd = sds.flat_map(|sd| sd.each()).fold(0.0, f64::max);
+    let cables = robot.cables.iter();
+    let sds = cables.flat_map(|c| c.pulley.entry_point_sd_m.each());
+    let sd = sds.flatten().fold(0.0, f64::max);
     let arms = robot
         .cables
         .iter()

@@ -1,7 +1,7 @@
 //! How a run measures.
 
 use tautline_core::geometry::Pose;
-use tautline_core::robot::{PerAxis, Robot};
+use tautline_core::robot::Robot;
 use tautline_core::simulation::{Epoch, QuasiStaticRobot, TensionRange, ambient_temperature_c};
 
 /// A single sample's standard deviations that a rate may show while the platform stands still, per settling time.
@@ -53,8 +53,8 @@ impl MeasuringOptions {
         let length_sd_m = largest(cables.clone().map(|c| c.winch.length_sd_m));
         let sensors = cables.clone().filter_map(|c| c.force_sensor);
         let tension_sd_n = largest(sensors.map(|s| s.tension_sd_n));
-        let entry_sds = cables.filter_map(|c| c.pulley.entry_point_sd_m);
-        let entry_sd_m = largest(entry_sds.flat_map(PerAxis::each));
+        let entry_sds = cables.flat_map(|c| c.pulley.entry_point_sd_m.each());
+        let entry_sd_m = largest(entry_sds.flatten());
         let plane_sd_m = robot.laser.and_then(|l| l.target_plane.offset_sd_m);
         Self {
             samples: samples as usize,

@@ -17,10 +17,9 @@ pub fn entry_point_sd(solution: &Solution, cable: usize, axis: usize) -> Option<
 pub fn identified(robot: &Robot, solution: &Solution) -> Robot {
     let mut model = solution.globals.model(robot);
     for (index, cable) in model.cables.iter_mut().enumerate() {
-        let sds = [0, 1, 2].map(|axis| entry_point_sd(solution, index, axis));
-        if let [Some(x), Some(y), Some(z)] = sds {
-            cable.pulley.entry_point_sd_m = Some(PerAxis::Each([x, y, z]));
-        }
+        let prior = cable.pulley.entry_point_sd_m.each();
+        let sd = |axis: usize| entry_point_sd(solution, index, axis).or(prior[axis]);
+        cable.pulley.entry_point_sd_m = PerAxis::Each([0, 1, 2].map(sd));
     }
     if let Some(laser) = &mut model.laser {
         let plane = |id: &ParameterId| *id == ParameterId::PlaneOffset;

@@ -192,7 +192,7 @@ fn a_held_effect_in_the_model() {
 fn an_undetermined_robot() {
     let mut dataset = clean("mini", 12);
     for cable in &mut dataset.robot.cables {
-        cable.pulley.entry_point_sd_m = None;
+        cable.pulley.entry_point_sd_m = PerAxis::default();
     }
     if let Some(laser) = &mut dataset.robot.laser {
         laser.target_plane.offset_sd_m = None;
@@ -205,7 +205,7 @@ fn an_undetermined_robot() {
 fn a_robot_that_is_known_exactly() {
     let mut preset = presets::find("mini").unwrap();
     for cable in &mut preset.robot.cables {
-        cable.pulley.entry_point_sd_m = Some(PerAxis::Same(0.0));
+        cable.pulley.entry_point_sd_m = PerAxis::known(0.0);
         cable.force_sensor = None;
     }
     if let Some(laser) = &mut preset.robot.laser {

@@ -12,7 +12,7 @@ const BETTER: f64 = 1e-4;
 fn equipped(name: &str) -> Robot {
     let mut robot = presets::find(name).unwrap().robot;
     for cable in &mut robot.cables {
-        cable.pulley.entry_point_sd_m = Some(PerAxis::Same(0.0));
+        cable.pulley.entry_point_sd_m = PerAxis::known(0.0);
         cable.pulley.swivel_zero = Some([1.0, 0.0, 0.0]);
         cable.pulley.swivel_sd_rad = Some(2e-3 * BETTER);
         cable.winch.length_sd_m *= BETTER;
@@ -218,7 +218,7 @@ fn several_effects_at_once_come_back() {
 fn the_nominal_geometry_is_good_enough_for_friction_and_frame() {
     let mut robot = equipped("mini");
     for cable in &mut robot.cables {
-        cable.pulley.entry_point_sd_m = Some(PerAxis::Same(8e-3));
+        cable.pulley.entry_point_sd_m = PerAxis::known(8e-3);
     }
     for id in ["pulley_friction", "frame_compliance"] {
         let settings = [typical(id)];

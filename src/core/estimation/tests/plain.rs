@@ -65,7 +65,7 @@ impl<'a> Plain<'a> {
         let robot = &data.robot;
         let mut unknowns = Vec::new();
         for (index, cable) in robot.cables.iter().enumerate() {
-            let sd = cable.pulley.entry_point_sd_m.unwrap().each();
+            let sd = cable.pulley.entry_point_sd_m.each().map(Option::unwrap);
             let free = (0..3).filter(|axis| sd[*axis] > 0.0);
             unknowns.extend(free.map(|axis| Unknown::Entry(index, axis)));
         }
@@ -175,7 +175,7 @@ impl<'a> Plain<'a> {
             r.push((distance - data.laser_m[row]) / laser.sd_m);
         }
         for (index, cable) in robot.cables.iter().enumerate() {
-            let sd = cable.pulley.entry_point_sd_m.unwrap().each();
+            let sd = cable.pulley.entry_point_sd_m.each().map(Option::unwrap);
             for axis in (0..3).filter(|axis| sd[*axis] > 0.0) {
                 r.push((state.entry[index] - start.entry[index])[axis] / sd[axis]);
             }

@@ -29,7 +29,7 @@ fn mentions(sentences: &[String], words: &str) -> bool {
 
 fn free_entry_points(robot: &mut Robot) {
     for cable in &mut robot.cables {
-        cable.pulley.entry_point_sd_m = None;
+        cable.pulley.entry_point_sd_m = PerAxis::default();
     }
 }
 
@@ -65,6 +65,20 @@ fn without_any_datum_all_motions_are_open() {
 }
 
 #[test]
+fn unknown_coordinates_of_a_known_pulley_stay_open() {
+    let mut dataset = floating(0.018);
+    dataset.robot.laser = None;
+    for cable in &mut dataset.robot.cables {
+        cable.pulley.entry_point_sd_m = PerAxis::Each([None, None, Some(0.0)]);
+    }
+    let found = sentences(&dataset, Method::Simple);
+    assert_eq!(found.len(), 3, "{found:?}");
+    for motion in ["a shift along x", "a shift along y", "a rotation about z"] {
+        assert!(mentions(&found, motion), "{found:?}");
+    }
+}
+
+#[test]
 fn a_laser_on_a_known_plane_leaves_shifts_and_a_rotation() {
     let mut dataset = floating(0.018);
     let laser = dataset.robot.laser.as_mut().unwrap();
@@ -94,7 +108,7 @@ fn one_pulley_as_datum_leaves_the_rotation_about_it_mixed_or_named() {
     let laser = dataset.robot.laser.as_mut().unwrap();
     laser.target_plane.offset_sd_m = Some(0.0);
     // The first pulley is given: now only the rotation about the vertical through it is open.
-    dataset.robot.cables[0].pulley.entry_point_sd_m = Some(PerAxis::Same(0.0));
+    dataset.robot.cables[0].pulley.entry_point_sd_m = PerAxis::known(0.0);
     let found = sentences(&dataset, Method::Simple);
     assert_eq!(found.len(), 1, "{found:?}");
 }
@@ -109,7 +123,7 @@ fn a_datum_by_zero_standard_deviations_determines_everything() {
         (2, [1.0, 1.0, 0.0]),
     ];
     for (cable, sd) in datum {
-        dataset.robot.cables[cable].pulley.entry_point_sd_m = Some(PerAxis::Each(sd));
+        dataset.robot.cables[cable].pulley.entry_point_sd_m = PerAxis::Each(sd.map(Some));
     }
     for method in [Method::Simple, Method::Joint] {
         let problem = Problem::new(&dataset).unwrap().with_method(method);
@@ -132,7 +146,7 @@ fn a_datum_by_zero_standard_deviations_determines_everything() {
 #[test]
 fn a_parameter_on_which_nothing_depends_is_named() {
     let mut run = run_of("planar", 15, 32);
-    run.dataset.robot.cables[1].pulley.entry_point_sd_m = None;
+    run.dataset.robot.cables[1].pulley.entry_point_sd_m = PerAxis::default();
     for method in [Method::Simple, Method::Joint] {
         let found = sentences(&run.dataset, method);
         let expected = "nothing that was measured depends on cable-2 entry point z";

@@ -215,7 +215,7 @@ fn check_cable(object: &Object, cable: &Cable) -> Checked {
 fn check_pulley(object: &Object, cable: &Cable) -> Checked {
     let pulley = &cable.pulley;
     object.vector("entry_point_m", &pulley.entry_point_m)?;
-    for sd in pulley.entry_point_sd_m.into_iter().flat_map(|sd| sd.each()) {
+    for sd in pulley.entry_point_sd_m.each().into_iter().flatten() {
         object.not_negative("entry_point_sd_m", sd)?;
     }
     object.unit_vector("swivel_axis", &pulley.swivel_axis)?;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::geometry::{Coordinate, Pose};
-use crate::robot::{CableMaterial, Pulley, Winch};
+use crate::robot::{CableMaterial, PerAxis, Pulley, Winch};
 
 fn robot() -> Robot {
     let corners = [[-2.0, -1.5, 2.0], [2.0, -1.5, 2.0], [0.0, 1.5, 2.0]];
@@ -28,7 +28,7 @@ fn cable((index, entry_point_m): (usize, &[f64; 3])) -> Cable {
         name: format!("cable-{}", index + 1),
         pulley: Pulley {
             entry_point_m: *entry_point_m,
-            entry_point_sd_m: None,
+            entry_point_sd_m: PerAxis::default(),
             swivel_axis: [0.0, 0.0, -1.0],
             swivel_zero: None,
             swivel_sd_rad: None,
