@@ -98,6 +98,14 @@ pub struct Lanes<S: Simd> {
     value: S::f64s,
 }
 
+impl<S: Simd> Lanes<S> {
+    /// The same instruction set with another value.
+    #[inline(always)]
+    fn with(self, value: S::f64s) -> Self {
+        Self { value, ..self }
+    }
+}
+
 /// A [`Real`] that holds one or more poses and moves between memory and registers.
 pub trait Packet: Real {
     /// What is needed to make a value: the instruction set.
@@ -196,10 +204,7 @@ macro_rules! lane_operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self {
-                    simd: self.simd,
-                    value: self.simd.$simd_method(self.value, other.value),
-                }
+                self.with(self.simd.$simd_method(self.value, other.value))
             }
         }
     };
@@ -213,10 +218,7 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.neg_f64s(self.value),
-        }
+        self.with(self.simd.neg_f64s(self.value))
     }
 }
 
@@ -227,64 +229,42 @@ impl<S: Simd> Real for Lanes<S> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.sqrt_f64s(self.value),
-        }
+        self.with(self.simd.sqrt_f64s(self.value))
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self
-                .simd
-                .mul_add_e_f64s(self.value, factor.value, term.value),
-        }
+        let simd = self.simd;
+        self.with(simd.mul_add_e_f64s(self.value, factor.value, term.value))
     }
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self
-                .simd
-                .negate_mul_add_e_f64s(a.value, b.value, self.value),
-        }
+        let simd = self.simd;
+        self.with(simd.negate_mul_add_e_f64s(a.value, b.value, self.value))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.max_f64s(self.value, other.value),
-        }
+        self.with(self.simd.max_f64s(self.value, other.value))
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        Self {
-            simd: self.simd,
-            value: self.simd.min_f64s(self.value, other.value),
-        }
+        self.with(self.simd.min_f64s(self.value, other.value))
     }
     #[inline(always)]
     fn select_positive(self, if_positive: Self, otherwise: Self) -> Self {
-        let zero = self.simd.splat_f64s(0.0);
-        let mask = self.simd.greater_than_f64s(self.value, zero);
-        Self {
-            simd: self.simd,
-            value: self
-                .simd
-                .select_f64s(mask, if_positive.value, otherwise.value),
-        }
+        let simd = self.simd;
+        let mask = simd.greater_than_f64s(self.value, simd.splat_f64s(0.0));
+        self.with(simd.select_f64s(mask, if_positive.value, otherwise.value))
     }
     #[inline(always)]
     fn present(self) -> (Self, Self) {
         let simd = self.simd;
         let mask = simd.equal_f64s(self.value, self.value);
         let zero = simd.splat_f64s(0.0);
-        let pick = |value| Self {
-            simd,
-            value: simd.select_f64s(mask, value, zero),
-        };
-        (pick(self.value), pick(simd.splat_f64s(1.0)))
+        let one = simd.splat_f64s(1.0);
+        (
+            self.with(simd.select_f64s(mask, self.value, zero)),
+            self.with(simd.select_f64s(mask, one, zero)),
+        )
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {

@@ -4,15 +4,23 @@ use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
 
 use super::estimate::Estimate;
 use super::least_squares::Difference;
-use super::questions::Question;
 use super::{CommonMotion, Displacement, ScalarDifference, Test};
 use crate::estimation::ParameterId;
 use crate::geometry::Vec3;
 
-/// A direction of motion in which known things move by less than this part of it is open.
-const STILL: f64 = 1e-9;
+/// Eigenvalues below this part of the largest belong to motions that change nothing known.
+const NULL_EIGENVALUE: f64 = 1e-9;
 
-/// The differences of all coordinates, and how a motion shows in them.
+/// A part fixed to the frame that may have moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FramePart {
+    /// The pulley of a cable.
+    Pulley(usize),
+    /// The laser's target plane.
+    TargetPlane,
+}
+
+/// The differences of all coordinates, and their change by a common motion.
 pub(super) struct Datum {
     coordinates: Vec<ParameterId>,
     cables: usize,
@@ -63,11 +71,11 @@ impl Datum {
         self.open.ncols()
     }
 
-    /// Places of the coordinates of a question.
-    fn places(&self, question: Question) -> Vec<usize> {
-        let belongs = |id: &ParameterId| match (question, id) {
-            (Question::Pulley(asked), ParameterId::EntryPoint { cable, .. }) => asked == *cable,
-            (Question::Plane, ParameterId::PlaneOffset) => true,
+    /// Places of the coordinates of a part.
+    fn places(&self, part: FramePart) -> Vec<usize> {
+        let belongs = |id: &ParameterId| match (part, id) {
+            (FramePart::Pulley(asked), ParameterId::EntryPoint { cable, .. }) => asked == *cable,
+            (FramePart::TargetPlane, ParameterId::PlaneOffset) => true,
             _ => false,
         };
         (0..self.coordinates.len())
@@ -76,7 +84,7 @@ impl Datum {
     }
 
     /// Columns of the common motion and of displacements of their own.
-    fn design(&self, own: &[Question]) -> DMatrix<f64> {
+    fn design(&self, own: &[FramePart]) -> DMatrix<f64> {
         let places: Vec<usize> = own.iter().flat_map(|q| self.places(*q)).collect();
         let motion = self.by_motion.ncols();
         let mut design = DMatrix::zeros(self.coordinates.len(), motion + places.len());
@@ -91,45 +99,45 @@ impl Datum {
     /// out; `None` where too little is left to tell.
     pub fn displacement(
         &self,
-        question: Question,
-        moved: &[Question],
+        part: FramePart,
+        moved: &[FramePart],
     ) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let mut own: Vec<Question> = moved.iter().copied().filter(|q| *q != question).collect();
-        own.push(question);
-        let size = self.places(question).len();
+        let mut own: Vec<FramePart> = moved.iter().copied().filter(|q| *q != part).collect();
+        own.push(part);
+        let size = self.places(part).len();
         if size == 0 {
             return None;
         }
-        let explained = self.difference.explained_by(&self.design(&own))?;
-        let first = explained.estimate.len() - size;
+        let solved = self.difference.solve(&self.design(&own))?;
+        let first = solved.estimate.len() - size;
         Some((
-            explained.estimate.rows(first, size).into_owned(),
-            explained
+            solved.estimate.rows(first, size).into_owned(),
+            solved
                 .covariance
                 .view((first, first), (size, size))
                 .into_owned(),
         ))
     }
 
-    /// The pulleys (and the plane) that have moved, the most conspicuous first; `others` questions are asked besides.
-    pub fn moved(&self, level: f64, others: usize) -> Vec<Question> {
-        let pulleys = (0..self.cables).map(Question::Pulley);
-        let asked: Vec<Question> = pulleys
-            .chain([Question::Plane])
-            .filter(|question| !self.places(*question).is_empty())
+    /// The pulleys (and the plane) that have moved, the most conspicuous first; `others` tests are made besides.
+    pub fn moved(&self, level: f64, others: usize) -> Vec<FramePart> {
+        let pulleys = (0..self.cables).map(FramePart::Pulley);
+        let asked: Vec<FramePart> = pulleys
+            .chain([FramePart::TargetPlane])
+            .filter(|part| !self.places(*part).is_empty())
             .collect();
         let mut moved = Vec::new();
         loop {
-            let open = asked.iter().filter(|question| !moved.contains(*question));
-            let judged = open.filter_map(|question| {
-                let (value, covariance) = self.displacement(*question, &moved)?;
-                Some((*question, Test::of(&value, &covariance)?.p_value))
+            let open = asked.iter().filter(|part| !moved.contains(*part));
+            let judged = open.filter_map(|part| {
+                let (value, covariance) = self.displacement(*part, &moved)?;
+                Some((*part, Test::of(&value, &covariance)?.p_value))
             });
             let Some((worst, p_value)) = judged.min_by(|a, b| a.1.total_cmp(&b.1)) else {
                 return moved;
             };
-            let questions = asked.len() + others - moved.len();
-            if p_value * questions as f64 >= level {
+            let tests = asked.len() + others - moved.len();
+            if p_value * tests as f64 >= level {
                 return moved;
             }
             moved.push(worst);
@@ -138,7 +146,7 @@ impl Datum {
 
     /// The difference of a pulley as the runs have it.
     pub fn raw(&self, cable: usize) -> Displacement {
-        let places = self.places(Question::Pulley(cable));
+        let places = self.places(FramePart::Pulley(cable));
         let value = self.difference.value.select_rows(&places);
         let covariance = self.covariance.select_rows(&places).select_columns(&places);
         self.spatial(cable, &(value, covariance))
@@ -154,7 +162,7 @@ impl Datum {
             vector_m: Vec3::zeros(),
             covariance: Matrix3::zeros(),
         };
-        let places = self.places(Question::Pulley(cable));
+        let places = self.places(FramePart::Pulley(cable));
         let axes: Vec<usize> = (places.iter())
             .filter_map(|place| match self.coordinates[*place] {
                 ParameterId::EntryPoint { axis, .. } => Some(axis),
@@ -171,14 +179,14 @@ impl Datum {
     }
 
     /// The common motion of those that have not moved.
-    pub fn motion(&self, moved: &[Question]) -> Option<CommonMotion> {
+    pub fn motion(&self, moved: &[FramePart]) -> Option<CommonMotion> {
         let freedom = self.freedom();
         if freedom == 0 {
             return None;
         }
-        let explained = self.difference.explained_by(&self.design(moved))?;
-        let open = explained.estimate.rows(0, freedom).into_owned();
-        let covariance = explained
+        let solved = self.difference.solve(&self.design(moved))?;
+        let open = solved.estimate.rows(0, freedom).into_owned();
+        let covariance = solved
             .covariance
             .view((0, 0), (freedom, freedom))
             .into_owned();
@@ -193,8 +201,8 @@ impl Datum {
     }
 
     /// The offset of the target plane.
-    pub fn plane(&self, runs: &[Estimate<'_>; 2], moved: &[Question]) -> Option<ScalarDifference> {
-        let (value, covariance) = self.displacement(Question::Plane, moved)?;
+    pub fn plane(&self, runs: &[Estimate<'_>; 2], moved: &[FramePart]) -> Option<ScalarDifference> {
+        let (value, covariance) = self.displacement(FramePart::TargetPlane, moved)?;
         let offset = |run: &Estimate<'_>| {
             let laser = run.robot().laser?;
             Some(run.value_or(&ParameterId::PlaneOffset, laser.target_plane.offset_m))
@@ -210,7 +218,7 @@ impl Datum {
 
     /// Whether all coordinates together differ by more than a common motion.
     pub fn global(&self) -> Option<Test> {
-        let chi2 = self.difference.explained_by(&self.design(&[]))?.left;
+        let chi2 = self.difference.solve(&self.design(&[]))?.chi2;
         let degrees_of_freedom = self.coordinates.len().checked_sub(self.freedom())?;
         let p_value = crate::statistics::chi_square_survival(chi2, degrees_of_freedom as f64)?;
         Some(Test {
@@ -300,7 +308,7 @@ fn open_directions(runs: &[Estimate<'_>; 2], middle: Vec3, known: &[ParameterId]
     let eigen = SymmetricEigen::new(still.tr_mul(&still));
     let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
     let open: Vec<_> = (0..6)
-        .filter(|k| eigen.eigenvalues[*k] <= STILL * largest)
+        .filter(|k| eigen.eigenvalues[*k] <= NULL_EIGENVALUE * largest)
         .map(|k| eigen.eigenvectors.column(k).into_owned())
         .collect();
     if open.is_empty() {

@@ -1,4 +1,4 @@
-//! What one run tells by itself, without the priors that it shares with the other.
+//! The estimates of one run without the priors that it shares with the other.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,8 +6,8 @@ use super::Identified;
 use crate::estimation::{Parameter, ParameterId, covariance_of};
 use crate::robot::Robot;
 
-/// Part of the shared priors that is taken out.
-const TAKEN_OUT: f64 = 0.99;
+/// Part `k` of the shared priors that is removed.
+const REMOVED_PRIOR: f64 = 0.99;
 
 /// The estimates of a run.
 pub(super) struct Estimate<'a> {
@@ -31,7 +31,7 @@ impl<'a> Estimate<'a> {
             let (value, centre) = value_and_centre(run, parameter);
             values[k] = value;
             if let (true, Some(sd)) = (is_shared(&parameter.id), parameter.prior_sd) {
-                let weight = TAKEN_OUT * sd.powi(-2);
+                let weight = REMOVED_PRIOR * sd.powi(-2);
                 information[(k, k)] -= weight;
                 pull[k] = weight * (value - centre);
             }

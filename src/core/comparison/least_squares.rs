@@ -4,20 +4,20 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::estimation::covariance_of;
 
-/// A difference with the factor of its covariance.
+/// A difference with the Cholesky factor of its covariance.
 pub(super) struct Difference {
     pub value: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
 }
 
-/// What a design explains of it.
-pub(super) struct Explained {
+/// Least-squares solution of a design.
+pub(super) struct Solved {
     /// `b = (X^T S^-1 X)^-1 X^T S^-1 d`.
     pub estimate: DVector<f64>,
     /// `(X^T S^-1 X)^-1`.
     pub covariance: DMatrix<f64>,
     /// `(d - X b)^T S^-1 (d - X b)`.
-    pub left: f64,
+    pub chi2: f64,
 }
 
 impl Difference {
@@ -30,13 +30,13 @@ impl Difference {
     }
 
     /// `None` if the difference does not determine `b`.
-    pub fn explained_by(&self, design: &DMatrix<f64>) -> Option<Explained> {
+    pub fn solve(&self, design: &DMatrix<f64>) -> Option<Solved> {
         let weighted = self.factor.solve(design);
         let covariance = covariance_of(&design.tr_mul(&weighted))?;
         let estimate = &covariance * weighted.tr_mul(&self.value);
-        let left = &self.value - design * &estimate;
-        Some(Explained {
-            left: left.dot(&self.factor.solve(&left)),
+        let residual = &self.value - design * &estimate;
+        Some(Solved {
+            chi2: residual.dot(&self.factor.solve(&residual)),
             estimate,
             covariance,
         })

@@ -21,13 +21,13 @@
 //! have moved, the motion is that of the majority in this sense.
 //!
 //! **Tests.** A displacement `v` with covariance `V` has `chi2 = v^T V^-1 v` with as many degrees of freedom as
-//! coordinates. Probabilities are corrected for the number of questions asked (Holm 1979), so that two runs of one
+//! coordinates. Probabilities are corrected for the number of tests (Holm 1979), so that two runs of one
 //! robot differ anywhere with at most the probability of the level.
 
 mod datum;
+mod differences;
 mod estimate;
 mod least_squares;
-mod questions;
 #[cfg(test)]
 mod tests;
 
@@ -36,9 +36,9 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 use crate::estimation::{Problem, Solution};
 use crate::geometry::{Coordinate, Vec3};
 
-use datum::Datum;
+use datum::{Datum, FramePart};
+use differences::{effects, home};
 use estimate::Estimate;
-use questions::{Question, effects, holm, home};
 
 /// One identified geometry.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +82,7 @@ pub struct Test {
     pub degrees_of_freedom: usize,
     /// Probability of a chi-square at least as large by noise alone.
     pub p_value: f64,
-    /// The same, corrected for the number of questions.
+    /// The same, corrected for the number of tests.
     pub p_corrected: f64,
 }
 
@@ -222,14 +222,14 @@ pub struct Comparison {
     pub home: Option<HomeDifference>,
     /// Effects that a run estimates.
     pub effects: Vec<EffectDifference>,
-    /// Whether pulleys and target plane together differ by more than a common motion; one question of its own.
+    /// Whether pulleys and target plane together differ by more than a common motion; a test of its own.
     pub global: Option<Test>,
     /// How well both runs are explained.
     pub fits: [FitQuality; 2],
 }
 
 impl Comparison {
-    /// Whether any question about the robot is answered with a difference: a pulley, the target plane or an effect.
+    /// Whether a pulley, the target plane or an effect differs.
     /// A common motion and the home pose are no change of the robot.
     #[must_use]
     pub fn is_different(&self) -> bool {
@@ -285,7 +285,7 @@ pub fn compare(
             .into_iter()
             .enumerate()
             .map(|(cable, name)| {
-                let own = datum.displacement(Question::Pulley(cable), &moved);
+                let own = datum.displacement(FramePart::Pulley(cable), &moved);
                 PulleyDifference {
                     cable: name,
                     raw: datum.raw(cable),
@@ -327,4 +327,19 @@ fn correct(comparison: &mut Comparison) {
     for pulley in &mut comparison.pulleys {
         pulley.moved = pulley.test.is_some_and(|test| test.p_corrected < level);
     }
+}
+
+/// Probabilities corrected for their number (Holm 1979): in rising order, each times the number of those that are
+/// not smaller, never below the one before.
+fn holm(p_values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..p_values.len()).collect();
+    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
+    let mut corrected = vec![1.0; p_values.len()];
+    let mut least = 0.0_f64;
+    for (rank, index) in order.into_iter().enumerate() {
+        let factor = (p_values.len() - rank) as f64;
+        least = least.max((factor * p_values[index]).min(1.0));
+        corrected[index] = least;
+    }
+    corrected
 }

@@ -1,6 +1,5 @@
 //! Comparisons of simulated runs. Seeds are fixed.
 
-use super::questions::holm;
 use super::*;
 use crate::effect::EffectRequest;
 use crate::estimation::{Control, Options, solve};

@@ -1,4 +1,4 @@
-//! The order of measurement: short moves, but no coordinate that rises or falls with the time.
+//! The order of measurement: short moves, but no coordinate that correlates with time.
 //!
 //! What drifts with time (temperature, laser, cables that creep) looks like geometry if the platform moves steadily
 //! from one end to the other meanwhile. So the path that is shortened (nearest neighbour, then reversed parts: 2-opt)
@@ -8,12 +8,12 @@
 use crate::geometry::{Coordinate, Pose, Vec3};
 use crate::robot::Robot;
 
-/// Correlation that costs nothing.
+/// Correlation up to which there is no penalty.
 const FREE_CORRELATION: f64 = 0.15;
-/// Part of the length that one unit of correlation costs.
-const COST_OF_CORRELATION: f64 = 4.0;
-/// Gain that is worth another change, as part of the cost.
-const LEAST_GAIN: f64 = 1e-9;
+/// Penalty of one unit of correlation, as part of the length.
+const CORRELATION_PENALTY: f64 = 4.0;
+/// Reduction of the cost that is worth another change, as part of it.
+const MIN_GAIN: f64 = 1e-9;
 
 /// The order in which poses are visited.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,34 +33,25 @@ impl Order {
     #[must_use]
     pub fn of(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
         let tour = Tour::new(robot, start, poses);
-        let given: Vec<usize> = (0..poses.len()).collect();
         let mut sequence = tour.nearest_neighbours();
         tour.improve(&mut sequence);
-        let coordinates = robot.platform.freedom().coordinates().to_vec();
-        Self {
-            travel_m: tour.length(&sequence),
-            unordered_travel_m: tour.length(&given),
-            time_correlation: coordinates
-                .into_iter()
-                .zip(tour.correlations(&sequence))
-                .collect(),
-            sequence,
-        }
+        Self::along(robot, &tour, sequence)
     }
 
     /// `poses` in the order in which they are given.
     pub(super) fn given(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
         let tour = Tour::new(robot, start, poses);
-        let sequence: Vec<usize> = (0..poses.len()).collect();
-        let travel_m = tour.length(&sequence);
-        let coordinates = robot.platform.freedom().coordinates().to_vec();
+        Self::along(robot, &tour, (0..poses.len()).collect())
+    }
+
+    fn along(robot: &Robot, tour: &Tour, sequence: Vec<usize>) -> Self {
+        let given: Vec<usize> = (0..sequence.len()).collect();
+        let freedom = robot.platform.freedom();
+        let coordinates = freedom.coordinates().iter().copied();
         Self {
-            travel_m,
-            unordered_travel_m: travel_m,
-            time_correlation: coordinates
-                .into_iter()
-                .zip(tour.correlations(&sequence))
-                .collect(),
+            travel_m: tour.length(&sequence),
+            unordered_travel_m: tour.length(&given),
+            time_correlation: coordinates.zip(tour.correlations(&sequence)).collect(),
             sequence,
         }
     }
@@ -138,14 +129,14 @@ impl Tour {
                 for to in from + 1..sequence.len() {
                     sequence[from..=to].reverse();
                     let changed = self.cost(sequence);
-                    if changed < cost * (1.0 - LEAST_GAIN) {
+                    if changed < cost * (1.0 - MIN_GAIN) {
                         cost = changed;
                     } else {
                         sequence[from..=to].reverse();
                     }
                 }
             }
-            if cost >= before * (1.0 - LEAST_GAIN) {
+            if cost >= before * (1.0 - MIN_GAIN) {
                 return;
             }
         }
@@ -155,7 +146,7 @@ impl Tour {
         let correlations = self.correlations(sequence);
         let worst = correlations.iter().fold(0.0_f64, |w, rho| w.max(rho.abs()));
         let excess = (worst - FREE_CORRELATION).max(0.0);
-        self.length(sequence) * (1.0 + COST_OF_CORRELATION * excess)
+        self.length(sequence) * (1.0 + CORRELATION_PENALTY * excess)
     }
 
     fn length(&self, sequence: &[usize]) -> f64 {

@@ -1,4 +1,4 @@
-//! What is asked besides the pulleys, and the correction for the number of questions.
+//! Differences of the home pose and of effects between two runs.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,30 +6,6 @@ use super::estimate::Estimate;
 use super::{EffectDifference, HomeDifference, ScalarDifference, Test};
 use crate::estimation::ParameterId;
 use crate::geometry::Coordinate;
-
-/// Something fixed to the frame that may have moved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Question {
-    /// The pulley of a cable.
-    Pulley(usize),
-    /// The laser's target plane.
-    Plane,
-}
-
-/// Probabilities corrected for their number (Holm 1979): in rising order, each times the number of those that are
-/// not smaller, never below the one before.
-pub(super) fn holm(p_values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..p_values.len()).collect();
-    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
-    let mut corrected = vec![1.0; p_values.len()];
-    let mut least = 0.0_f64;
-    for (rank, index) in order.into_iter().enumerate() {
-        let factor = (p_values.len() - rank) as f64;
-        least = least.max((factor * p_values[index]).min(1.0));
-        corrected[index] = least;
-    }
-    corrected
-}
 
 /// The home pose of the second run less that of the first.
 pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
@@ -59,7 +35,7 @@ pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
     })
 }
 
-/// A parameter of an effect in a run: what identifies it across runs, its place, unit and neutral value.
+/// A parameter of an effect in a run: its identity across runs, its place among the parameters, unit and neutral value.
 struct Entry {
     key: (String, Vec<String>, String),
     unit: &'static str,
