@@ -234,9 +234,7 @@ fn visit_poses(
     if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
         let pose = home.pose();
         inverse_kinematics(truth, &pose)?;
-        tensions.push_row(
-            &holding_tensions(&poses, &pose)?.ok_or_else(|| infeasible("the home pose"))?,
-        );
+        tensions.push_row(&hold(&poses, &pose)?.ok_or_else(|| infeasible("the home pose"))?);
         poses.push(pose);
         commanded.push(nominal.pose());
     }
@@ -257,7 +255,7 @@ fn visit_poses(
         {
             continue;
         }
-        if let Some(held) = holding_tensions(&poses, &pose)? {
+        if let Some(held) = hold(&poses, &pose)? {
             tensions.push_row(&held);
             poses.push(pose);
             commanded.push(target);
