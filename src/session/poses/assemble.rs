@@ -43,6 +43,7 @@ pub(crate) fn assemble(columns: Columns, robot: &Robot) -> Result<Measurements, 
         },
         labels: columns.labels,
         other: columns.other,
+        ..Measurements::default()
     })
 }
 
