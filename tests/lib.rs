@@ -1,6 +1,7 @@
 //! Helpers of the cross-crate suites.
 
 pub mod adjusted;
+pub mod ads;
 pub mod bad_input_cases;
 pub mod hangprinter;
 pub mod harness;

@@ -1,7 +1,7 @@
-//! The program and the robot behind the server: the simulated robot, told by what clients write.
+//! The controller's program and the robot behind the server: the simulated robot, commanded by what clients write.
 //!
-//! Its time goes on by a step with each count of the watchdog, that is, with each sample of an armed client: the tests
-//! do not depend on how fast the machine is.
+//! Simulated time advances with each count of the watchdog, that is, with each sample of an armed client, so that the
+//! tests do not depend on the speed of the machine.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,18 +17,22 @@ use tautline_link::ads::{AdsController, AdsOptions};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup, SimulatedTracker};
 use tautline_link::{Activity, Controller, Limits, ManualClock, Station, SystemClock};
 
-use crate::names::{Place, Style, TURNS, declarations, global, mapping, places};
-use crate::server::{Orders, Server, Written};
+use super::server::{Orders, Server, Written};
+use super::symbols::{Place, Style, TURNS, declarations, global, mapping, places};
 
 /// Simulated time of a sample (s).
 const STEP_S: f64 = 0.05;
-/// The same where the program drives, which samples at the pace of a real robot.
+/// Simulated time of a sample where the program is the client: it samples at the rate of a real robot.
 const LONG_STEP_S: f64 = 0.25;
 
-/// A server with a robot behind it.
+/// A controller: the server with a simulated robot behind it.
+#[derive(Debug)]
 pub struct Plant {
+    /// The server.
     pub server: Server,
+    /// The robot that is simulated.
     pub preset: Preset,
+    /// The layout of the symbols.
     pub style: Style,
     tracker: Option<SimulatedTracker>,
     ends: Arc<AtomicBool>,
@@ -36,16 +40,29 @@ pub struct Plant {
 }
 
 impl Plant {
+    /// Starts a controller.
+    ///
+    /// # Panics
+    /// If the server cannot be started.
+    #[must_use]
     pub fn start(style: Style) -> Self {
         Self::changed(style, |_| ())
     }
 
-    /// With a robot whose time runs fast.
+    /// Starts a controller whose simulated time runs fast.
+    ///
+    /// # Panics
+    /// If the server cannot be started.
+    #[must_use]
     pub fn fast(style: Style) -> Self {
         Self::with(style, LONG_STEP_S, |_| ())
     }
 
-    /// With changes to the simulated robot.
+    /// Starts a controller with changes to the simulated robot.
+    ///
+    /// # Panics
+    /// If the server cannot be started.
+    #[must_use]
     pub fn changed(style: Style, change: impl FnOnce(&mut SimulatedSetup)) -> Self {
         Self::with(style, STEP_S, change)
     }
@@ -87,7 +104,11 @@ impl Plant {
         }
     }
 
-    /// A client that keeps the limits of the robot.
+    /// A client that respects the limits of the robot.
+    ///
+    /// # Panics
+    /// If the mapping does not fit.
+    #[must_use]
     pub fn client(&self) -> Station<AdsController> {
         self.client_with(AdsOptions {
             // A machine that runs many tests at once is slow; the tests of slowness set their own.
@@ -97,6 +118,11 @@ impl Plant {
         })
     }
 
+    /// A client with options of its own.
+    ///
+    /// # Panics
+    /// If the mapping does not fit.
+    #[must_use]
     pub fn client_with(&self, options: AdsOptions) -> Station<AdsController> {
         let mapping = mapping(&self.preset.robot, self.style);
         let controller = AdsController::new(
@@ -115,6 +141,10 @@ impl Plant {
     }
 
     /// A connected and armed client.
+    ///
+    /// # Panics
+    /// If the controller refuses.
+    #[must_use]
     pub fn armed(&self) -> Station<AdsController> {
         let mut client = self.client();
         client.connect().expect("connected");
@@ -122,7 +152,10 @@ impl Plant {
         client
     }
 
-    /// An instrument that watches the platform; can be had once.
+    /// The external instrument that measures the platform.
+    ///
+    /// # Panics
+    /// If it was taken before.
     pub fn tracker(&mut self) -> SimulatedTracker {
         self.tracker.take().expect("taken once")
     }
@@ -137,6 +170,7 @@ impl Drop for Plant {
     }
 }
 
+/// The program of the controller.
 struct Program {
     robot: SimulatedRobot,
     clock: ManualClock,

@@ -1,4 +1,4 @@
-//! The server in its own process: orders go in as lines of JSON, what clients write comes out.
+//! The server in a process of its own: orders go in as lines of JSON, and what clients write comes out.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
@@ -18,8 +18,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A symbol that was written, and all its values.
 pub type Written = (String, Vec<f64>);
 
-/// Writes orders; clones write to the same server.
-#[derive(Clone)]
+/// Sends orders to a server.
+#[derive(Debug, Clone)]
 pub struct Orders(Arc<Mutex<ChildStdin>>);
 
 impl Orders {
@@ -31,7 +31,8 @@ impl Orders {
     }
 }
 
-/// A server; it ends with this.
+/// A server; its process ends when it is dropped.
+#[derive(Debug)]
 pub struct Server {
     process: Child,
     orders: Orders,
@@ -44,6 +45,10 @@ pub struct Server {
 
 impl Server {
     /// Starts a server on a free port.
+    ///
+    /// # Panics
+    /// If its Python environment is missing.
+    #[must_use]
     pub fn start() -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let python = root.join("target/python/bin/python");
@@ -72,16 +77,24 @@ impl Server {
         }
     }
 
+    /// Sends orders without waiting for them.
+    #[must_use]
     pub fn orders(&self) -> Orders {
         self.orders.clone()
     }
 
-    /// What clients write; can be had once.
+    /// What clients write.
+    ///
+    /// # Panics
+    /// If it was taken before.
+    #[must_use]
     pub fn wrote(&self) -> Receiver<Written> {
         let mut wrote = self.wrote.lock().unwrap_or_else(PoisonError::into_inner);
         wrote.take().expect("taken once")
     }
 
+    /// Where clients connect to.
+    #[must_use]
     pub fn address(&self) -> AdsAddress {
         AdsAddress {
             host: "127.0.0.1".to_owned(),
@@ -91,7 +104,10 @@ impl Server {
         }
     }
 
-    /// Gives an order and waits until it is carried out; how many requests of each kind came so far.
+    /// Gives an order, waits until it is carried out, and returns the number of requests of each kind so far.
+    ///
+    /// # Panics
+    /// If the server does not answer.
     pub fn order(&self, mut order: Value) -> BTreeMap<String, u64> {
         let id = self.next.fetch_add(1, Ordering::Relaxed);
         order["id"] = json!(id);
@@ -102,14 +118,15 @@ impl Server {
         serde_json::from_value(answer["counts"].clone()).expect("counts")
     }
 
-    /// Requests of a kind so far: "read", "write", "lookup" or "state".
+    /// Number of requests of a kind so far: "read", "write", "lookup" or "state".
+    #[must_use]
     pub fn count(&self, kind: &str) -> u64 {
         self.order(json!({})).get(kind).copied().unwrap_or(0)
     }
 
-    /// The connection ends at the request of a kind that comes as number `number`, from 1: "before" it is treated,
-    /// "after" that, or "half" way through the answer; "stray" changes the number of the answer instead,
-    /// and "late" treats the request after three seconds.
+    /// Plans a fault at request `number` (from 1) of a kind. The connection ends "before" or "after" the request is
+    /// treated, or "half" way through the answer; "stray" changes the number of the answer instead, and "late" delays
+    /// the answer by three seconds.
     pub fn fault(&self, kind: &str, number: u64, action: &str) {
         self.order(json!({"fault": {"kind": kind, "number": number, "action": action}}));
     }

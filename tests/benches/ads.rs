@@ -5,22 +5,13 @@
 //! MINI with eight cables behind the server of the tests, so the figures contain a Python process that answers, and the
 //! simulated robot beside it; a controller is faster. Needs `bash .ci/python`.
 
-#[path = "../ads/names.rs"]
-#[allow(dead_code, reason = "the tests use all of it")]
-mod names;
-#[path = "../ads/plant.rs"]
-#[allow(dead_code, reason = "the tests use all of it")]
-mod plant;
-#[path = "../ads/server.rs"]
-#[allow(dead_code, reason = "the tests use all of it")]
-mod server;
 
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
-use names::Style;
-use plant::Plant;
 use tautline_link::Controller;
+use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::Style;
 
 /// Samples of which the time is taken.
 const SAMPLES: usize = 3000;

@@ -2,6 +2,7 @@
 
 mod ceres;
 mod hangprinter;
+mod hidden_effects;
 mod nist;
 mod published;
 mod table1;

@@ -1,5 +1,6 @@
 //! The program as a user runs it.
 
+mod ads;
 mod bad_input;
 mod commands;
 mod headless;

@@ -232,6 +232,8 @@ fn an_interrupted_run_keeps_its_poses_and_goes_on() {
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
 
+    use rustix::process::{Pid, Signal, kill_process};
+
     let folder = Folder::new();
     let table = plan(&folder, 8);
     let file = folder.join("mini.json");
@@ -256,9 +258,8 @@ fn an_interrupted_run_keeps_its_poses_and_goes_on() {
     let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
     let first = lines.next().expect("a line").expect("text");
     assert!(first.starts_with("pose 0 is on disk"), "{first}");
-    let id = child.id().to_string();
-    let sent = Command::new("kill").args(["-INT", &id]).status();
-    assert!(sent.expect("kill starts").success());
+    let id = Pid::from_child(&child);
+    kill_process(id, Signal::INT).expect("the program runs");
     let told: Vec<String> = lines.map(|line| line.expect("text")).collect();
     assert_eq!(child.wait().expect("it ends").code(), Some(1));
     let last = told.last().expect("a sentence");
