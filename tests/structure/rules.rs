@@ -110,7 +110,7 @@ pub fn disorder(imports: &BTreeSet<Import>, root: &Path, order: &[&str]) -> Diso
     let place = |file: &Path| {
         let name = top_level(file, root);
         let is_name = |names: &&str| names.split(' ').any(|known| *known == name);
-        let found = order.iter().position(|names| is_name(&names));
+        let found = order.iter().position(is_name);
         found.map(|place| (place, name.clone())).ok_or(name)
     };
     let mut disorder = Disorder::default();
