@@ -26,7 +26,6 @@ const STEP_S: f64 = 0.05;
 const LONG_STEP_S: f64 = 0.25;
 
 /// A controller: the server with a simulated robot behind it.
-#[derive(Debug)]
 pub struct Plant {
     /// The server.
     pub server: Server,

@@ -5,7 +5,6 @@
 //! MINI with eight cables behind the server of the tests, so the figures contain a Python process that answers, and the
 //! simulated robot beside it; a controller is faster. Needs `bash .ci/python`.
 
-
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};

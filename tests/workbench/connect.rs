@@ -20,8 +20,8 @@ use tautline_workbench::shell::State;
 use tautline_workflow::adjusting::Purpose;
 
 use crate::demo::Bench;
-use tautline_validation::ads::symbols::{Style, global};
 use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::{Style, global};
 
 /// MINI with as many poses planned as measured here beforehand, home among them.
 fn planned(poses: usize) -> (Session, Dataset) {

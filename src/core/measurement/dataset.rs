@@ -255,7 +255,9 @@ impl Measurements {
         for (name, cells) in other.other {
             match self.other.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, known)) => known.extend(cells),
-                None => self.other.push((name, [vec![String::new(); before], cells].concat())),
+                None => self
+                    .other
+                    .push((name, [vec![String::new(); before], cells].concat())),
             }
         }
         for (_, cells) in &mut self.other {

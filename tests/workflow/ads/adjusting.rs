@@ -12,8 +12,8 @@ use tautline_link::parameters::parameters_of;
 use tautline_link::reconnecting::{Attempts, BackOff, ReconnectPolicy};
 use tautline_link::{Controller, LinkError};
 
-use tautline_validation::ads::symbols::{Style, global};
 use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::{Style, global};
 
 const VALUES: usize = 6;
 

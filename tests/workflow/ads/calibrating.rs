@@ -12,8 +12,8 @@ use tautline_link::verifying::{
 };
 use tautline_link::{Clock, Controller, Instrument, Limits, SystemClock};
 
-use tautline_validation::ads::symbols::Style;
 use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::Style;
 
 /// Poses beside home.
 const POSES: usize = 10;

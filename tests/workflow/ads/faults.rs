@@ -5,8 +5,8 @@ use tautline_link::ads::AdsOptions;
 use tautline_link::reconnecting::{BackOff, Reconnect, Reconnected};
 use tautline_link::{Activity, Controller, LinkError};
 
-use tautline_validation::ads::symbols::{Style, global};
 use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::{Style, global};
 
 #[test]
 fn a_slow_server_is_waited_for() {

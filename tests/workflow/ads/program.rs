@@ -13,8 +13,8 @@ use tautline_link::{Controller, Instrument};
 use tautline_session::{Outcome, Session, read_session, write_symbols};
 use tautline_validation::program::{Answer, Folder, program, tautline};
 
-use tautline_validation::ads::symbols::{Style, global, mapping};
 use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::{Style, global, mapping};
 
 fn controller(plant: &Plant) -> String {
     format!("ads:{}", plant.server.address())

@@ -5,8 +5,8 @@ use tautline_core::geometry::Pose;
 use tautline_link::ads::AdsOptions;
 use tautline_link::{Activity, Controller, LinkError};
 
-use tautline_validation::ads::symbols::{Style, global};
 use tautline_validation::ads::Plant;
+use tautline_validation::ads::symbols::{Style, global};
 
 fn refused(order: serde_json::Value) -> String {
     let plant = Plant::start(Style::Arrays);
@@ -165,7 +165,8 @@ fn a_command_that_is_not_taken_becomes_a_fault() {
     plant
         .server
         .order(json!({"declare": [[global("taken"), "UDINT", 1, [7]]]}));
-    let mut mapping = tautline_validation::ads::symbols::mapping(&plant.preset.robot, Style::Arrays);
+    let mut mapping =
+        tautline_validation::ads::symbols::mapping(&plant.preset.robot, Style::Arrays);
     if let Some(command) = &mut mapping.command {
         command.acknowledged = global("taken");
     }
