@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_session::read_check_file;
 
-use super::BadInput;
 use super::output::{is_readable, write_json};
+use crate::BadInput;
 pub use report::print;
 use tautline_workflow::accuracy::{accuracy, group, is_partly_oriented, word};
 

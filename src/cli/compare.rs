@@ -5,10 +5,10 @@ mod report;
 
 use std::path::{Path, PathBuf};
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_session::Method;
-use tautline_workflow::BadInput;
 use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
 use tautline_workflow::identification::Identification;
 

@@ -1,10 +1,10 @@
 //! `--effect`: effects that are hidden in simulated data or freed in an identification.
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::effect::{BoundEffect, EffectRequest, EffectSetting};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
-use tautline_workflow::BadInput;
 
 /// Effects to hide.
 #[derive(Debug, Default, clap::Args)]

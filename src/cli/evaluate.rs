@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::{Control, Geometry, Method, Poses};
 use tautline_core::measurement::Dataset;
 use tautline_session::read_robot;
-use tautline_workflow::BadInput;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
 use crate::identify::print;

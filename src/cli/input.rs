@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_core::robot::presets::{self, Preset};
 use tautline_session::{Loaded, Session, import, read_dataset, read_robot};
+use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
-use tautline_workflow::{BadInput, clock};
 
 /// What was read, its notices printed.
 pub fn noticed<T>(read: Loaded<T>) -> T {

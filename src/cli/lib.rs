@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod adjust;
+mod bad_input;
 mod compare;
 mod diagnose;
 mod effect_arguments;
@@ -28,9 +29,10 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use tautline_session::{ReadError, Session};
-use tautline_workflow::BadInput;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::session_file::SessionFileError;
 
+use bad_input::BadInput;
 use not_converged::NotConverged;
 
 /// Calibrate cable-driven parallel robots.
@@ -165,11 +167,15 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
     };
     let message = format!("{error:#}");
     eprintln!("{}", message.replace('\n', " "));
-    ExitCode::from(if error.is::<ReadError>() || error.is::<BadInput>() {
-        2
-    } else if error.is::<NotConverged>() {
-        not_converged::EXIT_CODE
-    } else {
-        1
-    })
+    let file_error = error.downcast_ref::<SessionFileError>();
+    let is_bad_file = file_error.is_some_and(SessionFileError::is_bad_input);
+    ExitCode::from(
+        if is_bad_file || error.is::<ReadError>() || error.is::<BadInput>() {
+            2
+        } else if error.is::<NotConverged>() {
+            not_converged::EXIT_CODE
+        } else {
+            1
+        },
+    )
 }

@@ -5,10 +5,10 @@ mod report;
 
 use std::path::{Path, PathBuf};
 
+use crate::BadInput;
 use anyhow::{Context, Result};
 use tautline_core::estimation::Control;
 use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
-use tautline_workflow::BadInput;
 
 use crate::effect_arguments::FreedEffects;
 use crate::input::{self, RobotSource};

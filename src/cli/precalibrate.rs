@@ -11,8 +11,8 @@ use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_session::{PhaseData, read_calibration_tables, write_robot};
 
-use super::BadInput;
 use super::output::{is_readable, write_json};
+use crate::BadInput;
 pub use document::Precalibration;
 
 #[derive(Debug, clap::Args)]

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
+use tautline_workflow::clock;
 use tautline_workflow::diagnosis::dataset_to_diagnose;
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat, ReportInput, write_report};
-use tautline_workflow::{BadInput, clock};
 
 use crate::diagnose::diagnose_with_progress;
 use crate::{Window, input};

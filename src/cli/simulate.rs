@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::simulation::{SimulationError, SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{PhaseData, write_dataset, write_robot};
-use tautline_workflow::BadInput;
 
 use crate::effect_arguments::HiddenEffects;
 use crate::input::{self, RobotSource};

@@ -3,7 +3,6 @@
 
 pub mod accuracy;
 pub mod adjusting;
-mod bad_input;
 pub mod clock;
 pub mod comparison;
 pub mod controllers;
@@ -17,5 +16,3 @@ pub mod report;
 pub mod samples;
 pub mod session_file;
 pub mod wording;
-
-pub use bad_input::BadInput;

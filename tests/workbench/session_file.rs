@@ -12,7 +12,7 @@ use tautline_validation::program::{Answer, tautline};
 use tautline_validation::truth::preset_options;
 use tautline_workbench::model::command::{FileCommand, IdentificationCommand, RobotCommand};
 use tautline_workbench::model::edit::Edit;
-use tautline_workflow::session_file::Held;
+use tautline_workflow::session_file::FileLock;
 
 use crate::demo::Bench;
 
@@ -91,7 +91,7 @@ fn commands_wait_while_the_window_has_unsaved_changes() {
     assert!(
         refused
             .stderr
-            .contains("another program works on this session"),
+            .contains("another program is using this session"),
         "{}",
         refused.stderr
     );
@@ -136,11 +136,11 @@ fn the_window_does_not_write_over_what_a_command_wrote() {
 fn a_command_at_work_is_told_and_keeps_the_window_from_saving() {
     let mut bench = Bench::new(None);
     write_session(&path(&bench), &session(3)).expect("written");
-    let held = Held::take(&path(&bench)).expect("held");
+    let held = FileLock::acquire(&path(&bench)).expect("held");
     let file = path(&bench);
     bench.give(FileCommand::Open(file));
     bench.wait("the session", |state| state.model.open.is_some());
-    let busy = "another program works on this session";
+    let busy = "another program is using this session";
     assert_eq!(told(&bench, busy), 1, "when it is opened");
     rename(&mut bench, "renamed");
     assert_eq!(told(&bench, busy), 2, "at the first change");

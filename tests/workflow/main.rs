@@ -4,5 +4,6 @@ mod ads;
 mod bad_input;
 mod commands;
 mod headless;
+mod pipeline;
 mod samples;
 mod schemas;

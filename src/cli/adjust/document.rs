@@ -19,6 +19,9 @@ pub struct AdjustmentDocument {
     pub controller: String,
     /// How the values were identified; null where none were.
     pub method: Option<String>,
+    /// Chi-square of the identification; null where there was none.
+    #[serde(default)]
+    pub chi2: Option<f64>,
     /// What was found after an interrupted adjustment: old, new or mixed values; null if there was none.
     pub interrupted: Option<String>,
     /// Controller and identified values.
@@ -67,6 +70,7 @@ impl AdjustmentDocument {
         Self {
             controller,
             method: None,
+            chi2: None,
             interrupted: None,
             differences: Vec::new(),
             outcome: String::new(),

@@ -1,16 +1,17 @@
 //! What is to be written: the identified robot.
 
+use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Solution};
 use tautline_core::robot::Robot;
 use tautline_session::{Method, ResultRecord, Session};
+use tautline_workflow::clock;
 use tautline_workflow::documents::record;
 use tautline_workflow::identification::{
     Identification, IdentificationDocument, IdentificationRequest, identify_published,
     identify_session,
 };
-use tautline_workflow::{BadInput, clock};
 
 use crate::method::MethodName;
 
@@ -18,11 +19,10 @@ use crate::method::MethodName;
 pub struct Identified {
     /// The robot with the identified values.
     pub model: Robot,
-    /// How they were identified.
-    pub method: String,
     /// One sentence, without a full stop, where the identification did not converge.
     pub unconverged: Option<String>,
-    document: IdentificationDocument,
+    /// Machine form.
+    pub document: IdentificationDocument,
     /// Of the joint and simple methods; the published one has no standard deviations.
     identification: Option<Identification>,
 }
@@ -44,7 +44,6 @@ impl Identified {
         let document = identified.document();
         Ok(Self {
             model: identified.model.clone(),
-            method: document.method.clone(),
             unconverged: (!document.converged).then(|| {
                 let steps = document.iterations;
                 format!("The identification did not converge in {steps} steps")
@@ -73,7 +72,6 @@ impl Identified {
         let document = published.document();
         Ok(Self {
             model: published.poses.dataset.robot.clone(),
-            method: document.method.clone(),
             unconverged,
             document,
             identification: None,

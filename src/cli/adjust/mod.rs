@@ -8,11 +8,11 @@ mod writing;
 
 use std::path::PathBuf;
 
+use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::plan_adjustment;
 use tautline_session::Outcome;
-use tautline_workflow::BadInput;
 use tautline_workflow::adjusting::{Purpose, former_values, revertible, values_to_write};
 use tautline_workflow::controllers::Rig;
 
@@ -68,7 +68,7 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.robot_arguments.choice()?;
-    let mut file = SessionFile::open(&arguments.session, || Ok(None), &mut tell_error)?;
+    let mut file = SessionFile::open(&arguments.session, &mut tell_error)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
     let symbols = &arguments.robot_arguments.symbols;
@@ -123,7 +123,8 @@ fn adjust(
     let differences = plan_adjustment(&parameters, &identified.model, solution);
     files::write(arguments, &identified.model, &differences)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
-    document.method = Some(identified.method.clone());
+    document.method = Some(identified.document.method.clone());
+    document.chi2 = Some(identified.document.chi2);
     document.set_differences(&differences);
     let values = values_to_write(differences);
     if arguments.dry_run || values.is_empty() {

@@ -91,7 +91,7 @@ pub fn conclude(
     }
     file.log(Phase::Accuracy, written.text.clone());
     file.save()?;
-    file.forget_controller()
+    Ok(file.remove_controller()?)
 }
 
 /// What the controller holds of the parameters that are to be written.

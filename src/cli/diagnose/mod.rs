@@ -6,12 +6,12 @@ mod report;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::diagnosis::DiagnosisOptions;
 use tautline_core::estimation::EstimationError;
 use tautline_core::measurement::Dataset;
 use tautline_session::write_robot;
-use tautline_workflow::BadInput;
 use tautline_workflow::diagnosis::diagnose_dataset;
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{extrapolation, identified};

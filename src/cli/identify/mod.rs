@@ -4,11 +4,11 @@ mod report;
 
 use std::path::PathBuf;
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::{Control, Loss};
 use tautline_core::measurement::Dataset;
 use tautline_session::{Method, write_robot};
-use tautline_workflow::BadInput;
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, PublishedIdentification, identify, identify_published,
     solved_method,

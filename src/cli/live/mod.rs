@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_session::{Session, read_symbols};
 
-use super::BadInput;
+use crate::BadInput;
 use tautline_workflow::controllers::ControllerChoice;
 
 /// Which robot, and whether it may move.

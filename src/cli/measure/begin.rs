@@ -1,11 +1,12 @@
 //! A new session.
 
+use crate::BadInput;
 use anyhow::Result;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, true_robot};
 use tautline_session::{LogEntry, Phase, Session, Simulator};
+use tautline_workflow::clock;
 use tautline_workflow::controllers::ControllerChoice;
-use tautline_workflow::{BadInput, clock};
 
 use super::Arguments;
 use crate::input;

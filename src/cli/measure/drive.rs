@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::BadInput;
 use anyhow::{Context, Result, anyhow};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
@@ -10,7 +11,6 @@ use tautline_link::measuring::{
     Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
 use tautline_session::{Keeper, Session};
-use tautline_workflow::BadInput;
 use tautline_workflow::controllers::Rig;
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::wording::sentence;
@@ -86,7 +86,7 @@ impl Drive {
 
     /// Drives until the end; then everything is in the session's file and nothing is left beside it.
     pub fn run(mut self, file: &mut SessionFile, connection: &mut Connection) -> Result<Ended> {
-        let mut keeper = file.keep()?;
+        let mut keeper = file.autosave()?;
         self.run = self.run.asking(connection.asked.clone());
         let measured = self.measure(file, connection, &mut keeper);
         if self.run.stage() != Stage::Ended || measured.is_err() {

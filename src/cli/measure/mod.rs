@@ -8,9 +8,9 @@ mod plan;
 use std::cell::Cell;
 use std::path::PathBuf;
 
+use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_session::{LaserSettings, Outcome, Phase, Session};
-use tautline_workflow::BadInput;
 use tautline_workflow::controllers::{ControllerChoice, Rig};
 use tautline_workflow::identification::{Identification, identify_session};
 use tautline_workflow::wording::count;
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .robot_arguments
         .require_arm("The robot was not moved")?;
     let is_new = Cell::new(false);
-    let mut file = SessionFile::open(
+    let mut file = SessionFile::open_or_begin(
         &arguments.session,
         || {
             is_new.set(true);

@@ -14,12 +14,12 @@ use tautline_session::{
     write_check,
 };
 
-use super::BadInput;
 use super::live::{
     Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
 };
 use super::measure::{refuse_interrupted, require_simulated};
 use super::output::{is_readable, tell_error, write_json};
+use crate::BadInput;
 pub use document::VerificationDocument;
 use tautline_workflow::adjusting::title;
 use tautline_workflow::clock;
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let message = "The robot was not moved: add --arm once nobody is near the robot";
         return Err(BadInput::new(message));
     }
-    let mut file = SessionFile::open(&arguments.session, || Ok(None), &mut tell_error)?;
+    let mut file = SessionFile::open(&arguments.session, &mut tell_error)?;
     refuse_interrupted(&file.session, &arguments.session.display().to_string())?;
     let (rows, source) = match (&arguments.check, &choice) {
         (Some(path), _) => (from_file(path)?, format!("from {}", path.display())),
@@ -224,5 +224,5 @@ fn keep(file: &mut SessionFile, stage: Stage, rows: Vec<CheckRow>, source: &str)
         rows,
     });
     file.log(Phase::Accuracy, text);
-    file.save()
+    Ok(file.save()?)
 }

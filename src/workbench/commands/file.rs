@@ -11,7 +11,7 @@ use crate::model::OpenSession;
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome, Purpose};
 use crate::model::phase::{Phase, Screen};
 use crate::shell::State;
-use tautline_workflow::session_file::settle;
+use tautline_workflow::session_file::recover_unsaved;
 use tautline_workflow::{clock, samples};
 
 /// Title of writing a session.
@@ -108,7 +108,11 @@ fn read(state: &mut State, path: PathBuf) {
     let into = state.model.open.as_ref().map(|open| open.session().clone());
     let is_own = state.model.session_lock.holds(&path);
     state.model.tasks.start("Opening", move |_| {
-        let told = if is_own { Vec::new() } else { settle(&path) };
+        let told = if is_own {
+            Vec::new()
+        } else {
+            recover_unsaved(&path)
+        };
         let mut result = import(&path, into.as_ref()).map_err(|error| error.to_string());
         if let Ok(loaded) = &mut result {
             loaded.notices.extend(told);

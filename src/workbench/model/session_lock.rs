@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::OpenSession;
-use tautline_workflow::session_file::{Held, NotHeld, folder_of};
+use tautline_workflow::session_file::{FileLock, LockError, unsaved_folder};
 
 /// What tells a file from one that was written later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ struct Known {
 #[derive(Debug, Default)]
 pub struct SessionLock {
     known: Option<Known>,
-    held: Option<Held>,
+    held: Option<FileLock>,
     /// Revision at which it was tried to hold the file.
     tried: Option<u64>,
 }
@@ -79,15 +79,18 @@ impl SessionLock {
     pub fn check(&mut self, path: &Path) -> Result<(), String> {
         let known = self.known.as_ref().filter(|known| known.path == path);
         let Some(known) = known else {
-            return match folder_of(path).exists().then(|| Held::take(path)) {
-                Some(Err(error @ NotHeld::Busy(_))) => Err(format!("{error}.")),
+            return match unsaved_folder(path)
+                .exists()
+                .then(|| FileLock::acquire(path))
+            {
+                Some(Err(error @ LockError::Busy(_))) => Err(format!("{error}.")),
                 _ => Ok(()),
             };
         };
         if self.held.is_none() {
-            match Held::take(path) {
+            match FileLock::acquire(path) {
                 Ok(held) => self.held = Some(held),
-                Err(error @ NotHeld::Busy(_)) => return Err(format!("{error}.")),
+                Err(error @ LockError::Busy(_)) => return Err(format!("{error}.")),
                 // Whoever saves it is told what is wrong with the place.
                 Err(_) => {}
             }

@@ -1,32 +1,87 @@
-//! The file of a session while somebody works on it.
+//! The file of a session while a program works on it.
 //!
 //! Beside the file lies the folder `SESSION.unsaved` as long as a command runs or the window has changes that the file
-//! has not: its lock keeps others away, and the poses that a command measures are there before they are in the file. If
-//! the program is killed it stays, and whoever opens the session next takes the poses over.
+//! does not have: its lock keeps other programs away, and the poses that a command measures are written there before
+//! they are in the file. If the program is killed the folder stays, and the next program that opens the session takes
+//! the poses over.
 
-mod held;
+mod lock;
 
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use tautline_core::robot::FieldError;
 use tautline_session::{
-    Keeper, LeftBehind, LogEntry, Outcome, Phase, Session, left_behind, read_session, write_session,
+    Keeper, LeftBehind, LogEntry, Outcome, Phase, ReadError, Session, WriteError, left_behind,
+    read_session, write_session,
 };
 
-use crate::BadInput;
 use crate::clock;
 use crate::controllers::beside;
 use crate::wording::{count, sentence};
-use held::LOCK;
-pub use held::folder_of;
-pub use held::{Held, NotHeld};
+use lock::LOCK_NAME;
+pub use lock::{FileLock, LockError, unsaved_folder};
 
 /// Ending of the file that a simulated controller's values are in while they are written.
 const CONTROLLER: &str = ".controller";
-/// Where poses go that are in the file by then.
+/// Folder for discarded autosaves, whose poses are in the file by then.
 const DISCARDED: &str = "discarded";
+
+/// Why a session file cannot be worked on.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionFileError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// It cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// It cannot be locked.
+    #[error(transparent)]
+    Lock(#[from] LockError),
+    /// What a killed program had measured cannot be read.
+    #[error(
+        "{}: what was measured last cannot be read; move the folder away to go on without it: {reason}",
+        folder.display()
+    )]
+    Recovery {
+        /// Where it is.
+        folder: PathBuf,
+        /// Why not.
+        reason: ReadError,
+    },
+    /// What a killed program had measured belongs to another robot.
+    #[error("{}: its poses do not fit the session: {reason}", folder.display())]
+    Misfit {
+        /// Where it is.
+        folder: PathBuf,
+        /// What does not fit.
+        reason: FieldError,
+    },
+    /// A file beside it cannot be read or removed.
+    #[error("{} cannot be {action}: {reason}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// Read or removed.
+        action: &'static str,
+        /// What the system says.
+        reason: IoError,
+    },
+}
+
+impl SessionFileError {
+    /// Whether the user has to correct the input.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Read(_) | Self::Recovery { .. } | Self::Misfit { .. } => true,
+            Self::Lock(error) => matches!(error, LockError::NoFolder(_)),
+            Self::Write(_) | Self::Io { .. } => false,
+        }
+    }
+}
 
 /// A session and its file.
 pub struct SessionFile {
@@ -34,61 +89,80 @@ pub struct SessionFile {
     pub path: PathBuf,
     /// What is in it, and what is not yet.
     pub session: Session,
-    held: Held,
+    lock: FileLock,
 }
 
-/// Takes over what a killed command has left beside a session file; what there is to tell about it, also that a command
-/// works on the session still.
-pub fn settle(path: &Path) -> Vec<String> {
-    let mut told = Vec::new();
-    if folder_of(path).exists() {
-        let opened = SessionFile::open(path, || Ok(None), &mut |text| told.push(sentence(&text)));
+/// Takes over what a killed command has left beside a session file; notices about it, also that a command is still
+/// working on the session.
+pub fn recover_unsaved(path: &Path) -> Vec<String> {
+    let mut notices = Vec::new();
+    if unsaved_folder(path).exists() {
+        let opened = SessionFile::open(path, &mut |text| notices.push(sentence(&text)));
         if let Err(error) = opened {
-            told.push(format!("{error:#}."));
+            notices.push(format!("{error}."));
         }
     }
-    told
+    notices
 }
 
 impl SessionFile {
-    /// Reads a session for a command that changes it, with what an earlier command has left unsaved. Where there is no
-    /// such file `begin` makes the session, if it may. What there is to say is given to `tell`.
-    pub fn open(
+    /// Reads a session for a command that changes it, with what an earlier command has left unsaved. Notices go to
+    /// `notify`.
+    ///
+    /// # Errors
+    /// If the file is missing, or cannot be read, locked or brought up to date.
+    pub fn open(path: &Path, notify: &mut dyn FnMut(String)) -> Result<Self, SessionFileError> {
+        Self::open_or_begin(path, || Ok(None), notify)
+    }
+
+    /// The same; where there is no such file `begin` may make the session.
+    ///
+    /// # Errors
+    /// Those of `begin`; or if the file cannot be read, locked or brought up to date.
+    pub fn open_or_begin<E: From<SessionFileError>>(
         path: &Path,
-        begin: impl Fn() -> Result<Option<Session>>,
-        tell: &mut dyn FnMut(String),
-    ) -> Result<Self> {
-        let folder = folder_of(path);
-        // What is wrong with a file is said before anything is written beside it.
+        begin: impl Fn() -> Result<Option<Session>, E>,
+        notify: &mut dyn FnMut(String),
+    ) -> Result<Self, E> {
+        let folder = unsaved_folder(path);
+        // Errors in a file are reported before anything is written beside it.
         let made = match path.exists() || folder.exists() {
             true => None,
-            false => Some(begin()?.map_or_else(|| read(path, tell), Ok)?),
+            false => Some(match begin()? {
+                Some(session) => session,
+                None => read(path, notify)?,
+            }),
         };
-        let held = Held::take(path).map_err(|error| match error {
-            NotHeld::NoFolder(_) => BadInput::new(error),
-            error => error.into(),
-        })?;
-        let left = left_behind(&folder)?;
+        let lock = FileLock::acquire(path).map_err(SessionFileError::from)?;
+        let left = left_behind(&folder).map_err(SessionFileError::from)?;
         let session = match (path.exists(), made) {
-            (true, _) => read(path, tell)?,
+            (true, _) => read(path, notify)?,
             (false, Some(session)) => session,
             (false, None) => match left.first() {
-                Some(left) => left.recover()?.value.session,
+                Some(left) => {
+                    left.recover()
+                        .map_err(SessionFileError::from)?
+                        .value
+                        .session
+                }
                 // The program was killed before it had written anything.
-                None => begin()?.map_or_else(|| read(path, tell), Ok)?,
+                None => match begin()? {
+                    Some(session) => session,
+                    None => read(path, notify)?,
+                },
             },
         };
         let mut file = Self {
             path: path.to_owned(),
             session,
-            held,
+            lock,
         };
-        file.take_over(left, tell)?;
+        file.take_over(left, notify)?;
         file.tidy()?;
         let last = file.session.adjustments().last();
         if last.is_none_or(|last| last.outcome != Outcome::Begun) {
-            // The session has its values, and may have got others since.
-            file.forget_controller()?;
+            // The values are in the session, which may have changed since.
+            file.remove_controller()?;
         }
         Ok(file)
     }
@@ -99,25 +173,34 @@ impl SessionFile {
     }
 
     /// The session has the values of the simulated controller: their own file is removed.
-    pub fn forget_controller(&self) -> Result<()> {
+    ///
+    /// # Errors
+    /// If it cannot be removed.
+    pub fn remove_controller(&self) -> Result<(), SessionFileError> {
         let path = self.controller();
         match fs::remove_file(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed.with_context(|| format!("{} cannot be removed", path.display())),
+            removed => removed.map_err(io("removed", &path)),
         }
     }
 
-    /// Starts to keep measured poses.
-    pub fn keep(&self) -> Result<Keeper> {
+    /// Starts to write measured poses beside the file.
+    ///
+    /// # Errors
+    /// If nothing can be written there.
+    pub fn autosave(&self) -> Result<Keeper, SessionFileError> {
         Ok(Keeper::begin(
-            self.held.folder(),
+            self.lock.folder(),
             Some(&self.path),
             &self.session,
         )?)
     }
 
     /// Writes the file, completely or not at all.
-    pub fn save(&self) -> Result<()> {
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn save(&self) -> Result<(), SessionFileError> {
         Ok(write_session(&self.path, &self.session)?)
     }
 
@@ -132,41 +215,43 @@ impl SessionFile {
 
     /// Removes what was taken over, which is in the file now, and the locks of folders that a killed program had made
     /// but not used, or had removed already.
-    fn tidy(&self) -> Result<()> {
-        let folder = self.held.folder();
-        let failed = || format!("{} cannot be read", folder.display());
-        for entry in fs::read_dir(folder).with_context(failed)? {
-            let path = entry.with_context(failed)?.path();
+    fn tidy(&self) -> Result<(), SessionFileError> {
+        let folder = self.lock.folder();
+        for entry in fs::read_dir(folder).map_err(io("read", folder))? {
+            let path = entry.map_err(io("read", folder))?.path();
             let removed = match path.file_name() {
                 Some(name) if name == DISCARDED => fs::remove_dir_all(&path),
-                Some(name) if name != LOCK && path.is_file() => fs::remove_file(&path),
+                Some(name) if name != LOCK_NAME && path.is_file() => fs::remove_file(&path),
                 _ => Ok(()),
             };
-            removed.with_context(|| format!("{} cannot be removed", path.display()))?;
+            removed.map_err(io("removed", &path))?;
         }
         Ok(())
     }
 
     /// Takes over poses that were measured by a program that was killed, and writes them to the file.
-    fn take_over(&mut self, left: Vec<LeftBehind>, tell: &mut dyn FnMut(String)) -> Result<()> {
+    fn take_over(
+        &mut self,
+        left: Vec<LeftBehind>,
+        notify: &mut dyn FnMut(String),
+    ) -> Result<(), SessionFileError> {
         for left in left {
-            let place = left.folder().display().to_string();
-            let recovered = left.recover().with_context(|| {
-                format!("{place}: what was measured last cannot be read; move the folder away to go on without it")
-            })?;
-            recovered.notices.into_iter().for_each(&mut *tell);
+            let folder = left.folder().to_owned();
+            let recovered = left
+                .recover()
+                .map_err(|reason| SessionFileError::Recovery {
+                    folder: folder.clone(),
+                    reason,
+                })?;
+            recovered.notices.into_iter().for_each(&mut *notify);
             let added = self.session.append_missing(&recovered.value.session);
-            let added = added.map_err(|error| {
-                BadInput::new(format!(
-                    "{place}: its poses do not fit the session: {error}"
-                ))
-            })?;
+            let added = added.map_err(|reason| SessionFileError::Misfit { folder, reason })?;
             if !added.is_empty() {
                 let text = format!(
                     "{} that a program had measured before it was killed: taken over.",
                     count(added.len(), "pose")
                 );
-                tell(text.clone());
+                notify(text.clone());
                 self.log(Phase::Poses, text);
             }
             self.save()?;
@@ -176,8 +261,17 @@ impl SessionFile {
     }
 }
 
-fn read(path: &Path, tell: &mut dyn FnMut(String)) -> Result<Session> {
+fn io(action: &'static str, path: &Path) -> impl FnOnce(IoError) -> SessionFileError {
+    let path = path.to_owned();
+    move |reason| SessionFileError::Io {
+        path,
+        action,
+        reason,
+    }
+}
+
+fn read(path: &Path, notify: &mut dyn FnMut(String)) -> Result<Session, SessionFileError> {
     let read = read_session(path)?;
-    read.notices.into_iter().for_each(tell);
+    read.notices.into_iter().for_each(notify);
     Ok(read.value)
 }

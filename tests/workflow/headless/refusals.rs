@@ -131,7 +131,7 @@ fn one_command_at_a_time_works_on_a_session() {
     assert!(
         second
             .stderr
-            .contains("another program works on this session"),
+            .contains("another program is using this session"),
         "{}",
         second.stderr
     );

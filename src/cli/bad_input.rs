@@ -1,8 +1,9 @@
 //! Input that the user has to correct.
 
+use std::fmt::{self, Display};
+
 /// Input that the user has to correct; ends the program with exit code 2.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
+#[derive(Debug)]
 pub struct BadInput(String);
 
 impl BadInput {
@@ -11,7 +12,15 @@ impl BadInput {
         reason = "commands only return it, as the error of their result"
     )]
     /// The error with a message that names file, place, what was found and what was expected.
-    pub fn new(message: impl std::fmt::Display) -> anyhow::Error {
+    pub fn new(message: impl Display) -> anyhow::Error {
         Self(message.to_string()).into()
     }
 }
+
+impl Display for BadInput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for BadInput {}

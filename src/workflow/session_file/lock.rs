@@ -9,27 +9,27 @@ use crate::controllers::beside;
 /// Ending of the folder.
 const UNSAVED: &str = ".unsaved";
 /// The file in it that is locked.
-pub(super) const LOCK: &str = "lock";
+pub(super) const LOCK_NAME: &str = "lock";
 
-/// The folder of what is not in a session file yet.
+/// The folder beside a session file with what is not in the file yet.
 #[must_use]
-pub fn folder_of(session: &Path) -> PathBuf {
+pub fn unsaved_folder(session: &Path) -> PathBuf {
     beside(session, UNSAVED)
 }
 
-/// A session file that nobody else changes while this value lives.
+/// The lock of a session file: no other program changes the file while this value lives.
 #[derive(Debug)]
-pub struct Held {
+pub struct FileLock {
     folder: PathBuf,
     lock: File,
 }
 
-/// Why a session file cannot be held.
+/// Why a session file cannot be locked.
 #[derive(Debug, thiserror::Error)]
-pub enum NotHeld {
-    /// Another program does.
+pub enum LockError {
+    /// Another program has locked it.
     #[error(
-        "{}: another program works on this session at present; wait until it has ended, or save it in the window where it is open",
+        "{}: another program is using this session; wait until it has ended, or save the session in the window where it is open",
         .0.display()
     )]
     Busy(PathBuf),
@@ -46,15 +46,15 @@ pub enum NotHeld {
     },
 }
 
-impl Held {
+impl FileLock {
     /// Locks a session file.
     ///
     /// # Errors
     /// If another program has locked it, or nothing can be written beside it.
-    pub fn take(session: &Path) -> Result<Self, NotHeld> {
-        let folder = folder_of(session);
-        let lock = folder.join(LOCK);
-        let failed = |reason| NotHeld::Io {
+    pub fn acquire(session: &Path) -> Result<Self, LockError> {
+        let folder = unsaved_folder(session);
+        let lock = folder.join(LOCK_NAME);
+        let failed = |reason| LockError::Io {
             folder: folder.clone(),
             reason,
         };
@@ -62,7 +62,7 @@ impl Held {
             match fs::create_dir(&folder) {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) if error.kind() == ErrorKind::NotFound => {
-                    return Err(NotHeld::NoFolder(session.to_owned()));
+                    return Err(LockError::NoFolder(session.to_owned()));
                 }
                 made => made.map_err(failed)?,
             }
@@ -78,7 +78,7 @@ impl Held {
                     return Ok(Self { folder, lock: file });
                 }
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(NotHeld::Busy(session.to_owned())),
+                Err(TryLockError::WouldBlock) => return Err(LockError::Busy(session.to_owned())),
                 Err(TryLockError::Error(error)) => return Err(failed(error)),
             }
         }
@@ -90,10 +90,10 @@ impl Held {
     }
 }
 
-impl Drop for Held {
+impl Drop for FileLock {
     fn drop(&mut self) {
-        // While it is locked; what stays behind is an empty folder or poses that are not in the file.
-        let _ = fs::remove_file(self.folder.join(LOCK));
+        // The lock is released last. A folder with poses that are not in the file is not empty, so it stays.
+        let _ = fs::remove_file(self.folder.join(LOCK_NAME));
         let _ = fs::remove_dir(&self.folder);
         let _ = self.lock.unlock();
     }
