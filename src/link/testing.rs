@@ -6,13 +6,12 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use tautline_core::estimation::{Problem, Solution, solve};
 use tautline_core::geometry::Pose;
-use tautline_core::measurement::Dataset;
-use tautline_core::robot::Robot;
+use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::presets::{self, Preset};
 
 use crate::clock::{Clock, ManualClock};
 use crate::controller::Controller;
-use crate::measuring::{Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, measurements_of};
+use crate::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun};
 use crate::simulated::{SimulatedRobot, SimulatedSetup};
 use crate::{Limits, Station};
 
@@ -70,8 +69,8 @@ pub(crate) fn drive(
     for _ in 0..100_000 {
         clock.advance(0.05);
         for event in run.tick(robot, clock.now_s()) {
-            if let MeasuringEvent::Measured(accepted) = &event {
-                run.confirm_stored(accepted.label);
+            if let MeasuringEvent::Measured(pose) = &event {
+                run.confirm_stored(pose.label());
             }
             let stops = matches!(
                 event,
@@ -88,12 +87,15 @@ pub(crate) fn drive(
     panic!("the run does not end");
 }
 
-pub(crate) fn accepted(events: &[MeasuringEvent]) -> Vec<Accepted> {
-    let measured = events.iter().filter_map(|event| match event {
-        MeasuringEvent::Measured(accepted) => Some((**accepted).clone()),
-        _ => None,
-    });
-    measured.collect()
+/// What was measured, one row per pose.
+pub(crate) fn readings(events: &[MeasuringEvent]) -> Measurements {
+    let mut readings = Measurements::default();
+    for event in events {
+        if let MeasuringEvent::Measured(pose) = event {
+            readings.append(pose.readings.clone());
+        }
+    }
+    readings
 }
 
 pub(crate) fn warnings(events: &[MeasuringEvent]) -> Vec<String> {
@@ -114,15 +116,11 @@ pub(crate) fn measured(
     let events = drive(&mut run_of(preset, poses, 11), robot, clock);
     assert_eq!(events.last(), Some(&MeasuringEvent::Finished));
     assert_eq!(warnings(&events), Vec::<String>::new());
-    let rows = accepted(&events);
-    assert_eq!(rows.len(), poses + 1);
-    dataset(&preset.robot, &rows)
-}
-
-pub(crate) fn dataset(robot: &Robot, rows: &[Accepted]) -> Dataset {
+    let measurements = readings(&events);
+    assert_eq!(measurements.len(), poses + 1);
     Dataset {
-        robot: robot.clone(),
-        measurements: measurements_of(robot, rows),
+        robot: preset.robot.clone(),
+        measurements,
     }
 }
 

@@ -43,14 +43,7 @@ fn readings() -> Measurements {
 }
 
 fn pose(readings: &Measurements, row: usize) -> MeasuredPose {
-    MeasuredPose {
-        label: readings.labels[row],
-        commanded: readings.commanded.get(row).copied().flatten(),
-        revolutions: readings.revolutions.row(row).to_vec(),
-        force_n: readings.force_n.row(row).to_vec(),
-        laser_m: readings.laser_m.get(row).copied(),
-        ..MeasuredPose::default()
-    }
+    MeasuredPose::from(readings.select(&[row]))
 }
 
 /// A program that measures, edits and saves, one step after the other.
@@ -149,9 +142,9 @@ fn work(running: &mut Running, readings: &Measurements, rows: std::ops::Range<us
             tell("saved", row as i64);
         }
         running.append(&pose);
-        tell("measured", pose.label);
+        tell("measured", pose.label());
         if row % 2 == 0 && row > 0 {
-            running.exclude(pose.label);
+            running.exclude(pose.label());
         }
     }
 }

@@ -166,14 +166,7 @@ fn what_a_killed_command_has_left_is_taken_over() {
     let file = path(&bench);
     let mut keeper = Keeper::begin(&unsaved(&bench), Some(&file), &begun).expect("kept");
     let m = &whole.measurements;
-    let pose = MeasuredPose {
-        label: m.labels[2],
-        commanded: m.commanded[2],
-        revolutions: m.revolutions.row(2).to_vec(),
-        force_n: m.force_n.row(2).to_vec(),
-        laser_m: m.laser_m.get(2).copied(),
-        ..MeasuredPose::default()
-    };
+    let pose = MeasuredPose::from(m.select(&[2]));
     keeper.measured(&pose).expect("kept");
     drop(keeper);
     bench.give(FileCommand::Open(file));

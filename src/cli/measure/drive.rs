@@ -8,9 +8,9 @@ use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{
-    Accepted, MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
+    MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
-use tautline_session::{Keeper, Session};
+use tautline_session::{Keeper, MeasuredPose, Session};
 use tautline_workflow::controllers::Rig;
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::wording::sentence;
@@ -123,8 +123,8 @@ impl Drive {
             let now_s = connection.now_s();
             for event in self.run.tick(&mut *connection.controller, now_s) {
                 match event {
-                    MeasuringEvent::Measured(accepted) => {
-                        self.store(&accepted, &mut file.session, keeper)?;
+                    MeasuringEvent::Measured(pose) => {
+                        self.store(&pose, &mut file.session, keeper)?;
                         if self.is_good_enough(&file.session) {
                             return Ok(End::GoodEnough);
                         }
@@ -150,14 +150,13 @@ impl Drive {
     /// A pose is on disk before it is told, and told before the next one is commanded.
     fn store(
         &mut self,
-        accepted: &Accepted,
+        pose: &MeasuredPose,
         session: &mut Session,
         keeper: &mut Keeper,
     ) -> Result<()> {
-        let pose = accepted.measured_pose();
-        let label = pose.label;
-        keeper.measured(&pose)?;
-        let appended = session.append_pose(&pose);
+        let label = pose.label();
+        keeper.measured(pose)?;
+        let appended = session.append_pose(pose);
         appended.map_err(|error| anyhow!("pose {label} cannot be used: {error}"))?;
         self.ended.measured.push(label);
         eprintln!(

@@ -1,7 +1,9 @@
 //! What a run does once a pose is commanded: settling, asking, sampling, checking.
 
-use super::accepted::Accepted;
+use tautline_session::MeasuredPose;
+
 use super::checks::{Checks, jump};
+use super::mean::mean_readings;
 use super::{MeasuringEvent, MeasuringRun, Stage};
 use crate::controller::Sample;
 
@@ -120,19 +122,20 @@ impl MeasuringRun {
         let Some((label, pose)) = self.current else {
             return;
         };
-        let mut accepted = Accepted::mean_of(label, pose, &self.samples);
+        let measured = MeasuredPose::from(mean_readings(label, pose, &self.samples));
         let expected = (self.predictor)(&pose);
         let checks = Checks {
             robot: &self.robot,
             options: &self.options,
-            at: &accepted,
+            at: &measured.readings,
+            label,
+            samples: &self.samples,
             laser_trouble,
         };
         let warnings = checks.all(self.journey.as_ref(), expected.as_ref());
         let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());
-        accepted.notes = warnings.iter().map(|w| w.text.clone()).collect();
-        let told = warnings.into_iter().map(MeasuringEvent::Warning);
-        self.pending.extend(told);
+        self.pending
+            .extend(warnings.into_iter().map(MeasuringEvent::Warning));
         if let Some(text) = refusal {
             self.hold(format!("pose {label} cannot be used: {text}"));
             return;
@@ -140,11 +143,12 @@ impl MeasuringRun {
         if label != 0 {
             let plausible_m = self.options.plausible_m;
             let expected = expected.as_ref();
-            let found = (self.channels).compare(&self.robot, &accepted, expected, plausible_m);
+            let found =
+                (self.channels).compare(&self.robot, &measured.readings, expected, plausible_m);
             found.into_iter().for_each(|f| self.warn(f.cable, f.text));
         }
         self.stage = Stage::Storing;
         self.pending
-            .push(MeasuringEvent::Measured(Box::new(accepted)));
+            .push(MeasuringEvent::Measured(Box::new(measured)));
     }
 }

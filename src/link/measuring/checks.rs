@@ -1,9 +1,10 @@
 //! What does not look right in measured readings, in words for the operator.
 
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
-use super::accepted::Accepted;
 use super::channels::{encoder_factor, laser_factor};
+use super::mean::mean_and_sd;
 use super::options::{MeasuringOptions, Prediction};
 use crate::controller::Sample;
 
@@ -107,7 +108,12 @@ impl Journey {
 pub(super) struct Checks<'a> {
     pub robot: &'a Robot,
     pub options: &'a MeasuringOptions,
-    pub at: &'a Accepted,
+    /// The mean readings, one row.
+    pub at: &'a Measurements,
+    /// Label of the pose.
+    pub label: i64,
+    /// What the means are of.
+    pub samples: &'a [Sample],
     /// Why there is no laser distance, where that is known.
     pub laser_trouble: Option<String>,
 }
@@ -116,12 +122,12 @@ impl Checks<'_> {
     fn warning(&self, cable: Option<usize>, refuses: bool, text: &str) -> Warning {
         let name = cable.and_then(|index| self.robot.cables.get(index));
         let subject = name.map_or(String::new(), |cable| format!("{}: ", cable.name));
-        let place = match self.at.label {
+        let place = match self.label {
             0 => "at home".to_owned(),
             label => format!("at pose {label}"),
         };
         Warning {
-            label: self.at.label,
+            label: self.label,
             cable,
             text: format!("{subject}{text} ({place})."),
             refuses,
@@ -144,19 +150,19 @@ impl Checks<'_> {
 
     fn missing(&self) -> Vec<Warning> {
         let mut found = Vec::new();
-        for (index, value) in self.at.revolutions.iter().enumerate() {
+        for (index, value) in self.at.revolutions.row(0).iter().enumerate() {
             if !value.is_finite() {
                 found.push(self.warning(Some(index), true, "its encoder shows no number"));
             }
         }
-        for (index, value) in self.at.force_n.iter().enumerate() {
+        for (index, value) in self.at.force_n.row(0).iter().enumerate() {
             // Lengths count from home: without the tension there a cable cannot be used at all.
             if !value.is_finite() {
-                let refuses = self.at.label == 0;
+                let refuses = self.label == 0;
                 found.push(self.warning(Some(index), refuses, "its force sensor shows no number"));
             }
         }
-        if self.at.laser_m.is_nan() && self.robot.laser.is_some() {
+        if self.at.laser_at(0).is_nan() && self.robot.laser.is_some() {
             let usual =
                 "the laser has no return: is something in the beam, or the target out of reach?";
             let text = match &self.laser_trouble {
@@ -172,7 +178,7 @@ impl Checks<'_> {
         let range = &self.options.tension;
         let mut found = Vec::new();
         for (index, cable) in self.robot.cables.iter().enumerate() {
-            let reading = self.at.force_n.get(index).copied().unwrap_or(f64::NAN);
+            let reading = self.at.force_n.get(0, index);
             let Some(sensor) = cable.force_sensor else {
                 continue;
             };
@@ -201,11 +207,16 @@ impl Checks<'_> {
     /// that is kept at the lowest tension shows the same everywhere.
     fn frozen_forces(&self, journey: &Journey) -> Vec<Warning> {
         let changed = &journey.forces_changed;
-        let sds = self.robot.cables.iter().zip(&self.at.force_sd_n);
-        let noisy = sds.filter(|(cable, sd)| {
-            let sensor = cable.force_sensor;
-            sensor.is_some_and(|s| **sd > SILENT * s.tension_sd_n * s.tension_gain.abs())
-        });
+        let noisy = self
+            .robot
+            .cables
+            .iter()
+            .enumerate()
+            .filter(|(index, cable)| {
+                let (_, sd_n) = mean_and_sd(self.samples, &|s| s.force_n.get(*index).copied());
+                let sensor = cable.force_sensor;
+                sensor.is_some_and(|s| sd_n > SILENT * s.tension_sd_n * s.tension_gain.abs())
+            });
         let noisy = noisy.count();
         if 2 * noisy <= changed.len() {
             return Vec::new();
@@ -213,9 +224,8 @@ impl Checks<'_> {
         let text =
             "its force sensor shows exactly the same before and after the motion: is it connected?";
         let cables = changed.iter().enumerate();
-        let frozen = cables.filter(|(index, changed)| {
-            !**changed && self.at.force_n.get(*index).is_some_and(|f| f.is_finite())
-        });
+        let frozen = cables
+            .filter(|(index, changed)| !**changed && self.at.force_n.get(0, *index).is_finite());
         frozen
             .map(|(index, _)| self.warning(Some(index), false, text))
             .collect()
@@ -230,7 +240,7 @@ impl Checks<'_> {
     ) -> Option<Warning> {
         let winch = self.robot.cables.get(index)?.winch;
         let per_revolution = winch.cable_per_revolution_m();
-        let now = *self.at.revolutions.get(index)?;
+        let now = self.at.revolutions.get(0, index);
         let expected_now = *expected.revolutions.get(index)?;
         if let Some((journey, before)) = journey.and_then(|j| Some((j, j.expected.as_ref()?))) {
             let should_m = (expected_now - before.revolutions.get(index)?) * per_revolution;
@@ -267,7 +277,7 @@ impl Checks<'_> {
                 return Some(self.warning(None, false, text));
             }
         }
-        let off_m = self.at.laser_m - expected.laser_m?;
+        let off_m = self.at.laser_at(0) - expected.laser_m?;
         let text = format!(
             "the laser distance is {:.1} mm off what is expected, more than {:.0} mm are not plausible",
             off_m * 1e3,

@@ -5,10 +5,10 @@
 //! is confirmed: so a crash loses at most the pose under way. The pose labelled 0 is home: there the controller
 //! is told to go home, where its encoders are zeroed; put it first in the plan.
 
-mod accepted;
 mod at_pose;
 mod channels;
 mod checks;
+mod mean;
 mod options;
 mod precision;
 mod settling;
@@ -19,8 +19,8 @@ use std::collections::VecDeque;
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
+use tautline_session::MeasuredPose;
 
-pub use accepted::{Accepted, measurements_of};
 pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
@@ -69,7 +69,7 @@ pub enum MeasuringEvent {
         label: i64,
     },
     /// A pose was measured: store it and call [`MeasuringRun::confirm_stored`].
-    Measured(Box<Accepted>),
+    Measured(Box<MeasuredPose>),
     /// Something does not look right.
     Warning(Warning),
     /// A pose was left out.

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::clock::ManualClock;
-use crate::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun, measurements_of};
-use crate::testing::{accepted, armed, drive, measured, preset};
+use crate::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun};
+use crate::testing::{armed, drive, measured, preset, readings};
 
 const POSES: usize = 6;
 
@@ -35,7 +35,7 @@ fn a_recording_that_is_measured_again_gives_its_readings_at_its_times() {
     let mut run = MeasuringRun::new(plan_of(&dataset), &dataset.robot, options);
     let events = drive(&mut run, &mut controller, &clock);
     assert_eq!(events.last(), Some(&MeasuringEvent::Finished));
-    let again = measurements_of(&dataset.robot, &accepted(&events));
+    let again = readings(&events);
     let recorded = &dataset.measurements;
     assert_eq!(again.labels, recorded.labels);
     assert_eq!(again.revolutions, recorded.revolutions);

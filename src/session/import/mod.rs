@@ -17,7 +17,7 @@ use crate::phases::{
 };
 use crate::plan_table::read_plan;
 use crate::poses::{Column, Group, LABEL, read_poses};
-use crate::session::{PlannedPose, Session, SessionDocument, from_document};
+use crate::session::{PlannedPose, Session, SessionDocument, checked};
 use crate::table::Table;
 
 /// What was imported.
@@ -141,7 +141,7 @@ fn import_json(bytes: &[u8], file: &str) -> Result<Loaded<Import>, ReadError> {
     let (session, robot) = (SessionDocument::FORMAT, Robot::FORMAT);
     let found = match object.get("format") {
         Some(Value::String(format)) if format == session => {
-            let loaded = from_document(document_in(object, file)?, file)?;
+            let loaded = checked(document_in(object, file)?, file)?;
             return Ok(loaded.map(|value| Import::Session(Box::new(value))));
         }
         Some(Value::String(format)) if format == robot => {

@@ -1,4 +1,4 @@
-//! Named columns to measurements.
+//! Named columns to measurements, checked.
 
 use std::collections::HashMap;
 
@@ -9,10 +9,25 @@ use tautline_core::robot::Robot;
 
 use super::column::{Column, Group, PerCable};
 use super::columns::{Columns, Fault};
+use super::plausible::check_plausible;
 use crate::table::quaternion_fault;
 
-/// Builds measurements from columns that passed [`Columns::check_header`].
-pub(crate) fn assemble(columns: Columns, robot: &Robot) -> Result<Measurements, Fault> {
+impl Columns {
+    /// The measurements, checked against the robot. Whatever comes from a table, a session file, the recovery journal or
+    /// the instruments passes through here.
+    pub fn into_measurements(self, robot: &Robot) -> Result<Measurements, Fault> {
+        if self.labels.is_empty() {
+            return Ok(Measurements::default());
+        }
+        self.check_header(robot)?;
+        self.check_finite()?;
+        let measurements = assemble(self, robot)?;
+        check_plausible(&measurements, robot)?;
+        Ok(measurements)
+    }
+}
+
+fn assemble(columns: Columns, robot: &Robot) -> Result<Measurements, Fault> {
     check_labels(&columns.labels)?;
     let cables = robot.cable_count();
     let single = |column| columns.get(column).map(<[f64]>::to_vec).unwrap_or_default();
@@ -42,8 +57,8 @@ pub(crate) fn assemble(columns: Columns, robot: &Robot) -> Result<Measurements, 
             tension_n: grid(&columns, PerCable::TrueTension, cables),
         },
         labels: columns.labels,
+        groups: columns.groups,
         other: columns.other,
-        ..Measurements::default()
     })
 }
 

@@ -11,6 +11,8 @@ use super::column::{Column, Group, PerCable};
 pub(crate) struct Columns {
     /// Labels of the poses.
     pub labels: Vec<i64>,
+    /// Group labels; empty if there is no such column.
+    pub groups: Vec<String>,
     /// Numbers; NaN is "not measured".
     pub numbers: Vec<(Column, Vec<f64>)>,
     /// Columns this program does not know.
@@ -93,6 +95,17 @@ impl Columns {
         self.check_complete_poses(robot)
     }
 
+    /// Checks that files can hold the numbers: NaN is an empty cell, but nothing is infinite.
+    pub fn check_finite(&self) -> Result<(), Fault> {
+        for (column, values) in &self.numbers {
+            if let Some(row) = values.iter().position(|value| value.is_infinite()) {
+                let message = format!("found {}, expected a finite number", values[row]);
+                return Fault::at(row, column.name(), message);
+            }
+        }
+        Ok(())
+    }
+
     fn check_lengths(&self, robot: &Robot) -> Result<(), Fault> {
         let revolutions = self.has_per_cable(PerCable::Revolutions);
         let lengths = self.has_per_cable(PerCable::Length);
@@ -141,6 +154,7 @@ impl Columns {
         let m = measurements;
         let mut columns = Self {
             labels: m.labels.clone(),
+            groups: m.groups.clone(),
             numbers: Vec::new(),
             other: m.other.clone(),
         };

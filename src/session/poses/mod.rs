@@ -12,10 +12,10 @@ use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, Place, ReadError};
 use crate::table::{Table, TableWriter};
-pub(crate) use assemble::assemble;
 pub(crate) use column::{Column, Group};
 pub(crate) use columns::{Columns, Fault};
-pub(crate) use plausible::{check_complete, check_plausible, unexplained};
+pub(crate) use plausible::check_plausible;
+use plausible::{check_home, unused_readings};
 
 /// Reads `poses.csv`; `file` is the name for messages.
 ///
@@ -37,6 +37,9 @@ pub fn read_poses(
     while let Some(row) = table.next_row()? {
         lines.push(row.line());
         columns.labels.push(row.integer(places.label)?);
+        if let Some(cell) = places.group {
+            columns.groups.push(row.text(cell).to_string());
+        }
         for (cell, (_, values)) in places.numbers.iter().zip(&mut columns.numbers) {
             values.push(row.number(*cell)?);
         }
@@ -44,19 +47,12 @@ pub fn read_poses(
             texts.push(row.text(*cell).to_string());
         }
     }
-    let measurements = assemble(columns, robot)
-        .and_then(|measurements| {
-            check_plausible(&measurements, robot)?;
-            check_complete(&measurements, robot)?;
-            Ok(measurements)
-        })
+    let measurements = columns
+        .into_measurements(robot)
+        .and_then(|measurements| check_home(&measurements, robot).map(|()| measurements))
         .map_err(|fault| place_fault(fault, file, &lines))?;
-    let unexplained = unexplained(&measurements, robot);
-    notices.extend(
-        unexplained
-            .into_iter()
-            .map(|text| format!("{file}: {text}")),
-    );
+    let unused = unused_readings(&measurements, robot).into_iter();
+    notices.extend(unused.map(|text| format!("{file}: {text}")));
     Ok(Loaded {
         value: measurements,
         notices,
@@ -66,6 +62,7 @@ pub fn read_poses(
 /// Index in the file of the labels and of every column of numbers and of text.
 struct Places {
     label: usize,
+    group: Option<usize>,
     numbers: Vec<usize>,
     other: Vec<usize>,
 }
@@ -78,6 +75,7 @@ fn read_header<R: BufRead>(
     let mut columns = Columns::default();
     let mut places = Places {
         label: table.require(LABEL)?,
+        group: table.find(GROUP),
         numbers: Vec::new(),
         other: Vec::new(),
     };
@@ -85,7 +83,7 @@ fn read_header<R: BufRead>(
         if let Some(column) = Column::parse(name) {
             places.numbers.push(cell);
             columns.numbers.push((column, Vec::new()));
-        } else if cell != places.label {
+        } else if cell != places.label && Some(cell) != places.group {
             places.other.push(cell);
             columns.other.push((name.clone(), Vec::new()));
         }
@@ -98,6 +96,8 @@ fn read_header<R: BufRead>(
 
 /// Name of the column with the labels.
 pub(crate) const LABEL: &str = "pose";
+/// Name of the column with the group labels.
+pub(crate) const GROUP: &str = "group";
 
 /// The error for a fault in a table whose rows start at these lines.
 pub(crate) fn place_fault(fault: Fault, file: &str, lines: &[u64]) -> ReadError {
@@ -119,11 +119,15 @@ pub(crate) fn place_fault(fault: Fault, file: &str, lines: &[u64]) -> ReadError 
 pub fn write_poses(out: impl Write, measurements: &Measurements) -> std::io::Result<()> {
     let columns = Columns::of(measurements);
     let mut names = vec![LABEL.to_string()];
+    names.extend((!columns.groups.is_empty()).then(|| GROUP.to_string()));
     names.extend(columns.numbers.iter().map(|(column, _)| column.name()));
     names.extend(columns.other.iter().map(|(name, _)| name.clone()));
     let mut table = TableWriter::new(out, &names)?;
     for (row, label) in columns.labels.iter().enumerate() {
         table.integer(*label)?;
+        if let Some(group) = columns.groups.get(row) {
+            table.text(group)?;
+        }
         for (_, values) in &columns.numbers {
             table.number(values[row])?;
         }

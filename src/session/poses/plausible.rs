@@ -16,8 +16,8 @@ const FARTHEST_LASER_M: f64 = 1000.0;
 /// A revolution of the encoders at home by less cable than this is noise.
 const HOME_LENGTH_M: f64 = 5e-3;
 
-/// Checks what makes measurements usable: rows, and the home row if the encoders count from it.
-pub(crate) fn check_complete(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
+/// Checks that the home row is there if the encoders count from it.
+pub(super) fn check_home(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
     if robot.home.is_some()
         && !measurements.revolutions.is_empty()
         && measurements.home_row().is_none()
@@ -172,7 +172,7 @@ fn check_deviations(deviations: &[[f64; 3]]) -> Result<(), Fault> {
 }
 
 /// Readings that no instrument of the robot explains, and a home row that is not at zero.
-pub(crate) fn unexplained(m: &Measurements, robot: &Robot) -> Vec<String> {
+pub(super) fn unused_readings(m: &Measurements, robot: &Robot) -> Vec<String> {
     let every = |has: fn(&Cable) -> bool| robot.cables.iter().all(has);
     let swivels = |c: &Cable| c.pulley.swivel_zero.is_some() && c.pulley.swivel_sd_rad.is_some();
     let tracked = !m.tracked_position_m.is_empty() || !m.tracked_orientation_wxyz.is_empty();

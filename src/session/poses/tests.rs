@@ -39,6 +39,7 @@ fn full() -> Measurements {
         labels: vec![0, 7, -3, i64::MAX],
         time_s: hard.to_vec(),
         temperature_c: vec![20.5, f64::NAN, 21.0, 22.0],
+        groups: ["a", "a", "", "b, free"].map(String::from).to_vec(),
         commanded: vec![Some(poses[0]), None, Some(poses[1]), Some(poses[2])],
         revolutions: grid,
         force_n: readings.clone(),
@@ -89,6 +90,17 @@ fn columns_come_in_any_order_and_unknown_ones_are_kept() {
     assert_eq!(
         loaded.notices,
         ["poses.csv, column \"note\": unknown, kept"]
+    );
+}
+
+#[test]
+fn group_labels_are_read_without_a_notice() {
+    let loaded = read("pose,group,rev_1,rev_2\n0,,0,0\n1,7,1,1\n2, 7 ,1,2\n");
+    assert_eq!(loaded.value.groups, ["", "7", "7"]);
+    assert_eq!(loaded.notices, Vec::<String>::new());
+    assert_eq!(
+        read("pose,rev_1,rev_2\n0,0,0\n").value.groups,
+        Vec::<String>::new()
     );
 }
 

@@ -52,7 +52,7 @@ pub(super) struct Journal {
 impl Entry {
     pub fn of(pose: &MeasuredPose) -> Self {
         Self {
-            table: pose.table(),
+            table: MeasurementTable::of(&pose.readings),
             repeats: pose.repeats,
         }
     }

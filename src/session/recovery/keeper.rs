@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{Error as IoError, Result as IoResult};
 use std::path::{Path, PathBuf};
 
+use tautline_core::robot::FieldError;
+
 use super::changes::Changes;
 use super::journal::{self, Entry, Journal};
 use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, RESULTS, SNAPSHOT, results, write_origin};
@@ -11,6 +13,7 @@ use crate::atomic::sync_folder;
 use crate::error::WriteError;
 use crate::fingerprint::Fingerprint;
 use crate::json::write_document;
+use crate::poses::Columns;
 use crate::session::{MeasuredPose, Session, write_session};
 
 /// Holds on disk what an open session has and its file has not.
@@ -121,12 +124,12 @@ impl Keeper {
     /// If the readings hold an infinite number or the journal cannot be written.
     pub fn measured(&mut self, pose: &MeasuredPose) -> Result<(), WriteError> {
         let path = self.folder.join(JOURNAL);
-        let entry = Entry::of(pose);
-        entry.table.check().map_err(|error| WriteError::Content {
+        let finite = Columns::of(&pose.readings).check_finite();
+        finite.map_err(|fault| WriteError::Content {
             path: path.clone(),
-            message: error.to_string(),
+            message: FieldError::from(fault).to_string(),
         })?;
-        let line = entry.line();
+        let line = Entry::of(pose).line();
         let line = line.map_err(|error| WriteError::io(&path, error))?;
         journal::append(&path, &line)
     }

@@ -232,7 +232,7 @@ fn changed(
         ..
     } = changes;
     *session.results_mut() = snapshot.results().to_vec();
-    let mut session = match session.into_session_with(&snapshot.measurements) {
+    let mut session = match session.with_measurements_of(&snapshot.measurements) {
         Ok(session) => session,
         Err(error) => {
             notices.push(format!(

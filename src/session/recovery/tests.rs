@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use tautline_core::measurement::Measurements;
+use tautline_core::measurement::{Grid, Measurements};
 
 use super::*;
 use crate::phases::PhaseData;
@@ -13,12 +13,16 @@ use crate::session::{
 };
 
 fn pose(label: i64) -> MeasuredPose {
-    MeasuredPose {
-        label,
-        time_s: Some(label as f64),
-        length_m: vec![1.0, 0.1 + 0.2 * label as f64],
-        ..MeasuredPose::default()
-    }
+    with_lengths(label, vec![1.0, 0.1 + 0.2 * label as f64])
+}
+
+fn with_lengths(label: i64, length_m: Vec<f64>) -> MeasuredPose {
+    MeasuredPose::from(Measurements {
+        labels: vec![label],
+        time_s: vec![label as f64],
+        length_m: Grid::of_row(length_m),
+        ..Measurements::default()
+    })
 }
 
 /// The session of the tests with poses measured afterwards.
@@ -344,8 +348,7 @@ fn a_robot_that_was_changed_before_its_poses_were_measured() {
     let mut now = session_without_poses();
     now.robot.cables.pop();
     keeper.changed(Changes::of(&now, 0)).expect("kept");
-    let mut one_cable = pose(0);
-    one_cable.length_m.pop();
+    let one_cable = with_lengths(0, vec![1.0]);
     keeper.measured(&one_cable).expect("on disk");
     now.append_pose(&one_cable).expect("a pose");
     now.name = "Tuesday".into();
@@ -389,10 +392,7 @@ fn changes_that_cannot_be_read_lose_no_pose() {
 #[test]
 fn a_long_run_writes_what_is_measured_and_not_its_square() {
     let bench = Bench::new();
-    let pose = |label: i64| MeasuredPose {
-        length_m: vec![1.0, 0.5 + 1e-4 * label as f64],
-        ..pose(label)
-    };
+    let pose = |label: i64| with_lengths(label, vec![1.0, 0.5 + 1e-4 * label as f64]);
     let mut keeper = bench.begin(&session());
     let begun = fs::metadata(bench.file(SNAPSHOT)).expect("a file").len();
     let (mut now, mut edits) = (session(), 0_u64);
@@ -441,10 +441,14 @@ fn a_failed_snapshot_loses_nothing() {
 fn readings_that_no_file_can_hold_are_refused() {
     let bench = Bench::new();
     let mut keeper = bench.begin(&session());
-    let mut infinite = pose(5);
-    infinite.length_m[0] = f64::INFINITY;
+    let infinite = with_lengths(5, vec![f64::INFINITY, 1.0]);
     let error = keeper.measured(&infinite).expect_err("infinite");
-    assert!(error.to_string().contains("infinite value"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("found inf, expected a finite number"),
+        "{error}"
+    );
     drop(keeper);
     bench.assert_recovers(&session());
 }
@@ -453,10 +457,8 @@ fn readings_that_no_file_can_hold_are_refused() {
 fn poses_that_do_not_fit_are_named() {
     let bench = Bench::new();
     let mut keeper = bench.begin(&session());
-    let mut three_cables = pose(5);
-    three_cables.length_m.push(1.0);
-    let mut other_readings = pose(1);
-    other_readings.length_m[0] = 1.5;
+    let three_cables = with_lengths(5, vec![1.0; 3]);
+    let other_readings = with_lengths(1, vec![1.5, 0.3]);
     for pose in [&three_cables, &other_readings, &pose(6)] {
         keeper.measured(pose).expect("on disk");
     }

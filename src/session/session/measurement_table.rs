@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::measurement::Measurements;
-use tautline_core::robot::{FieldError, Robot};
+use tautline_core::robot::FieldError;
 
+use super::fail;
 use crate::error::quoted;
-use crate::poses::{Column, Columns, Fault, LABEL, assemble, check_plausible};
+use crate::poses::{Column, Columns, Fault, GROUP, LABEL};
 
 /// Measurements by column; all columns have as many values as there are labels.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -16,6 +17,9 @@ pub(crate) struct MeasurementTable {
     /// Labels of the poses, 0 for the home pose.
     #[serde(default)]
     pose: Vec<i64>,
+    /// Group labels: poses with the same one were read in one standstill or run; an empty one is no group.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    group: Vec<String>,
     /// Columns of numbers by their name in `poses.csv`; null: not measured.
     #[serde(default)]
     columns: BTreeMap<String, Vec<Option<f64>>>,
@@ -43,6 +47,7 @@ impl MeasurementTable {
         };
         Self {
             pose: columns.labels,
+            group: columns.groups,
             columns: columns
                 .numbers
                 .into_iter()
@@ -59,26 +64,23 @@ impl MeasurementTable {
     /// Checks names and lengths of the columns.
     pub fn check(&self) -> Result<(), FieldError> {
         let rows = self.pose.len();
-        let fail = |pointer: String, message: String| Err(FieldError { pointer, message });
-        let check_rows = |pointer: String, found: usize| {
-            if found == rows {
-                return Ok(());
+        let check_rows = |pointer: String, found: usize| match found == rows {
+            true => Ok(()),
+            false => {
+                let message = format!("found {found} values, expected {rows} as in /pose");
+                fail(pointer, message)
             }
-            fail(
-                pointer,
-                format!("found {found} values, expected {rows} as in /pose"),
-            )
         };
+        if !self.group.is_empty() {
+            check_rows(format!("/{GROUP}"), self.group.len())?;
+        }
         for (name, values) in &self.columns {
             let pointer = pointer(name, None);
             if Column::parse(name).is_none() {
                 let message = format!("found {}, expected a column of poses.csv", quoted(name));
                 return fail(pointer, message);
             }
-            check_rows(pointer.clone(), values.len())?;
-            if let Some(row) = values.iter().flatten().position(|v| !v.is_finite()) {
-                return fail(pointer, format!("found an infinite value, number {row}"));
-            }
+            check_rows(pointer, values.len())?;
         }
         for (k, column) in self.other.iter().enumerate() {
             check_rows(format!("/other/{k}/cells"), column.cells.len())?;
@@ -100,51 +102,38 @@ impl MeasurementTable {
         })
     }
 
-    /// The measurements, checked against the robot.
-    pub fn into_measurements(self, robot: &Robot) -> Result<Measurements, FieldError> {
-        self.build(robot).map_err(place_fault)
-    }
-
-    /// The measurements of one pose, checked against the robot, which come to stand in row `row`
-    /// of a larger table.
-    pub fn into_row(self, robot: &Robot, row: usize) -> Result<Measurements, FieldError> {
-        self.check()?;
-        self.build(robot).map_err(|fault| {
-            place_fault(Fault {
-                row: fault.row.map(|_| row),
-                ..fault
-            })
-        })
-    }
-
-    fn build(self, robot: &Robot) -> Result<Measurements, Fault> {
+    /// The columns of a table that passed its check.
+    pub fn into_columns(self) -> Columns {
         let numbers = self.columns.into_iter().filter_map(|(name, values)| {
             let values = values.into_iter().map(|v| v.unwrap_or(f64::NAN));
             Some((Column::parse(&name)?, values.collect()))
         });
-        let columns = Columns {
+        let mut columns = Columns {
             labels: self.pose,
+            groups: self.group,
             numbers: numbers.collect(),
             other: self.other.into_iter().map(|c| (c.name, c.cells)).collect(),
         };
-        if columns.labels.is_empty() {
-            return Ok(Measurements::default());
+        // Earlier versions kept group labels among the columns that they did not know.
+        let unknown = columns.other.iter().position(|(name, _)| name == GROUP);
+        if let Some(k) = unknown.filter(|_| columns.groups.is_empty()) {
+            columns.groups = columns.other.remove(k).1;
         }
-        columns.check_header(robot)?;
-        let measurements = assemble(columns, robot)?;
-        check_plausible(&measurements, robot)?;
-        Ok(measurements)
+        columns
     }
 }
 
-fn place_fault(fault: Fault) -> FieldError {
-    let message = match fault.earlier_row {
-        Some(row) => format!("{} (value {row})", fault.message),
-        None => fault.message,
-    };
-    FieldError {
-        pointer: pointer(&fault.column, fault.row),
-        message,
+impl From<Fault> for FieldError {
+    /// The place in a [`MeasurementTable`].
+    fn from(fault: Fault) -> Self {
+        let message = match fault.earlier_row {
+            Some(row) => format!("{} (value {row})", fault.message),
+            None => fault.message,
+        };
+        Self {
+            pointer: pointer(&fault.column, fault.row),
+            message,
+        }
     }
 }
 

@@ -19,13 +19,16 @@ mod verification;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::{FieldError, Robot};
 
 use crate::dataset::DatasetFolder;
-use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::error::{Loaded, ReadError, WriteError};
 use crate::json::{parse_document, read_document, write_document};
 use crate::phases::PhaseData;
+use crate::poses::Columns;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub use connection::{
     AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose, AdsReadings, AdsRotation,
@@ -47,38 +50,83 @@ pub use verification::{Stage, Verification};
 /// One calibration of one robot.
 ///
 /// Measurements may still be incomplete: a session is saved at any time, while a dataset folder
-/// has to be usable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Session {
+/// has to be usable. `M` is the form of the measurements: checked values, or the table of a session file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(bound = "M: JsonSchema + Default + Serialize")]
+pub struct Session<M = Measurements> {
     /// Name by which the operator knows it.
     pub name: String,
-    /// When it was begun.
+    /// When it was begun (RFC 3339, UTC).
     pub created: Timestamp,
-    /// When it was last changed.
+    /// When it was last changed (RFC 3339, UTC).
     pub modified: Timestamp,
-    /// The robot as the drawings and the first two phases describe it.
+    /// The robot as in `robot.json`, without `format` and `version`: the session's version covers it, so that a
+    /// migration step of the robot is one of the session, too.
     pub robot: Robot,
     /// Measured poses.
-    pub measurements: Measurements,
+    #[serde(default)]
+    pub measurements: M,
+    /// Labels of measured poses that are left out.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    excluded: BTreeSet<i64>,
     /// Poses that are to be measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plan: Vec<PlannedPose>,
     /// Raw data of the phases around the poses.
+    #[serde(default)]
     pub phases: PhaseData,
     /// How identification and diagnosis are to work.
+    #[serde(default)]
     pub settings: Settings,
+    /// Results, the oldest first.
+    #[serde(default)]
+    results: Vec<ResultRecord>,
     /// The virtual robot of a demonstration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulator: Option<Simulator>,
     /// The parameters that the controller holds, so that a simulated one goes on where it was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub controller: Vec<NamedValue>,
     /// Where the laser distance comes from.
+    #[serde(default, skip_serializing_if = "LaserSettings::is_controller")]
     pub laser_source: LaserSettings,
     /// How the robot's own controller is reached.
+    #[serde(default, skip_serializing_if = "Connection::is_empty")]
     pub connection: Connection,
-    excluded: BTreeSet<i64>,
-    results: Vec<ResultRecord>,
+    /// Adjustments of the controller, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     adjustments: Vec<Adjustment>,
+    /// Runs with an external instrument, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     verifications: Vec<Verification>,
+    /// Steps of the operator, the oldest first.
+    #[serde(default)]
     log: Vec<LogEntry>,
+}
+
+impl<M> Session<M> {
+    /// The same session with its measurements in another form.
+    fn with_measurements<N>(&self, measurements: N) -> Session<N> {
+        Session {
+            name: self.name.clone(),
+            created: self.created,
+            modified: self.modified,
+            robot: self.robot.clone(),
+            measurements,
+            excluded: self.excluded.clone(),
+            plan: self.plan.clone(),
+            phases: self.phases.clone(),
+            settings: self.settings.clone(),
+            results: self.results.clone(),
+            simulator: self.simulator.clone(),
+            controller: self.controller.clone(),
+            laser_source: self.laser_source.clone(),
+            connection: self.connection.clone(),
+            adjustments: self.adjustments.clone(),
+            verifications: self.verifications.clone(),
+            log: self.log.clone(),
+        }
+    }
 }
 
 impl Session {
@@ -106,7 +154,7 @@ impl Session {
         }
     }
 
-    /// A session that begins with a dataset; its notices are the caller's to tell.
+    /// A session that begins with a dataset; its notices are the caller's to show.
     #[must_use]
     pub fn of_dataset(name: impl Into<String>, folder: DatasetFolder, now: Timestamp) -> Self {
         let mut session = Self::new(name, folder.dataset.robot, now);
@@ -231,9 +279,9 @@ impl Session {
 /// Reads a session file.
 ///
 /// # Errors
-/// If the file cannot be read or is no valid session.
+/// If the file cannot be read or is not a valid session.
 pub fn read_session(path: &Path) -> Result<Loaded<Session>, ReadError> {
-    from_document(read_document(path)?, &path.display().to_string())
+    checked(read_document(path)?, &path.display().to_string())
 }
 
 /// Reads a session from memory; `file` is the name for messages.
@@ -241,19 +289,17 @@ pub fn read_session(path: &Path) -> Result<Loaded<Session>, ReadError> {
 /// # Errors
 /// If the bytes are no valid session.
 pub fn parse_session(bytes: &[u8], file: &str) -> Result<Loaded<Session>, ReadError> {
-    from_document(parse_document(bytes, file)?, file)
+    checked(parse_document(bytes, file)?, file)
 }
 
-pub(crate) fn from_document(
+/// The session of a session file whose other parts are checked already.
+pub(crate) fn checked(
     loaded: Loaded<SessionDocument>,
     file: &str,
 ) -> Result<Loaded<Session>, ReadError> {
-    let value = loaded.value.into_session().map_err(|error| {
-        let FieldError { pointer, message } = error;
-        ReadError::new(file, Place::Pointer(pointer), message)
-    })?;
+    let session = loaded.value.with_checked_measurements();
     Ok(Loaded {
-        value,
+        value: session.map_err(|error| ReadError::field(file, error))?,
         notices: loaded.notices,
     })
 }
@@ -263,11 +309,10 @@ pub(crate) fn from_document(
 /// # Errors
 /// If the session could not be read again or the file cannot be written.
 pub fn write_session(path: &Path, session: &Session) -> Result<(), WriteError> {
-    // Made twice instead of copied: two large documents need not be there at once.
-    let read_again = SessionDocument::of(session).into_session();
-    read_again.map_err(|error| WriteError::Content {
+    let measurements = Columns::of(&session.measurements).into_measurements(&session.robot);
+    measurements.map_err(|fault| WriteError::Content {
         path: path.into(),
-        message: error.to_string(),
+        message: below("/measurements", fault.into()).to_string(),
     })?;
     write_document(path, &SessionDocument::of(session))
 }

@@ -156,7 +156,7 @@ impl Autosave {
 
     /// Keeps a measured pose at once; [`AutosaveEvent::Measured`] tells when it is on disk.
     pub fn measured(&mut self, pose: MeasuredPose) {
-        self.ahead.push(pose.label);
+        self.ahead.push(pose.label());
         self.send(Job::Measured(Box::new(pose)));
     }
 
@@ -264,7 +264,7 @@ fn perform(
                 .as_mut()
                 .ok_or("A measured pose could not be kept: nothing is being kept.")?;
             keeper.measured(&pose).map_err(failed)?;
-            tell(AutosaveEvent::Measured(pose.label));
+            tell(AutosaveEvent::Measured(pose.label()));
             Ok(())
         }
         Job::SetAside(left) => left.discard().map(drop).map_err(failed),
@@ -276,6 +276,7 @@ fn perform(
 mod tests {
     use std::time::Duration;
 
+    use tautline_core::measurement::{Grid, Measurements};
     use tautline_core::robot::presets;
     use tautline_session::left_behind;
 
@@ -284,13 +285,13 @@ mod tests {
     use tautline_workflow::clock;
 
     fn pose(label: i64) -> MeasuredPose {
-        MeasuredPose {
-            label,
-            revolutions: vec![0.0; 8],
-            force_n: vec![50.0; 8],
-            laser_m: Some(1.0),
-            ..MeasuredPose::default()
-        }
+        MeasuredPose::from(Measurements {
+            labels: vec![label],
+            revolutions: Grid::of_row(vec![0.0; 8]),
+            force_n: Grid::of_row(vec![50.0; 8]),
+            laser_m: vec![1.0],
+            ..Measurements::default()
+        })
     }
 
     fn told(keeping: &Autosave) -> i64 {

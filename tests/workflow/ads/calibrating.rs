@@ -4,9 +4,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
-use tautline_core::measurement::Dataset;
+use tautline_core::measurement::{Dataset, Measurements};
 use tautline_link::adjusting::{Holds, plan_adjustment, write_adjustment};
-use tautline_link::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun, measurements_of};
+use tautline_link::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun};
 use tautline_link::verifying::{
     CheckTarget, VerifyingEvent, VerifyingOptions, VerifyingRun, cube_poses,
 };
@@ -44,19 +44,19 @@ fn measure(plant: &Plant, controller: &mut dyn Controller) -> Dataset {
     let expected = poses.len();
     let mut run = MeasuringRun::new(poses, robot, options);
     let clock = SystemClock::start();
-    let mut rows = Vec::new();
+    let mut measurements = Measurements::default();
     for _ in 0..TICKS {
         for event in run.tick(controller, clock.now_s()) {
             match event {
-                MeasuringEvent::Measured(accepted) => {
-                    run.confirm_stored(accepted.label);
-                    rows.push(*accepted);
+                MeasuringEvent::Measured(pose) => {
+                    run.confirm_stored(pose.label());
+                    measurements.append(pose.readings);
                 }
                 MeasuringEvent::Finished => {
-                    assert_eq!(rows.len(), expected);
+                    assert_eq!(measurements.len(), expected);
                     return Dataset {
                         robot: robot.clone(),
-                        measurements: measurements_of(robot, &rows),
+                        measurements,
                     };
                 }
                 MeasuringEvent::Failed(text) => panic!("{text}"),

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use tautline_core::geometry::Vec3;
 use tautline_core::kinematics::{applied_wrench, structure_matrix};
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
 use super::{Finding, What, rounded};
-use crate::measuring::accepted::Accepted;
 
 /// Root mean square of what is missing to the balance that is looked into, in standard deviations of a tension and
 /// in parts of the mean tension: less is friction and geometry.
@@ -37,16 +37,17 @@ enum Cause {
 
 impl Balance {
     /// At a measured pose; `None` where it cannot be told.
-    pub fn of(robot: &Robot, at: &Accepted) -> Option<Self> {
-        let readings = robot.cables.iter().zip(&at.force_n);
+    pub fn of(robot: &Robot, at: &Measurements) -> Option<Self> {
+        let readings = robot.cables.iter().zip(at.force_n.row(0));
         let tensions = readings.map(|(c, reading)| Some(c.force_sensor?.tension_n(*reading)));
         let tensions_n = tensions.collect::<Option<Vec<f64>>>()?;
         let finite = tensions_n.iter().all(|tension| tension.is_finite());
         if tensions_n.len() != robot.cable_count() || !finite {
             return None;
         }
-        let mut structure = structure_matrix(robot, &at.commanded).ok()?;
-        let mut wrench = applied_wrench(robot, &at.commanded).ok()?;
+        let commanded = at.commanded.first().copied().flatten()?;
+        let mut structure = structure_matrix(robot, &commanded).ok()?;
+        let mut wrench = applied_wrench(robot, &commanded).ok()?;
         let arms = robot.cables.iter().map(|c| Vec3::from(c.platform_anchor_m));
         let arm_m = arms.map(|arm| arm.norm()).fold(0.0, f64::max);
         for (k, coordinate) in robot.platform.freedom().coordinates().iter().enumerate() {

@@ -4,9 +4,9 @@ mod balance;
 
 use std::collections::VecDeque;
 
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
-use super::accepted::Accepted;
 use super::options::Prediction;
 use balance::Balance;
 
@@ -61,15 +61,15 @@ impl Channels {
     pub fn compare(
         &mut self,
         robot: &Robot,
-        at: &Accepted,
+        at: &Measurements,
         expected: Option<&Prediction>,
         plausible_m: f64,
     ) -> Vec<Finding> {
         if let Some(expected) = expected {
-            let row = (at.revolutions.clone(), expected.revolutions.clone());
+            let row = (at.revolutions.row(0).to_vec(), expected.revolutions.clone());
             keep(&mut self.revolutions, row);
-            if let Some(laser_m) = expected.laser_m.filter(|_| at.laser_m.is_finite()) {
-                keep(&mut self.laser_m, (at.laser_m, laser_m));
+            if let Some(predicted_m) = expected.laser_m.filter(|_| at.laser_at(0).is_finite()) {
+                keep(&mut self.laser_m, (at.laser_at(0), predicted_m));
             }
         }
         if let Some(balance) = Balance::of(robot, at) {

@@ -1,5 +1,6 @@
 //! Which faults of instruments are noticed and named, on three robots, and how often a sound robot is suspected.
 
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::presets::Preset;
 
 use super::*;
@@ -14,7 +15,7 @@ const CABLE: usize = 1;
 const OTHER: usize = 3;
 
 /// Makes a fault of the pose before it begins.
-type MakeFault = fn(&Preset, &Accepted) -> Fault;
+type MakeFault = fn(&Preset, &Measurements) -> Fault;
 
 /// What a fault is called, how it is made of the pose before it began, and the words that name it.
 struct Case {
@@ -56,7 +57,7 @@ fn encoders() -> Vec<Case> {
         case("encoder stuck", "exactly the same", |_, at| {
             Fault::StuckEncoder {
                 cable: CABLE,
-                revolutions: at.revolutions[CABLE],
+                revolutions: at.revolutions.get(0, CABLE),
             }
         }),
         case(
@@ -121,7 +122,7 @@ fn forces() -> Vec<Case> {
         ),
         case("force stuck", "exactly the same", |_, at| Fault::Tension {
             cable: CABLE,
-            reading_n: at.force_n[CABLE],
+            reading_n: at.force_n.get(0, CABLE),
         }),
         case("force reversed", "a cable cannot push", |_, _| force(-1.0)),
         case("force twice", "times the tension that holds", |_, _| {
@@ -152,7 +153,7 @@ fn others() -> Vec<Case> {
         ),
         case("laser stuck", "laser shows exactly the same", |_, at| {
             Fault::LaserStuck {
-                distance_m: at.laser_m,
+                distance_m: at.laser_at(0),
             }
         }),
         case(
@@ -170,7 +171,7 @@ fn others() -> Vec<Case> {
         }),
         case("time stands still", "sends no new readings", |_, at| {
             Fault::ClockStands {
-                time_s: at.time_s + 10.0,
+                time_s: at.time_s[0] + 10.0,
             }
         }),
     ]
@@ -194,13 +195,13 @@ fn said(preset: &Preset, (seed, poses): (u64, usize), fault: Option<(i64, MakeFa
         clock.advance(0.05);
         for event in run.tick(&mut robot, clock.now_s()) {
             match event {
-                MeasuringEvent::Measured(accepted) => {
+                MeasuringEvent::Measured(pose) => {
                     said.poses += 1;
-                    if let Some((_, fault)) = fault.filter(|(begin, _)| *begin == accepted.label) {
-                        let fault = fault(preset, &accepted);
+                    if let Some((_, fault)) = fault.filter(|(begin, _)| *begin == pose.label()) {
+                        let fault = fault(preset, &pose.readings);
                         robot.inner_mut().set_faults(vec![fault]);
                     }
-                    run.confirm_stored(accepted.label);
+                    run.confirm_stored(pose.label());
                 }
                 MeasuringEvent::Warning(warning) => said.texts.push(warning.text),
                 // The controller cannot hold the platform there.

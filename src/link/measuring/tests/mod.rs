@@ -9,11 +9,11 @@ use super::*;
 use crate::clock::Clock;
 use crate::simulated::Fault;
 use crate::testing::{
-    accepted, armed, drive, identified, measured, preset, run_of, solved, warnings,
+    armed, drive, identified, measured, preset, readings, run_of, solved, warnings,
 };
 
 fn labels(events: &[MeasuringEvent]) -> Vec<i64> {
-    accepted(events).iter().map(|row| row.label).collect()
+    readings(events).labels
 }
 
 fn reason(events: &[MeasuringEvent]) -> String {
@@ -188,8 +188,8 @@ fn with_faults(poses: usize, begin: usize, faults: Vec<Fault>) -> (Vec<String>, 
     loop {
         clock.advance(0.05);
         for event in run.tick(&mut robot, clock.now_s()) {
-            if let MeasuringEvent::Measured(accepted) = &event {
-                run.confirm_stored(accepted.label);
+            if let MeasuringEvent::Measured(pose) = &event {
+                run.confirm_stored(pose.label());
                 stored += 1;
                 if stored == begin + 1 {
                     robot.inner_mut().set_faults(faults.clone());
@@ -380,8 +380,9 @@ fn a_typed_distance_is_that_of_the_pose_at_which_it_was_asked_for() {
         laser.answer(label, Some(typed_m)).unwrap();
         while run.stage() != Stage::Storing {
             for event in tick(&mut run) {
-                if let MeasuringEvent::Measured(accepted) = event {
-                    assert_eq!((accepted.label, accepted.laser_m), (label, typed_m));
+                if let MeasuringEvent::Measured(pose) = event {
+                    let read = (pose.label(), pose.readings.laser_at(0));
+                    assert_eq!(read, (label, typed_m));
                 }
             }
         }

@@ -8,21 +8,39 @@ use super::*;
 
 /// A pose of the test session with a reading of every kind that its robot can have.
 fn full(label: i64) -> MeasuredPose {
-    MeasuredPose {
-        label,
-        time_s: Some(9.0),
-        temperature_c: Some(21.5),
-        commanded: Some(Pose::from_parts([0.1, 0.2, 0.0], [1.0, 0.0, 0.0, 0.0])),
-        length_m: vec![1.0, f64::NAN],
-        force_n: vec![20.0, 30.0],
-        laser_m: Some(0.4),
-        swivel_rad: vec![0.1, 0.2],
-        inclination_rad: Some([0.0, 0.1, 0.2]),
-        tracked_position_m: Some([0.1, f64::NAN, 0.3]),
-        tracked_orientation_wxyz: Some([1.0, 0.0, 0.0, 0.0]),
-        tracked_position_sd_m: Some([1e-3; 3]),
-        ..MeasuredPose::default()
-    }
+    let commanded = Pose::from_parts([0.1, 0.2, 0.0], [1.0, 0.0, 0.0, 0.0]);
+    MeasuredPose::from(Measurements {
+        labels: vec![label],
+        time_s: vec![9.0],
+        temperature_c: vec![21.5],
+        groups: vec!["monday".into()],
+        commanded: vec![Some(commanded)],
+        length_m: Grid::of_row(vec![1.0, f64::NAN]),
+        force_n: Grid::of_row(vec![20.0, 30.0]),
+        laser_m: vec![0.4],
+        swivel_rad: Grid::of_row(vec![0.1, 0.2]),
+        inclination_rad: vec![[0.0, 0.1, 0.2]],
+        tracked_position_m: vec![[0.1, f64::NAN, 0.3]],
+        tracked_orientation_wxyz: vec![[1.0, 0.0, 0.0, 0.0]],
+        tracked_position_sd_m: vec![[1e-3; 3]],
+        ..Measurements::default()
+    })
+}
+
+fn with_lengths(label: i64, length_m: Vec<f64>) -> MeasuredPose {
+    MeasuredPose::from(Measurements {
+        labels: vec![label],
+        length_m: Grid::of_row(length_m),
+        ..Measurements::default()
+    })
+}
+
+fn with_revolutions(label: i64, revolutions: Vec<f64>) -> MeasuredPose {
+    MeasuredPose::from(Measurements {
+        labels: vec![label],
+        revolutions: Grid::of_row(revolutions),
+        ..Measurements::default()
+    })
 }
 
 fn reads_back(session: &Session) {
@@ -43,6 +61,7 @@ fn a_pose_fills_the_columns_that_were_empty() {
     assert!(m.length_m.get(2, 1).is_nan());
     assert!(m.force_n.get(0, 0).is_nan() && m.laser_at(1).is_nan());
     assert_eq!((m.force_n.get(2, 1), m.laser_at(2)), (30.0, 0.4));
+    assert_eq!(m.groups, ["", "", "monday"]);
     assert_eq!(
         m.commanded.iter().map(Option::is_some).collect::<Vec<_>>(),
         [false, false, true]
@@ -50,11 +69,7 @@ fn a_pose_fills_the_columns_that_were_empty() {
     assert_eq!(m.other[0].1, ["x", "y", ""]);
     reads_back(&session);
     // And a pose with less fills up on its own side.
-    let short = MeasuredPose {
-        label: 6,
-        length_m: vec![1.0, 1.1],
-        ..MeasuredPose::default()
-    };
+    let short = with_lengths(6, vec![1.0, 1.1]);
     session.append_pose(&short).expect("a pose");
     assert!(session.measurements.laser_at(3).is_nan());
     assert_eq!(session.measurements.swivel_rad.rows(), 4);
@@ -66,11 +81,7 @@ fn a_session_can_be_measured_from_the_first_pose_on() {
     let robot = presets::find("mini").expect("a preset").robot;
     let mut session = Session::new("new", robot, Timestamp::from_unix_seconds(0));
     for label in 0..3 {
-        let pose = MeasuredPose {
-            label,
-            revolutions: vec![label as f64; 8],
-            ..MeasuredPose::default()
-        };
+        let pose = with_revolutions(label, vec![label as f64; 8]);
         session.append_pose(&pose).expect("a pose");
     }
     assert_eq!(session.measurements.home_row(), Some(0));
@@ -84,35 +95,35 @@ fn a_pose_that_makes_no_sense_changes_nothing() {
     type Change = fn(&mut MeasuredPose);
     let cases: [(Change, &str); 9] = [
         (
-            |p| p.label = 1,
+            |p| p.readings.labels = vec![1],
             "/measurements/pose/2: found 1 again (value 1)",
         ),
         (
-            |p| p.length_m = vec![1.0; 3],
+            |p| p.readings.length_m = Grid::of_row(vec![1.0; 3]),
             "/columns/length_3_m: found cable 3, expected 1 to 2",
         ),
         (
-            |p| p.force_n = vec![1.0],
+            |p| p.readings.force_n = Grid::of_row(vec![1.0]),
             "/columns/force_2_n: missing, expected one",
         ),
         (
-            |p| p.length_m = Vec::new(),
+            |p| p.readings.length_m = Grid::default(),
             "/columns/rev_1: missing, expected rev_1 or length_1_m",
         ),
         (
-            |p| p.revolutions = vec![1.0; 2],
+            |p| p.readings.revolutions = Grid::of_row(vec![1.0; 2]),
             "/columns/length_1_m: found beside rev_1",
         ),
         (
-            |p| p.length_m[0] = 900.0,
+            |p| p.readings.length_m.set(0, 0, 900.0),
             "/columns/length_1_m/2: found 900 m in a frame",
         ),
         (
-            |p| p.laser_m = Some(f64::INFINITY),
-            "/columns/laser_m: found an infinite value",
+            |p| p.readings.laser_m = vec![f64::INFINITY],
+            "/columns/laser_m/2: found inf, expected a finite number",
         ),
         (
-            |p| p.tracked_orientation_wxyz = Some([2.0, 0.0, 0.0, 0.0]),
+            |p| p.readings.tracked_orientation_wxyz = vec![[2.0, 0.0, 0.0, 0.0]],
             "/columns/meas_qw/2: found a quaternion of norm 2",
         ),
         (
@@ -136,16 +147,9 @@ fn revolutions_and_lengths_do_not_mix() {
     let mut robot = presets::find("mini").expect("a preset").robot;
     robot.effects.clear();
     let mut session = Session::new("new", robot, Timestamp::from_unix_seconds(0));
-    let home = MeasuredPose {
-        revolutions: vec![0.0; 8],
-        ..MeasuredPose::default()
-    };
+    let home = with_revolutions(0, vec![0.0; 8]);
     session.append_pose(&home).expect("a pose");
-    let other = MeasuredPose {
-        label: 1,
-        length_m: vec![1.0; 8],
-        ..MeasuredPose::default()
-    };
+    let other = with_lengths(1, vec![1.0; 8]);
     let error = session.append_pose(&other).expect_err("lengths");
     assert_eq!(
         error.to_string(),
@@ -159,10 +163,7 @@ fn a_repeated_pose_takes_the_next_label_and_the_old_one_stays_aside() {
     let mut session = session();
     assert!(session.include(3));
     assert_eq!(session.next_label(), 5, "4 is planned");
-    let again = MeasuredPose {
-        repeats: Some(3),
-        ..full(session.next_label())
-    };
+    let again = full(3).repeated_as(session.next_label());
     session.append_pose(&again).expect("a pose");
     assert_eq!(session.measurements.labels, [3, 1, 5]);
     assert_eq!(session.dataset().measurements.labels, [1, 5]);
@@ -195,6 +196,22 @@ fn truth_is_kept_only_where_it_is_known_for_all_poses() {
 }
 
 #[test]
+fn group_labels_of_an_earlier_version_are_found_among_the_unknown_columns() {
+    let mut document = saved();
+    document["measurements"]["other"][0]["name"] = json!("group");
+    let text = document.to_string();
+    let read = parse_session(text.as_bytes(), "s.json").expect("a session");
+    assert_eq!(read.value.measurements.groups, ["x", "y"]);
+    assert!(read.value.measurements.other.is_empty());
+    document["measurements"]["group"] = json!(["a"]);
+    let error = parse_session(document.to_string().as_bytes(), "s.json").expect_err("too short");
+    assert_eq!(
+        error.to_string(),
+        "s.json, /measurements/group: found 1 values, expected 2 as in /pose"
+    );
+}
+
+#[test]
 fn planned_poses_are_poses() {
     let pose = Pose::from_parts([0.1, 0.2, 0.3], [0.6, 0.0, 0.8, 0.0]);
     let planned = PlannedPose::new(2, &pose);
@@ -209,11 +226,7 @@ fn poses_of_another_state_of_the_session_are_added_once() {
     let measured = |labels: &[i64]| {
         let mut session = empty.clone();
         for label in labels {
-            let pose = MeasuredPose {
-                label: *label,
-                revolutions: vec![*label as f64; 8],
-                ..MeasuredPose::default()
-            };
+            let pose = with_revolutions(*label, vec![*label as f64; 8]);
             session.append_pose(&pose).expect("a pose");
         }
         session

@@ -2,8 +2,7 @@
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
-use tautline_link::measuring::Accepted;
-use tautline_session::Phase as LogPhase;
+use tautline_session::{MeasuredPose, Phase as LogPhase};
 
 use crate::model::OpenSession;
 use crate::model::link::{DriverEvent, Pending};
@@ -68,12 +67,13 @@ pub(super) fn repeat(state: &mut State, label: i64) {
 }
 
 pub(super) fn reported(state: &mut State, report: DriverEvent) {
-    if let DriverEvent::Measured(accepted, surprise) = report {
+    if let DriverEvent::Measured(pose, surprise) = report {
         if let Some(run) = &mut state.model.link.run {
-            run.measured(accepted.label, accepted.time_s);
+            let time_s = pose.readings.time_s.first().copied();
+            run.measured(pose.label(), time_s.unwrap_or(f64::NAN));
             run.surprises.extend(surprise);
         }
-        measured(state, &accepted);
+        measured(state, *pose);
         return;
     }
     let Some(run) = &mut state.model.link.run else {
@@ -126,28 +126,27 @@ fn log(state: &mut State, text: String) {
 }
 
 /// Hands a measured pose to the keeper.
-fn measured(state: &mut State, accepted: &Accepted) {
+fn measured(state: &mut State, pose: MeasuredPose) {
     let Some(open) = &mut state.model.open else {
         return;
     };
     let session = open.session();
-    let again = session.measurements.labels.contains(&accepted.label);
-    let mut pose = accepted.measured_pose();
-    if again {
-        pose.repeats = Some(accepted.label);
-        pose.label = session.next_label();
-    }
+    let label = pose.label();
+    let pose = match session.measurements.labels.contains(&label) {
+        true => pose.repeated_as(session.next_label()),
+        false => pose,
+    };
     // Only what is unsaved is kept, and what was measured is so.
     if !open.is_unsaved() {
         open.log(
             LogPhase::Poses,
-            format!("Pose {} was measured.", pose.label),
+            format!("Pose {} was measured.", pose.label()),
         );
     }
     state.model.autosave.follow(state.model.open.as_ref());
     state.model.autosave.measured(pose.clone());
     state.model.link.pending = Some(Pending {
-        label: accepted.label,
+        label,
         pose,
         failed: false,
     });
@@ -155,7 +154,7 @@ fn measured(state: &mut State, accepted: &Accepted) {
 
 /// A pose is on disk: it comes into the session, and the run may go on.
 pub fn kept(state: &mut State, label: i64) {
-    let is_it = |pending: &mut Pending| pending.pose.label == label;
+    let is_it = |pending: &mut Pending| pending.pose.label() == label;
     let Some(pending) = state.model.link.pending.take_if(is_it) else {
         return;
     };
@@ -165,7 +164,7 @@ pub fn kept(state: &mut State, label: i64) {
     if let Err(error) = open.append_pose(&pending.pose) {
         state.model.messages.error(format!(
             "Pose {} cannot be used: {error}.",
-            pending.pose.label
+            pending.pose.label()
         ));
         state.model.link.abort();
         return;

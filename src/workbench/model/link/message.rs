@@ -5,10 +5,10 @@ use std::time::Instant;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::adjusting::Adjustment;
-use tautline_link::measuring::{Accepted, Rates, Warning};
+use tautline_link::measuring::{Rates, Warning};
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{ControllerState, ParameterInfo, Sample};
-use tautline_session::{CheckPose, CheckRow, Stage};
+use tautline_session::{CheckPose, CheckRow, MeasuredPose, Stage};
 
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::Rig;
@@ -87,7 +87,7 @@ pub enum DriverEvent {
     /// The controller is going to a pose.
     Commanded(i64),
     /// A pose is measured and waits to be stored.
-    Measured(Box<Accepted>, Option<Surprise>),
+    Measured(Box<MeasuredPose>, Option<Surprise>),
     /// Something does not look right.
     Warning(Warning),
     /// A pose was left out.

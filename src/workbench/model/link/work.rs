@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use tautline_core::geometry::Pose;
 use tautline_link::Instrument;
-use tautline_link::measuring::{Accepted, MeasuringEvent, MeasuringRun, Predictor, Stage as Phase};
+use tautline_link::measuring::{MeasuringEvent, MeasuringRun, Predictor, Stage as Phase};
 use tautline_link::verifying::{
     CheckTarget, TypedInstrument, VerifyingEvent, VerifyingOptions, VerifyingRun,
 };
 use tautline_link::{Activity, Controller};
-use tautline_session::{CheckRow, Stage};
+use tautline_session::{CheckRow, MeasuredPose, Stage};
 
 use super::message::{Doing, DriverEvent, Surprise};
 
@@ -124,9 +124,9 @@ impl Measuring {
                 self.doing = Doing::Asking { label, expected_m };
                 return None;
             }
-            MeasuringEvent::Measured(accepted) => {
-                let surprise = self.surprise(&accepted);
-                DriverEvent::Measured(accepted, surprise)
+            MeasuringEvent::Measured(pose) => {
+                let surprise = self.surprise(&pose);
+                DriverEvent::Measured(pose, surprise)
             }
             MeasuringEvent::Warning(warning) => DriverEvent::Warning(warning),
             MeasuringEvent::Skipped { label } => DriverEvent::Skipped(label),
@@ -136,16 +136,18 @@ impl Measuring {
         })
     }
 
-    fn surprise(&self, accepted: &Accepted) -> Option<Surprise> {
-        let expected = (self.predictor)(&accepted.commanded)?;
-        let pairs = accepted.revolutions.iter().zip(&expected.revolutions);
+    fn surprise(&self, pose: &MeasuredPose) -> Option<Surprise> {
+        let expected = (self.predictor)(&pose.commanded()?)?;
+        let revolutions = pose.readings.revolutions.row(0);
+        let pairs = revolutions.iter().zip(&expected.revolutions);
         let lengths_m = pairs
             .zip(&self.per_revolution_m)
             .map(|((measured, predicted), per)| (measured - predicted) * per)
             .collect();
-        let laser_m = expected.laser_m.map(|laser_m| accepted.laser_m - laser_m);
+        let read_m = pose.readings.laser_at(0);
+        let laser_m = expected.laser_m.map(|expected_m| read_m - expected_m);
         Some(Surprise {
-            label: accepted.label,
+            label: pose.label(),
             lengths_m,
             laser_m: laser_m.filter(|off_m| off_m.is_finite()),
         })

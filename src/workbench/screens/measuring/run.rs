@@ -182,7 +182,7 @@ fn pending(ui: &mut Ui, state: &mut State) {
     };
     let text = format!(
         "Pose {} is measured but could not be written to disk. The run waits: make room or access, then try again.",
-        pending.pose.label
+        pending.pose.label()
     );
     verdict(ui, Verdict::Bad, &text);
     if ui.button("Try to keep it again").clicked() {
