@@ -35,12 +35,16 @@ use tautline_workflow::session_file::SessionFileError;
 use bad_input::BadInput;
 use not_converged::NotConverged;
 
+const EXIT_CODES: &str = "Exit codes: 0 success, 2 bad input (one line that names file, line and column), \
+    3 identify or evaluate did not converge, 1 any other failure";
+
 /// Calibrate cable-driven parallel robots.
 #[derive(Debug, Parser)]
 #[command(
     name = "tautline",
     version,
     about,
+    after_help = EXIT_CODES,
     args_conflicts_with_subcommands = true
 )]
 struct Arguments {

@@ -3,6 +3,7 @@
 //! Everything here follows from the readings and from the nominal geometry at approximate poses. It is
 //! found once per problem and held while parameters and poses are estimated.
 
+use super::direction::angles;
 use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
 use crate::geometry::Pose;
 use crate::kinematics::PulleyGeometry;
@@ -26,9 +27,10 @@ pub struct CableCircumstances {
     pub revolutions: f64,
     /// Drum revolutions per motor revolution.
     pub drum_per_motor: f64,
-    /// +1 where the cable was paid out since the row before, -1 where it was reeled in, else 0.
+    /// +1 where the cable was paid out since the row before, -1 where it was reeled in, else 0: by the readings, or by
+    /// approximate poses where one is missing.
     pub direction: f64,
-    /// Tension as the sensor tells (N); 0 without a sensor or reading.
+    /// Tension as the sensor tells, or the mean where it was not read (N); 0 without a sensor.
     pub tension_n: f64,
     /// Mean of these tensions over all rows where there is a reading (N).
     pub mean_tension_n: f64,
@@ -61,7 +63,7 @@ pub struct PlatformCircumstances {
     pub temperature_change_k: f64,
     /// Laser reading (m); 0 without one.
     pub laser_m: f64,
-    /// Roll, pitch and yaw as read (rad); 0 where not read.
+    /// Roll, pitch and yaw as read (rad); where not read, those of an approximate pose.
     pub inclination_rad: [f64; 3],
     /// Nominal direction of the laser beam, platform frame; any without a laser.
     pub laser_direction: [f64; 3],
@@ -116,10 +118,14 @@ impl Circumstances {
         poses: &[Pose],
         directions: Option<&Grid>,
     ) -> Self {
+        // From the first reading where there is none at home.
         let since = |column: &[f64], row: usize| {
-            let from = or_zero(column.get(home.unwrap_or(0)).copied());
-            let value = column.get(row).copied().filter(|v| v.is_finite());
-            value.map_or(0.0, |value| value - from)
+            let read = |row: usize| column.get(row).copied().filter(|v| v.is_finite());
+            let first = || column.iter().copied().find(|v| v.is_finite());
+            let from = read(home.unwrap_or(0)).or_else(first);
+            read(row)
+                .zip(from)
+                .map_or(0.0, |(value, from)| value - from)
         };
         let nominal = PlatformPorts::nominal(robot);
         let platform: Vec<_> = (0..data.len())
@@ -132,10 +138,7 @@ impl Circumstances {
                 laser_m: or_zero(data.laser_m.get(row).copied()),
                 laser_direction: nominal.laser_direction.map(|d| d.value),
                 target_normal: nominal.target_normal.map(|d| d.value),
-                inclination_rad: data
-                    .inclination_rad
-                    .get(row)
-                    .map_or([0.0; 3], |angles| angles.map(|angle| or_zero(Some(angle)))),
+                inclination_rad: inclination(data, row, &poses[row]),
                 variables: platform_variables(data, row, &poses[row], &poses[home.unwrap_or(0)]),
             })
             .collect();
@@ -146,6 +149,8 @@ impl Circumstances {
         let mut cables: Vec<CableCircumstances> =
             Vec::with_capacity(data.len() * robot.cable_count());
         let mut facings = vec![None; robot.cable_count()];
+        // Lengths at the row before.
+        let mut before: Vec<Option<f64>> = vec![None; robot.cable_count()];
         for at in &platform {
             for (index, cable) in robot.cables.iter().enumerate() {
                 let row = at.row;
@@ -153,10 +158,15 @@ impl Circumstances {
                     + poses[row].orientation * nalgebra::Vector3::from(cable.platform_anchor_m);
                 let path = pulley_of(cable).path_to(anchor.into());
                 let pull = -nalgebra::Vector3::from(path.toward_exit);
-                let direction = directions.map_or_else(
-                    || travel(data, home, (row, index)),
-                    |grid| grid.get(row, index),
-                );
+                let from = before[index].replace(path.length);
+                let direction = match directions {
+                    Some(grid) => grid.get(row, index),
+                    // Where a reading is missing, the way is that from pose to pose.
+                    None => sign(
+                        change_of_reading(data, home, (row, index))
+                            .unwrap_or_else(|| from.map_or(0.0, |from| path.length - from)),
+                    ),
+                };
                 let facing = *facings[index].get_or_insert(path.facing);
                 let own = CableVariables {
                     length: path.length,
@@ -178,7 +188,7 @@ impl Circumstances {
                     revolutions: paid_revolutions(data, home, (row, index)),
                     drum_per_motor: cable.winch.gear_ratio.recip(),
                     direction,
-                    tension_n: or_zero(tension(cable, data, (row, index))),
+                    tension_n: tension(cable, data, (row, index)).unwrap_or(means[index]),
                     mean_tension_n: means[index],
                     tension_gain: cable.force_sensor.map_or(0.0, |s| s.tension_gain),
                     wrap_rad: path.wrap,
@@ -226,6 +236,22 @@ impl Circumstances {
     pub fn platform(&self, row: usize) -> &PlatformCircumstances {
         &self.platform[row]
     }
+}
+
+/// Roll, pitch and yaw as read, else those of the pose (rad): a tilted sensor mixes the three.
+fn inclination(data: &Measurements, row: usize, pose: &Pose) -> [f64; 3] {
+    let rotation = pose.orientation.to_rotation_matrix().into_inner();
+    let rows: [[f64; 3]; 3] = rotation.transpose().into();
+    let at_pose = angles(&rows.map(|row| row.map(Dual::constant)));
+    let read = data.inclination_rad.get(row).copied();
+    let read = read.unwrap_or([f64::NAN; 3]);
+    std::array::from_fn(|k| {
+        if read[k].is_nan() {
+            at_pose[k].value
+        } else {
+            read[k]
+        }
+    })
 }
 
 /// The variables that do not depend on the cable.
@@ -313,12 +339,12 @@ fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)
     or_zero(Some(data.revolutions.get(at.0, at.1)))
 }
 
-/// Sign of the change of the length reading of a `(row, cable)` since the row before.
-pub(crate) fn travel(
+/// Change of the length reading of a `(row, cable)` since the row before; `None` where either is missing.
+fn change_of_reading(
     data: &Measurements,
     home: Option<usize>,
     (row, index): (usize, usize),
-) -> f64 {
+) -> Option<f64> {
     let reading = |row: usize| {
         if data.revolutions.is_empty() {
             data.length_m.get(row, index)
@@ -328,10 +354,13 @@ pub(crate) fn travel(
             data.revolutions.get(row, index)
         }
     };
-    let change = row
-        .checked_sub(1)
-        .map_or(0.0, |before| reading(row) - reading(before));
-    sign(change)
+    let change = reading(row) - reading(row.checked_sub(1)?);
+    (!change.is_nan()).then_some(change)
+}
+
+/// Sign of the change of the length reading of a `(row, cable)` since the row before, 0 where it is not known.
+pub(crate) fn travel(data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {
+    change_of_reading(data, home, at).map_or(0.0, sign)
 }
 
 /// +1, -1, or 0 for no change and where it is unknown.

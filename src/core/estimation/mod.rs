@@ -54,6 +54,9 @@ pub enum EstimationError {
     /// No cable lengths at all.
     #[error("neither revolutions nor lengths of the cables were measured")]
     NoLengths,
+    /// An effect to which no reading responds.
+    #[error("effect \"{0}\" cannot be estimated: none of the readings depends on it")]
+    Unobservable(String),
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::EstimationError;
 use super::evaluator::Evaluator;
-use super::home::HomeRow;
+use super::home::{HomeRow, direct_column};
 use super::options::{Control, Options, Progress, Termination};
-use super::parameter::Parameter;
+use super::parameter::{Parameter, ParameterId};
 use super::problem::{Globals, Loss, Method, Poses, Problem};
 use super::solution::Solution;
 use super::start::{Start, is_lost, start_poses};
@@ -30,18 +30,19 @@ const SETTLING: usize = 3;
 /// Solves an estimation problem from the nominal values, or from a solution that is known.
 ///
 /// # Errors
-/// If the measurements cannot be used with this robot at all. Non-convergence is no error.
+/// If the measurements cannot be used with this robot at all, or no reading depends on a free effect.
+/// Non-convergence is no error.
 pub fn solve(
     problem: &Problem<'_>,
     options: &Options,
     observer: &mut dyn FnMut(&Progress) -> Control,
 ) -> Result<Solution, EstimationError> {
     check(problem)?;
-    Ok(Arch::new().dispatch(Dispatch {
+    Arch::new().dispatch(Dispatch {
         problem,
         options,
         observer,
-    }))
+    })
 }
 
 fn check(problem: &Problem<'_>) -> Result<(), EstimationError> {
@@ -76,22 +77,24 @@ struct Dispatch<'p, 'o> {
 }
 
 impl WithSimd for Dispatch<'_, '_> {
-    type Output = Solution;
-    fn with_simd<S: Simd>(self, simd: S) -> Solution {
+    type Output = Result<Solution, EstimationError>;
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let problem = self.problem;
         let from = |start: Start| Descent::<Lanes<S>>::from(simd, problem, start);
-        let first = from(Start::Given).run(self.options, self.observer);
+        let given = from(Start::Given);
+        given.check_effects()?;
+        let first = given.run(self.options, self.observer);
         if !is_lost(problem, &first) {
-            return first;
+            return Ok(first);
         }
         // The given poses have led nowhere: try those that the lengths themselves tell.
         let second = from(Start::Lengths).run(self.options, self.observer);
         let better = second.chi2 < first.chi2 || first.chi2.is_nan();
-        if better || second.termination == Termination::Cancelled {
+        Ok(if better || second.termination == Termination::Cancelled {
             second
         } else {
             first
-        }
+        })
     }
 }
 
@@ -138,7 +141,54 @@ impl<'a, T: Packet> Descent<'a, T> {
             home_evaluator,
         };
         descent.evaluate_home();
+        descent.poses.assemble(None, descent.huber, 0.0);
         descent
+    }
+
+    /// Refuses free effects on which no reading depends, on whatever cable.
+    fn check_effects(&self) -> Result<(), EstimationError> {
+        let free = &self.problem.free_effects;
+        let mut blind: Vec<&str> = Vec::new();
+        let mut visible: Vec<&str> = Vec::new();
+        for (index, parameter) in self.parameters.iter().enumerate() {
+            if let ParameterId::Effect { effect, .. } = parameter.id {
+                let seen = self.depends_on(index);
+                if seen { &mut visible } else { &mut blind }.push(free[effect].effect.id());
+            }
+        }
+        match blind.into_iter().find(|id| !visible.contains(id)) {
+            Some(id) => Err(EstimationError::Unobservable(id.to_owned())),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether any reading depends on a parameter.
+    fn depends_on(&self, parameter: usize) -> bool {
+        let home = &self.home;
+        let column = direct_column(
+            &self.parameters[parameter].id,
+            &self.poses.layout,
+            self.problem,
+        );
+        let count = self.parameters.len();
+        let in_length = |cable: usize| {
+            let counts = self
+                .poses
+                .sums
+                .concerns(self.poses.layout.home_length_column(cable));
+            counts
+                && home.length_gradients[cable]
+                    .iter()
+                    .any(|(k, _)| *k == parameter)
+        };
+        column.is_some_and(|column| self.poses.sums.concerns(column))
+            || home
+                .gradients
+                .iter()
+                .skip(parameter)
+                .step_by(count)
+                .any(|g| *g != 0.0)
+            || (0..home.length_gradients.len()).any(in_length)
     }
 
     fn evaluate_home(&mut self) {
@@ -173,7 +223,6 @@ impl<'a, T: Packet> Descent<'a, T> {
             unsettled: self.problem.start().map_or(0, |_| SETTLING),
             ..Search::default()
         };
-        self.poses.assemble(None, self.huber, search.damping);
         let termination = loop {
             if let Some(end) = self.iterate(&mut search, options, observer) {
                 break end;

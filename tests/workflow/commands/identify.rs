@@ -75,6 +75,47 @@ fn simulated_entry_points_are_found_and_hold_in_evaluation() {
     assert_eq!(evaluation["poses"].as_array().expect("poses").len(), 26);
 }
 
+/// Results are written all the same, and say so.
+#[test]
+fn a_fit_that_does_not_converge_has_an_exit_code_of_its_own() {
+    let folder = Folder::new();
+    let dataset = simulate(&folder, "mini", 12, &[]);
+    let poses = folder.join("data/poses.csv");
+    let text = std::fs::read_to_string(&poses).expect("poses.csv");
+    let mut lines: Vec<Vec<&str>> = text.lines().map(|l| l.split(',').collect()).collect();
+    let column = lines[0].iter().position(|name| *name == "laser_m");
+    // A number, but none of which the square is finite.
+    lines[3][column.expect("a column")] = "1e300";
+    let lines: Vec<String> = lines.into_iter().map(|cells| cells.join(",")).collect();
+    std::fs::write(&poses, lines.join("\n")).expect("poses.csv");
+    let answer = tautline(&["identify", &dataset]);
+    assert_eq!(answer.code, Some(3), "{}", answer.stderr);
+    assert!(
+        answer
+            .stdout
+            .lines()
+            .next()
+            .is_some_and(|line| line.contains("did NOT converge")),
+        "{}",
+        answer.stdout
+    );
+    assert!(
+        answer.stderr.contains("did not converge"),
+        "{}",
+        answer.stderr
+    );
+    let answer = tautline(&["identify", &dataset, "--json", "-"]);
+    assert_eq!(answer.code, Some(3), "{}", answer.stderr);
+    assert_eq!(answer.json()["converged"], false);
+    let help = tautline(&["--help"]).succeeded();
+    assert!(
+        help.stdout
+            .contains("3 identify or evaluate did not converge"),
+        "{}",
+        help.stdout
+    );
+}
+
 #[test]
 fn every_preset_is_identified() {
     for (preset, cables) in [("mini", 8), ("hall", 8), ("suspended", 8), ("planar", 4)] {

@@ -3,6 +3,7 @@
 mod binding;
 mod exchange;
 mod formulas;
+mod holes;
 mod recovery;
 mod slopes;
 mod texts;

@@ -9,7 +9,7 @@ use crate::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
 const BETTER: f64 = 1e-4;
 
 /// A preset with swivel encoders and an inclinometer, its geometry exactly known.
-fn equipped(name: &str) -> Robot {
+pub(super) fn equipped(name: &str) -> Robot {
     let mut robot = presets::find(name).unwrap().robot;
     for cable in &mut robot.cables {
         cable.pulley.entry_point_sd_m = PerAxis::known(0.0);
@@ -34,7 +34,12 @@ fn equipped(name: &str) -> Robot {
     robot
 }
 
-fn hide(robot: &Robot, settings: &[EffectSetting], geometry: TrueGeometry) -> Simulated {
+/// A run of a robot whose geometry is as drawn.
+pub(super) fn hide(robot: &Robot, settings: &[EffectSetting]) -> Simulated {
+    hide_in(robot, settings, TrueGeometry::Nominal)
+}
+
+fn hide_in(robot: &Robot, settings: &[EffectSetting], geometry: TrueGeometry) -> Simulated {
     let preset = presets::find(&robot.name).unwrap();
     let options = SimulationOptions {
         geometry,
@@ -48,7 +53,7 @@ fn hide(robot: &Robot, settings: &[EffectSetting], geometry: TrueGeometry) -> Si
 }
 
 /// A request for the effect that was hidden; what is given is given, as is the start of a period.
-fn request(setting: &EffectSetting) -> EffectRequest {
+pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     let effect = find(&setting.effect).unwrap();
     let given = effect.parameters().iter().filter_map(|p| {
         let value = setting.parameters[p.name];
@@ -93,12 +98,12 @@ fn check_run(run: &Simulated, settings: &[EffectSetting], method: Method, tolera
 
 fn check(robot: &Robot, setting: &EffectSetting, method: Method) {
     let settings = [setting.clone()];
-    let run = hide(robot, &settings, TrueGeometry::Nominal);
+    let run = hide(robot, &settings);
     check_run(&run, &settings, method, 1e-6);
 }
 
 /// A value in the middle of the typical range; for a vector, components that differ.
-fn typical(id: &str) -> EffectSetting {
+pub(super) fn typical(id: &str) -> EffectSetting {
     let effect = find(id).unwrap();
     let parameters = effect.parameters().iter().enumerate().map(|(k, p)| {
         let [low, high] = p.typical;
@@ -207,7 +212,7 @@ fn several_effects_at_once_come_back() {
     ]
     .map(typical)
     .to_vec();
-    let run = hide(&robot, &hidden, TrueGeometry::Nominal);
+    let run = hide(&robot, &hidden);
     let reversed: Vec<_> = hidden.into_iter().rev().collect();
     check_run(&run, &reversed, Method::Joint, 1e-6);
 }
@@ -222,7 +227,7 @@ fn the_nominal_geometry_is_good_enough_for_friction_and_frame() {
     }
     for id in ["pulley_friction", "frame_compliance"] {
         let settings = [typical(id)];
-        let run = hide(&robot, &settings, TrueGeometry::Drawn);
+        let run = hide_in(&robot, &settings, TrueGeometry::Drawn);
         check_run(&run, &settings, Method::Joint, 0.01);
     }
 }

@@ -64,6 +64,8 @@ pub(super) struct CableState<T> {
     spread: T,
     /// `sd_T^2`.
     tension_variance: T,
+    /// `sd_l^2 / D`: share of the length reading's own noise in the variance of its row.
+    own_share: T,
     /// `1 / sqrt(D)`, or 0 where the length was not measured.
     weight: T,
     /// `A_i`, force and torque per tension.
@@ -141,6 +143,7 @@ impl<T: Real> CableState<T> {
             regression: c * spread * precision,
             spread: spread * variance * precision,
             tension_variance: spread,
+            own_share: variance * precision,
             weight: precision.sqrt() * has_tension,
             structure: wrench(lever, path.toward_exit),
         }
@@ -315,6 +318,12 @@ impl<T: Real> CableState<T> {
         let length = change.length * slope * present;
         let entry = &mut equations.effects_of(layout, index)[link.parameter];
         *entry = length.mul_add(self.weight, *entry);
+        if link.relative_noise != 0.0 {
+            // What scales the reading scales its noise, and the row is less or more precise for it.
+            let whitened = equations.residual[index] * self.own_share;
+            let entry = &mut equations.effects_of(layout, index)[link.parameter];
+            *entry = *entry - whitened * whitened.lift(link.relative_noise);
+        }
         if let Some(first) = layout.swivel {
             let row = first + index;
             let weight = equations.present[row] * slope.lift(constants.swivel_sd.recip());

@@ -21,6 +21,8 @@ pub(super) struct CableLink {
     /// Whether the slope is in proportion to the port, so that it is better known at the port's estimate than at its
     /// reading: noise in both would bias the parameter.
     pub is_proportional: bool,
+    /// Relative change of the noise of a length per unit of the parameter, which scales the reading.
+    pub relative_noise: f64,
 }
 
 /// A free parameter acts on a port of the platform with this slope.
@@ -115,29 +117,73 @@ fn nominal_cable_ports(
     CablePorts::nominal(cable, paid, tension)
 }
 
-/// Tension per what its sensor tells, at the first selected row: noise is the sensor's, and an effect that scales a
-/// reading scales its noise. Without this, tensions that shrink would seem to fit better. Lengths have their
-/// noise in metres, whatever the winch's scale.
-pub(super) fn tension_noise_gain(
+/// Change of a port per unit of the reading behind it, at the first selected row; its slope is that by the `chosen`
+/// parameter. Every effect that acts on a reading scales it or adds to it. Noise is the reading's, so what
+/// scales a reading scales its noise: without this, readings that shrink would seem to fit better.
+fn reading_gain(
     problem: &Problem<'_>,
     globals: &Globals,
     selection: Selection<'_>,
-    index: usize,
-) -> f64 {
+    (index, port): (usize, ReadPort),
+    chosen: Option<usize>,
+) -> Dual {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
     let (Some(circumstances), Some(row)) = (selection.circumstances, selection.rows.first()) else {
-        return 1.0;
+        return Dual::constant(1.0);
     };
-    let data = &problem.dataset.measurements;
     let cable = &problem.dataset.robot.cables[index];
-    let values = seeded(problem, globals, None);
-    let mut ports = nominal_cable_ports(cable, data, (*row, index), selection.is_home);
-    ports.tension = Dual::variable(ports.tension.value);
-    for k in &concerned {
-        let effect = globals.effects[*k].effect;
-        effect.change_cable(&values[*k], circumstances.cable(*row, index), &mut ports);
+    let values = seeded(problem, globals, chosen);
+    let port_at = |reading: f64| {
+        let mut ports = CablePorts::nominal(cable, reading, reading);
+        for k in &concerned {
+            let effect = globals.effects[*k].effect;
+            effect.change_cable(&values[*k], circumstances.cable(*row, index), &mut ports);
+        }
+        match port {
+            ReadPort::Paid => ports.paid,
+            ReadPort::Tension => ports.tension,
+        }
+    };
+    port_at(1.0) - port_at(0.0)
+}
+
+/// A port that starts from a reading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ReadPort {
+    Paid,
+    Tension,
+}
+
+/// By how much the effects scale the noise of a cable's readings.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NoiseGain {
+    /// 1 where revolutions are counted: how evenly cable lies on a drum is in metres, whatever the drum's scale.
+    pub length: f64,
+    pub tension: f64,
+}
+
+impl NoiseGain {
+    pub fn of(
+        problem: &Problem<'_>,
+        globals: &Globals,
+        selection: Selection<'_>,
+        index: usize,
+    ) -> Self {
+        let gain = |port| reading_gain(problem, globals, selection, (index, port), None).value;
+        Self {
+            length: if reads_lengths(problem) {
+                gain(ReadPort::Paid).abs()
+            } else {
+                1.0
+            },
+            tension: gain(ReadPort::Tension).abs(),
+        }
     }
-    ports.tension.slope
+}
+
+/// Whether lengths of cables are read rather than revolutions of motors.
+fn reads_lengths(problem: &Problem<'_>) -> bool {
+    problem.dataset.measurements.revolutions.is_empty()
 }
 
 /// Values of all effects, with the `chosen` free parameter as the variable of differentiation.
@@ -324,16 +370,30 @@ fn pack_cable<T: Packet>(
             .map(|row| scalars_at(*row, &values))
             .collect();
         for (position, port) in CablePort::ALL.iter().enumerate() {
-            if scalars.iter().any(|s| s[position].slope != 0.0) {
-                let slope = pack_scalars(store, &scalars, Some(0.0), |s| s[position].slope);
-                let stage = globals.effects[owner].effect.stage();
-                links.push(CableLink {
-                    port: *port,
-                    parameter,
-                    slope,
-                    is_proportional: *port == CablePort::Tension && stage == Stage::Ratio,
-                });
+            // Nothing moves a reading that was not made.
+            let slope_of = |s: &[Dual; CablePort::COUNT]| {
+                let port = s[position];
+                if port.value.is_nan() { 0.0 } else { port.slope }
+            };
+            if !scalars.iter().any(|s| slope_of(s) != 0.0) {
+                continue;
             }
+            let slope = pack_scalars(store, &scalars, Some(0.0), slope_of);
+            let is_ratio = globals.effects[owner].effect.stage() == Stage::Ratio;
+            let scales_noise = is_ratio && *port == CablePort::Paid && reads_lengths(problem);
+            links.push(CableLink {
+                port: *port,
+                parameter,
+                slope,
+                is_proportional: is_ratio && *port == CablePort::Tension,
+                relative_noise: if scales_noise {
+                    let at = (index, ReadPort::Paid);
+                    let gain = reading_gain(problem, globals, selection, at, Some(parameter));
+                    gain.slope / gain.value
+                } else {
+                    0.0
+                },
+            });
         }
     }
     (columns, links)

@@ -13,7 +13,7 @@ mod span;
 
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
-use inputs::{PortInputs, Selection, circumstances_of, tension_noise_gain};
+use inputs::{NoiseGain, PortInputs, Selection, circumstances_of};
 use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
 
 pub(super) use equations::Equations;
@@ -214,9 +214,10 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         };
         let nominal = constants_of(self.problem, false);
         for (index, (constants, nominal)) in self.constants.iter_mut().zip(&nominal).enumerate() {
-            let gain = tension_noise_gain(self.problem, globals, selection, index);
-            constants.tension_sd = nominal.tension_sd * gain.abs();
-            self.spreads[index].1 = constants.tension_sd.powi(2);
+            let gain = NoiseGain::of(self.problem, globals, selection, index);
+            constants.length_sd = nominal.length_sd * gain.length;
+            constants.tension_sd = nominal.tension_sd * gain.tension;
+            self.spreads[index] = (constants.length_sd.powi(2), constants.tension_sd.powi(2));
         }
     }
 
