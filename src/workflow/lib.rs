@@ -11,6 +11,7 @@ pub mod documents;
 pub mod fonts;
 pub mod identification;
 pub mod planning;
+pub mod plot;
 pub mod precalibration;
 pub mod report;
 pub mod samples;

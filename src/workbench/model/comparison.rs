@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use tautline_core::comparison::Comparison;
 
-use super::figure::Figure;
 use crate::views::plots::residuals_of_both;
 use crate::views::robot_3d::scene::{Scene, Subject};
 use tautline_workflow::comparison::{LEVEL, compare_identifications};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::Figure;
 
 /// One of the two places of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

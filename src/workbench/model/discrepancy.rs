@@ -8,8 +8,8 @@ use tautline_core::effect::{Search, measurements_as_modelled};
 use tautline_core::estimation::{Analysis, Problem, ReadingKind};
 use tautline_core::measurement::{Dataset, Variable};
 
-use super::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::wording::sentence;
 
 /// Readings of which dependences are shown, the worst.

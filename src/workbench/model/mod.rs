@@ -6,7 +6,6 @@ pub mod command;
 pub mod comparison;
 pub mod discrepancy;
 pub mod edit;
-pub mod figure;
 pub mod fit_progress;
 pub mod link;
 mod memo;
@@ -16,7 +15,6 @@ pub mod open_session;
 pub mod phase;
 pub mod phase_status;
 pub mod plot_preparation;
-mod selection;
 mod session_lock;
 pub mod tasks;
 
@@ -26,7 +24,7 @@ use tautline_session::{Folders, LeftBehind, Preferences};
 
 pub use memo::Memo;
 pub use open_session::OpenSession;
-pub use selection::Selection;
+pub use tautline_workflow::plot::Selection;
 
 use autosave::Autosave;
 use caught_panic::CaughtPanic;

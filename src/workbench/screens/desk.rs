@@ -7,12 +7,12 @@ use tautline_session::{PhaseData, Session};
 
 use crate::model::command::{ImportCommand, Outbox, ViewCommand};
 use crate::model::edit::Edit;
-use crate::model::figure::{Axis, Band, Figure, Point, Series};
 use crate::model::messages::Messages;
 use crate::model::{OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
+use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
 /// The open session with what its tables tell, and where commands go.

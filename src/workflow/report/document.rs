@@ -1,6 +1,6 @@
 //! What a report consists of; the renderers know nothing else.
 
-use super::drawing::Drawing;
+use crate::plot::Drawing;
 
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,9 +4,9 @@
 //! here reads a clock or asks the window for anything, so a report is the same wherever it is made.
 
 mod choice;
+mod colours;
 mod content;
 mod document;
-mod drawing;
 mod html;
 mod pdf;
 mod plots;

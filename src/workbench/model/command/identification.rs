@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use tautline_session::ResultRecord;
 
-use crate::model::figure::Figure;
 use crate::model::open_session::Diagnosed;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::Figure;
 
 /// Title of the task that identifies.
 pub const IDENTIFYING: &str = "Identifying";

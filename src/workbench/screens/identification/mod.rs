@@ -16,13 +16,13 @@ use std::collections::BTreeMap;
 use egui::Ui;
 
 use crate::model::command::Outbox;
-use crate::model::figure::Figure;
 use crate::model::fit_progress::{Before, FitProgress};
 use crate::model::open_session::Stored;
 use crate::model::tasks::Tasks;
 use crate::model::{Memo, OpenSession, Selection};
 use crate::shell::State;
 use crate::widgets::{Verdict, heading, muted, verdict};
+use tautline_workflow::plot::figure::Figure;
 
 /// The two halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

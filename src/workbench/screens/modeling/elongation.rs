@@ -4,7 +4,6 @@ use egui::Ui;
 use tautline_core::cable::ElongationSurface;
 use tautline_session::{ElongationPoint, PhaseData};
 
-use crate::model::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::screens::desk::{Desk, or_dash};
 use crate::screens::precalibration::Typed;
 use crate::theme;
@@ -13,6 +12,7 @@ use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, value,
     verdict,
 };
+use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::precalibration::{ElongationFit, Table};
 
 const FIELDS: [RowField; 3] = [

@@ -4,11 +4,11 @@ use egui::Ui;
 use tautline_session::PhaseData;
 
 use super::Typed;
-use crate::model::figure::{Axis, Point};
 use crate::screens::desk::{Desk, Residuals, or_dash, verdict_cell};
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
+use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Table};
 
 /// A pair of a table.

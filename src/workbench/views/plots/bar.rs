@@ -2,22 +2,23 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Theme, Ui, WidgetInfo};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
-use super::export::{csv, svg};
+use super::screen::colours;
 use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
 use super::{PlotState, Saving, Tab};
 use crate::model::OpenSession;
-use crate::model::command::Format;
-use crate::model::command::PlotCommand;
-use crate::model::figure::Figure;
+use crate::model::command::{Format, PlotCommand};
 use crate::model::plot_preparation::Prepared;
 use crate::shell::State;
+use crate::theme;
 use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
+use tautline_workflow::plot::table::csv;
+use tautline_workflow::plot::{Drawing, Figure};
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
@@ -241,13 +242,23 @@ fn command(
     figure: &Figure,
     (format, path): (Format, PathBuf),
 ) -> Option<PlotCommand> {
+    let name = plots.tab.title();
     let (generation, selection) = (plots.generation, state.model.selection);
     let panel = plots.panels.get_mut(&plots.tab)?;
-    let (layout, scale, seen) =
-        panel.seen(figure, generation, selection, ui.ctx().pixels_per_point())?;
+    // On white, whatever the theme is.
+    let palette = theme::palette(Theme::Light);
+    let colours = colours(palette);
+    let plot = panel.plot(ui, figure, generation, selection, &colours)?;
     Some(match format {
-        Format::Csv => PlotCommand::SaveText(path, csv(figure, scale.view)),
-        Format::Svg => PlotCommand::SaveText(path, svg(figure, layout, &scale, seen, selection)),
-        Format::Png => PlotCommand::SavePicture(path, layout.whole),
+        Format::Csv => PlotCommand::SaveText(path, csv(figure, plot.layout.scale.view)),
+        Format::Svg => {
+            let whole = plot.layout.whole.expand(8.0);
+            let drawing = Drawing::record(name, whole, 1.0, |canvas| {
+                canvas.fill(whole, palette.raised);
+                plot.draw(canvas);
+            });
+            PlotCommand::SaveText(path, drawing.svg())
+        }
+        Format::Png => PlotCommand::SavePicture(path, plot.layout.whole),
     })
 }

@@ -2,11 +2,7 @@
 
 use egui::{Color32, ColorImage, Pos2, Rect, Vec2};
 
-use super::draw::{Seen, dots, is_dense, order};
-use super::scale::Scale;
-use crate::model::Selection;
-use crate::model::figure::Figure;
-use crate::theme::Palette;
+use tautline_workflow::plot::Plot;
 
 /// Points of a figure, and nothing else, on a transparent ground.
 pub struct Picture {
@@ -16,19 +12,14 @@ pub struct Picture {
     pub rect: Rect,
 }
 
-/// The picture of a figure that has very many points in this view; none for one that is drawn point by point, or where
-/// a side has more than `most` pixels.
+/// The picture of a plot that has very many points in its view; none for one that is drawn point by point, or where a side
+/// has more than `most` pixels.
 #[must_use]
-pub fn picture(
-    figure: &Figure,
-    scale: &Scale,
-    seen: &Seen,
-    (selection, palette): (Selection, &Palette),
-    (pixels_per_point, most): (f32, usize),
-) -> Option<Picture> {
-    if !is_dense(seen) {
+pub fn picture(plot: &Plot<'_>, pixels_per_point: f32, most: usize) -> Option<Picture> {
+    if !plot.seen.is_dense() {
         return None;
     }
+    let scale = &plot.layout.scale;
     let first = (scale.rect.min * pixels_per_point).floor();
     let end = (scale.rect.max * pixels_per_point).ceil();
     let [width, height] = [end.x - first.x, end.y - first.y].map(|side| side as usize);
@@ -40,9 +31,8 @@ pub fn picture(
         first,
         pixels_per_point,
     };
-    for (index, is_dimmed) in order(figure, selection) {
-        let series = (&figure.series[index], &seen.thinned[index]);
-        dots(series, scale, palette, is_dimmed, &mut |rect, colour| {
+    for (index, is_dimmed) in plot.order() {
+        plot.dots(index, is_dimmed, &mut |rect, colour| {
             pixels.fill(rect, colour);
         });
     }
@@ -88,9 +78,11 @@ mod tests {
     use egui::Theme;
 
     use super::*;
-    use crate::model::figure::{Point, Series};
+    use crate::model::Selection;
     use crate::theme;
-    use crate::views::plots::draw::see;
+    use crate::views::plots::screen::colours;
+    use tautline_workflow::plot::figure::{Point, Series};
+    use tautline_workflow::plot::{Figure, Layout, Seen};
 
     fn figure(count: i32) -> Figure {
         let point = |k: i32| Point::new(f64::from(k), (f64::from(k) * 0.7).sin());
@@ -105,13 +97,18 @@ mod tests {
     }
 
     fn pictured(figure: &Figure, pixels_per_point: f32, most: usize) -> Option<Picture> {
-        let scale = Scale {
-            view: figure.whole(),
-            rect: Rect::from_min_max(Pos2::new(10.25, 20.0), Pos2::new(2010.25, 120.0)),
+        let whole = Rect::from_min_max(Pos2::new(10.25, 20.0), Pos2::new(2010.25, 140.0));
+        let width = |text: &str| 6.0 * text.len() as f32;
+        let layout = Layout::new(figure, figure.whole(), whole, &width);
+        let selection = Selection::default();
+        let plot = Plot {
+            figure,
+            layout: &layout,
+            seen: &Seen::new(figure, &layout.scale, selection, pixels_per_point),
+            selection,
+            colours: &colours(theme::palette(Theme::Dark)),
         };
-        let seen = see(figure, &scale, Selection::default(), pixels_per_point);
-        let with = (Selection::default(), theme::palette(Theme::Dark));
-        picture(figure, &scale, &seen, with, (pixels_per_point, most))
+        picture(&plot, pixels_per_point, most)
     }
 
     #[test]

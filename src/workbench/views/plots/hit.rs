@@ -2,10 +2,11 @@
 
 use egui::Pos2;
 
-use super::heat::limits;
-use super::scale::{Scale, readable};
+use tautline_workflow::plot::figure::{Axis, Figure};
+use tautline_workflow::plot::limits;
+use tautline_workflow::plot::scale::{Scale, readable};
+
 use crate::model::Selection;
-use crate::model::figure::{Axis, Figure};
 
 /// Farthest distance at which a point is hit (points of the screen).
 const REACH: f32 = 9.0;
@@ -77,11 +78,6 @@ pub fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
 }
 
 fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
-    let value = if axis.is_logarithmic {
-        10_f64.powf(value)
-    } else {
-        value
-    };
     let sd = if sd > 0.0 {
         format!(" \u{b1} {}", readable(sd, view))
     } else {
@@ -90,7 +86,7 @@ fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
     let text = format!(
         "{}: {}{sd} {}",
         axis.label,
-        readable(value, view),
+        readable(axis.number(value), view),
         axis.unit
     );
     text.trim_end().to_owned()
@@ -119,8 +115,8 @@ mod tests {
     use egui::Rect;
 
     use super::*;
-    use crate::model::figure::{Point, Series};
-    use crate::views::plots::draw::see;
+    use tautline_workflow::plot::Seen;
+    use tautline_workflow::plot::figure::{Point, Series};
 
     #[test]
     fn a_point_that_is_not_drawn_is_found_all_the_same() {
@@ -139,7 +135,7 @@ mod tests {
             ..Figure::default()
         };
         let selection = Selection::default();
-        let seen = see(&figure, &scale, selection, 1.0);
+        let seen = Seen::new(&figure, &scale, selection, 1.0);
         assert!(!seen.thinned[0].points.contains(&43_210), "it is covered");
         let place = scale.place(43_210.0, 0.1);
         let hit = nearest(&figure, &scale, place, selection).expect("a point");

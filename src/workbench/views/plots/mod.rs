@@ -1,31 +1,22 @@
 //! Plots below the 3D view, and small plots for panels.
 
 mod bar;
-mod canvas;
-mod contour;
 mod dense;
-mod draw;
-mod export;
-mod heat;
 mod hit;
 mod panel;
 mod panes;
-mod scale;
+mod screen;
 pub mod small;
 mod sources;
-mod svg;
 mod tab;
-mod thin;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{Spinner, Ui};
 
-pub use crate::model::command::Format;
-use crate::model::command::{PlotCommand, ViewCommand};
+use crate::model::command::{Format, PlotCommand, ViewCommand};
 use crate::model::edit::Edit;
-use crate::model::figure::Figure;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{OpenSession, Selection};
@@ -39,6 +30,7 @@ use sources::tensions::Shown as Tensions;
 use sources::variable::Choice;
 pub use tab::Tab;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::Figure;
 
 /// Label of an axis along which poses stand.
 pub const POSE: &str = "Pose";

@@ -3,17 +3,18 @@
 use std::fmt;
 
 use egui::{
-    Align2, Context, Key, Popup, Rect, Response, Role, Sense, Stroke, TextureHandle,
-    TextureOptions, Theme, Ui, WidgetInfo, vec2,
+    Align2, Context, Key, Popup, Rect, Response, Role, Sense, TextureHandle, TextureOptions, Theme,
+    Ui, WidgetInfo, vec2,
 };
+use tautline_workflow::plot::draw::TEXT;
+use tautline_workflow::plot::figure::{Point, Series};
+use tautline_workflow::plot::scale::{Scale, readable};
+use tautline_workflow::plot::{Canvas, Colours, Figure, Layout, Plot, Seen, Stroke};
 
 use super::POSE;
-use super::canvas::{Canvas, Screen};
 use super::dense::picture;
-use super::draw::{Layout, Seen, TEXT, arrange, before, behind, draw, see, text_width};
 use super::hit::{Hit, cell_words, nearest, selects, words};
-use super::scale::{Scale, readable};
-use crate::model::figure::Figure;
+use super::screen::{Screen, colours, text_width};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 
@@ -36,7 +37,7 @@ pub struct Panel {
     /// Very many points as a picture, and where it belongs.
     dense: Memo<(SeenOf, Theme), Option<Dense>>,
     /// What was drawn last, for files.
-    pub drawn: Option<(Layout, Scale)>,
+    pub drawn: Option<Layout>,
     /// What the context menu is about.
     menu: Selection,
 }
@@ -110,7 +111,7 @@ impl Panel {
         self.view = range.and_then(|range| {
             let y = self
                 .view
-                .or(self.drawn.as_ref().map(|(_, scale)| scale.view));
+                .or(self.drawn.as_ref().map(|layout| layout.scale.view));
             Some([range, y?[1]])
         });
     }
@@ -123,18 +124,13 @@ impl Panel {
         let whole = outer.shrink2(vec2(GRID, 0.5 * GRID));
         let painter = ui.painter_at(outer);
         let everything = *self.whole.get(shown.generation, || shown.figure.whole());
-        let arrange = |view: [[f64; 2]; 2]| {
-            let layout = arrange(shown.figure, view, whole, &text_width(&painter));
-            let rect = layout.plot;
-            (layout, Scale { view, rect })
-        };
-        let (layout, scale) = arrange(self.view.unwrap_or(everything));
-        self.navigate(ui, &response, &scale);
-        // Again: the view may have moved.
-        let (layout, scale) = match self.view {
-            Some(view) if view != scale.view => arrange(view),
-            _ => (layout, scale),
-        };
+        let arrange = |view| Layout::new(shown.figure, view, whole, &text_width(&painter));
+        let mut layout = arrange(self.view.unwrap_or(everything));
+        self.navigate(ui, &response, &layout.scale);
+        if let Some(view) = self.view.filter(|view| *view != layout.scale.view) {
+            layout = arrange(view);
+        }
+        let scale = layout.scale;
         let key = SeenOf {
             figure: shown.generation,
             scale,
@@ -142,61 +138,65 @@ impl Panel {
             pixels_per_point: ui.ctx().pixels_per_point(),
         };
         let pixels_per_point = key.pixels_per_point;
-        let seen = self.seen.get(key.clone(), || {
-            see(shown.figure, &scale, shown.selection, pixels_per_point)
-        });
+        let palette = theme::of(ui);
+        let plot = Plot {
+            figure: shown.figure,
+            layout: &layout,
+            seen: self.seen.get(key.clone(), || {
+                Seen::new(shown.figure, &scale, shown.selection, pixels_per_point)
+            }),
+            selection: shown.selection,
+            colours: &colours(palette),
+        };
         let mut canvas = Screen::new(painter);
-        let with = (shown.selection, theme::of(ui));
-        match self.dense.get((key, ui.theme()), || {
-            dense(ui.ctx(), shown.figure, &scale, seen, with)
-        }) {
+        match self.dense.get((key, ui.theme()), || dense(ui.ctx(), &plot)) {
             Some(Dense { texture, rect }) => {
-                behind(&mut canvas, shown.figure, &layout, &scale, with.1);
+                plot.draw_behind(&mut canvas);
                 canvas.picture(texture.id(), *rect);
-                before(&mut canvas, shown.figure, &layout, &scale, seen, with);
+                plot.draw_before(&mut canvas);
             }
-            None => draw(&mut canvas, shown.figure, &layout, &scale, seen, with),
+            None => plot.draw(&mut canvas),
         }
         let under = response.hover_pos();
         let hit = under.and_then(|at| nearest(shown.figure, &scale, at, shown.selection));
         if let Some(hit) = hit {
             let point = shown.figure.series[hit.series].points()[hit.point];
-            canvas.ring(
-                scale.place(point.x, point.y),
-                5.5,
-                Stroke::new(1.5, theme::of(ui).text),
-            );
+            let at = scale.place(point.x, point.y);
+            canvas.ring(at, 5.5, Stroke::new(1.5, palette.text));
         }
-        draw_pose(&mut canvas, shown, &scale, theme::of(ui));
+        draw_pose(&mut canvas, shown, &scale, palette);
         self.draw_cursors(&mut canvas, ui, &scale);
         drop(canvas);
-        let frame = self.respond(ui, &response, shown, (&layout, &scale), hit);
-        self.drawn = Some((layout, scale));
+        let frame = self.respond(ui, &response, shown, &layout, hit);
+        self.drawn = Some(layout);
         frame
     }
 
-    /// Points in the view, as drawn last.
-    pub fn seen(
-        &mut self,
-        figure: &Figure,
+    /// The plot as drawn last, in other colours.
+    pub fn plot<'a>(
+        &'a mut self,
+        ui: &Ui,
+        figure: &'a Figure,
         generation: u64,
         selection: Selection,
-        pixels_per_point: f32,
-    ) -> Option<(&Layout, Scale, &Seen)> {
-        let (layout, scale) = self.drawn.as_ref()?;
-        let (scale, key) = (
-            *scale,
-            SeenOf {
-                figure: generation,
-                scale: *scale,
-                selection,
-                pixels_per_point,
-            },
-        );
-        let seen = self
-            .seen
-            .get(key, || see(figure, &scale, selection, pixels_per_point));
-        Some((layout, scale, seen))
+        colours: &'a Colours,
+    ) -> Option<Plot<'a>> {
+        let layout = self.drawn.as_ref()?;
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let key = SeenOf {
+            figure: generation,
+            scale: layout.scale,
+            selection,
+            pixels_per_point,
+        };
+        let see = || Seen::new(figure, &layout.scale, selection, pixels_per_point);
+        Some(Plot {
+            figure,
+            layout,
+            seen: self.seen.get(key, see),
+            selection,
+            colours,
+        })
     }
 
     fn navigate(&mut self, ui: &Ui, response: &Response, scale: &Scale) {
@@ -243,11 +243,7 @@ impl Panel {
     fn draw_cursors(&self, canvas: &mut Screen, ui: &Ui, scale: &Scale) {
         let palette = theme::of(ui);
         for (share, name) in self.cursors.iter().flatten().zip(["A", "B"]) {
-            let x = scale.rect.min.x + *share as f32 * scale.rect.width();
-            let ends = [
-                egui::pos2(x, scale.rect.min.y),
-                egui::pos2(x, scale.rect.max.y),
-            ];
+            let ends = scale.upright(scale.rect.min.x + *share as f32 * scale.rect.width());
             canvas.line(&ends, Stroke::new(1.25, palette.accent), false);
             let at = ends[0] + vec2(0.75 * GRID, 0.5 * GRID);
             canvas.text(at, Align2::LEFT_TOP, name, TEXT, palette.accent);
@@ -257,7 +253,7 @@ impl Panel {
     /// Values at the cursors and their differences, in words.
     #[must_use]
     pub fn reading(&self, figure: &Figure, selection: Selection) -> Option<String> {
-        let (_, scale) = self.drawn.as_ref()?;
+        let scale = &self.drawn.as_ref()?.scale;
         let [low, high] = scale.view[0];
         let [a, b] = self.cursors?.map(|share| low + share * (high - low));
         let number = |value: f64, axis: usize| readable(value, scale.view[axis]);
@@ -293,9 +289,10 @@ impl Panel {
         ui: &Ui,
         response: &Response,
         shown: &Shown<'_>,
-        (layout, scale): (&Layout, &Scale),
+        layout: &Layout,
         hit: Option<Hit>,
     ) -> Frame {
+        let scale = &layout.scale;
         let mut frame = Frame::default();
         let under = response.hover_pos();
         let selected = hit.map(|hit| selects(shown.figure, hit));
@@ -351,21 +348,9 @@ impl Panel {
 }
 
 /// Very many points as a texture.
-fn dense(
-    context: &Context,
-    figure: &Figure,
-    scale: &Scale,
-    seen: &Seen,
-    with: (Selection, &theme::Palette),
-) -> Option<Dense> {
+fn dense(context: &Context, plot: &Plot<'_>) -> Option<Dense> {
     let most = context.input(|input| input.max_texture_side);
-    let picture = picture(
-        figure,
-        scale,
-        seen,
-        with,
-        (context.pixels_per_point(), most),
-    )?;
+    let picture = picture(plot, context.pixels_per_point(), most)?;
     let texture = context.load_texture("points", picture.image, TextureOptions::NEAREST);
     Some(Dense {
         texture,
@@ -383,21 +368,20 @@ fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &th
     let [low, high] = scale.view[0];
     let x = of_pose.next().map(|point| point.x);
     if let Some(x) = x.filter(|x| shown.figure.x.label == POSE && (low..=high).contains(x)) {
-        let x = scale.x(x);
-        let ends = [
-            egui::pos2(x, scale.rect.min.y),
-            egui::pos2(x, scale.rect.max.y),
-        ];
-        canvas.line(&ends, Stroke::new(1.0, palette.muted), false);
+        canvas.line(
+            &scale.upright(scale.x(x)),
+            Stroke::new(1.0, palette.muted),
+            false,
+        );
     }
 }
 
 /// Height of the point nearest to a place along x.
-fn closest(series: &crate::model::figure::Series, x: f64) -> Option<f64> {
+fn closest(series: &Series, x: f64) -> Option<f64> {
     let points = series.points();
     let after = points.partition_point(|point| point.x < x);
     let around = points.get(after.saturating_sub(1)..(after + 1).min(points.len()))?;
-    let away = |point: &&crate::model::figure::Point| (point.x - x).abs();
+    let away = |point: &&Point| (point.x - x).abs();
     around
         .iter()
         .min_by(|a, b| away(a).total_cmp(&away(b)))
@@ -411,7 +395,7 @@ mod tests {
     use egui_kittest::kittest::Queryable;
 
     use super::*;
-    use crate::model::figure::{Axis, Point, Series};
+    use tautline_workflow::plot::figure::Axis;
 
     fn figure() -> Figure {
         let point = |pose: i64| Point {
@@ -451,7 +435,7 @@ mod tests {
     }
 
     fn scale(harness: &Harness<'_, Seen>) -> Scale {
-        harness.state().0.drawn.as_ref().expect("drawn").1
+        harness.state().0.drawn.as_ref().expect("drawn").scale
     }
 
     fn drag(harness: &mut Harness<'_, Seen>, from: Pos2, to: Pos2) {

@@ -97,7 +97,7 @@ impl Panes {
     #[must_use]
     pub fn range(&mut self, place: usize) -> Option<(String, [f64; 2])> {
         let (title, panel) = self.places.get_mut(place)?.along()?;
-        Some((title, panel.drawn.as_ref()?.1.view[0]))
+        Some((title, panel.drawn.as_ref()?.scale.view[0]))
     }
 
     /// What there is room for.

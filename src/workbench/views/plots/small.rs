@@ -2,12 +2,11 @@
 
 use egui::{Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
-use super::canvas::Screen;
-use super::draw::{arrange, draw, see, text_width};
+use tautline_workflow::plot::{Figure, Layout, Plot, Seen};
+
 use super::hit::{nearest, selects, words};
-use super::scale::Scale;
+use super::screen::{Screen, colours, text_width};
 use crate::model::Selection;
-use crate::model::figure::Figure;
 use crate::theme;
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Gives what a
@@ -23,7 +22,7 @@ use crate::theme;
 ///     has_zero_line: true,
 ///     ..Figure::default()
 /// };
-/// if let Some(selection) = small::show(ui, "Residuals of winch 1", &figure, 160.0, state.model.selection) {
+/// if let Some(selection) = small::show(ui, "Residuals of winch 1", &figure, 160.0, state.selection) {
 ///     state.outbox.send(ViewCommand::Select(selection));
 /// }
 /// ```
@@ -40,27 +39,20 @@ pub fn show(
     if !ui.is_rect_visible(whole) {
         return None;
     }
-    let view = figure.whole();
     let painter = ui.painter_at(whole);
-    let layout = arrange(figure, view, inside(whole), &text_width(&painter));
-    let scale = Scale {
-        view,
-        rect: layout.plot,
-    };
-    let seen = see(figure, &scale, selection, ui.ctx().pixels_per_point());
-    let mut canvas = Screen::new(painter);
-    draw(
-        &mut canvas,
+    let layout = Layout::new(figure, figure.whole(), inside(whole), &text_width(&painter));
+    let scale = &layout.scale;
+    let plot = Plot {
         figure,
-        &layout,
-        &scale,
-        &seen,
-        (selection, theme::of(ui)),
-    );
-    drop(canvas);
-    let hit = nearest(figure, &scale, response.hover_pos()?, selection)?;
+        layout: &layout,
+        seen: &Seen::new(figure, scale, selection, ui.ctx().pixels_per_point()),
+        selection,
+        colours: &colours(theme::of(ui)),
+    };
+    plot.draw(&mut Screen::new(painter));
+    let hit = nearest(figure, scale, response.hover_pos()?, selection)?;
     let clicked = response.clicked();
-    response.on_hover_text_at_pointer(words(figure, hit, &scale));
+    response.on_hover_text_at_pointer(words(figure, hit, scale));
     clicked.then(|| selects(figure, hit))
 }
 
@@ -74,7 +66,7 @@ mod tests {
     use egui_kittest::kittest::Queryable;
 
     use super::*;
-    use crate::model::figure::{Axis, Band, Curve, Ink, Point, Series};
+    use tautline_workflow::plot::figure::{Axis, Band, Curve, Ink, Point, Series};
 
     fn figure() -> Figure {
         let point = |pose: i64| Point {
@@ -115,15 +107,10 @@ mod tests {
             );
         harness.run();
         let rect = harness.get_by_label("Winch 3").rect();
-        let layout = arrange(&figure(), figure().whole(), inside(rect), &|text| {
-            6.0 * text.len() as f32
-        });
-        assert!(rect.contains_rect(layout.plot), "{layout:?} in {rect:?}");
-        let view = figure().whole();
-        let scale = Scale {
-            view,
-            rect: layout.plot,
-        };
+        let width = |text: &str| 6.0 * text.len() as f32;
+        let layout = Layout::new(&figure(), figure().whole(), inside(rect), &width);
+        let scale = layout.scale;
+        assert!(rect.contains_rect(scale.rect), "{layout:?} in {rect:?}");
         let place = scale.place(2.0, -0.05);
         harness.hover_at(place);
         harness.drag_at(place);

@@ -152,7 +152,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
-fn cable_plots(fit: &Identification) -> Vec<crate::report::drawing::Drawing> {
+fn cable_plots(fit: &Identification) -> Vec<crate::plot::Drawing> {
     let labels = &fit.dataset.measurements.labels;
     let cables = fit.dataset.robot.cables.iter().enumerate();
     cables

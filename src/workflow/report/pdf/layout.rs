@@ -2,12 +2,14 @@
 
 use std::io::Cursor;
 
+use ecolor::Color32;
 use image::{ImageFormat, ImageReader};
 
 use super::faces::Faces;
 use super::wrap::wrap;
+use crate::plot::drawing::{Anchor, Drawing, Shape};
+use crate::report::colours;
 use crate::report::document::{Block, Document, Section};
-use crate::report::drawing::{Anchor, Drawing, Ink, Shape};
 
 /// A4 (pt).
 pub const PAGE: [f64; 2] = [595.28, 841.89];
@@ -65,27 +67,27 @@ pub struct Style {
     /// Whether it is bold.
     pub bold: bool,
     /// Its colour.
-    pub ink: Ink,
+    pub colour: Color32,
 }
 
-const fn style(size: f64, leading: f64, bold: bool, ink: Ink) -> Style {
+const fn style(size: f64, leading: f64, bold: bool, colour: Color32) -> Style {
     Style {
         size,
         leading,
         bold,
-        ink,
+        colour,
     }
 }
 
-const TITLE: Style = style(21.0, 26.0, true, Ink::Dark);
-const SUBTITLE: Style = style(9.5, 13.5, false, Ink::Muted);
-const SECTION: Style = style(14.0, 18.0, true, Ink::Dark);
-const HEADING: Style = style(10.5, 14.0, true, Ink::Dark);
-const LEAD: Style = style(10.5, 14.5, true, Ink::Dark);
-const TEXT: Style = style(9.5, 13.5, false, Ink::Dark);
-const NAME: Style = style(9.5, 13.5, false, Ink::Muted);
+const TITLE: Style = style(21.0, 26.0, true, colours::DARK);
+const SUBTITLE: Style = style(9.5, 13.5, false, colours::MUTED);
+const SECTION: Style = style(14.0, 18.0, true, colours::DARK);
+const HEADING: Style = style(10.5, 14.0, true, colours::DARK);
+const LEAD: Style = style(10.5, 14.5, true, colours::DARK);
+const TEXT: Style = style(9.5, 13.5, false, colours::DARK);
+const NAME: Style = style(9.5, 13.5, false, colours::MUTED);
 /// Text for those who want the numbers, captions.
-pub const SMALL: Style = style(8.5, 12.0, false, Ink::Muted);
+pub const SMALL: Style = style(8.5, 12.0, false, colours::MUTED);
 
 /// Fills pages from top to bottom.
 pub struct Layout<'a> {
@@ -161,12 +163,8 @@ impl<'a> Layout<'a> {
         });
         self.text(&section.title, SECTION, 0.0);
         let y = self.y + 1.0;
-        self.page().shapes.push(Shape::Line {
-            from: [LEFT, y],
-            to: [LEFT + WIDTH, y],
-            ink: Ink::Faint,
-            width: 0.75,
-        });
+        let rule = Shape::segment([LEFT, y], [LEFT + WIDTH, y], 0.75, colours::FAINT);
+        self.page().shapes.push(rule);
         self.y += 3.0;
         for (k, block) in section.blocks.iter().enumerate() {
             self.block(block, section.blocks.get(k + 1..).unwrap_or_default());
@@ -227,7 +225,7 @@ impl<'a> Layout<'a> {
             at: [x, baseline],
             size: style.size,
             anchor,
-            ink: style.ink,
+            colour: style.colour,
             bold: style.bold,
             text,
         });
@@ -238,10 +236,10 @@ impl<'a> Layout<'a> {
         for line in lines {
             self.reserve(TEXT.leading);
             let y = self.y + 0.5 * TEXT.leading;
-            self.page().shapes.push(Shape::Dot {
+            self.page().shapes.push(Shape::Disc {
                 at: [LEFT + 4.0, y],
                 radius: 1.3,
-                ink: Ink::Muted,
+                colour: colours::MUTED,
             });
             self.text(line, TEXT, 12.0);
             self.y += 1.5;

@@ -14,8 +14,9 @@ use krilla::outline::{Outline, OutlineNode};
 use krilla::page::PageSettings;
 use tautline_session::Timestamp;
 
+use super::colours;
 use super::document::Document;
-use super::drawing::{Anchor, Ink, Shape};
+use crate::plot::drawing::{Anchor, Shape};
 use faces::Faces;
 use layout::{BOTTOM, LEFT, Layout, PAGE, Page, WIDTH};
 
@@ -92,7 +93,7 @@ fn footer(title: &str, number: usize, count: usize) -> [Shape; 2] {
         at: [x, BOTTOM + 30.0],
         size: 7.5,
         anchor,
-        ink: Ink::Muted,
+        colour: colours::MUTED,
         bold: false,
         text,
     };
@@ -126,10 +127,27 @@ pub fn assert_on_pages(document: &Document) {
     let layout = Layout::of(document, &faces);
     assert!(layout.pages.len() > 1);
     for shape in layout.pages.iter().flat_map(|page| &page.shapes) {
-        let (from, to, y) = match shape {
-            Shape::Line { from, to, .. } => (from[0], to[0], from[1].max(to[1])),
-            Shape::Area { at, size, .. } => (at[0], at[0] + size[0], at[1] + size[1]),
-            Shape::Dot { at, radius, .. } => (at[0] - radius, at[0] + radius, at[1]),
+        let ([from, _], [to, y]) = match shape {
+            Shape::Clip(None) => continue,
+            Shape::Clip(Some([at, size])) | Shape::Area { at, size, .. } => {
+                (*at, [at[0] + size[0], at[1] + size[1]])
+            }
+            Shape::Line { places, .. }
+            | Shape::Polygon {
+                corners: places, ..
+            } => {
+                let bound = |axis: usize, pick: fn(f64, f64) -> f64| {
+                    let all = places.iter().map(|place| place[axis]);
+                    all.reduce(pick).expect("a point")
+                };
+                (
+                    [bound(0, f64::min), bound(1, f64::min)],
+                    [bound(0, f64::max), bound(1, f64::max)],
+                )
+            }
+            Shape::Disc { at, radius, .. } | Shape::Ring { at, radius, .. } => {
+                (at.map(|x| x - radius), at.map(|x| x + radius))
+            }
             Shape::Text {
                 at,
                 size,
@@ -144,7 +162,7 @@ pub fn assert_on_pages(document: &Document) {
                     Anchor::Middle => at[0] - 0.5 * width,
                     Anchor::End => at[0] - width,
                 };
-                (start, start + width, at[1])
+                ([start, at[1]], [start + width, at[1]])
             }
         };
         let is_inside = from >= LEFT - 0.5 && to <= LEFT + WIDTH + 0.5 && y <= BOTTOM + 0.5;

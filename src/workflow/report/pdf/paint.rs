@@ -1,96 +1,75 @@
 //! Shapes on a page.
 
+use ecolor::Color32;
 use krilla::color::rgb;
-use krilla::geom::{PathBuilder, Point, Rect, Size, Transform};
+use krilla::geom::{Path, PathBuilder, Point, Rect, Size, Transform};
 use krilla::image::Image;
-use krilla::paint::{Fill, Stroke};
+use krilla::num::NormalizedF32;
+use krilla::paint::{Fill, FillRule, Stroke, StrokeDash};
 use krilla::surface::Surface;
 
 use super::PdfError;
 use super::faces::Faces;
 use super::layout::Placed;
-use crate::report::drawing::{Anchor, Ink, Shape};
+use crate::plot::drawing::{Anchor, Shape};
 
 /// Handle of a quarter of a circle as a cubic curve.
 const ARC: f64 = 0.552_284_75;
 
-fn point([x, y]: [f64; 2]) -> Point {
-    Point::from_xy(x as f32, y as f32)
+/// A colour and its opacity.
+fn color(colour: Color32) -> (rgb::Color, NormalizedF32) {
+    let [red, green, blue, alpha] = colour.to_srgba_unmultiplied();
+    let opacity = NormalizedF32::new(f32::from(alpha) / 255.0).unwrap_or(NormalizedF32::ONE);
+    (rgb::Color::new(red, green, blue), opacity)
 }
 
-fn color(ink: Ink) -> rgb::Color {
-    let [red, green, blue] = ink.rgb();
-    rgb::Color::new(red, green, blue)
-}
-
-fn fill(surface: &mut Surface<'_>, ink: Ink) {
+fn fill(surface: &mut Surface<'_>, colour: Color32) {
+    let (paint, opacity) = color(colour);
     surface.set_stroke(None);
     surface.set_fill(Some(Fill {
-        paint: color(ink).into(),
+        paint: paint.into(),
+        opacity,
         ..Fill::default()
     }));
 }
 
-/// Draws a shape.
-pub fn shape(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces) {
-    match shape {
-        Shape::Line {
-            from,
-            to,
-            ink,
-            width,
-        } => {
-            surface.set_fill(None);
-            surface.set_stroke(Some(Stroke {
-                paint: color(*ink).into(),
-                width: *width as f32,
-                ..Stroke::default()
-            }));
-            let mut path = PathBuilder::new();
-            path.move_to(from[0] as f32, from[1] as f32);
-            path.line_to(to[0] as f32, to[1] as f32);
-            if let Some(path) = path.finish() {
-                surface.draw_path(&path);
-            }
-        }
-        Shape::Area { at, size, ink } => {
-            fill(surface, *ink);
-            let [x, y, w, h] = [at[0], at[1], size[0], size[1]].map(|v| v as f32);
-            let mut path = PathBuilder::new();
-            if let Some(area) = Rect::from_xywh(x, y, w, h) {
-                path.push_rect(area);
-            }
-            if let Some(path) = path.finish() {
-                surface.draw_path(&path);
-            }
-        }
-        Shape::Dot { at, radius, ink } => {
-            fill(surface, *ink);
-            disc(surface, *at, *radius);
-        }
-        Shape::Text {
-            at,
-            size,
-            anchor,
-            ink,
-            bold,
-            text,
-        } => {
-            fill(surface, *ink);
-            let width = match anchor {
-                Anchor::Start => 0.0,
-                Anchor::Middle => 0.5 * faces.width(text, *size, *bold),
-                Anchor::End => faces.width(text, *size, *bold),
-            };
-            let face = faces.get(*bold);
-            let glyphs = face.glyphs(text);
-            let start = point([at[0] - width, at[1]]);
-            surface.draw_glyphs(start, &glyphs, face.font.clone(), text, *size as f32, false);
-        }
-    }
+fn stroke(surface: &mut Surface<'_>, width: f64, colour: Color32, dashed: bool) {
+    let (paint, opacity) = color(colour);
+    surface.set_fill(None);
+    surface.set_stroke(Some(Stroke {
+        paint: paint.into(),
+        opacity,
+        width: width as f32,
+        dash: dashed.then(|| StrokeDash {
+            array: vec![5.0, 4.0],
+            offset: 0.0,
+        }),
+        ..Stroke::default()
+    }));
 }
 
-fn disc(surface: &mut Surface<'_>, [x, y]: [f64; 2], radius: f64) {
+/// A path through points.
+fn path(places: &[[f64; 2]], is_closed: bool) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    let ([x, y], rest) = places.split_first()?;
+    path.move_to(*x as f32, *y as f32);
+    for [x, y] in rest {
+        path.line_to(*x as f32, *y as f32);
+    }
+    if is_closed {
+        path.close();
+    }
+    path.finish()
+}
+
+fn rectangle([x, y]: [f64; 2], [w, h]: [f64; 2]) -> Option<Path> {
+    let rect = Rect::from_xywh(x as f32, y as f32, w as f32, h as f32)?;
+    let mut path = PathBuilder::new();
+    path.push_rect(rect);
+    path.finish()
+}
+
+fn circle([x, y]: [f64; 2], radius: f64) -> Option<Path> {
     let at = |dx: f64, dy: f64| [(x + dx * radius) as f32, (y + dy * radius) as f32];
     let mut path = PathBuilder::new();
     let [sx, sy] = at(1.0, 0.0);
@@ -103,7 +82,73 @@ fn disc(surface: &mut Surface<'_>, [x, y]: [f64; 2], radius: f64) {
         path.cubic_to(x1, y1, x2, y2, x3, y3);
     }
     path.close();
-    if let Some(path) = path.finish() {
+    path.finish()
+}
+
+/// Draws a shape.
+pub fn shape(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces) {
+    let path = match shape {
+        Shape::Clip(None) => return surface.pop(),
+        Shape::Clip(Some([at, size])) => {
+            // Without a path nothing is clipped, but what ends the clip needs something to end.
+            match rectangle(*at, *size) {
+                Some(path) => surface.push_clip_path(&path, &FillRule::NonZero),
+                None => surface.push_transform(&Transform::identity()),
+            }
+            return;
+        }
+        Shape::Line {
+            places,
+            width,
+            colour,
+            dashed,
+        } => {
+            stroke(surface, *width, *colour, *dashed);
+            path(places, false)
+        }
+        Shape::Area { at, size, colour } => {
+            fill(surface, *colour);
+            rectangle(*at, *size)
+        }
+        Shape::Polygon { corners, colour } => {
+            fill(surface, *colour);
+            path(corners, true)
+        }
+        Shape::Disc { at, radius, colour } => {
+            fill(surface, *colour);
+            circle(*at, *radius)
+        }
+        Shape::Ring {
+            at,
+            radius,
+            width,
+            colour,
+        } => {
+            stroke(surface, *width, *colour, false);
+            circle(*at, *radius)
+        }
+        Shape::Text {
+            at: [x, y],
+            size,
+            anchor,
+            colour,
+            bold,
+            text,
+        } => {
+            fill(surface, *colour);
+            let width = match anchor {
+                Anchor::Start => 0.0,
+                Anchor::Middle => 0.5 * faces.width(text, *size, *bold),
+                Anchor::End => faces.width(text, *size, *bold),
+            };
+            let face = faces.get(*bold);
+            let glyphs = face.glyphs(text);
+            let start = Point::from_xy((x - width) as f32, *y as f32);
+            surface.draw_glyphs(start, &glyphs, face.font.clone(), text, *size as f32, false);
+            return;
+        }
+    };
+    if let Some(path) = path {
         surface.draw_path(&path);
     }
 }

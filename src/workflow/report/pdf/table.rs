@@ -2,8 +2,9 @@
 
 use super::layout::{LEFT, Layout, SMALL, Style, WIDTH};
 use super::wrap::wrap;
+use crate::plot::drawing::{Anchor, Shape};
+use crate::report::colours;
 use crate::report::document::{Align, Table};
-use crate::report::drawing::{Anchor, Ink, Shape};
 
 /// Space beside the text of a cell (pt).
 const PADDING: f64 = 5.0;
@@ -20,13 +21,13 @@ const CELL: Style = Style {
     size: 8.5,
     leading: 11.5,
     bold: false,
-    ink: Ink::Dark,
+    colour: colours::DARK,
 };
 const HEAD: Style = Style {
     size: 8.0,
     leading: 11.0,
     bold: true,
-    ink: Ink::Muted,
+    colour: colours::MUTED,
 };
 
 /// Cells of a row in lines.
@@ -153,13 +154,13 @@ impl Layout<'_> {
             }
             x += width;
         }
-        let ink = if style.bold { Ink::Muted } else { Ink::Faint };
-        self.page().shapes.push(Shape::Line {
-            from: [LEFT, bottom],
-            to: [x, bottom],
-            ink,
-            width: 0.5,
-        });
+        let colour = if style.bold {
+            colours::MUTED
+        } else {
+            colours::FAINT
+        };
+        let rule = Shape::segment([LEFT, bottom], [x, bottom], 0.5, colour);
+        self.page().shapes.push(rule);
         self.y = bottom;
     }
 }

@@ -2,9 +2,10 @@
 
 use tautline_core::diagnosis::Quantity;
 
-use crate::model::figure::{Axis, Columns, Curve, Figure, Ink};
 use crate::model::plot_preparation::{Prepared, residuals};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::{Axis, Columns, Curve, Figure, Ink};
+use tautline_workflow::plot::histogram;
 
 /// Half of the width that is shown (standard deviations); what is beyond counts in the outermost columns.
 const MOST: f64 = 6.0;
@@ -15,16 +16,12 @@ const COUNT: usize = 48;
 #[must_use]
 pub fn figure(prepared: &Prepared) -> Figure {
     let before = all(&prepared.base);
-    let mut columns = vec![histogram("before", Ink::Warning, &before)];
+    let mut columns = vec![density("before", Ink::Warning, &before)];
     if let Some(extended) = &prepared.extended {
-        let mut after = histogram("after, with what was found", Ink::Accent, &all(extended));
+        let mut after = density("after, with what was found", Ink::Accent, &all(extended));
         after.outline = true;
         columns.push(after);
     }
-    let places = (0..=240).map(|k| {
-        let x = MOST * (f64::from(k) / 120.0 - 1.0);
-        [x, (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt()]
-    });
     Figure {
         x: Axis::new(
             "Residual; beyond 6 in the outermost columns",
@@ -36,7 +33,7 @@ pub fn figure(prepared: &Prepared) -> Figure {
             name: "if model and noise are right".into(),
             ink: Ink::Text,
             dashed: true,
-            points: places.collect(),
+            points: histogram::normal(MOST, 1.0),
         }],
         ..Figure::default()
     }
@@ -58,20 +55,15 @@ fn all(fit: &Identification) -> Vec<f64> {
 }
 
 /// Columns whose area is 1.
-fn histogram(name: &str, ink: Ink, values: &[f64]) -> Columns {
-    let width = 2.0 * MOST / COUNT as f64;
-    let mut heights = vec![0.0; COUNT];
-    let share = 1.0 / (values.len().max(1) as f64 * width);
-    for value in values {
-        let index = ((value + MOST) / width).clamp(0.0, COUNT as f64 - 1.0) as usize;
-        heights[index] += share;
-    }
+fn density(name: &str, ink: Ink, values: &[f64]) -> Columns {
+    let (edges, counts) = histogram::histogram(values, MOST, COUNT);
+    let share = COUNT as f64 / (2.0 * MOST * values.len().max(1) as f64);
     Columns {
         name: name.into(),
         ink,
         outline: false,
-        edges: (0..=COUNT).map(|k| -MOST + width * k as f64).collect(),
-        heights,
+        edges,
+        heights: counts.into_iter().map(|count| share * count).collect(),
     }
 }
 
@@ -81,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_histogram_has_area_one_and_loses_no_outlier() {
-        let columns = histogram("before", Ink::Text, &[-50.0, 0.1, 0.2, 7.0]);
+        let columns = density("before", Ink::Text, &[-50.0, 0.1, 0.2, 7.0]);
         let area: f64 = columns.heights.iter().sum::<f64>() * 0.25;
         assert!((area - 1.0).abs() < 1e-12);
         assert!((columns.heights[0] - 1.0).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! Chi-square after each step of an identification.
 
-use crate::model::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 
 /// The way of a fit to its solution.
 #[must_use]
@@ -29,7 +29,7 @@ pub fn figure(fit: &Identification) -> Figure {
         });
     }
     Figure {
-        x: Axis::whole("Phase"),
+        x: Axis::whole("Step"),
         y: Axis {
             is_logarithmic: true,
             ..Axis::new("Chi-square", "")

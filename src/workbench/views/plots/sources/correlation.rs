@@ -2,8 +2,8 @@
 
 use tautline_core::estimation::{Parameter, ParameterId};
 
-use crate::model::figure::{Axis, Figure, Heat, Shades};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::{Axis, Figure, Heat, Shades};
 
 /// Cable that a parameter belongs to.
 fn cable_of(parameter: &Parameter) -> Option<usize> {

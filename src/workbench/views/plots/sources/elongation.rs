@@ -3,9 +3,11 @@
 use tautline_core::cable::ElongationSurface;
 use tautline_session::Session;
 
-use crate::model::figure::{Axis, Curve, Figure, Heat, Ink, Marker, Point, Series, Shades};
-use crate::views::plots::contour::contours;
-use crate::views::plots::scale::{fixed, ticks};
+use tautline_workflow::plot::contour::contours;
+use tautline_workflow::plot::figure::{
+    Axis, Curve, Figure, Heat, Ink, Marker, Point, Series, Shades,
+};
+use tautline_workflow::plot::scale::{fixed, ticks};
 
 /// Cells along each axis.
 const CELLS: usize = 64;

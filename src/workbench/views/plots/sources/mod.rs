@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use tautline_core::measurement::Dataset;
 
-use crate::model::figure::Point;
+use tautline_workflow::plot::figure::Point;
 
 /// A point of a pose, given by its row.
 fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f64) -> Point {

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use tautline_core::estimation::{Reading, ReadingKind};
 
 use super::over_pose;
-use crate::model::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use crate::views::plots::POSE;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use super::over_pose;
-use crate::model::figure::{Axis, Band, Figure, Point, Series};
 use crate::views::plots::POSE;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 
 /// What is shown of tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

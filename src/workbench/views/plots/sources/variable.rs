@@ -7,10 +7,10 @@ use tautline_core::diagnosis::{Discrepancy, Quantity, smooth_functions};
 use tautline_core::measurement::Variable;
 
 use super::at_row;
-use crate::model::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Prepared, residuals};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 
 /// Places along a fitted curve.
 const PLACES: usize = 120;

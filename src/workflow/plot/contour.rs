@@ -1,6 +1,6 @@
 //! Lines of equal value of a heat map (marching squares between the middles of its cells).
 
-use crate::model::figure::Heat;
+use super::figure::Heat;
 
 /// The line of a level: pieces with a place that is not finite after each.
 #[must_use]
@@ -46,7 +46,7 @@ fn crossing(a: ([f64; 2], f64), b: ([f64; 2], f64), level: f64) -> Option<[f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::figure::{Axis, Shades};
+    use crate::plot::figure::{Axis, Shades};
 
     #[test]
     fn the_contour_of_a_cone_is_a_circle() {

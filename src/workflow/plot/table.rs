@@ -1,28 +1,6 @@
-//! What is visible of a figure, as files.
+//! The values of a figure as a table (CSV).
 
-use egui::Theme;
-
-use super::draw::{Layout, Seen, draw};
-use super::scale::Scale;
-use super::svg::Svg;
-use crate::model::Selection;
-use crate::model::figure::{Axis, Figure, Heat, Point};
-use crate::theme;
-
-/// The figure as it is seen, on white.
-#[must_use]
-pub fn svg(
-    figure: &Figure,
-    layout: &Layout,
-    scale: &Scale,
-    seen: &Seen,
-    selection: Selection,
-) -> String {
-    let palette = theme::palette(Theme::Light);
-    let mut svg = Svg::new(layout.whole.expand(8.0), palette.raised);
-    draw(&mut svg, figure, layout, scale, seen, (selection, palette));
-    svg.finish()
-}
+use super::figure::{Figure, Heat, Point};
 
 /// All values in the view, also those that share a pixel: one row per point, place of a line, column or cell.
 #[must_use]
@@ -53,19 +31,11 @@ pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
             false => String::new(),
         });
         let excluded = if point.excluded { "yes" } else { "" };
-        let (x, y) = (number(&figure.x, point.x), number(&figure.y, point.y));
+        let x = figure.x.number(point.x).to_string();
+        let y = figure.y.number(point.y).to_string();
         table += &row(&[name, &pose, &x, &y, &sd_x, &sd_y, excluded]);
     }
     table
-}
-
-fn number(axis: &Axis, value: f64) -> String {
-    let linear = if axis.is_logarithmic {
-        10_f64.powf(value)
-    } else {
-        value
-    };
-    linear.to_string()
 }
 
 /// Points, places of named lines, and middles of columns, with the names of what they belong to.
@@ -129,7 +99,7 @@ fn row(cells: &[&str]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::figure::Series;
+    use crate::plot::figure::{Axis, Series};
 
     #[test]
     fn the_table_has_what_is_in_the_view() {

@@ -1,8 +1,8 @@
-//! From values to places on screen, and the ticks of an axis.
+//! From values to points of the screen or the page, and the ticks of an axis.
 
-use egui::{Pos2, Rect};
+use emath::{Pos2, Rect, Vec2};
 
-use crate::model::figure::Axis;
+use super::figure::Axis;
 
 /// What a plot shows and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +32,18 @@ impl Scale {
     #[must_use]
     pub fn place(&self, x: f64, y: f64) -> Pos2 {
         Pos2::new(self.x(x), self.y(y))
+    }
+
+    /// A line over the whole width at a height.
+    #[must_use]
+    pub fn across(&self, y: f32) -> [Pos2; 2] {
+        [self.rect.min.x, self.rect.max.x].map(|x| Pos2::new(x, y))
+    }
+
+    /// A line over the whole height.
+    #[must_use]
+    pub fn upright(&self, x: f32) -> [Pos2; 2] {
+        [self.rect.min.y, self.rect.max.y].map(|y| Pos2::new(x, y))
     }
 
     /// Values at a place.
@@ -65,7 +77,7 @@ impl Scale {
 
     /// The view moved by a distance on screen.
     #[must_use]
-    pub fn moved(&self, by: egui::Vec2) -> [[f64; 2]; 2] {
+    pub fn moved(&self, by: Vec2) -> [[f64; 2]; 2] {
         let [x, y] = self.view;
         let shift = [
             -f64::from(by.x / self.rect.width()) * (x[1] - x[0]),
@@ -175,7 +187,7 @@ mod tests {
         };
         assert!((zoomed.values(about)[0] - 2.5).abs() < 1e-6);
         assert!((zoomed.view[0][1] - zoomed.view[0][0] - 5.0).abs() < 1e-9);
-        let by = egui::vec2(20.0, -10.0);
+        let by = emath::vec2(20.0, -10.0);
         let moved = Scale {
             view: scale().moved(by),
             ..scale()

@@ -1,18 +1,19 @@
 //! Heat maps: cells, their colours, and the scale beside them.
 
-use egui::{Align2, Color32, Pos2, Rect, vec2};
+use ecolor::Color32;
+use emath::{Align2, Pos2, Rect, lerp, vec2};
 
 use super::canvas::Canvas;
-use super::draw::TEXT;
+use super::colours::Colours;
+use super::draw::{GRID, TEXT};
+use super::figure::{Heat, Shades};
 use super::scale::{Scale, fixed};
-use crate::model::figure::{Heat, Shades};
-use crate::theme::{GRID, Palette};
 
 /// Width of the colour scale of a heat map.
 pub const SCALE_WIDTH: f32 = 12.0;
 
 /// Draws the cells.
-pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, palette: &Palette) {
+pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, colours: &Colours) {
     let columns = heat.x.len().saturating_sub(1).max(1);
     for (index, value) in heat.values.iter().enumerate() {
         let (row, column) = (index / columns, index % columns);
@@ -20,22 +21,22 @@ pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, palette: &Pale
             continue;
         };
         let rect = Rect::from_two_pos(scale.place(x[0], y[0]), scale.place(x[1], y[1]));
-        canvas.fill(rect, shade(heat.shades, *value, palette));
+        canvas.fill(rect, shade(heat.shades, *value, colours));
     }
 }
 
 /// Colour of a value of a heat map.
-fn shade(shades: Shades, value: f64, palette: &Palette) -> Color32 {
+fn shade(shades: Shades, value: f64, colours: &Colours) -> Color32 {
     match shades {
         // Zero is the ground itself, so that what is large stands out.
         Shades::Diverging(most) => {
             let t = (value / most).clamp(-1.0, 1.0) as f32;
-            let end = palette.diverging[if t < 0.0 { 0 } else { 2 }];
-            palette.ground.lerp_to_gamma(end, t.abs())
+            let end = colours.diverging[usize::from(t >= 0.0)];
+            colours.ground.lerp_to_gamma(end, t.abs())
         }
         Shades::Rising(low, high) => {
             let t = ((value - low) / (high - low)).clamp(0.0, 1.0) as f32;
-            palette.ground.lerp_to_gamma(palette.accent, 0.08 + 0.8 * t)
+            colours.ground.lerp_to_gamma(colours.accent, 0.08 + 0.8 * t)
         }
     }
 }
@@ -50,7 +51,7 @@ pub fn limits(shades: Shades) -> [f64; 2] {
 }
 
 /// Draws the colours with their values beside the data.
-pub fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, palette: &Palette) {
+pub fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, colours: &Colours) {
     const STEPS: usize = 64;
     let bar = Rect::from_min_max(
         Pos2::new(plot.max.x + 3.0 * GRID, plot.min.y + TEXT + 2.0 * GRID),
@@ -66,25 +67,15 @@ pub fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, palette: &
         );
         canvas.fill(
             rect,
-            shade(heat.shades, low + share * (high - low), palette),
+            shade(heat.shades, low + share * (high - low), colours),
         );
     }
     for share in [0.0, 0.5, 1.0] {
         let text = fixed(low + share * (high - low), (high - low) / 100.0);
-        let y = egui::lerp(bar.max.y..=bar.min.y, share as f32);
+        let y = lerp(bar.max.y..=bar.min.y, share as f32);
         let at = Pos2::new(bar.max.x + GRID, y);
-        canvas.text(at, Align2::LEFT_CENTER, &text, TEXT, palette.muted);
+        canvas.text(at, Align2::LEFT_CENTER, &text, TEXT, colours.muted);
     }
-    let unit = if heat.axis.unit.is_empty() {
-        ""
-    } else {
-        heat.axis.unit
-    };
-    canvas.text(
-        plot.right_top() + vec2(3.0 * GRID, 0.0),
-        Align2::LEFT_TOP,
-        unit,
-        TEXT,
-        palette.muted,
-    );
+    let at = plot.right_top() + vec2(3.0 * GRID, 0.0);
+    canvas.text(at, Align2::LEFT_TOP, heat.axis.unit, TEXT, colours.muted);
 }

@@ -1,8 +1,10 @@
 //! A plot as data: what is drawn on screen and written to files, independent of theme, zoom and selection.
 
-use crate::theme::Palette;
+use ecolor::Color32;
 
-/// A colour by its role; the theme says which it is.
+use super::colours::Colours;
+
+/// A colour by its role; [`Colours`] say which it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ink {
     /// Of the cable with this index.
@@ -22,14 +24,14 @@ pub enum Ink {
 impl Ink {
     /// The colour in a theme.
     #[must_use]
-    pub fn colour(self, palette: &Palette) -> egui::Color32 {
+    pub fn colour(self, colours: &Colours) -> Color32 {
         match self {
-            Self::Cable(index) => palette.cable(index),
-            Self::Accent => palette.accent,
-            Self::Text => palette.text,
-            Self::Muted => palette.muted,
-            Self::Good => palette.good,
-            Self::Warning => palette.warning,
+            Self::Cable(index) => colours.cable(index),
+            Self::Accent => colours.accent,
+            Self::Text => colours.text,
+            Self::Muted => colours.muted,
+            Self::Good => colours.good,
+            Self::Warning => colours.warning,
         }
     }
 }
@@ -106,6 +108,16 @@ impl Axis {
         Self {
             is_whole: true,
             ..Self::new(label, "")
+        }
+    }
+
+    /// The number that a value on the axis stands for.
+    #[must_use]
+    pub fn number(&self, value: f64) -> f64 {
+        if self.is_logarithmic {
+            10_f64.powf(value)
+        } else {
+            value
         }
     }
 

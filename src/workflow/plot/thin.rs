@@ -1,10 +1,10 @@
 //! Fewer points than were measured, without a visible difference: the least and the greatest of each column of
 //! pixels, so that no outlier is lost.
 
-use egui::Rangef;
+use emath::Rangef;
 
+use super::figure::Series;
 use super::scale::Scale;
-use crate::model::figure::Series;
 
 /// Points of a series that are drawn.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -65,10 +65,10 @@ pub fn thin(series: &Series, scale: &Scale, pixels_per_point: f32) -> Thinned {
 
 #[cfg(test)]
 mod tests {
-    use egui::{Pos2, Rect};
+    use emath::{Pos2, Rect};
 
     use super::*;
-    use crate::model::figure::Point;
+    use crate::plot::figure::Point;
 
     fn scale(view: [[f64; 2]; 2]) -> Scale {
         let rect = Rect::from_min_max(Pos2::ZERO, Pos2::new(100.0, 100.0));

@@ -1,0 +1,480 @@
+//! Paints a figure: layout, grid, data, axes, legend.
+
+use ecolor::Color32;
+use emath::{Align2, Pos2, Rangef, Rect, Vec2, vec2};
+
+use super::canvas::{Canvas, Stroke};
+use super::colours::Colours;
+use super::figure::{Columns, Figure, Ink, Marker, Series};
+use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
+use super::scale::{Scale, Tick, fixed, ticks};
+use super::thin::{Thinned, thin};
+use super::{Drawing, Selection};
+
+/// Size of the texts at axes and in the legend (points).
+pub const TEXT: f32 = 11.5;
+/// Unit of all spacing (points).
+pub const GRID: f32 = 4.0;
+/// Markers up to which every point has its own shape; beyond they are small squares.
+const MOST_SHAPES: usize = 3000;
+/// Width of an average character of the font, in sizes of the font.
+const CHARACTER: f32 = 0.55;
+
+/// An entry of the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Where it is.
+    pub rect: Rect,
+    /// Its text.
+    pub text: String,
+    sign: Sign,
+    /// The cable it stands for.
+    pub cable: Option<usize>,
+}
+
+/// What an entry of the legend shows beside its text.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sign {
+    Marker(Marker, Ink),
+    Ring(Ink),
+    Line(Ink, bool),
+    Area(Ink, bool),
+    Band,
+}
+
+/// Where the parts of a figure are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// Everything.
+    pub whole: Rect,
+    /// Which values are shown, and the rectangle of the data.
+    pub scale: Scale,
+    /// The legend, above the data.
+    pub legend: Vec<Entry>,
+    /// Where the title along x begins if it stands beside the ticks, else infinite.
+    x_title: f32,
+    x_ticks: Vec<Tick>,
+    y_ticks: Vec<Tick>,
+}
+
+impl Layout {
+    /// Arranges the parts of a figure in a rectangle; `width` measures texts of the size [`TEXT`].
+    #[must_use]
+    pub fn new(
+        figure: &Figure,
+        view: [[f64; 2]; 2],
+        whole: Rect,
+        width: &dyn Fn(&str) -> f32,
+    ) -> Self {
+        let line = TEXT + GRID;
+        let title = width(&figure.y.title()) + 4.0 * GRID;
+        let legend = legend(figure, whole, title, width);
+        let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
+        let top = lines.fold(line, f32::max) + GRID;
+        // A short title stands beside the ticks, a long one below; names say what they are themselves.
+        let x_title = width(&figure.x.title());
+        let is_long = x_title > 0.2 * whole.width();
+        let bottom = if is_long { 2.0 * line } else { line } + GRID;
+        let height = (whole.height() - top - bottom).max(16.0);
+        let y_ticks = ticks(&figure.y, view[1], (height / 28.0) as usize);
+        let widest = y_ticks.iter().map(|(_, text)| width(text));
+        let left = widest.fold(16.0, f32::max) + 2.0 * GRID;
+        let right = figure.heat.as_ref().map_or(2.0 * GRID, |heat| {
+            let [low, high] = limits(heat.shades);
+            let widest = [low, high].map(|v| width(&fixed(v, (high - low) / 100.0)));
+            SCALE_WIDTH + widest[0].max(widest[1]) + 5.0 * GRID
+        });
+        let plot = Rect::from_min_max(
+            whole.min + vec2(left, top),
+            whole.min + vec2((whole.width() - right).max(left + 16.0), top + height),
+        );
+        let longest = width(&fixed(view[0][1], (view[0][1] - view[0][0]) / 10.0)) + 6.0 * GRID;
+        let most = (plot.width() / longest.max(40.0)) as usize;
+        Self {
+            x_title: match is_long || !figure.x.names.is_empty() {
+                true => f32::INFINITY,
+                false => plot.max.x - x_title,
+            },
+            whole,
+            scale: Scale { view, rect: plot },
+            legend,
+            x_ticks: ticks(&figure.x, view[0], most),
+            y_ticks,
+        }
+    }
+}
+
+fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
+    // Many cables are named by their numbers alone, so that the data keep the space.
+    let is_short = figure.series.len() > 4;
+    let series = figure.series.iter().filter(|one| !one.short.is_empty());
+    let series = series.map(|one| {
+        let text = if is_short { &one.short } else { &one.name };
+        let sign = match one.hollow {
+            true => Sign::Ring(one.ink),
+            false => Sign::Marker(one.marker, one.ink),
+        };
+        (sign, text, one.cable)
+    });
+    let columns = figure.columns.iter();
+    let columns = columns.map(|one| (Sign::Area(one.ink, one.outline), &one.name, None));
+    let curves = figure.curves.iter();
+    let curves = curves.map(|one| (Sign::Line(one.ink, one.dashed), &one.name, None));
+    let bands = figure.bands.iter().map(|one| (Sign::Band, &one.name, None));
+    let signs = series.chain(columns).chain(curves).chain(bands);
+    let signs: Vec<_> = signs.filter(|(_, text, _)| !text.is_empty()).collect();
+    let line = TEXT + GRID;
+    let widest = signs
+        .iter()
+        .map(|(_, text, _)| width(text) + 5.0 * GRID)
+        .fold(0.0, f32::max);
+    // Beside the title, or below it where there is no room.
+    let (left, top) = if left + widest > whole.width() {
+        (0.0, line)
+    } else {
+        (left, 0.0)
+    };
+    let (mut x, mut y) = (left, top);
+    let mut entries = Vec::new();
+    for (sign, text, cable) in signs {
+        let size = vec2(width(text) + 5.0 * GRID, line);
+        if x > left && x + size.x > whole.width() {
+            (x, y) = (left, y + line);
+        }
+        entries.push(Entry {
+            rect: Rect::from_min_size(whole.min + vec2(x, y), size),
+            text: text.to_owned(),
+            sign,
+            cable,
+        });
+        x += size.x + 2.0 * GRID;
+    }
+    entries
+}
+
+/// What is painted of a figure in a view; found once per view, not per frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Seen {
+    /// Points of each series.
+    pub thinned: Vec<Thinned>,
+    /// Points of the selected pose: series and index.
+    pub selected: Vec<(usize, usize)>,
+}
+
+impl Seen {
+    /// Finds what is painted at a resolution.
+    #[must_use]
+    pub fn new(
+        figure: &Figure,
+        scale: &Scale,
+        selection: Selection,
+        pixels_per_point: f32,
+    ) -> Self {
+        let series = figure.series.iter();
+        let thinned = series.map(|series| thin(series, scale, pixels_per_point));
+        let selected = figure.series.iter().enumerate().flat_map(|(s, series)| {
+            let points = series.points().iter().enumerate();
+            points
+                .filter(|(_, point)| point.pose.is_some() && point.pose == selection.pose)
+                .map(move |(index, _)| (s, index))
+        });
+        Self {
+            thinned: thinned.collect(),
+            selected: selected.collect(),
+        }
+    }
+
+    /// Whether there are so many points that they have no shapes of their own.
+    #[must_use]
+    pub fn is_dense(&self) -> bool {
+        let counts = self.thinned.iter().map(|thinned| thinned.points.len());
+        counts.sum::<usize>() > MOST_SHAPES
+    }
+}
+
+/// A figure as it is painted.
+#[derive(Debug, Clone, Copy)]
+pub struct Plot<'a> {
+    /// What is plotted.
+    pub figure: &'a Figure,
+    /// Where its parts are.
+    pub layout: &'a Layout,
+    /// What is painted of its points.
+    pub seen: &'a Seen,
+    /// What is highlighted.
+    pub selection: Selection,
+    /// In which colours.
+    pub colours: &'a Colours,
+}
+
+/// The whole of a figure as a drawing of `size`, its texts magnified by `scale`.
+#[must_use]
+pub fn drawing(
+    label: impl Into<String>,
+    figure: &Figure,
+    size: [f64; 2],
+    scale: f64,
+    colours: &Colours,
+) -> Drawing {
+    let [width, height] = size.map(|side| (side / scale) as f32);
+    let whole = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
+    let measure = |text: &str| CHARACTER * TEXT * text.chars().count() as f32;
+    let layout = Layout::new(figure, figure.whole(), whole, &measure);
+    let selection = Selection::default();
+    let plot = Plot {
+        figure,
+        layout: &layout,
+        seen: &Seen::new(figure, &layout.scale, selection, 1.0),
+        selection,
+        colours,
+    };
+    Drawing::record(label, whole, scale, |canvas| plot.draw(canvas))
+}
+
+impl Plot<'_> {
+    /// Paints the figure.
+    pub fn draw(&self, canvas: &mut dyn Canvas) {
+        self.draw_behind(canvas);
+        let is_dense = self.seen.is_dense();
+        for (index, is_dimmed) in self.order() {
+            if is_dense {
+                self.dots(index, is_dimmed, &mut |rect, colour| {
+                    canvas.fill(rect, colour);
+                });
+            } else {
+                self.points(canvas, index, is_dimmed);
+            }
+        }
+        self.draw_before(canvas);
+    }
+
+    /// Paints what is behind the points; what follows is clipped to the area of the data.
+    pub fn draw_behind(&self, canvas: &mut dyn Canvas) {
+        let scale = &self.layout.scale;
+        canvas.clip(Some(scale.rect));
+        canvas.fill(scale.rect, self.colours.ground);
+        match &self.figure.heat {
+            Some(heat) => cells(canvas, heat, scale, self.colours),
+            None => self.grid(canvas),
+        }
+        for columns in &self.figure.columns {
+            self.histogram(canvas, columns);
+        }
+    }
+
+    /// Paints what is over the points and around them.
+    pub fn draw_before(&self, canvas: &mut dyn Canvas) {
+        self.curves(canvas);
+        for (s, index) in &self.seen.selected {
+            let series = &self.figure.series[*s];
+            let point = series.points()[*index];
+            let cable = self.selection.cable;
+            let colour = match cable.is_none() || cable == series.cable {
+                true => self.colours.accent,
+                false => self.colours.muted,
+            };
+            let at = self.layout.scale.place(point.x, point.y);
+            canvas.ring(at, 6.5, Stroke::new(1.75, colour));
+        }
+        canvas.clip(None);
+        self.axes(canvas);
+        for entry in &self.layout.legend {
+            self.entry(canvas, entry);
+        }
+        if let Some(heat) = &self.figure.heat {
+            colour_scale(canvas, heat, self.layout.scale.rect, self.colours);
+        }
+    }
+
+    /// The series in the order in which they are painted, that of the selected cable last and over the others; and
+    /// whether each is dimmed.
+    pub fn order(&self) -> impl Iterator<Item = (usize, bool)> {
+        let selected = self.selection.cable;
+        let is_selected = move |series: &Series| series.cable.is_some() && series.cable == selected;
+        [false, true].into_iter().flat_map(move |is_top| {
+            let series = self.figure.series.iter().enumerate();
+            let series = series.filter(move |(_, series)| is_selected(series) == is_top);
+            series.map(move |(index, series)| {
+                let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
+                (index, is_dimmed)
+            })
+        })
+    }
+
+    fn grid(&self, canvas: &mut dyn Canvas) {
+        let (scale, colours) = (&self.layout.scale, self.colours);
+        for band in &self.figure.bands {
+            let [low, high] = band.y.map(|y| scale.y(y));
+            let rect = Rect::from_x_y_ranges(scale.rect.x_range(), Rangef::new(high, low));
+            canvas.fill(rect, colours.good.gamma_multiply(0.13));
+            for y in [low, high] {
+                let edge = Stroke::new(1.0, colours.good.gamma_multiply(0.55));
+                canvas.line(&scale.across(y), edge, true);
+            }
+        }
+        let thin = Stroke::new(1.0, colours.line.gamma_multiply(0.7));
+        for (value, _) in &self.layout.x_ticks {
+            let x = scale.x(*value).round() + 0.5;
+            canvas.line(&scale.upright(x), thin, false);
+        }
+        for (value, _) in &self.layout.y_ticks {
+            let y = scale.y(*value).round() + 0.5;
+            canvas.line(&scale.across(y), thin, false);
+        }
+        if self.figure.has_zero_line {
+            let y = scale.y(0.0).round() + 0.5;
+            canvas.line(&scale.across(y), Stroke::new(1.0, colours.muted), false);
+        }
+    }
+
+    fn histogram(&self, canvas: &mut dyn Canvas, columns: &Columns) {
+        let (scale, colour) = (&self.layout.scale, columns.ink.colour(self.colours));
+        let mut outline = Vec::new();
+        for (edge, height) in columns.edges.windows(2).zip(&columns.heights) {
+            let (base, top) = (scale.place(edge[0], 0.0), scale.place(edge[1], *height));
+            if columns.outline {
+                outline.extend([Pos2::new(base.x, top.y), top]);
+            } else {
+                let rect = Rect::from_two_pos(base, top).shrink2(vec2(0.5, 0.0));
+                canvas.fill(rect, colour.gamma_multiply(0.45));
+            }
+        }
+        if columns.outline {
+            canvas.line(&outline, Stroke::new(1.75, colour), false);
+        }
+    }
+
+    /// Colours of a series and of its points that are not used.
+    fn colours(&self, series: &Series, is_dimmed: bool) -> [Color32; 2] {
+        let strength = if is_dimmed { 0.3 } else { 1.0 };
+        let colour = series.ink.colour(self.colours).gamma_multiply(strength);
+        [colour, self.colours.muted.gamma_multiply(0.6 * strength)]
+    }
+
+    /// Gives very many points as small squares.
+    pub fn dots(&self, index: usize, is_dimmed: bool, fill: &mut dyn FnMut(Rect, Color32)) {
+        let (series, thinned) = (&self.figure.series[index], &self.seen.thinned[index]);
+        let [colour, excluded] = self.colours(series, is_dimmed);
+        crowded(thinned, colour, fill);
+        for index in &thinned.points {
+            let point = series.points()[*index];
+            let colour = if point.excluded { excluded } else { colour };
+            let at = self.layout.scale.place(point.x, point.y);
+            fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
+        }
+    }
+
+    fn points(&self, canvas: &mut dyn Canvas, index: usize, is_dimmed: bool) {
+        let (series, thinned) = (&self.figure.series[index], &self.seen.thinned[index]);
+        let scale = &self.layout.scale;
+        let [colour, excluded] = self.colours(series, is_dimmed);
+        crowded(thinned, colour, &mut |rect, colour| {
+            canvas.fill(rect, colour);
+        });
+        for index in &thinned.points {
+            let point = series.points()[*index];
+            let colour = if point.excluded { excluded } else { colour };
+            if point.sd != [0.0, 0.0] {
+                let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
+                let [dx, dy] = point.sd;
+                for (dx, dy) in [(dx, 0.0), (0.0, dy)] {
+                    let ends = [-1.0, 1.0].map(|s| scale.place(point.x + s * dx, point.y + s * dy));
+                    canvas.line(&ends, stroke, false);
+                }
+            }
+            let at = scale.place(point.x, point.y);
+            if series.hollow {
+                canvas.ring(at, 3.25, Stroke::new(1.25, colour));
+            } else {
+                canvas.marker(at, series.marker, 3.25, colour);
+            }
+        }
+    }
+
+    fn curves(&self, canvas: &mut dyn Canvas) {
+        for curve in &self.figure.curves {
+            let stroke = Stroke::new(1.75, curve.ink.colour(self.colours));
+            let pieces = curve
+                .points
+                .split(|[x, y]| !(x.is_finite() && y.is_finite()));
+            for piece in pieces.filter(|piece| piece.len() > 1) {
+                let places = piece.iter().map(|[x, y]| self.layout.scale.place(*x, *y));
+                canvas.line(&places.collect::<Vec<_>>(), stroke, curve.dashed);
+            }
+        }
+    }
+
+    fn axes(&self, canvas: &mut dyn Canvas) {
+        let (layout, colours) = (self.layout, self.colours);
+        let plot = layout.scale.rect;
+        let edges = [plot.left_top(), plot.left_bottom(), plot.right_bottom()];
+        canvas.line(&edges, Stroke::new(1.0, colours.line), false);
+        let mut free = f32::NEG_INFINITY;
+        for (value, text) in &layout.x_ticks {
+            // Names can be closer than their width.
+            let x = layout.scale.x(*value);
+            let half = 0.3 * TEXT * text.chars().count() as f32;
+            if x - half < free || x + half + 2.0 * GRID > layout.x_title {
+                continue;
+            }
+            free = x + half + GRID;
+            let at = Pos2::new(x, plot.max.y + GRID);
+            canvas.text(at, Align2::CENTER_TOP, text, TEXT, colours.muted);
+        }
+        let mut free = f32::INFINITY;
+        for (value, text) in &layout.y_ticks {
+            let y = layout.scale.y(*value);
+            if y + 0.5 * TEXT > free {
+                continue;
+            }
+            free = y - 0.5 * TEXT;
+            let at = Pos2::new(plot.min.x - GRID, y);
+            canvas.text(at, Align2::RIGHT_CENTER, text, TEXT, colours.muted);
+        }
+        if self.figure.x.names.is_empty() {
+            let is_beside = layout.x_title.is_finite();
+            let down = if is_beside { GRID } else { TEXT + 2.0 * GRID };
+            let (at, title) = (plot.right_bottom() + vec2(0.0, down), self.figure.x.title());
+            canvas.text(at, Align2::RIGHT_TOP, &title, TEXT, colours.text);
+        }
+        let (at, title) = (layout.whole.min, self.figure.y.title());
+        canvas.text(at, Align2::LEFT_TOP, &title, TEXT, colours.text);
+    }
+
+    /// An entry of the legend.
+    fn entry(&self, canvas: &mut dyn Canvas, entry: &Entry) {
+        let colours = self.colours;
+        let at = entry.rect.left_center() + vec2(2.0 * GRID, 0.0);
+        let half = vec2(1.5 * GRID, 0.0);
+        let area = Rect::from_center_size(at, vec2(3.0 * GRID, 2.0 * GRID));
+        let line = |ink: Ink| Stroke::new(1.75, ink.colour(colours));
+        match entry.sign {
+            Sign::Marker(marker, ink) => canvas.marker(at, marker, 3.75, ink.colour(colours)),
+            Sign::Ring(ink) => canvas.ring(at, 3.75, Stroke::new(1.25, ink.colour(colours))),
+            Sign::Line(ink, dashed) => canvas.line(&[at - half, at + half], line(ink), dashed),
+            Sign::Area(ink, false) => canvas.fill(area, ink.colour(colours).gamma_multiply(0.45)),
+            Sign::Area(ink, true) => {
+                let [left, right] = [area.left_top(), area.right_top()];
+                let corners = [area.left_bottom(), left, right, area.right_bottom()];
+                canvas.line(&corners, line(ink), false);
+            }
+            Sign::Band => canvas.fill(area, colours.good.gamma_multiply(0.3)),
+        }
+        let is_selected = entry.cable.is_some() && entry.cable == self.selection.cable;
+        let colour = if is_selected {
+            colours.accent
+        } else {
+            colours.text
+        };
+        let at = entry.rect.left_center() + vec2(5.0 * GRID, 0.0);
+        canvas.text(at, Align2::LEFT_CENTER, &entry.text, TEXT, colour);
+    }
+}
+
+/// The columns of pixels that have more points than are painted.
+fn crowded(thinned: &Thinned, colour: Color32, fill: &mut dyn FnMut(Rect, Color32)) {
+    for (x, range) in &thinned.columns {
+        let rect = Rect::from_x_y_ranges(Rangef::new(x - 0.5, x + 0.5), *range);
+        fill(rect, colour.gamma_multiply(0.35));
+    }
+}

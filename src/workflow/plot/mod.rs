@@ -1,0 +1,60 @@
+//! Plots: a [`Figure`] is data, a [`Plot`] paints it on any [`Canvas`], so that the window, exported files and reports
+//! draw alike.
+//!
+//! [`Layout`] places axes, ticks and legend; [`Seen`] are the points that are worth painting in a view. `emath` and
+//! `ecolor` are the geometry and the colours of egui without its widgets, so that the window paints without converting.
+
+pub mod canvas;
+pub mod colours;
+pub mod contour;
+pub mod draw;
+pub mod drawing;
+pub mod figure;
+mod heat;
+pub mod histogram;
+pub mod scale;
+pub mod table;
+pub mod thin;
+
+pub use canvas::{Canvas, Stroke};
+pub use colours::Colours;
+pub use draw::{Layout, Plot, Seen};
+pub use drawing::Drawing;
+pub use figure::Figure;
+pub use heat::limits;
+pub use scale::Scale;
+
+/// What is highlighted: a cable, a pose, or both, since a residual is that of a cable at a pose.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Index of the cable.
+    pub cable: Option<usize>,
+    /// Label of the pose.
+    pub pose: Option<i64>,
+}
+
+impl Selection {
+    /// A cable alone.
+    #[must_use]
+    pub fn cable(index: usize) -> Self {
+        Self {
+            cable: Some(index),
+            pose: None,
+        }
+    }
+
+    /// A pose alone.
+    #[must_use]
+    pub fn pose(label: i64) -> Self {
+        Self {
+            cable: None,
+            pose: Some(label),
+        }
+    }
+
+    /// Whether nothing is selected.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
