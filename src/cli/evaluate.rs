@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .map_err(BadInput::new)?
         .document();
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&document))?;
+        write_json(path, &tautline_session::versioned(&document))?;
     }
     if is_readable(arguments.json.as_deref()) {
         print(&document, &drawing);

@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_robot(path, &model)?;
     }
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&fitted))?;
+        write_json(path, &tautline_session::versioned(&fitted))?;
     }
     if is_readable(arguments.json.as_deref()) {
         report::print(&fitted);

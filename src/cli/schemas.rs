@@ -19,15 +19,15 @@ use tautline_workflow::identification::IdentificationDocument;
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
     let mut schemas = tautline_session::schemas();
-    schemas.push(tautline_session::document_schema::<IdentificationDocument>());
-    schemas.push(tautline_session::document_schema::<DiagnosisDocument>());
-    schemas.push(tautline_session::document_schema::<Accuracy>());
-    schemas.push(tautline_session::document_schema::<Precalibration>());
-    schemas.push(tautline_session::document_schema::<PlanDocument>());
-    schemas.push(tautline_session::document_schema::<ComparisonDocument>());
-    schemas.push(tautline_session::document_schema::<MeasuringDocument>());
-    schemas.push(tautline_session::document_schema::<AdjustmentDocument>());
-    schemas.push(tautline_session::document_schema::<VerificationDocument>());
+    schemas.push(tautline_session::versioned_schema::<IdentificationDocument>());
+    schemas.push(tautline_session::versioned_schema::<DiagnosisDocument>());
+    schemas.push(tautline_session::versioned_schema::<Accuracy>());
+    schemas.push(tautline_session::versioned_schema::<Precalibration>());
+    schemas.push(tautline_session::versioned_schema::<PlanDocument>());
+    schemas.push(tautline_session::versioned_schema::<ComparisonDocument>());
+    schemas.push(tautline_session::versioned_schema::<MeasuringDocument>());
+    schemas.push(tautline_session::versioned_schema::<AdjustmentDocument>());
+    schemas.push(tautline_session::versioned_schema::<VerificationDocument>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;

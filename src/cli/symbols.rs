@@ -20,5 +20,5 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mapping = AdsMapping::default_for(&input::robot(&arguments.robot)?.robot);
-    write_json(&arguments.out, &tautline_session::document(&mapping))
+    write_json(&arguments.out, &tautline_session::versioned(&mapping))
 }

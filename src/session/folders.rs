@@ -45,7 +45,7 @@ impl Folders {
         self.config.join("preferences.json")
     }
 
-    /// The folder of [`Keeper`](crate::Keeper).
+    /// The folder of [`RecoveryWriter`](crate::RecoveryWriter).
     #[must_use]
     pub fn recovery(&self) -> PathBuf {
         self.state.join("recovery")

@@ -30,8 +30,8 @@ pub use error::{Loaded, Place, ReadError, WriteError};
 pub use folders::Folders;
 pub use import::{Import, import};
 pub use json::{
-    Document, Migration, Schema, document, document_schema, parse_document, read_document,
-    schema_for, write_document,
+    Migration, Schema, VersionedFile, parse_versioned, read_versioned, schema_for, versioned,
+    versioned_schema, write_versioned,
 };
 pub use phases::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
@@ -40,8 +40,12 @@ pub use phases::{
 };
 pub use plan_table::{read_plan, write_plan};
 pub use poses::{read_poses, write_poses};
-pub use preferences::{Arrangement, Layout, Plots, Preferences, Reached, RecentSession, Theme};
-pub use recovery::{Changes, Keeper, LeftBehind, Recovered, left_behind};
+pub use preferences::{
+    Arrangement, LastConnection, Layout, Plots, Preferences, RecentSession, Theme,
+};
+pub use recovery::{
+    RecoveredSession, RecoveryWriter, SessionChanges, UnsavedSession, find_unsaved_sessions,
+};
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
     Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose, AdsReadings,
@@ -54,12 +58,12 @@ pub use session::{
 };
 pub use symbols_file::{read_symbols, write_symbols};
 
-/// The schemas of all documents that are read.
+/// The schemas of all files that are read.
 #[must_use]
 pub fn schemas() -> Vec<Schema> {
     vec![
-        document_schema::<tautline_core::robot::Robot>(),
-        document_schema::<session::SessionDocument>(),
-        document_schema::<AdsMapping>(),
+        versioned_schema::<tautline_core::robot::Robot>(),
+        versioned_schema::<session::SessionFile>(),
+        versioned_schema::<AdsMapping>(),
     ]
 }

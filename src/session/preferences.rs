@@ -1,4 +1,4 @@
-//! What the program remembers between sessions.
+//! Preferences of the user and recent sessions.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
 use crate::error::{Loaded, WriteError};
-use crate::json::{Document, read_document, write_document};
-use crate::session::{AdsPlace, LaserSettings, Timestamp};
+use crate::json::{VersionedFile, read_versioned, write_versioned};
+use crate::session::{AdsPlace, LaserSettings, Timestamp, below, fail};
 
-/// Number of recent sessions that are remembered.
+/// Number of recent sessions in the list.
 const MAX_RECENT: usize = 12;
 /// Smallest and largest scale of the interface.
 const SCALES: [f64; 2] = [0.5, 4.0];
@@ -27,13 +27,13 @@ pub struct Preferences {
     pub window_size: Option<[f64; 2]>,
     /// Sizes of the parts of the window.
     pub layout: Layout,
-    /// Which plots are shown beside each other.
+    /// Arrangement of the plots.
     pub plots: Plots,
-    /// What reports have and say.
+    /// Content of reports.
     pub report: Report,
-    /// How controllers were reached last.
-    #[serde(skip_serializing_if = "Reached::is_empty")]
-    pub reached: Reached,
+    /// Settings of the last connection to a controller.
+    #[serde(alias = "reached", skip_serializing_if = "LastConnection::is_empty")]
+    pub last_connection: LastConnection,
     /// Name of the operator, for the log of adjustments and the report.
     pub operator: String,
     recent: Vec<RecentSession>,
@@ -43,7 +43,7 @@ pub struct Preferences {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Theme {
-    /// As the operating system says.
+    /// That of the operating system.
     #[default]
     System,
     /// Dark.
@@ -62,21 +62,21 @@ pub struct Layout {
     pub plots_height: Option<f64>,
 }
 
-/// Which plots are shown beside each other.
+/// Arrangement of the plots.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Plots {
-    /// How many, and how they stand.
+    /// The grid that they are in.
     pub arrangement: Arrangement,
     /// Name of the plot in each place, from the upper left one row by row; one that is not known is ignored.
     pub panes: Vec<String>,
 }
 
-/// How plots stand beside each other.
+/// The grid that plots are shown in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arrangement {
-    /// One alone.
+    /// One plot.
     #[default]
     One,
     /// Two side by side.
@@ -85,11 +85,11 @@ pub enum Arrangement {
     Grid,
 }
 
-/// What reports have and say.
+/// Content of reports.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Report {
-    /// For whom measurements are made.
+    /// The customer.
     pub company: String,
     /// A line above the title.
     pub header: String,
@@ -97,17 +97,17 @@ pub struct Report {
     pub without: Vec<String>,
 }
 
-/// How controllers were reached last, for sessions that do not say it yet.
+/// Settings of the last connection, proposed for sessions that have none of their own.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct Reached {
-    /// Where a controller that speaks ADS was found.
+pub struct LastConnection {
+    /// Address of the last ADS controller.
     pub place: Option<AdsPlace>,
-    /// Where the laser distance came from.
+    /// Source of the laser distance.
     pub laser: LaserSettings,
 }
 
-impl Reached {
+impl LastConnection {
     /// Whether nothing is remembered.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -149,23 +149,19 @@ impl Default for Preferences {
             layout: Layout::default(),
             plots: Plots::default(),
             report: Report::default(),
-            reached: Reached::default(),
+            last_connection: LastConnection::default(),
             operator: String::new(),
             recent: Vec::new(),
         }
     }
 }
 
-impl Document for Preferences {
+impl VersionedFile for Preferences {
     const FORMAT: &'static str = "tautline-preferences";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 20;
 
     fn check(&self) -> Result<(), FieldError> {
-        let fail = |pointer: &str, message: String| {
-            let pointer = pointer.into();
-            Err(FieldError { pointer, message })
-        };
         let [smallest, largest] = SCALES;
         let scale = self.interface_scale;
         if !(smallest..=largest).contains(&scale) {
@@ -181,15 +177,11 @@ impl Document for Preferences {
                 return fail(pointer, format!("found {length}, expected a length"));
             }
         }
-        let place = self.reached.place.as_ref();
-        place.map_or(Ok(()), AdsPlace::check).map_err(|error| {
-            let pointer = format!("/reached/place{}", error.pointer);
-            FieldError { pointer, ..error }
-        })?;
-        self.reached.laser.check().map_err(|error| {
-            let pointer = format!("/reached/laser{}", error.pointer);
-            FieldError { pointer, ..error }
-        })?;
+        let last = &self.last_connection;
+        let place = last.place.as_ref().map_or(Ok(()), AdsPlace::check);
+        place.map_err(|error| below("/last_connection/place", error))?;
+        let laser = last.laser.check();
+        laser.map_err(|error| below("/last_connection/laser", error))?;
         match self.window_size {
             Some(size) if !size.iter().all(is_size) => {
                 let message = format!("found {size:?}, expected a width and a height");
@@ -212,7 +204,7 @@ impl Preferences {
         if matches!(path.try_exists(), Ok(false)) {
             return defaults(Vec::new());
         }
-        match read_document::<Self>(path) {
+        match read_versioned::<Self>(path) {
             Ok(mut loaded) => {
                 loaded.value.recent.truncate(MAX_RECENT);
                 loaded
@@ -231,7 +223,7 @@ impl Preferences {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|error| WriteError::io(folder, error))?;
         }
-        write_document(path, self)
+        write_versioned(path, self)
     }
 
     /// The sessions that were open, the latest first; their files need not be there any more.
@@ -332,6 +324,19 @@ mod tests {
         }
         std::fs::write(&path, format!("{head}1}}")).expect("written");
         assert_eq!(Preferences::load(&path).value, Preferences::default());
+    }
+
+    #[test]
+    fn the_former_key_of_the_last_connection_is_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("preferences.json");
+        let text = r#"{"format": "tautline-preferences", "version": 1,
+            "reached": {"place": {"host": "plc", "net_id": [5, 23, 9, 1, 1, 1]}}}"#;
+        std::fs::write(&path, text).expect("written");
+        let loaded = Preferences::load(&path);
+        assert_eq!(loaded.notices, Vec::<String>::new());
+        let place = loaded.value.last_connection.place.expect("a place");
+        assert_eq!(place.host, "plc");
     }
 
     #[test]

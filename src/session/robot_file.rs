@@ -5,9 +5,9 @@ use std::path::Path;
 use tautline_core::robot::{FieldError, Robot};
 
 use crate::error::{Loaded, ReadError, WriteError};
-use crate::json::{Document, parse_document, read_document, write_document};
+use crate::json::{VersionedFile, parse_versioned, read_versioned, write_versioned};
 
-impl Document for Robot {
+impl VersionedFile for Robot {
     const FORMAT: &'static str = "tautline-robot";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
@@ -22,7 +22,7 @@ impl Document for Robot {
 /// # Errors
 /// If the file cannot be read or does not describe a possible robot.
 pub fn read_robot(path: &Path) -> Result<Loaded<Robot>, ReadError> {
-    read_document(path)
+    read_versioned(path)
 }
 
 /// Reads a robot from memory; `file` is the name for messages.
@@ -30,7 +30,7 @@ pub fn read_robot(path: &Path) -> Result<Loaded<Robot>, ReadError> {
 /// # Errors
 /// If the bytes do not describe a possible robot.
 pub fn parse_robot(bytes: &[u8], file: &str) -> Result<Loaded<Robot>, ReadError> {
-    parse_document(bytes, file)
+    parse_versioned(bytes, file)
 }
 
 /// Writes a `robot.json` or model file, atomically.
@@ -38,5 +38,5 @@ pub fn parse_robot(bytes: &[u8], file: &str) -> Result<Loaded<Robot>, ReadError>
 /// # Errors
 /// If the robot is not a possible one or the file cannot be written.
 pub fn write_robot(path: &Path, robot: &Robot) -> Result<(), WriteError> {
-    write_document(path, robot)
+    write_versioned(path, robot)
 }

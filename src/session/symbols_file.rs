@@ -5,7 +5,7 @@ use std::path::Path;
 use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, ReadError, WriteError};
-use crate::json::{read_document, write_document};
+use crate::json::{read_versioned, write_versioned};
 use crate::session::AdsMapping;
 
 /// Reads the symbols of a controller that speaks ADS, and checks that they fit a robot.
@@ -13,7 +13,7 @@ use crate::session::AdsMapping;
 /// # Errors
 /// If the file cannot be read, or its symbols cannot be those of this robot's controller.
 pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<AdsMapping>, ReadError> {
-    let read = read_document::<AdsMapping>(path)?;
+    let read = read_versioned::<AdsMapping>(path)?;
     let checked = read.value.check(robot);
     checked.map_err(|error| ReadError::field(&path.display().to_string(), error))?;
     Ok(read)
@@ -24,7 +24,7 @@ pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<AdsMapping>, Re
 /// # Errors
 /// If the file cannot be written.
 pub fn write_symbols(path: &Path, mapping: &AdsMapping) -> Result<(), WriteError> {
-    write_document(path, mapping)
+    write_versioned(path, mapping)
 }
 
 #[cfg(test)]

@@ -8,7 +8,9 @@ use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
-use tautline_session::{Document, LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp};
+use tautline_session::{
+    LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp, VersionedFile,
+};
 use tautline_workbench::model::open_session::Diagnosed;
 use tautline_workflow::documents;
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
@@ -160,7 +162,7 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
     Ok(diagnosed)
 }
 
-fn keep<D: Document>(session: &mut Session, title: &str, document: &D, time: Timestamp) {
+fn keep<D: VersionedFile>(session: &mut Session, title: &str, document: &D, time: Timestamp) {
     let mut record = documents::record(session, title, document, time);
     let mut value = record.document.value();
     rounding::result(&mut value);

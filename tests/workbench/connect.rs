@@ -142,7 +142,10 @@ fn wrong_entries_are_told_beside_their_fields_and_settings_are_edits() {
     let scale = kept.ads.as_ref().map(|ads| ads.readings.revolutions.scale);
     assert_eq!(scale, Some(-0.5));
     assert_eq!(bench.session().laser_source, LaserSettings::Manual);
-    assert_eq!(bench.state().model.preferences.reached.place, kept.place);
+    assert_eq!(
+        bench.state().model.preferences.last_connection.place,
+        kept.place
+    );
     bench.give(Command::Undo);
     assert!(bench.session().connection.is_empty());
     bench.give(Command::Redo);

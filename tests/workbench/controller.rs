@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use tautline_session::left_behind;
+use tautline_session::find_unsaved_sessions;
 use tautline_workbench::model::command::RobotCommand;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
@@ -61,7 +61,7 @@ fn a_panic_in_the_controllers_thread_is_told_loses_nothing_and_ends_with_another
     let kept = bench.session().measurements.clone();
     assert!(kept.len() >= 3);
     // What was measured is in the recovery folder, too.
-    let left = left_behind(&bench.state().model.folders.recovery()).expect("readable");
+    let left = find_unsaved_sessions(&bench.state().model.folders.recovery()).expect("readable");
     let on_disk = left.first().map(|left| left.poses);
     assert!(left.is_empty() || on_disk >= Some(3), "{on_disk:?}");
     bench.connect_and_arm();

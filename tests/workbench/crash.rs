@@ -15,7 +15,9 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
-use tautline_session::{Folders, MeasuredPose, Phase, Session, left_behind, read_session};
+use tautline_session::{
+    Folders, MeasuredPose, Phase, Session, find_unsaved_sessions, read_session,
+};
 use tautline_validation::truth::preset_options;
 use tautline_workbench::model::command::FileCommand;
 use tautline_workbench::model::edit::Edit;
@@ -223,7 +225,7 @@ fn killed(folder: &Path, steps: u32, delay: Duration) -> Told {
 /// The session as the next start of the program finds it, and whether by recovery.
 fn found(folder: &Path) -> (Option<Session>, bool) {
     let place = Folders::below(&folder.join("home")).recovery();
-    let left = left_behind(&place).expect("readable");
+    let left = find_unsaved_sessions(&place).expect("readable");
     assert!(left.len() <= 1, "{left:?}");
     let file = saved_file(folder);
     let saved = file.exists().then(|| {

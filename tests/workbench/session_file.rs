@@ -6,7 +6,7 @@ use tautline_core::estimation::Termination;
 use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
 use tautline_session::{
-    Keeper, MeasuredPose, Phase, Session, Timestamp, read_session, write_session,
+    MeasuredPose, Phase, RecoveryWriter, Session, Timestamp, read_session, write_session,
 };
 use tautline_validation::program::{Answer, tautline};
 use tautline_validation::truth::preset_options;
@@ -164,10 +164,10 @@ fn what_a_killed_command_has_left_is_taken_over() {
     write_session(&path(&bench), &begun).expect("written");
     std::fs::create_dir(unsaved(&bench)).expect("a folder");
     let file = path(&bench);
-    let mut keeper = Keeper::begin(&unsaved(&bench), Some(&file), &begun).expect("kept");
+    let mut keeper = RecoveryWriter::create(&unsaved(&bench), Some(&file), &begun).expect("kept");
     let m = &whole.measurements;
     let pose = MeasuredPose::from(m.select(&[2]));
-    keeper.measured(&pose).expect("kept");
+    keeper.append_pose(&pose).expect("kept");
     drop(keeper);
     bench.give(FileCommand::Open(file));
     bench.wait("the session", |state| state.model.open.is_some());

@@ -148,7 +148,7 @@ fn from_the_start_screen_to_a_saved_session() -> Result<()> {
         assert!(formats.contains(&format), "{formats:?}");
     }
     let recovery = folder.path().join("home").join("recovery");
-    let left = tautline_session::left_behind(&recovery)?;
+    let left = tautline_session::find_unsaved_sessions(&recovery)?;
     assert!(left.is_empty(), "everything is saved: {left:?}");
     Ok(())
 }

@@ -2,9 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::robot::FieldError;
 use tautline_link::adjusting::{Difference, Holds};
-use tautline_session::{Document, Outcome};
+use tautline_session::{Outcome, VersionedFile};
 
 use super::interrupted::Found;
 use super::writing::Written;
@@ -54,14 +53,10 @@ pub struct DifferenceRow {
     pub changes: bool,
 }
 
-impl Document for AdjustmentDocument {
+impl VersionedFile for AdjustmentDocument {
     const FORMAT: &'static str = "tautline-adjustment";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 64 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 impl AdjustmentDocument {

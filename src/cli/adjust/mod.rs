@@ -57,7 +57,7 @@ pub struct Arguments {
 impl Arguments {
     fn deliver(&self, document: &AdjustmentDocument) -> Result<()> {
         if let Some(path) = &self.json {
-            write_json(path, &tautline_session::document(document))?;
+            write_json(path, &tautline_session::versioned(document))?;
         }
         if is_readable(self.json.as_deref()) {
             document::print(document);

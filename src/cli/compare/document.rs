@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::comparison::{Comparison, Displacement, ScalarDifference, Test};
-use tautline_core::robot::FieldError;
-use tautline_session::Document;
+use tautline_session::VersionedFile;
 
 /// What differs between two runs; differences are second run less first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -146,14 +145,10 @@ pub struct FitDocument {
     pub p_value: Option<f64>,
 }
 
-impl Document for ComparisonDocument {
+impl VersionedFile for ComparisonDocument {
     const FORMAT: &'static str = "tautline-comparison";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 fn test(test: Option<Test>) -> Option<TestDocument> {

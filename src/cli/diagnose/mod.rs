@@ -71,7 +71,7 @@ fn deliver(arguments: &Arguments, diagnosed: &Diagnosed) -> Result<()> {
         write_robot(path, &identified(diagnosed.robot(), solution))?;
     }
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&diagnosed.document()))?;
+        write_json(path, &tautline_session::versioned(&diagnosed.document()))?;
     }
     if is_readable(arguments.json.as_deref()) {
         line(&report::text(diagnosed, arguments.explain));

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::robot::FieldError;
-use tautline_session::{Document, Session};
+use tautline_session::{Session, VersionedFile};
 
 use super::drive::{End, Ended};
 use crate::output::say;
@@ -40,14 +39,10 @@ pub struct Skipped {
     pub reason: String,
 }
 
-impl Document for MeasuringDocument {
+impl VersionedFile for MeasuringDocument {
     const FORMAT: &'static str = "tautline-measuring";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 64 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 impl MeasuringDocument {

@@ -10,7 +10,7 @@ use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{
     MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
-use tautline_session::{Keeper, MeasuredPose, Session};
+use tautline_session::{MeasuredPose, RecoveryWriter, Session};
 use tautline_workflow::controllers::Rig;
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::wording::sentence;
@@ -110,7 +110,7 @@ impl Drive {
         &mut self,
         file: &mut SessionFile,
         connection: &mut Connection,
-        keeper: &mut Keeper,
+        keeper: &mut RecoveryWriter,
     ) -> Result<End> {
         if self.is_good_enough(&file.session) {
             return Ok(End::GoodEnough);
@@ -152,10 +152,10 @@ impl Drive {
         &mut self,
         pose: &MeasuredPose,
         session: &mut Session,
-        keeper: &mut Keeper,
+        keeper: &mut RecoveryWriter,
     ) -> Result<()> {
         let label = pose.label();
-        keeper.measured(pose)?;
+        keeper.append_pose(pose)?;
         let appended = session.append_pose(pose);
         appended.map_err(|error| anyhow!("pose {label} cannot be used: {error}"))?;
         self.ended.measured.push(label);

@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let enough = is_enough(&file.session);
     let document = MeasuringDocument::of(&file.session, &ended, enough);
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&document))?;
+        write_json(path, &tautline_session::versioned(&document))?;
     }
     if is_readable(arguments.json.as_deref()) {
         document::print(&document, &arguments.session);

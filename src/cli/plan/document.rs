@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::planning::{Expectation, Plan};
-use tautline_core::robot::{FieldError, Robot};
-use tautline_session::Document;
+use tautline_core::robot::Robot;
+use tautline_session::VersionedFile;
 
 /// Poses to measure, and what to expect of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -89,14 +89,10 @@ pub struct ExpectedParameter {
     pub sd: Option<f64>,
 }
 
-impl Document for PlanDocument {
+impl VersionedFile for PlanDocument {
     const FORMAT: &'static str = "tautline-plan";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 64 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 impl PlanDocument {

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::cable::ElongationSurface;
-use tautline_core::robot::FieldError;
-use tautline_session::Document;
+use tautline_session::VersionedFile;
 
 /// What phases 1 and 2 tell about a robot; empty or null where nothing was measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -129,12 +128,8 @@ pub struct DegreeResult {
     pub error_m: Option<f64>,
 }
 
-impl Document for Precalibration {
+impl VersionedFile for Precalibration {
     const FORMAT: &'static str = "tautline-precalibration";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }

@@ -3,8 +3,7 @@
 use anyhow::{Result, anyhow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::robot::FieldError;
-use tautline_session::{Document, Session, Stage};
+use tautline_session::{Session, Stage, VersionedFile};
 
 use crate::output::say;
 use crate::table;
@@ -22,14 +21,10 @@ pub struct VerificationDocument {
     pub after: Option<Accuracy>,
 }
 
-impl Document for VerificationDocument {
+impl VersionedFile for VerificationDocument {
     const FORMAT: &'static str = "tautline-verification";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 impl VerificationDocument {

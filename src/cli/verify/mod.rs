@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     keep(&mut file, stage, rows, &source)?;
     let document = VerificationDocument::of(&file.session, stage)?;
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&document))?;
+        write_json(path, &tautline_session::versioned(&document))?;
     }
     if is_readable(arguments.json.as_deref()) {
         document::print(&document);

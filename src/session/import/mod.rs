@@ -10,14 +10,14 @@ use tautline_core::robot::Robot;
 
 use crate::dataset::{DatasetFolder, POSES, ROBOT, read_calibration_tables, read_dataset};
 use crate::error::{Loaded, Place, ReadError, quoted};
-use crate::json::{Document, document_in, kind, parse_object};
+use crate::json::{VersionedFile, kind, parse_object, versioned_from};
 use crate::phases::{
     self, CheckRow, ElongationPoint, ForcePair, HomeReading, WinchPair, read_check,
     read_elongation, read_home,
 };
 use crate::plan_table::read_plan;
 use crate::poses::{Column, Group, LABEL, read_poses};
-use crate::session::{PlannedPose, Session, SessionDocument, checked};
+use crate::session::{PlannedPose, Session, SessionFile, checked};
 use crate::table::Table;
 
 /// What was imported.
@@ -88,15 +88,12 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
     }
     let mut bytes = Vec::new();
     File::open(path)
-        .and_then(|f| {
-            f.take(SessionDocument::MAX_BYTES + 1)
-                .read_to_end(&mut bytes)
-        })
+        .and_then(|f| f.take(SessionFile::MAX_BYTES + 1).read_to_end(&mut bytes))
         .map_err(fail)?;
-    if bytes.len() as u64 > SessionDocument::MAX_BYTES {
+    if bytes.len() as u64 > SessionFile::MAX_BYTES {
         let message = format!(
             "found more than {} MB, too large",
-            SessionDocument::MAX_BYTES >> 20
+            SessionFile::MAX_BYTES >> 20
         );
         return Err(ReadError::new(&file, Place::File, message));
     }
@@ -138,14 +135,14 @@ fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError>
 
 fn import_json(bytes: &[u8], file: &str) -> Result<Loaded<Import>, ReadError> {
     let object = parse_object(bytes, file)?;
-    let (session, robot) = (SessionDocument::FORMAT, Robot::FORMAT);
+    let (session, robot) = (SessionFile::FORMAT, Robot::FORMAT);
     let found = match object.get("format") {
         Some(Value::String(format)) if format == session => {
-            let loaded = checked(document_in(object, file)?, file)?;
+            let loaded = checked(versioned_from(object, file)?, file)?;
             return Ok(loaded.map(|value| Import::Session(Box::new(value))));
         }
         Some(Value::String(format)) if format == robot => {
-            let loaded = document_in(object, file)?;
+            let loaded = versioned_from(object, file)?;
             return Ok(loaded.map(|value| Import::Robot(Box::new(value))));
         }
         Some(other) => format!("found {}", kind(other)),

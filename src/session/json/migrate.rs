@@ -1,21 +1,21 @@
-//! Older versions of a document brought up to date, step by step.
+//! Migration of files of older versions, step by step.
 
 use serde_json::{Map, Value};
 
-use super::{Document, explain};
+use super::{VersionedFile, explain};
 use crate::error::{Place, ReadError, quoted};
 
-/// One step of a document from one version to the next.
+/// The step from one version of a format to the next.
 #[derive(Clone, Copy)]
 pub struct Migration {
     /// The version it starts from; it leads to the next one.
     pub from: u32,
-    /// Changes the document; an error says what it could not make sense of.
+    /// Changes the JSON object; an error says what it could not understand.
     pub apply: fn(&mut Map<String, Value>) -> Result<(), String>,
 }
 
 /// Checks `format` and `version`, takes them out and migrates the rest to the present version.
-pub(crate) fn bring_up_to_date<T: Document>(
+pub(crate) fn bring_up_to_date<T: VersionedFile>(
     document: &mut Map<String, Value>,
     migrations: &[Migration],
     file: &str,
@@ -56,7 +56,7 @@ fn take_format(
     ))
 }
 
-fn take_version<T: Document>(
+fn take_version<T: VersionedFile>(
     document: &mut Map<String, Value>,
     file: &str,
 ) -> Result<u32, ReadError> {
@@ -91,21 +91,16 @@ mod tests {
     use super::*;
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
-    use tautline_core::robot::FieldError;
 
     #[derive(Serialize, Deserialize, JsonSchema)]
     struct Note {
         text: String,
     }
 
-    impl Document for Note {
+    impl VersionedFile for Note {
         const FORMAT: &'static str = "tautline-note";
         const VERSION: u32 = 3;
         const MAX_BYTES: u64 = 1 << 20;
-
-        fn check(&self) -> Result<(), FieldError> {
-            Ok(())
-        }
     }
 
     const STEPS: [Migration; 2] = [

@@ -1,10 +1,10 @@
-//! JSON Schemas of the documents, generated from the types.
+//! JSON Schemas of the files, generated from the types.
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
-use super::Document;
+use super::VersionedFile;
 
 /// A JSON Schema and the name of the file it is published in.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,9 +24,9 @@ pub fn schema_for<T: JsonSchema>() -> Value {
         .to_value()
 }
 
-/// The schema of a document: that of its type, with the keys `format` and `version`.
+/// The schema of a versioned file: that of its type, with the keys `format` and `version`.
 #[must_use]
-pub fn document_schema<T: Document>() -> Schema {
+pub fn versioned_schema<T: VersionedFile>() -> Schema {
     with_envelope(schema_for::<T>(), T::FORMAT, T::VERSION)
 }
 

@@ -1,7 +1,7 @@
-//! The journal: one measured pose per line, each with a check.
+//! The journal: one measured pose per line, each with a checksum.
 //!
-//! A line is a JSON array of two: the fingerprint of the text that follows, and the pose. A line
-//! that was not written to its end has no right fingerprint.
+//! A line is a JSON array of two: the fingerprint of the text that follows, and the pose. The fingerprint of a line that
+//! was not written completely does not match.
 
 use std::fs::OpenOptions;
 use std::io::{Read, Result as IoResult, Seek, SeekFrom, Write};
@@ -19,18 +19,18 @@ use crate::session::{MeasuredPose, MeasurementTable};
 pub(super) struct Entry {
     /// The readings, one row.
     pub table: MeasurementTable,
-    /// Label of the pose that it was measured instead of.
+    /// Label of the pose that this one replaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<i64>,
 }
 
-/// A line with its check and its line end.
+/// A line with its checksum and line end.
 pub(super) fn checked_line(body: &str) -> String {
     let check = Fingerprint::of(body.as_bytes()).to_hex();
     format!("[\"{check}\",{body}]\n")
 }
 
-/// What a line without its line end says, if nothing of it is missing or changed.
+/// The text of a line (without its line end) whose checksum matches.
 pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
     let inside = line.strip_prefix(b"[\"")?.strip_suffix(b"]")?;
     let (check, rest) = inside.split_at_checked(16)?;
@@ -38,7 +38,7 @@ pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
     (Fingerprint::of(body).to_hex().as_bytes() == check).then_some(body)
 }
 
-/// What a journal says.
+/// The content of a journal.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Journal {
     /// Its poses in the order in which they were measured.
@@ -62,14 +62,14 @@ impl Entry {
         Ok(checked_line(&serde_json::to_string(self)?))
     }
 
-    /// The pose of a line without its line end, if nothing of it is missing or changed.
+    /// The pose of a line (without its line end) whose checksum matches.
     fn parse(line: &[u8]) -> Option<Self> {
         serde_json::from_slice(checked(line)?).ok()
     }
 }
 
 impl Journal {
-    /// Reads a journal, whatever is in it.
+    /// Reads a journal, however damaged it is.
     pub fn parse(bytes: &[u8]) -> Self {
         let mut journal = Self::default();
         let mut lines = bytes.split_inclusive(|byte| *byte == b'\n').enumerate();
@@ -105,7 +105,7 @@ fn append_line(path: &Path, line: &str) -> IoResult<()> {
     let mut options = OpenOptions::new();
     let mut file = options.read(true).append(true).create(true).open(path)?;
     let mut text = String::with_capacity(line.len() + 1);
-    // What an earlier failure left unfinished gets a line of its own.
+    // A line that an earlier failure left incomplete is ended first.
     if file.metadata()?.len() > 0 {
         let mut last = [0];
         file.seek(SeekFrom::End(-1))?;

@@ -1,42 +1,41 @@
-//! What is not saved yet survives a crash.
+//! Recovery of unsaved sessions after a crash.
 //!
-//! For each open session the recovery folder has a folder of its own:
+//! Each open session has a folder of its own in the recovery folder:
 //!
 //! ```text
-//! session-a1b2c3.lock     locked while the program that keeps the session lives
+//! session-a1b2c3.lock     locked while the program that has the session open runs
 //! session-a1b2c3/
-//!   snapshot.json         the session as it was at some time
-//!   journal.jsonl         poses measured since, one per line
-//!   changes.json          the session without its poses and results as it was later, if it was changed
-//!   results.jsonl         results added since, one per line
-//!   origin.json           the file that the session belongs to
+//!   snapshot.json         the whole session at some time
+//!   journal.jsonl         poses measured since then, one per line
+//!   changes.json          the session without its poses and results after its last edit
+//!   results.jsonl         results added since then, one per line
+//!   origin.json           the file that the session was opened from
 //! ```
 //!
-//! A measured pose is a line of the journal and nothing else, a result one of the results; an edit replaces the
-//! changes, which hold neither; only where measurements come otherwise, as from a file, is there a new snapshot. So what is
-//! written grows as what is measured and edited, not as its square.
+//! A measured pose adds one line to the journal, a result one line to the results, and an edit replaces the changes,
+//! which contain neither. Only measurements that arrive in another way, such as from a file, need a new snapshot. So
+//! the amount written grows with what is measured and edited, not with its square.
 //!
-//! A snapshot is complete before the journal is shortened, so that at any moment both together hold
-//! every measured pose. A pose that is in both is recognised by its label, a result by its number. Changes name the snapshot that
-//! they follow by its fingerprint: those of an older one count no more.
+//! A snapshot is complete before the journal is shortened, so that at any moment both together have every measured
+//! pose. A pose that is in both is recognised by its label, a result by its number. Changes name the snapshot that they
+//! belong to by its fingerprint, and are ignored beside any other.
 
 mod changes;
 mod journal;
-mod keeper;
-mod left_behind;
 mod results;
+mod unsaved;
+mod writer;
 
 use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::robot::FieldError;
 
 use crate::error::WriteError;
-use crate::json::{Document, write_document};
-pub use changes::Changes;
-pub use keeper::Keeper;
-pub use left_behind::{LeftBehind, Recovered, left_behind};
+use crate::json::{VersionedFile, write_versioned};
+pub use changes::SessionChanges;
+pub use unsaved::{RecoveredSession, UnsavedSession, find_unsaved_sessions};
+pub use writer::RecoveryWriter;
 
 const SNAPSHOT: &str = "snapshot.json";
 const JOURNAL: &str = "journal.jsonl";
@@ -46,33 +45,29 @@ const ORIGIN: &str = "origin.json";
 /// Beginning of the names of the folders of sessions.
 const PREFIX: &str = "session-";
 const LOCK: &str = "lock";
-/// Where recovered and unwanted sessions go.
+/// Folder for the files of sessions that were recovered or discarded.
 const DISCARDED: &str = "discarded";
-/// Folders of finished sessions that are about to be removed.
+/// Extension of the folders of saved sessions that are about to be removed.
 const FINISHED: &str = "finished";
 
-/// The file that a session belongs to.
+/// The file that a session was opened from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 struct Origin {
-    /// Its path; absent if the session was never saved, or if the path is no text.
+    /// Its path; absent if the session was never saved, or if the path is not valid Unicode.
     #[serde(default)]
     path: Option<String>,
 }
 
-impl Document for Origin {
+impl VersionedFile for Origin {
     const FORMAT: &'static str = "tautline-origin";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 fn write_origin(folder: &Path, origin: Option<&Path>) -> Result<(), WriteError> {
     let absolute = origin.and_then(|path| std::path::absolute(path).ok());
     let path = absolute.and_then(|path| path.to_str().map(str::to_owned));
-    write_document(&folder.join(ORIGIN), &Origin { path })
+    write_versioned(&folder.join(ORIGIN), &Origin { path })
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! Results that were added since the snapshot, one per line, each with a check: they never change, so each is written
-//! once, however often the session is edited afterwards.
+//! Results that were added since the snapshot, one per line, each with a checksum. Results never change, so each is
+//! written once, however often the session is edited afterwards.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -11,7 +11,7 @@ use super::journal::{append, checked, checked_line};
 use crate::error::{Place, ReadError, WriteError};
 use crate::session::{ResultRecord, Session};
 
-/// A result with its place.
+/// A result with its number.
 #[derive(Serialize, Deserialize)]
 struct Numbered<R> {
     /// Number of results before it.
@@ -19,9 +19,13 @@ struct Numbered<R> {
     result: R,
 }
 
-/// Appends the results from number `kept` on; they are on disk when this returns.
-pub(super) fn keep(path: &Path, results: &[ResultRecord], kept: usize) -> Result<(), WriteError> {
-    for (number, result) in results.iter().enumerate().skip(kept) {
+/// Appends the results from number `written` on; they are on disk when this returns.
+pub(super) fn append_new(
+    path: &Path,
+    results: &[ResultRecord],
+    written: usize,
+) -> Result<(), WriteError> {
+    for (number, result) in results.iter().enumerate().skip(written) {
         let body = serde_json::to_string(&Numbered { number, result });
         let body = body.map_err(|error| WriteError::io(path, error.into()))?;
         append(path, &checked_line(&body))?;
@@ -29,14 +33,14 @@ pub(super) fn keep(path: &Path, results: &[ResultRecord], kept: usize) -> Result
     Ok(())
 }
 
-/// Adds the results that the session does not have yet; gives what is to be told.
+/// Adds the results that the session does not have yet; returns what the operator should know.
 pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
     let bytes = match fs::read(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return None,
         Ok(bytes) => bytes,
         Err(error) => {
             let error = ReadError::io(&path.display().to_string(), Place::File, &error);
-            return Some(format!("{error}; results computed last may be missing"));
+            return Some(format!("{error}; the latest results may be missing"));
         }
     };
     let mut is_torn = false;
@@ -51,18 +55,18 @@ pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
             Some(entry) if entry.number > known => {
                 let file = path.display();
                 return Some(format!(
-                    "{file}: result {} is damaged, it and those after it are missing",
+                    "{file}: result {} is damaged; it and the results after it are missing",
                     known + 1
                 ));
             }
-            // One that the snapshot has, or a line that was written again after it was torn.
+            // The snapshot has it already, or the line was torn and the result was written again after it.
             _ => {}
         }
     }
     is_torn.then(|| {
         let file = path.display();
         format!(
-            "{file}: the program ended while a result was being written, that result is missing"
+            "{file}: the program ended while a result was being written; that result is missing"
         )
     })
 }

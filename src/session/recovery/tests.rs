@@ -56,12 +56,12 @@ impl Bench {
         }
     }
 
-    fn begin(&self, session: &Session) -> Keeper {
-        Keeper::begin(self.root.path(), None, session).expect("a keeper")
+    fn begin(&self, session: &Session) -> RecoveryWriter {
+        RecoveryWriter::create(self.root.path(), None, session).expect("a writer")
     }
 
-    fn left(&self) -> Vec<LeftBehind> {
-        left_behind(self.root.path()).expect("a list")
+    fn left(&self) -> Vec<UnsavedSession> {
+        find_unsaved_sessions(self.root.path()).expect("a list")
     }
 
     /// The folder of the only session.
@@ -93,11 +93,11 @@ impl Bench {
 }
 
 #[test]
-fn a_session_that_is_kept_is_not_left_behind() {
+fn an_open_session_is_not_found_as_unsaved() {
     let bench = Bench::new();
-    let keeper = bench.begin(&session());
+    let writer = bench.begin(&session());
     assert!(bench.left().is_empty(), "its program runs");
-    drop(keeper);
+    drop(writer);
     let left = bench.left();
     assert_eq!((left.len(), left[0].name.as_str()), (1, "Monday"));
     assert_eq!((left[0].poses, &left[0].origin), (2, &None));
@@ -111,15 +111,15 @@ fn a_session_that_is_kept_is_not_left_behind() {
 fn a_folder_that_does_not_exist_is_empty() {
     let bench = Bench::new();
     let folder = bench.root.path().join("none");
-    assert!(left_behind(&folder).expect("a list").is_empty());
+    assert!(find_unsaved_sessions(&folder).expect("a list").is_empty());
 }
 
 #[test]
-fn what_is_finished_leaves_nothing() {
+fn a_saved_session_leaves_nothing() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
-    keeper.finish().expect("removed");
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
+    writer.finish().expect("removed");
     let mut entries = fs::read_dir(bench.root.path()).expect("a folder");
     assert!(entries.next().is_none());
     // A kill while the files are removed.
@@ -149,15 +149,15 @@ fn a_kill_while_it_begins_leaves_nothing() {
 #[test]
 fn a_journal_cut_off_at_any_byte_keeps_every_whole_line() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let again = MeasuredPose {
         repeats: Some(1),
         ..pose(7)
     };
     for pose in [&pose(5), &pose(6), &again] {
-        keeper.measured(pose).expect("on disk");
+        writer.append_pose(pose).expect("on disk");
     }
-    drop(keeper);
+    drop(writer);
     let whole = fs::read(bench.file(JOURNAL)).expect("a journal");
     for length in 0..=whole.len() {
         let kept = &whole[..length];
@@ -177,11 +177,11 @@ fn a_journal_cut_off_at_any_byte_keeps_every_whole_line() {
 #[test]
 fn a_changed_byte_costs_one_line_and_is_named() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     for label in 5..8 {
-        keeper.measured(&pose(label)).expect("on disk");
+        writer.append_pose(&pose(label)).expect("on disk");
     }
-    drop(keeper);
+    drop(writer);
     let whole = fs::read(bench.file(JOURNAL)).expect("a journal");
     let ends = whole.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
     let ends: Vec<usize> = ends.map(|(at, _)| at).collect();
@@ -198,12 +198,12 @@ fn a_changed_byte_costs_one_line_and_is_named() {
 #[test]
 fn a_line_after_a_torn_one_is_whole() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
     let whole = fs::read(bench.file(JOURNAL)).expect("a journal");
     fs::write(bench.file(JOURNAL), &whole[..20]).expect("a disk that was full");
-    keeper.measured(&pose(6)).expect("on disk");
-    drop(keeper);
+    writer.append_pose(&pose(6)).expect("on disk");
+    drop(writer);
     let (session, notices) = bench.recovered();
     assert_eq!(session.measurements.labels, [3, 1, 6]);
     assert!(notices[0].contains("line 1: damaged"), "{notices:?}");
@@ -212,13 +212,13 @@ fn a_line_after_a_torn_one_is_whole() {
 #[test]
 fn a_kill_between_snapshot_and_journal_counts_no_pose_twice() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
-    keeper.measured(&pose(6)).expect("on disk");
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
+    writer.append_pose(&pose(6)).expect("on disk");
     let before = fs::read(bench.file(JOURNAL)).expect("a journal");
-    keeper.snapshot(&with_poses(5..7)).expect("kept");
+    writer.write_snapshot(&with_poses(5..7)).expect("kept");
     assert_eq!(fs::read(bench.file(JOURNAL)).expect("a journal"), b"");
-    drop(keeper);
+    drop(writer);
     bench.assert_recovers(&with_poses(5..7));
     fs::write(bench.file(JOURNAL), before).expect("the journal as it was before");
     bench.assert_recovers(&with_poses(5..7));
@@ -230,35 +230,35 @@ fn a_kill_between_snapshot_and_journal_counts_no_pose_twice() {
 #[test]
 fn a_snapshot_of_an_older_state_keeps_the_poses_measured_since() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     for label in 5..8 {
-        keeper.measured(&pose(label)).expect("on disk");
+        writer.append_pose(&pose(label)).expect("on disk");
     }
-    keeper.snapshot(&with_poses(5..6)).expect("kept");
-    keeper.measured(&pose(8)).expect("on disk");
-    drop(keeper);
+    writer.write_snapshot(&with_poses(5..6)).expect("kept");
+    writer.append_pose(&pose(8)).expect("on disk");
+    drop(writer);
     bench.assert_recovers(&with_poses(5..9));
 }
 
 #[test]
 fn changes_leave_the_poses_where_they_are() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let rows = session().measurements.len();
-    keeper.measured(&pose(5)).expect("on disk");
-    keeper.measured(&pose(6)).expect("on disk");
+    writer.append_pose(&pose(5)).expect("on disk");
+    writer.append_pose(&pose(6)).expect("on disk");
     let mut now = with_poses(5..6);
     now.exclude(5).expect("a pose");
     now.name = "Tuesday".into();
     // Pose 6 is on its way into the session.
-    let changes = Changes::of(&now, rows);
-    keeper.changed(changes).expect("kept");
+    let changes = SessionChanges::of(&now, rows);
+    writer.write_changes(changes).expect("kept");
     let again = MeasuredPose {
         repeats: Some(6),
         ..pose(7)
     };
-    keeper.measured(&again).expect("on disk");
-    drop(keeper);
+    writer.append_pose(&again).expect("on disk");
+    drop(writer);
     now.append_pose(&pose(6)).expect("a pose");
     now.append_pose(&again).expect("a pose");
     assert_eq!(now.excluded().len(), 3);
@@ -268,18 +268,20 @@ fn changes_leave_the_poses_where_they_are() {
 #[test]
 fn a_pose_that_was_taken_back_in_after_it_was_repeated_stays_in() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let rows = session().measurements.len();
     let again = MeasuredPose {
         repeats: Some(1),
         ..pose(5)
     };
-    keeper.measured(&again).expect("on disk");
+    writer.append_pose(&again).expect("on disk");
     let mut now = session();
     now.append_pose(&again).expect("a pose");
     now.include(1);
-    keeper.changed(Changes::of(&now, rows)).expect("kept");
-    drop(keeper);
+    writer
+        .write_changes(SessionChanges::of(&now, rows))
+        .expect("kept");
+    drop(writer);
     bench.assert_recovers(&now);
 }
 
@@ -297,20 +299,22 @@ fn a_result_is_written_once_however_often_the_session_is_edited() {
     let bench = Bench::new();
     let mut now = session();
     now.add_result(result(0));
-    let mut keeper = bench.begin(&now);
+    let mut writer = bench.begin(&now);
     let rows = now.measurements.len();
     for k in 1..4 {
         now.add_result(result(k));
         for name in ["a", "b", "c"] {
             now.name = name.into();
-            keeper.changed(Changes::of(&now, rows)).expect("kept");
+            writer
+                .write_changes(SessionChanges::of(&now, rows))
+                .expect("kept");
         }
         let changes = fs::metadata(bench.file(CHANGES)).expect("changes").len();
         assert!(changes < 4000, "{changes}");
     }
     let kept = fs::read(bench.file(RESULTS)).expect("results");
     assert_eq!(kept.split(|byte| *byte == b'\n').count(), 3 + 1);
-    drop(keeper);
+    drop(writer);
     bench.assert_recovers(&now);
     // A kill between the snapshot and the end of what it makes needless.
     write_session(&bench.file(SNAPSHOT), &now).expect("a snapshot");
@@ -321,12 +325,12 @@ fn a_result_is_written_once_however_often_the_session_is_edited() {
 fn a_torn_result_is_told_and_can_be_written_again() {
     let bench = Bench::new();
     let mut now = session();
-    let keeper = bench.begin(&now);
-    drop(keeper);
+    let writer = bench.begin(&now);
+    drop(writer);
     let path = bench.file(RESULTS);
     now.add_result(result(1));
     let old = session().results().len();
-    results::keep(&path, now.results(), old).expect("kept");
+    results::append_new(&path, now.results(), old).expect("kept");
     let whole = fs::read(&path).expect("results");
     fs::write(&path, &whole[..50]).expect("a disk that was full");
     let (recovered, notices) = bench.recovered();
@@ -335,7 +339,7 @@ fn a_torn_result_is_told_and_can_be_written_again() {
         notices[0].contains("while a result was being written"),
         "{notices:?}"
     );
-    results::keep(&path, now.results(), old).expect("kept");
+    results::append_new(&path, now.results(), old).expect("kept");
     let (recovered, notices) = bench.recovered();
     assert_eq!(recovered.results(), now.results());
     assert!(notices.is_empty(), "{notices:?}");
@@ -344,31 +348,37 @@ fn a_torn_result_is_told_and_can_be_written_again() {
 #[test]
 fn a_robot_that_was_changed_before_its_poses_were_measured() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session_without_poses());
+    let mut writer = bench.begin(&session_without_poses());
     let mut now = session_without_poses();
     now.robot.cables.pop();
-    keeper.changed(Changes::of(&now, 0)).expect("kept");
+    writer
+        .write_changes(SessionChanges::of(&now, 0))
+        .expect("kept");
     let one_cable = with_lengths(0, vec![1.0]);
-    keeper.measured(&one_cable).expect("on disk");
+    writer.append_pose(&one_cable).expect("on disk");
     now.append_pose(&one_cable).expect("a pose");
     now.name = "Tuesday".into();
-    keeper.changed(Changes::of(&now, 0)).expect("kept");
-    drop(keeper);
+    writer
+        .write_changes(SessionChanges::of(&now, 0))
+        .expect("kept");
+    drop(writer);
     bench.assert_recovers(&now);
 }
 
 #[test]
 fn changes_of_an_older_snapshot_count_no_more() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let mut now = session();
     now.name = "Tuesday".into();
-    keeper.changed(Changes::of(&now, 2)).expect("kept");
+    writer
+        .write_changes(SessionChanges::of(&now, 2))
+        .expect("kept");
     let before = fs::read(bench.file(CHANGES)).expect("changes");
     now.name = "Wednesday".into();
-    keeper.snapshot(&now).expect("kept");
+    writer.write_snapshot(&now).expect("kept");
     assert!(!bench.file(CHANGES).exists());
-    drop(keeper);
+    drop(writer);
     bench.assert_recovers(&now);
     // Killed before they were removed.
     fs::write(bench.file(CHANGES), before).expect("written");
@@ -378,30 +388,32 @@ fn changes_of_an_older_snapshot_count_no_more() {
 #[test]
 fn changes_that_cannot_be_read_lose_no_pose() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
-    let changes = Changes::of(&with_poses(5..6), 2);
-    keeper.changed(changes).expect("kept");
-    drop(keeper);
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
+    let changes = SessionChanges::of(&with_poses(5..6), 2);
+    writer.write_changes(changes).expect("kept");
+    drop(writer);
     fs::write(bench.file(CHANGES), "{").expect("written");
     let (session, notices) = bench.recovered();
     assert_eq!(session.measurements.labels, [3, 1, 5]);
-    assert!(notices[0].contains("edited last"), "{notices:?}");
+    assert!(notices[0].contains("the latest edits"), "{notices:?}");
 }
 
 #[test]
 fn a_long_run_writes_what_is_measured_and_not_its_square() {
     let bench = Bench::new();
     let pose = |label: i64| with_lengths(label, vec![1.0, 0.5 + 1e-4 * label as f64]);
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let begun = fs::metadata(bench.file(SNAPSHOT)).expect("a file").len();
     let (mut now, mut edits) = (session(), 0_u64);
     for label in 5..1005 {
-        keeper.measured(&pose(label)).expect("on disk");
+        writer.append_pose(&pose(label)).expect("on disk");
         now.append_pose(&pose(label)).expect("a pose");
         if label % 100 == 0 {
             now.exclude(label).expect("a pose");
-            keeper.changed(Changes::of(&now, 2)).expect("kept");
+            writer
+                .write_changes(SessionChanges::of(&now, 2))
+                .expect("kept");
             edits += fs::metadata(bench.file(CHANGES)).expect("a file").len();
         }
     }
@@ -411,7 +423,7 @@ fn a_long_run_writes_what_is_measured_and_not_its_square() {
         begun,
         "the snapshot is as it was"
     );
-    drop(keeper);
+    drop(writer);
     let entry = |label| journal::Entry::of(&pose(label)).line().expect("a line");
     let poses: u64 = (5..1005).map(|label| entry(label).len() as u64).sum();
     assert_eq!(journal, poses, "each pose once");
@@ -423,46 +435,46 @@ fn a_long_run_writes_what_is_measured_and_not_its_square() {
 #[test]
 fn a_failed_snapshot_loses_nothing() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
     let mut broken = with_poses(5..6);
     broken.name.clear();
-    assert!(keeper.snapshot(&broken).is_err());
-    let changes = Changes::of(&with_poses(5..6), 3);
+    assert!(writer.write_snapshot(&broken).is_err());
+    let changes = SessionChanges::of(&with_poses(5..6), 3);
     assert!(
-        keeper.changed(changes).is_err(),
+        writer.write_changes(changes).is_err(),
         "the snapshot that it follows is not there"
     );
-    drop(keeper);
+    drop(writer);
     bench.assert_recovers(&with_poses(5..6));
 }
 
 #[test]
 fn readings_that_no_file_can_hold_are_refused() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let infinite = with_lengths(5, vec![f64::INFINITY, 1.0]);
-    let error = keeper.measured(&infinite).expect_err("infinite");
+    let error = writer.append_pose(&infinite).expect_err("infinite");
     assert!(
         error
             .to_string()
             .contains("found inf, expected a finite number"),
         "{error}"
     );
-    drop(keeper);
+    drop(writer);
     bench.assert_recovers(&session());
 }
 
 #[test]
 fn poses_that_do_not_fit_are_named() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
+    let mut writer = bench.begin(&session());
     let three_cables = with_lengths(5, vec![1.0; 3]);
     let other_readings = with_lengths(1, vec![1.5, 0.3]);
     for pose in [&three_cables, &other_readings, &pose(6)] {
-        keeper.measured(pose).expect("on disk");
+        writer.append_pose(pose).expect("on disk");
     }
-    drop(keeper);
+    drop(writer);
     let (session, notices) = bench.recovered();
     assert_eq!(session.measurements.labels, [3, 1, 6]);
     assert!(notices[0].contains("pose 5 does not fit"), "{notices:?}");
@@ -473,29 +485,31 @@ fn poses_that_do_not_fit_are_named() {
 }
 
 #[test]
-fn the_origin_follows_the_session() {
+fn the_origin_of_the_session_is_kept() {
     let bench = Bench::new();
-    let first = bench.root.path().join("first.json");
-    let second = bench.root.path().join("second.json");
-    let keeper = Keeper::begin(bench.root.path(), Some(&first), &session()).expect("a keeper");
-    keeper.moved_to(&second).expect("written");
-    drop(keeper);
+    let file = bench.root.path().join("session.json");
+    let writer =
+        RecoveryWriter::create(bench.root.path(), Some(&file), &session()).expect("a writer");
+    drop(writer);
     let left = bench.left();
-    assert_eq!(left[0].origin.as_deref(), Some(second.as_path()));
+    assert_eq!(left[0].origin.as_deref(), Some(file.as_path()));
     let recovered = left[0].recover().expect("a session").value;
-    assert_eq!(recovered.origin.as_deref(), Some(second.as_path()));
+    assert_eq!(recovered.origin.as_deref(), Some(file.as_path()));
     drop(left);
     fs::write(bench.file(ORIGIN), "x").expect("written");
     let (_, notices) = bench.recovered();
-    assert!(notices[0].contains("saved under a name"), "{notices:?}");
+    assert!(
+        notices[0].contains("save the session under a new name"),
+        "{notices:?}"
+    );
 }
 
 #[test]
 fn what_cannot_be_read_is_shown_and_moved_aside() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
-    drop(keeper);
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
+    drop(writer);
     fs::write(bench.file(SNAPSHOT), "{").expect("written");
     let left = bench.left().pop().expect("one");
     let problem = left.problem.clone().expect("a problem").to_string();
@@ -510,15 +524,15 @@ fn what_cannot_be_read_is_shown_and_moved_aside() {
 #[test]
 fn a_recovered_session_is_kept_again_before_the_remains_go() {
     let bench = Bench::new();
-    let mut keeper = bench.begin(&session());
-    keeper.measured(&pose(5)).expect("on disk");
-    drop(keeper);
+    let mut writer = bench.begin(&session());
+    writer.append_pose(&pose(5)).expect("on disk");
+    drop(writer);
     let left = bench.left().pop().expect("one");
     let recovered = left.recover().expect("a session").value;
-    let keeper = bench.begin(&recovered.session);
+    let writer = bench.begin(&recovered.session);
     left.discard().expect("moved");
     assert!(bench.left().is_empty());
-    drop(keeper);
+    drop(writer);
     let left = bench.left();
     assert_eq!((left.len(), left[0].poses), (1, 3));
 }

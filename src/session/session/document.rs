@@ -4,13 +4,13 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
 use super::{MeasurementTable, ResultRecord, Session, below, check, connection, fail};
-use crate::json::Document;
+use crate::json::VersionedFile;
 use crate::poses::Columns;
 
 /// A session as it is stored.
-pub(crate) type SessionDocument = Session<MeasurementTable>;
+pub(crate) type SessionFile = Session<MeasurementTable>;
 
-impl Document for SessionDocument {
+impl VersionedFile for SessionFile {
     const FORMAT: &'static str = "tautline-session";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;
@@ -54,7 +54,7 @@ impl Document for SessionDocument {
     }
 }
 
-impl SessionDocument {
+impl SessionFile {
     /// The document of a session.
     pub fn of(session: &Session) -> Self {
         session.with_measurements(MeasurementTable::of(&session.measurements))

@@ -26,7 +26,7 @@ use tautline_core::robot::{FieldError, Robot};
 
 use crate::dataset::DatasetFolder;
 use crate::error::{Loaded, ReadError, WriteError};
-use crate::json::{parse_document, read_document, write_document};
+use crate::json::{parse_versioned, read_versioned, write_versioned};
 use crate::phases::PhaseData;
 use crate::poses::Columns;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
@@ -35,7 +35,7 @@ pub use connection::{
     AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind, RecordingPlace, is_per_cable,
     name_of_cable,
 };
-pub(crate) use document::SessionDocument;
+pub(crate) use document::SessionFile;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 pub use log::{LogEntry, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
@@ -281,7 +281,7 @@ impl Session {
 /// # Errors
 /// If the file cannot be read or is not a valid session.
 pub fn read_session(path: &Path) -> Result<Loaded<Session>, ReadError> {
-    checked(read_document(path)?, &path.display().to_string())
+    checked(read_versioned(path)?, &path.display().to_string())
 }
 
 /// Reads a session from memory; `file` is the name for messages.
@@ -289,12 +289,12 @@ pub fn read_session(path: &Path) -> Result<Loaded<Session>, ReadError> {
 /// # Errors
 /// If the bytes are no valid session.
 pub fn parse_session(bytes: &[u8], file: &str) -> Result<Loaded<Session>, ReadError> {
-    checked(parse_document(bytes, file)?, file)
+    checked(parse_versioned(bytes, file)?, file)
 }
 
 /// The session of a session file whose other parts are checked already.
 pub(crate) fn checked(
-    loaded: Loaded<SessionDocument>,
+    loaded: Loaded<SessionFile>,
     file: &str,
 ) -> Result<Loaded<Session>, ReadError> {
     let session = loaded.value.with_checked_measurements();
@@ -314,17 +314,20 @@ pub fn write_session(path: &Path, session: &Session) -> Result<(), WriteError> {
         path: path.into(),
         message: below("/measurements", fault.into()).to_string(),
     })?;
-    write_document(path, &SessionDocument::of(session))
+    write_versioned(path, &SessionFile::of(session))
 }
 
-fn below(parent: &str, error: FieldError) -> FieldError {
+pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
     FieldError {
         pointer: format!("{parent}{}", error.pointer),
         ..error
     }
 }
 
-fn fail<T>(pointer: impl Into<String>, message: impl Into<String>) -> Result<T, FieldError> {
+pub(crate) fn fail<T>(
+    pointer: impl Into<String>,
+    message: impl Into<String>,
+) -> Result<T, FieldError> {
     Err(FieldError {
         pointer: pointer.into(),
         message: message.into(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
 use tautline_session::Outcome::Begun;
-use tautline_session::{Import, Loaded, Session, import, left_behind, write_session};
+use tautline_session::{Import, Loaded, Session, find_unsaved_sessions, import, write_session};
 
 use super::tables;
 use crate::model::OpenSession;
@@ -245,8 +245,8 @@ pub fn search(state: &mut State) {
         .model
         .tasks
         .start("Looking for unsaved sessions", move |_| {
-            let left = left_behind(&folder).map_err(|error| error.to_string());
-            FileOutcome::LeftBehind(left).into()
+            let left = find_unsaved_sessions(&folder).map_err(|error| error.to_string());
+            FileOutcome::UnsavedSessions(left).into()
         });
 }
 
@@ -267,8 +267,8 @@ pub(super) fn receive(state: &mut State, outcome: FileOutcome) {
             result: Err(error), ..
         }
         | FileOutcome::Demo(Err(error))
-        | FileOutcome::LeftBehind(Err(error)) => state.model.messages.error(error),
-        FileOutcome::LeftBehind(Ok(left)) => state.model.unsaved_sessions = left,
+        | FileOutcome::UnsavedSessions(Err(error)) => state.model.messages.error(error),
+        FileOutcome::UnsavedSessions(Ok(left)) => state.model.unsaved_sessions = left,
         FileOutcome::Saved {
             path,
             state: written,

@@ -7,7 +7,7 @@ use tautline_core::diagnosis::Diagnosis;
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
-use tautline_session::{Document as _, Method, Phase as LogPhase, ResultRecord, Session};
+use tautline_session::{Method, Phase as LogPhase, ResultRecord, Session, VersionedFile as _};
 
 use crate::model::OpenSession;
 use crate::model::command::{

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread::{self, JoinHandle};
 
-use tautline_session::{Changes, Keeper, LeftBehind, MeasuredPose, Session, WriteError};
+use tautline_session::{
+    MeasuredPose, RecoveryWriter, Session, SessionChanges, UnsavedSession, WriteError,
+};
 
 use super::{OpenSession, memory};
 
@@ -16,11 +18,11 @@ enum Job {
         origin: Option<PathBuf>,
     },
     /// Keep the session as it is now; its measured poses are kept already.
-    Changed(Box<Changes>),
+    Changed(Box<SessionChanges>),
     /// Keep one more measured pose.
     Measured(Box<MeasuredPose>),
     /// Set aside what an earlier crash has left behind.
-    SetAside(Box<LeftBehind>),
+    SetAside(Box<UnsavedSession>),
     /// Nothing is unsaved any more, or the operator does not want it.
     Finish,
 }
@@ -139,7 +141,9 @@ impl Autosave {
         let poses = match self.followed.as_ref().map(|f| (f, is_kept(f))) {
             Some((before, Some(snapshot))) => {
                 if before.edits != open.edits() {
-                    self.send(Job::Changed(Box::new(Changes::of(session, snapshot))));
+                    self.send(Job::Changed(Box::new(SessionChanges::of(
+                        session, snapshot,
+                    ))));
                 }
                 snapshot
             }
@@ -161,7 +165,7 @@ impl Autosave {
     }
 
     /// Sets aside what an earlier crash has left behind, after everything that was handed over before.
-    pub fn set_aside(&self, left: LeftBehind) {
+    pub fn set_aside(&self, left: UnsavedSession) {
         self.send(Job::SetAside(Box::new(left)));
     }
 
@@ -240,16 +244,18 @@ fn newest(jobs: Vec<Job>) -> Vec<Job> {
 
 fn perform(
     folder: &Path,
-    keeper: &mut Option<Keeper>,
+    keeper: &mut Option<RecoveryWriter>,
     job: Job,
     tell: &impl Fn(AutosaveEvent),
 ) -> Result<(), String> {
     let failed = |error: WriteError| format!("The session could not be kept for recovery: {error}");
     match job {
         Job::Snapshot { session, origin } => match keeper {
-            Some(keeper) => keeper.snapshot(&session).map_err(failed),
+            Some(keeper) => keeper.write_snapshot(&session).map_err(failed),
             None => {
-                *keeper = Some(Keeper::begin(folder, origin.as_deref(), &session).map_err(failed)?);
+                *keeper = Some(
+                    RecoveryWriter::create(folder, origin.as_deref(), &session).map_err(failed)?,
+                );
                 Ok(())
             }
         },
@@ -257,18 +263,21 @@ fn perform(
             let keeper = keeper
                 .as_mut()
                 .ok_or("A change could not be kept for recovery: nothing is being kept.")?;
-            keeper.changed(*changes).map_err(failed)
+            keeper.write_changes(*changes).map_err(failed)
         }
         Job::Measured(pose) => {
             let keeper = keeper
                 .as_mut()
                 .ok_or("A measured pose could not be kept: nothing is being kept.")?;
-            keeper.measured(&pose).map_err(failed)?;
+            keeper.append_pose(&pose).map_err(failed)?;
             tell(AutosaveEvent::Measured(pose.label()));
             Ok(())
         }
         Job::SetAside(left) => left.discard().map(drop).map_err(failed),
-        Job::Finish => keeper.take().map_or(Ok(()), Keeper::finish).map_err(failed),
+        Job::Finish => keeper
+            .take()
+            .map_or(Ok(()), RecoveryWriter::finish)
+            .map_err(failed),
     }
 }
 
@@ -278,7 +287,7 @@ mod tests {
 
     use tautline_core::measurement::{Grid, Measurements};
     use tautline_core::robot::presets;
-    use tautline_session::left_behind;
+    use tautline_session::find_unsaved_sessions;
 
     use super::*;
     use crate::model::edit::Edit;
@@ -316,7 +325,7 @@ mod tests {
         open.saved_as(folder.path().join("saved.json"), written);
         keeping.follow(Some(&open));
         keeping.flush();
-        let left = left_behind(folder.path()).expect("readable");
+        let left = find_unsaved_sessions(folder.path()).expect("readable");
         assert_eq!(left.len(), 1);
         assert_eq!(left[0].poses, 1);
     }
@@ -335,7 +344,11 @@ mod tests {
         open.saved_as(folder.path().join("saved.json"), open.revision());
         keeping.follow(Some(&open));
         keeping.flush();
-        assert!(left_behind(folder.path()).expect("readable").is_empty());
+        assert!(
+            find_unsaved_sessions(folder.path())
+                .expect("readable")
+                .is_empty()
+        );
     }
 
     #[test]
@@ -378,7 +391,7 @@ mod tests {
         measure(&mut keeping, &mut open, 31);
         assert!(size("snapshot.json") > empty + 31 * 50);
         keeping.flush();
-        let left = left_behind(folder.path()).expect("readable");
+        let left = find_unsaved_sessions(folder.path()).expect("readable");
         let recovered = left[0].recover().expect("a session").value.session;
         assert_eq!(recovered.measurements, open.session().measurements);
         assert_eq!(recovered.excluded(), open.session().excluded());

@@ -20,7 +20,7 @@ pub mod tasks;
 
 use std::path::PathBuf;
 
-use tautline_session::{Folders, LeftBehind, Preferences};
+use tautline_session::{Folders, Preferences, UnsavedSession};
 
 pub use memo::Memo;
 pub use open_session::OpenSession;
@@ -95,7 +95,7 @@ pub struct Model {
     /// Choices of the user.
     pub preferences: Preferences,
     /// What programs that ended without saving have left behind, once it was looked for.
-    pub unsaved_sessions: Vec<LeftBehind>,
+    pub unsaved_sessions: Vec<UnsavedSession>,
     /// A panic that was caught, until the operator has seen it.
     pub caught_panic: Option<CaughtPanic>,
     /// Running work.

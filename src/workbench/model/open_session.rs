@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use tautline_core::robot::FieldError;
 use tautline_session::{
-    Document as _, LogEntry, MeasuredPose, Phase as LogPhase, ResultRecord, Session,
+    LogEntry, MeasuredPose, Phase as LogPhase, ResultRecord, Session, VersionedFile as _,
 };
 
 use super::edit::{Edit, History, Inputs};

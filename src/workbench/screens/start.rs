@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
                 muted(ui, "Find where the pulleys of a cable robot really are, and what its model still gets wrong.");
                 ui.add_space(4.0 * GRID);
-                left_behind(ui, state);
+                unsaved_sessions(ui, state);
                 begin(ui, state);
                 section(ui, "Open a session, a robot.json or a dataset folder");
                 open(ui, state);
@@ -98,7 +98,7 @@ fn compare(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn left_behind(ui: &mut Ui, state: &mut State) {
+fn unsaved_sessions(ui: &mut Ui, state: &mut State) {
     if state.model.unsaved_sessions.is_empty() {
         return;
     }

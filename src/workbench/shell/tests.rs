@@ -3,7 +3,7 @@
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::robot::presets;
-use tautline_session::{Folders, Session, left_behind};
+use tautline_session::{Folders, Session, find_unsaved_sessions};
 
 use super::*;
 use crate::model::command::{Command, Outcome};
@@ -81,7 +81,7 @@ fn a_panic_in_a_frame_is_told_and_costs_nothing() {
     harness.run_ok();
     harness.get_by_label("Quit");
     harness.state_mut().app.state.model.autosave.flush();
-    let left = left_behind(&place).expect("readable");
+    let left = find_unsaved_sessions(&place).expect("readable");
     let names: Vec<&str> = left.iter().map(|left| left.name.as_str()).collect();
     assert_eq!(names, ["after"], "the session is offered at the next start");
 }
@@ -128,7 +128,7 @@ fn a_panic_in_a_task_is_told_and_costs_nothing() {
     );
     rename(&mut harness, "after");
     harness.state_mut().app.state.model.autosave.flush();
-    let left = left_behind(&Folders::below(folder.path()).recovery()).expect("readable");
+    let left = find_unsaved_sessions(&Folders::below(folder.path()).recovery()).expect("readable");
     assert_eq!(left.len(), 1);
     assert_eq!(left[0].name, "after");
 }

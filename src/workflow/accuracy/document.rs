@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::accuracy::iso9283::PoseFigures;
-use tautline_core::robot::FieldError;
-use tautline_session::Document;
+use tautline_session::VersionedFile;
 
 /// Accuracy figures of ISO 9283.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -107,12 +106,8 @@ impl Figures {
     }
 }
 
-impl Document for Accuracy {
+impl VersionedFile for Accuracy {
     const FORMAT: &'static str = "tautline-accuracy";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }

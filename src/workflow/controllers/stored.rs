@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::geometry::Pose;
-use tautline_core::robot::FieldError;
 use tautline_link::{Controller, ControllerState, LinkError, ParameterInfo, Sample};
-use tautline_session::{Document, NamedValue, ReadError, read_document, write_document};
+use tautline_session::{NamedValue, ReadError, VersionedFile, read_versioned, write_versioned};
 
 /// What a simulated controller holds while values are written to it; the session has it before and afterwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,14 +16,10 @@ struct HeldValues {
     values: Vec<NamedValue>,
 }
 
-impl Document for HeldValues {
+impl VersionedFile for HeldValues {
     const FORMAT: &'static str = "tautline-controller";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }
 
 /// The path of what belongs to a session file and lies beside it: its name with an ending.
@@ -43,7 +38,7 @@ pub fn stored_at(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     if !path.exists() {
         return Ok(None);
     }
-    let read = read_document::<HeldValues>(path)?;
+    let read = read_versioned::<HeldValues>(path)?;
     Ok(Some(read.value.values))
 }
 
@@ -64,7 +59,7 @@ impl<C: Controller> Stored<C> {
                 })
                 .collect(),
         };
-        let written = write_document(&self.path, &held);
+        let written = write_versioned(&self.path, &held);
         written.map_err(|error| LinkError::Refused(error.to_string()))
     }
 }

@@ -2,16 +2,16 @@
 
 pub mod diagnosis;
 
-use tautline_session::{Document, ResultDocument, ResultRecord, Session, Timestamp};
+use tautline_session::{ResultDocument, ResultRecord, Session, Timestamp, VersionedFile};
 
 /// A result as a session keeps it, with the fingerprint of the data that it was computed from.
-pub fn record<D: Document>(
+pub fn record<D: VersionedFile>(
     session: &Session,
     title: &str,
     document: &D,
     time: Timestamp,
 ) -> ResultRecord {
-    let document = tautline_session::document(document);
+    let document = tautline_session::versioned(document);
     ResultRecord {
         time,
         title: title.to_owned(),

@@ -2,8 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::robot::FieldError;
-use tautline_session::Document;
+use tautline_session::VersionedFile;
 
 /// Machine form of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -80,12 +79,8 @@ pub struct FittedEffect {
     pub sd: Option<f64>,
 }
 
-impl Document for IdentificationDocument {
+impl VersionedFile for IdentificationDocument {
     const FORMAT: &'static str = "tautline-identification";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }

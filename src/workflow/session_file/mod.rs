@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
 use tautline_session::{
-    Keeper, LeftBehind, LogEntry, Outcome, Phase, ReadError, Session, WriteError, left_behind,
-    read_session, write_session,
+    LogEntry, Outcome, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
+    find_unsaved_sessions, read_session, write_session,
 };
 
 use crate::clock;
@@ -134,7 +134,7 @@ impl SessionFile {
             }),
         };
         let lock = FileLock::acquire(path).map_err(SessionFileError::from)?;
-        let left = left_behind(&folder).map_err(SessionFileError::from)?;
+        let left = find_unsaved_sessions(&folder).map_err(SessionFileError::from)?;
         let session = match (path.exists(), made) {
             (true, _) => read(path, notify)?,
             (false, Some(session)) => session,
@@ -188,8 +188,8 @@ impl SessionFile {
     ///
     /// # Errors
     /// If nothing can be written there.
-    pub fn autosave(&self) -> Result<Keeper, SessionFileError> {
-        Ok(Keeper::begin(
+    pub fn autosave(&self) -> Result<RecoveryWriter, SessionFileError> {
+        Ok(RecoveryWriter::create(
             self.lock.folder(),
             Some(&self.path),
             &self.session,
@@ -232,7 +232,7 @@ impl SessionFile {
     /// Takes over poses that were measured by a program that was killed, and writes them to the file.
     fn take_over(
         &mut self,
-        left: Vec<LeftBehind>,
+        left: Vec<UnsavedSession>,
         notify: &mut dyn FnMut(String),
     ) -> Result<(), SessionFileError> {
         for left in left {

@@ -10,7 +10,7 @@ use super::{
     Connection, ControllerKind, NUMBER, is_per_cable, name_of_cable,
 };
 
-use crate::json::Document;
+use crate::json::VersionedFile;
 
 type Checked = Result<(), FieldError>;
 
@@ -41,15 +41,10 @@ pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Check
     mapping.map_or(Ok(()), |mapping| mapping.check(robot).map_err(below("ads")))
 }
 
-impl Document for AdsMapping {
+impl VersionedFile for AdsMapping {
     const FORMAT: &'static str = "tautline-symbols";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 4 << 20;
-
-    /// What holds without a robot; [`AdsMapping::check`] has the rest.
-    fn check(&self) -> Checked {
-        Ok(())
-    }
 }
 
 impl AdsMapping {

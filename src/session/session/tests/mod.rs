@@ -294,7 +294,7 @@ fn only_an_adjustment_that_was_begun_is_concluded() {
         ..session.adjustments()[0].clone()
     };
     session.add_adjustment(begun);
-    let document = serde_json::to_value(SessionDocument::of(&session)).expect("JSON");
+    let document = serde_json::to_value(SessionFile::of(&session)).expect("JSON");
     assert_eq!(document["adjustments"][1]["outcome"], "begun");
     assert!(session.conclude_adjustment(Outcome::Written, now));
     assert_eq!(session.adjustments()[1].outcome, Outcome::Written);

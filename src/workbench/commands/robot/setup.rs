@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tautline_link::SystemClock;
 use tautline_link::ads::{AdsAddress, AdsOptions, check_symbols};
-use tautline_session::{AdsMapping, AdsPlace, read_document, write_document};
+use tautline_session::{AdsMapping, AdsPlace, read_versioned, write_versioned};
 
 use crate::model::command::{CHECKING, Outcome, RobotOutcome, Setup, SetupOutcome};
 use crate::screens::connect::Draft;
@@ -48,13 +48,13 @@ pub(super) fn perform(state: &mut State, setup: Setup) {
 }
 
 fn read(path: &Path) -> Result<Box<AdsMapping>, String> {
-    let read = read_document::<AdsMapping>(path);
+    let read = read_versioned::<AdsMapping>(path);
     read.map(|read| Box::new(read.value))
         .map_err(|error| error.to_string())
 }
 
 fn write(path: PathBuf, mapping: &AdsMapping) -> SetupOutcome {
-    let written = write_document(&path, mapping);
+    let written = write_versioned(&path, mapping);
     SetupOutcome::Exported(written.map(|()| path).map_err(|error| error.to_string()))
 }
 
@@ -62,7 +62,7 @@ fn open(state: &mut State) {
     let Some(open) = &state.model.open else {
         return;
     };
-    let reached = &state.model.preferences.reached;
+    let reached = &state.model.preferences.last_connection;
     let draft = Draft::of(open.session(), open.id(), reached);
     state.panels.connect = Some(Box::new(draft));
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use tautline_session::{Import, LeftBehind, Loaded, Session};
+use tautline_session::{Import, Loaded, Session, UnsavedSession};
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
@@ -79,7 +79,7 @@ pub enum FileOutcome {
     /// The demonstration is ready, or one sentence.
     Demo(Result<Box<Session>, String>),
     /// What programs that ended without saving have left behind, or one sentence.
-    LeftBehind(Result<Vec<LeftBehind>, String>),
+    UnsavedSessions(Result<Vec<UnsavedSession>, String>),
     /// A session was written.
     Saved {
         /// Its file.

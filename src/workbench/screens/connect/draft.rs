@@ -2,8 +2,8 @@
 
 use tautline_core::robot::{FieldError, Robot};
 use tautline_session::{
-    AdsMapping, AdsPlace, Connection, ControllerKind, LaserSettings, Reached, RecordingPlace,
-    Session,
+    AdsMapping, AdsPlace, Connection, ControllerKind, LaserSettings, LastConnection,
+    RecordingPlace, Session,
 };
 
 use super::laser::LaserDraft;
@@ -180,7 +180,7 @@ pub struct Draft {
 impl Draft {
     /// The settings of a session; of what it does not have, those that were used last.
     #[must_use]
-    pub fn of(session: &Session, session_id: u64, reached: &Reached) -> Self {
+    pub fn of(session: &Session, session_id: u64, reached: &LastConnection) -> Self {
         let connection = &session.connection;
         let place = connection.place.clone().or_else(|| reached.place.clone());
         let number = |value: Option<f64>| format!("{}", value.unwrap_or(1.0));
@@ -339,7 +339,7 @@ mod tests {
     }
 
     fn draft(session: &Session) -> Draft {
-        Draft::of(session, 1, &Reached::default())
+        Draft::of(session, 1, &LastConnection::default())
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod test_line;
 
 use egui::{Grid, Id, Modal, ScrollArea, Ui};
 use egui_material_icons::icons;
-use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings, Reached};
+use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings, LastConnection};
 
 use self::draft::{Field, Part, Present, Problems};
 use self::field::line;
@@ -293,14 +293,14 @@ fn keep_settings(
     connection: Connection,
     laser: LaserSettings,
 ) {
-    let reached = Reached {
+    let reached = LastConnection {
         place: connection.place.clone(),
         laser: laser.clone(),
     };
-    if !connection.is_empty() && state.model.preferences.reached != reached {
+    if !connection.is_empty() && state.model.preferences.last_connection != reached {
         state
             .model
-            .change_preferences(|preferences| preferences.reached = reached);
+            .change_preferences(|preferences| preferences.last_connection = reached);
     }
     if connection != present.connection || laser != present.laser {
         let settings = Box::new((connection, laser));

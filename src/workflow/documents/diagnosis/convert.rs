@@ -233,7 +233,7 @@ fn pose(pose: &Pose) -> PoseDocument {
 #[cfg(test)]
 mod tests {
     use serde_json::{Value, json};
-    use tautline_session::document;
+    use tautline_session::versioned;
 
     use super::super::samples::{dataset, diagnosed};
     use super::*;
@@ -241,7 +241,7 @@ mod tests {
     fn machine_form(verdicts: &[Verdict]) -> Value {
         let dataset = dataset();
         let diagnosed = diagnosed(&dataset, verdicts);
-        serde_json::to_value(document(&diagnosed.document())).expect("JSON")
+        serde_json::to_value(versioned(&diagnosed.document())).expect("JSON")
     }
 
     #[test]
@@ -299,8 +299,8 @@ mod tests {
     fn what_is_written_can_be_read() {
         let dataset = dataset();
         let written = diagnosed(&dataset, &[Verdict::Named, Verdict::Unknown]).document();
-        let text = serde_json::to_string(&document(&written)).expect("JSON");
-        let read = tautline_session::parse_document::<DiagnosisDocument>(text.as_bytes(), "d");
+        let text = serde_json::to_string(&versioned(&written)).expect("JSON");
+        let read = tautline_session::parse_versioned::<DiagnosisDocument>(text.as_bytes(), "d");
         let read = read.expect("a document");
         assert_eq!(read.value, written);
         assert!(read.notices.is_empty(), "{:?}", read.notices);

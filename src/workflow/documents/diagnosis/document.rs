@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;
-use tautline_core::robot::FieldError;
-use tautline_session::Document;
+use tautline_session::VersionedFile;
 
 /// Machine form of a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -299,12 +298,8 @@ pub struct ModelDocument {
     pub effects: Vec<EffectSetting>,
 }
 
-impl Document for DiagnosisDocument {
+impl VersionedFile for DiagnosisDocument {
     const FORMAT: &'static str = "tautline-diagnosis";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;
-
-    fn check(&self) -> Result<(), FieldError> {
-        Ok(())
-    }
 }

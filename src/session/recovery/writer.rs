@@ -1,4 +1,4 @@
-//! Keeps an open session safe while it is not saved.
+//! Writes the recovery files of an open session.
 
 use std::fs::{self, File};
 use std::io::{Error as IoError, Result as IoResult};
@@ -6,55 +6,55 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
 
-use super::changes::Changes;
+use super::changes::SessionChanges;
 use super::journal::{self, Entry, Journal};
 use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, RESULTS, SNAPSHOT, results, write_origin};
 use crate::atomic::sync_folder;
 use crate::error::WriteError;
 use crate::fingerprint::Fingerprint;
-use crate::json::write_document;
+use crate::json::write_versioned;
 use crate::poses::Columns;
 use crate::session::{MeasuredPose, Session, write_session};
 
-/// Holds on disk what an open session has and its file has not.
+/// Writes to disk what an open session has and its file does not.
 ///
-/// Dropped without [`Keeper::finish`], it leaves everything behind for
-/// [`left_behind`](super::left_behind), as a crash does.
+/// Dropped without [`RecoveryWriter::finish`], it leaves its files for
+/// [`find_unsaved_sessions`](super::find_unsaved_sessions), as a crash does.
 #[derive(Debug)]
-pub struct Keeper {
+pub struct RecoveryWriter {
     folder: PathBuf,
     lock: Lock,
-    /// Fingerprint of the snapshot; `None` after one that failed.
+    /// Fingerprint of the snapshot; `None` after a snapshot that could not be written.
     snapshot: Option<String>,
-    /// Number of results that are kept.
+    /// Number of results that are on disk.
     results: usize,
 }
 
-/// A locked file; the operating system unlocks it when the program ends in whatever way.
+/// A locked file; the operating system unlocks it however the program ends.
 #[derive(Debug)]
 pub(super) struct Lock {
     pub file: File,
     pub path: PathBuf,
 }
 
-impl Keeper {
-    /// Starts to keep a session that belongs to the file `origin`, in the recovery folder `folder`.
+impl RecoveryWriter {
+    /// Starts to write in the recovery folder `folder`, for a session that was opened from the file `origin`.
     ///
     /// # Errors
     /// If the files cannot be written.
-    pub fn begin(
+    pub fn create(
         folder: &Path,
         origin: Option<&Path>,
         session: &Session,
     ) -> Result<Self, WriteError> {
-        let mut keeper = Self::start(folder).map_err(|error| WriteError::io(folder, error))?;
-        write_origin(&keeper.folder, origin)?;
-        journal::write(&keeper.folder.join(JOURNAL), &[])?;
-        keeper.write_snapshot(session)?;
-        Ok(keeper)
+        let mut writer = Self::start(folder).map_err(|error| WriteError::io(folder, error))?;
+        write_origin(&writer.folder, origin)?;
+        journal::write(&writer.folder.join(JOURNAL), &[])?;
+        writer.replace_snapshot(session)?;
+        Ok(writer)
     }
 
-    /// The lock first: a folder without a locked lock is one that a crash has left behind.
+    /// The lock comes first, because a folder whose lock is not held is taken for that of a crashed program.
     fn start(folder: &Path) -> IoResult<Self> {
         fs::create_dir_all(folder)?;
         let (file, path) = tempfile::Builder::new()
@@ -74,7 +74,7 @@ impl Keeper {
         })
     }
 
-    fn write_snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
+    fn replace_snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
         let path = self.folder.join(SNAPSHOT);
         self.snapshot = None;
         write_session(&path, session)?;
@@ -84,13 +84,13 @@ impl Keeper {
         Ok(())
     }
 
-    /// Keeps the whole session as it is now. Poses in the journal that it does not have stay there.
+    /// Writes the whole session as it is now. Poses of the journal that it does not have stay there.
     ///
     /// # Errors
-    /// If the files cannot be written; what was kept before is still kept then.
-    pub fn snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
-        self.write_snapshot(session)?;
-        // Those of an older snapshot; ignored where this fails.
+    /// If the files cannot be written; what was on disk before is still there then.
+    pub fn write_snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
+        self.replace_snapshot(session)?;
+        // They belong to the snapshot before and are ignored if they cannot be removed.
         let _ = fs::remove_file(self.folder.join(CHANGES));
         let _ = fs::remove_file(self.folder.join(RESULTS));
         let path = self.folder.join(JOURNAL);
@@ -101,28 +101,27 @@ impl Keeper {
         journal::write(&path, &entries)
     }
 
-    /// Keeps the session as it is now, whose measured poses are those of the last snapshot and of the
-    /// journal.
+    /// Writes the session as it is now, whose measured poses are in the last snapshot and the journal.
     ///
     /// # Errors
-    /// If the last snapshot could not be written, or this cannot; what was kept before is still kept then.
-    pub fn changed(&mut self, mut changes: Changes) -> Result<(), WriteError> {
+    /// If the last snapshot could not be written, or this cannot; what was on disk before is still there then.
+    pub fn write_changes(&mut self, mut changes: SessionChanges) -> Result<(), WriteError> {
         let path = self.folder.join(CHANGES);
         let Some(snapshot) = self.snapshot.clone() else {
-            let message = "the session before this change could not be kept".into();
+            let message = "the snapshot before this change could not be written".into();
             return Err(WriteError::Content { path, message });
         };
         let added = changes.take_results();
-        results::keep(&self.folder.join(RESULTS), &added, self.results)?;
+        results::append_new(&self.folder.join(RESULTS), &added, self.results)?;
         self.results = added.len().max(self.results);
-        write_document(&path, &changes.since(snapshot))
+        write_versioned(&path, &changes.since(snapshot))
     }
 
-    /// Keeps one more measured pose; it is on disk when this returns.
+    /// Appends a measured pose to the journal; it is on disk when this returns.
     ///
     /// # Errors
-    /// If the readings hold an infinite number or the journal cannot be written.
-    pub fn measured(&mut self, pose: &MeasuredPose) -> Result<(), WriteError> {
+    /// If a reading is infinite or the journal cannot be written.
+    pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), WriteError> {
         let path = self.folder.join(JOURNAL);
         let finite = Columns::of(&pose.readings).check_finite();
         finite.map_err(|fault| WriteError::Content {
@@ -134,20 +133,12 @@ impl Keeper {
         journal::append(&path, &line)
     }
 
-    /// The session belongs to the file `path` from now on.
-    ///
-    /// # Errors
-    /// If that cannot be written down.
-    pub fn moved_to(&self, path: &Path) -> Result<(), WriteError> {
-        write_origin(&self.folder, Some(path))
-    }
-
-    /// Everything is saved: removes the files.
+    /// Removes the files of a session that is saved.
     ///
     /// # Errors
     /// If they cannot be removed.
     pub fn finish(self) -> Result<(), WriteError> {
-        // Renamed first, so that a kill between leaves nothing that looks like a crash.
+        // Renamed first, so that a kill in between leaves nothing that looks like a crash.
         let finished = self.folder.with_extension(FINISHED);
         fs::rename(&self.folder, &finished)
             .and_then(|()| fs::remove_dir_all(&finished))
@@ -157,7 +148,7 @@ impl Keeper {
 }
 
 impl Lock {
-    /// Removes the file, whose folder is no longer there, and unlocks it.
+    /// Removes the file, whose folder is gone, and unlocks it.
     pub fn remove(self) -> IoResult<()> {
         let removed = fs::remove_file(&self.path);
         drop(self.file);

@@ -1,4 +1,4 @@
-//! What programs that ended without saving have left behind.
+//! Unsaved sessions of programs that crashed or were killed.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
@@ -6,27 +6,27 @@ use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-use super::changes::ChangesDocument;
+use super::changes::ChangesFile;
 use super::journal::{Entry, Journal};
-use super::keeper::Lock;
+use super::writer::Lock;
 use super::{
     CHANGES, DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, Origin, PREFIX, RESULTS, SNAPSHOT, results,
 };
 use crate::atomic::sync_folder;
 use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::fingerprint::Fingerprint;
-use crate::json::read_document;
+use crate::json::read_versioned;
 use crate::session::{MeasurementTable, Session, Timestamp, read_session};
 
-/// An unsaved session of a program that no longer runs; no other program is offered it while this
-/// value lives.
+/// An unsaved session of a program that no longer runs; it is locked, so that no other program finds it, while this value
+/// lives.
 #[derive(Debug)]
-pub struct LeftBehind {
+pub struct UnsavedSession {
     /// Name of the session, or of its folder if the session cannot be read.
     pub name: String,
-    /// The file that it belongs to, if it was ever saved.
+    /// The file that it was opened from or saved to, if any.
     pub origin: Option<PathBuf>,
-    /// When something was last kept.
+    /// When its recovery files were last written.
     pub when: Timestamp,
     /// Number of measured poses in it, the home pose included.
     pub poses: usize,
@@ -36,21 +36,20 @@ pub struct LeftBehind {
     lock: Lock,
 }
 
-/// A session as it was when the program ended.
+/// A recovered session.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recovered {
+pub struct RecoveredSession {
     /// The session.
     pub session: Session,
-    /// The file that it belongs to, if it was ever saved; what is in that file is older.
+    /// The file that it was opened from or saved to, if any; what is in that file is older.
     pub origin: Option<PathBuf>,
 }
 
-/// Finds in a recovery folder what was left behind, the latest first. Sessions that cannot be read
-/// are in the list, too.
+/// Finds the unsaved sessions in a recovery folder, the latest first. Sessions that cannot be read are in the list, too.
 ///
 /// # Errors
 /// If the folder or a lock in it cannot be read; a folder that does not exist is empty.
-pub fn left_behind(folder: &Path) -> Result<Vec<LeftBehind>, ReadError> {
+pub fn find_unsaved_sessions(folder: &Path) -> Result<Vec<UnsavedSession>, ReadError> {
     let file = folder.display().to_string();
     let mut found = Vec::new();
     for own in candidates(folder).map_err(|error| ReadError::io(&file, Place::File, &error))? {
@@ -62,14 +61,14 @@ pub fn left_behind(folder: &Path) -> Result<Vec<LeftBehind>, ReadError> {
             let _ = fs::remove_dir_all(&own);
             let _ = lock.remove();
         } else {
-            found.push(LeftBehind::examine(own, lock));
+            found.push(UnsavedSession::examine(own, lock));
         }
     }
     found.sort_by(|a, b| b.when.cmp(&a.when).then_with(|| a.folder.cmp(&b.folder)));
     Ok(found)
 }
 
-/// Folders of sessions, and of finished ones that were not removed to the end.
+/// Folders of sessions, and of saved ones that were not removed completely.
 fn candidates(folder: &Path) -> IoResult<Vec<PathBuf>> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
@@ -84,7 +83,7 @@ fn candidates(folder: &Path) -> IoResult<Vec<PathBuf>> {
     Ok(paths?.into_iter().filter(is_candidate).collect())
 }
 
-/// The lock, or none if a running program has it.
+/// The lock, or `None` if a running program holds it.
 fn locked(path: PathBuf) -> Result<Option<Lock>, ReadError> {
     let open = || {
         let mut options = File::options();
@@ -100,8 +99,7 @@ fn locked(path: PathBuf) -> Result<Option<Lock>, ReadError> {
     }
 }
 
-/// Whether the program ended before it kept anything, the snapshot coming last, or finished between
-/// listing and locking.
+/// Whether the program ended before it wrote the snapshot, or removed its files between listing and locking.
 fn holds_nothing(own: &Path) -> bool {
     let size = |name: &str| match fs::metadata(own.join(name)) {
         Err(error) if error.kind() == ErrorKind::NotFound => Some(0),
@@ -110,10 +108,10 @@ fn holds_nothing(own: &Path) -> bool {
     size(SNAPSHOT) == Some(0) && size(JOURNAL) == Some(0)
 }
 
-impl LeftBehind {
+impl UnsavedSession {
     fn examine(folder: PathBuf, lock: Lock) -> Self {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        let mut left = Self {
+        let mut unsaved = Self {
             name: name.into_owned(),
             origin: None,
             when: last_change(&folder),
@@ -122,16 +120,16 @@ impl LeftBehind {
             folder,
             lock,
         };
-        match left.recover() {
+        match unsaved.recover() {
             Ok(recovered) => {
-                let Recovered { session, origin } = recovered.value;
-                left.poses = session.measurements.len();
-                left.name = session.name;
-                left.origin = origin;
+                let RecoveredSession { session, origin } = recovered.value;
+                unsaved.poses = session.measurements.len();
+                unsaved.name = session.name;
+                unsaved.origin = origin;
             }
-            Err(error) => left.problem = Some(error),
+            Err(error) => unsaved.problem = Some(error),
         }
-        left
+        unsaved
     }
 
     /// The folder with its files.
@@ -140,12 +138,12 @@ impl LeftBehind {
         &self.folder
     }
 
-    /// The session as it was, the poses of the journal included. The files stay: keep the session
-    /// with a new [`Keeper`](super::Keeper) first, then [`discard`](Self::discard) these.
+    /// The session as it was, the poses of the journal included. The files stay: write the session with a new
+    /// [`RecoveryWriter`](super::RecoveryWriter) first, then [`discard`](Self::discard) these.
     ///
     /// # Errors
     /// If the snapshot cannot be read.
-    pub fn recover(&self) -> Result<Loaded<Recovered>, ReadError> {
+    pub fn recover(&self) -> Result<Loaded<RecoveredSession>, ReadError> {
         let Loaded { value, mut notices } = read_session(&self.folder.join(SNAPSHOT))?;
         let mut session = value;
         let journal = self.journal(&mut notices);
@@ -155,15 +153,15 @@ impl LeftBehind {
         notices.extend(results::add(&self.folder.join(RESULTS), &mut session));
         let file = self.folder.join(JOURNAL).display().to_string();
         notices.extend(replay(&mut session, journal, &file));
-        let origin = match read_document::<Origin>(&self.folder.join(ORIGIN)) {
+        let origin = match read_versioned::<Origin>(&self.folder.join(ORIGIN)) {
             Ok(loaded) => loaded.value.path.map(PathBuf::from),
             Err(error) => {
-                notices.push(format!("{error}; the session has to be saved under a name"));
+                notices.push(format!("{error}; save the session under a new name"));
                 None
             }
         };
         Ok(Loaded {
-            value: Recovered { session, origin },
+            value: RecoveredSession { session, origin },
             notices,
         })
     }
@@ -174,33 +172,33 @@ impl LeftBehind {
             Ok(bytes) => Journal::parse(&bytes),
             Err(error) => {
                 let error = ReadError::io(&path.display().to_string(), Place::File, &error);
-                notices.push(format!("{error}; poses measured last may be missing"));
+                notices.push(format!("{error}; the latest measured poses may be missing"));
                 Journal::default()
             }
         }
     }
 
-    /// The changes that follow the snapshot, if there are any.
-    fn changes(&self, notices: &mut Vec<String>) -> Option<ChangesDocument> {
+    /// The changes that belong to the snapshot, if there are any.
+    fn changes(&self, notices: &mut Vec<String>) -> Option<ChangesFile> {
         let path = self.folder.join(CHANGES);
         if !path.exists() {
             return None;
         }
-        match read_document::<ChangesDocument>(&path) {
+        match read_versioned::<ChangesFile>(&path) {
             Ok(loaded) => {
                 let snapshot = Fingerprint::of_file(&self.folder.join(SNAPSHOT)).ok()?;
                 let changes = Some(loaded.value);
                 changes.filter(|changes| changes.snapshot == snapshot.to_hex())
             }
             Err(error) => {
-                notices.push(format!("{error}; what was edited last is missing"));
+                notices.push(format!("{error}; the latest edits are missing"));
                 None
             }
         }
     }
 
-    /// Moves the files aside, into the folder `discarded` of the recovery folder, which it returns:
-    /// measurements are never deleted.
+    /// Moves the files into the folder `discarded` of the recovery folder and returns their new place: measurements are
+    /// never deleted.
     ///
     /// # Errors
     /// If the files cannot be moved.
@@ -218,15 +216,15 @@ impl LeftBehind {
     }
 }
 
-/// The snapshot with what was changed after it; poses of the journal that the session did not have then
-/// are still to come.
+/// The snapshot with the changes after it; poses of the journal that the session did not have at that time are added
+/// later.
 fn changed(
     snapshot: Session,
-    changes: ChangesDocument,
+    changes: ChangesFile,
     journal: &Journal,
     notices: &mut Vec<String>,
 ) -> Session {
-    let ChangesDocument {
+    let ChangesFile {
         mut session,
         measured,
         ..
@@ -236,7 +234,7 @@ fn changed(
         Ok(session) => session,
         Err(error) => {
             notices.push(format!(
-                "What was edited last does not fit the measured poses and is missing: {error}"
+                "the latest edits do not fit the measured poses and are missing: {error}"
             ));
             return snapshot;
         }
@@ -245,7 +243,7 @@ fn changed(
     let measured: BTreeSet<i64> = measured.into_iter().collect();
     for entry in &journal.entries {
         if entry.table.labels().iter().all(|l| measured.contains(l)) {
-            // What does not fit is told when the journal is replayed.
+            // What does not fit is reported when the journal is replayed.
             let _ = session.append_table(entry.table.clone(), None);
         }
     }
@@ -253,7 +251,7 @@ fn changed(
         session.include(*label);
     }
     for label in excluded {
-        // A pose whose line is damaged cannot be left out, and need not.
+        // The pose of a damaged line cannot be excluded and need not be.
         let _ = session.exclude(label);
     }
     session
@@ -272,7 +270,7 @@ fn replay(session: &mut Session, journal: Journal, file: &str) -> Vec<String> {
         match known_row(session, &entry) {
             Some(true) => {}
             Some(false) => notices.push(format!(
-                "{file}: pose {label} was measured twice with different readings, the first are kept"
+                "{file}: pose {label} was measured twice with different readings; the first ones are used"
             )),
             None => {
                 if let Err(error) = session.append_table(entry.table, entry.repeats) {
@@ -283,7 +281,7 @@ fn replay(session: &mut Session, journal: Journal, file: &str) -> Vec<String> {
     }
     if journal.is_torn {
         notices.push(format!(
-            "{file}: the program ended while a pose was being written, that pose is missing"
+            "{file}: the program ended while a pose was being written; that pose is missing"
         ));
     }
     notices
