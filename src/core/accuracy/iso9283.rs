@@ -25,7 +25,7 @@ pub struct Target {
 /// Why there are no figures.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AccuracyError {
-    /// There is nothing to evaluate.
+    /// There is no target.
     #[error("no commanded pose")]
     NoTarget,
     /// A target was never attained.
@@ -108,6 +108,20 @@ pub struct PathFigures {
 }
 
 /// Figures of each target and over all of them.
+///
+/// ```
+/// use tautline_core::accuracy::iso9283::{Target, pose_accuracy};
+/// use tautline_core::geometry::Pose;
+///
+/// let at = |x_m: f64| Pose::from_parts([x_m, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]);
+/// let target = Target {
+///     commanded: at(0.0),
+///     attained: vec![at(1e-3), at(3e-3)],
+/// };
+/// let figures = pose_accuracy(&[target])?;
+/// assert!((figures.mean_accuracy_m - 2e-3).abs() < 1e-12);
+/// # Ok::<(), tautline_core::accuracy::iso9283::AccuracyError>(())
+/// ```
 ///
 /// # Errors
 /// If there is no target, or one without attained poses or with numbers that are not finite.

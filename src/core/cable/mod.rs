@@ -1,4 +1,4 @@
-//! What a cable does between drum and platform: elasticity, measured elongation, sag.
+//! Models of a cable between drum and platform: elasticity, measured elongation, sag.
 
 mod elongation_fit;
 mod elongation_surface;

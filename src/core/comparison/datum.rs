@@ -74,7 +74,7 @@ impl Datum {
     /// Places of the coordinates of a part.
     fn places(&self, part: FramePart) -> Vec<usize> {
         let belongs = |id: &ParameterId| match (part, id) {
-            (FramePart::Pulley(asked), ParameterId::EntryPoint { cable, .. }) => asked == *cable,
+            (FramePart::Pulley(own), ParameterId::EntryPoint { cable, .. }) => own == *cable,
             (FramePart::TargetPlane, ParameterId::PlaneOffset) => true,
             _ => false,
         };
@@ -96,7 +96,7 @@ impl Datum {
     }
 
     /// Displacement of a pulley or the plane with its covariance, the common motion and those that have moved taken
-    /// out; `None` where too little is left to tell.
+    /// out; `None` where the rest does not determine it.
     pub fn displacement(
         &self,
         part: FramePart,
@@ -122,13 +122,13 @@ impl Datum {
     /// The pulleys (and the plane) that have moved, the most conspicuous first; `others` tests are made besides.
     pub fn moved(&self, level: f64, others: usize) -> Vec<FramePart> {
         let pulleys = (0..self.cables).map(FramePart::Pulley);
-        let asked: Vec<FramePart> = pulleys
+        let parts: Vec<FramePart> = pulleys
             .chain([FramePart::TargetPlane])
             .filter(|part| !self.places(*part).is_empty())
             .collect();
         let mut moved = Vec::new();
         loop {
-            let open = asked.iter().filter(|part| !moved.contains(*part));
+            let open = parts.iter().filter(|part| !moved.contains(*part));
             let judged = open.filter_map(|part| {
                 let (value, covariance) = self.displacement(*part, &moved)?;
                 Some((*part, Test::of(&value, &covariance)?.p_value))
@@ -136,7 +136,7 @@ impl Datum {
             let Some((worst, p_value)) = judged.min_by(|a, b| a.1.total_cmp(&b.1)) else {
                 return moved;
             };
-            let tests = asked.len() + others - moved.len();
+            let tests = parts.len() + others - moved.len();
             if p_value * tests as f64 >= level {
                 return moved;
             }

@@ -1,4 +1,4 @@
-//! Are two identified geometries of the same robot different, or is it noise?
+//! Statistical comparison of two identified geometries of the same robot (deformation analysis).
 //!
 //! **Estimates.** Both runs were solved with the same drawing as prior. What they share must not count as agreement,
 //! so the priors `P` of what is the same robot in both (entry points, target plane, effects) are taken out: with the
@@ -60,7 +60,7 @@ pub enum ComparisonError {
         /// Cables of the second run.
         second: String,
     },
-    /// A run leaves parameters open.
+    /// The data of a run do not determine all parameters.
     #[error(
         "the data of the {run} run leave parts of the geometry open, so that there is nothing to compare"
     )]
@@ -133,9 +133,9 @@ pub struct PulleyDifference {
     pub cable: String,
     /// As the runs have it, each in its own datum.
     pub raw: Displacement,
-    /// Relative to the pulleys that did not move; `None` where too few others are left to tell.
+    /// Relative to the pulleys that did not move; `None` where too few others are left to determine it.
     pub relative: Option<Displacement>,
-    /// Whether the relative displacement is more than noise; `None` where it cannot be told.
+    /// Test of the relative displacement against noise; `None` where it is not determined.
     pub test: Option<Test>,
     /// Whether it has moved, at the level of the comparison.
     pub moved: bool,
@@ -152,7 +152,7 @@ pub struct CommonMotion {
     pub covariance: DMatrix<f64>,
     /// Number of directions in which the datum is not held by what is known.
     pub freedom: usize,
-    /// Whether it is more than the uncertainty of both home poses.
+    /// Test against the uncertainty of both home poses.
     pub test: Option<Test>,
 }
 
@@ -167,7 +167,7 @@ pub struct ScalarDifference {
     pub difference: f64,
     /// Its standard deviation.
     pub sd: f64,
-    /// Whether it is more than noise.
+    /// Test against noise.
     pub test: Option<Test>,
 }
 
@@ -182,7 +182,7 @@ pub struct EffectDifference {
     pub parameter: String,
     /// SI unit.
     pub unit: &'static str,
-    /// Its sizes.
+    /// Values in both runs.
     pub size: ScalarDifference,
 }
 
@@ -191,7 +191,7 @@ pub struct EffectDifference {
 pub struct HomeDifference {
     /// Coordinates that are estimated (m, rad), with difference and standard deviation.
     pub coordinates: Vec<(Coordinate, f64, f64)>,
-    /// Whether it is more than noise.
+    /// Test against noise.
     pub test: Option<Test>,
 }
 
@@ -207,7 +207,7 @@ pub struct FitQuality {
     pub p_value: Option<f64>,
 }
 
-/// What differs between two runs.
+/// Differences between two runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Probability with which two runs of one robot are called different anywhere.
@@ -306,7 +306,7 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// Corrects all probabilities for their number and says which pulleys have moved.
+/// Corrects all probabilities for their number and marks the pulleys that have moved.
 fn correct(comparison: &mut Comparison) {
     let level = comparison.level;
     let pulleys = comparison.pulleys.iter_mut().map(|p| &mut p.test);

@@ -56,7 +56,7 @@ pub enum Termination {
     InvalidStart,
 }
 
-/// The result of a curve fit. Non-convergence is said here, it is not an error.
+/// The result of a curve fit. Non-convergence is part of it, not an error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveFit {
     /// Parameters and their uncertainties.
@@ -202,14 +202,14 @@ impl<'a> Fitter<'a> {
         self.scale.component_mul(&self.point.parameters).norm()
     }
 
-    /// Gauss-Newton steps as long as each brings the minimum nearer. Close to it the sum of squares
-    /// is flat within rounding and can no longer tell a better point; the offset still can.
+    /// Refines the minimum by Gauss-Newton steps. Close to it the sum of squares is constant within rounding, while the
+    /// relative offset still falls.
     fn refine(&mut self) {
-        const MOST: usize = 200;
+        const MAX_STEPS: usize = 200;
         let Some(mut linear) = self.linearize() else {
             return;
         };
-        for _ in 0..MOST {
+        for _ in 0..MAX_STEPS {
             let offset = linear.removable_square();
             let trial = self.trial(&linear.step(f64::INFINITY));
             let no_worse = trial.square_sum <= self.point.square_sum * (1.0 + 1e-9);

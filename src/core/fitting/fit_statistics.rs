@@ -1,4 +1,4 @@
-//! What a least-squares fit says about its parameters.
+//! Parameters of a least-squares fit and their uncertainties.
 
 use nalgebra::DMatrix;
 

@@ -35,6 +35,12 @@ pub fn fit_linear(
 /// The powers are formed in doubled precision too: their rounding would cost a polynomial of degree ten
 /// far from the origin (NIST Filip) half of its digits.
 ///
+/// ```
+/// let fit = tautline_core::fitting::fit_polynomial(&[0.0, 1.0, 2.0], &[1.0, 3.0, 5.0], None, 1);
+/// assert!((fit.parameters[0] - 1.0).abs() < 1e-14);
+/// assert!((fit.parameters[1] - 2.0).abs() < 1e-14);
+/// ```
+///
 /// # Panics
 /// If the numbers of abscissae, observations and standard deviations differ.
 #[must_use]

@@ -1,6 +1,6 @@
-//! Why a calibration cannot be computed.
+//! Errors of the calibrations of phase 1.
 
-/// What is missing in the data of a calibration.
+/// Why pairs of readings do not allow a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// Fewer pairs than a fit with standard deviations needs.
@@ -19,7 +19,7 @@ pub enum CalibrationError {
         /// Number of the pair, from 1.
         pair: usize,
     },
-    /// The pairs leave the parameters open.
+    /// The pairs do not determine the parameters.
     #[error("{0}")]
     Degenerate(String),
 }

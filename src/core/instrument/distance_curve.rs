@@ -44,7 +44,7 @@ pub struct DistanceCurveFit {
     pub sd: DistanceCurve,
     /// Known minus fitted distance of each pair (m).
     pub residuals_m: Vec<f64>,
-    /// Standard deviation of a distance told by the sensor (m).
+    /// Standard deviation of a measured distance (m).
     pub residual_sd_m: f64,
     /// Largest absolute residual (m).
     pub largest_residual_m: f64,

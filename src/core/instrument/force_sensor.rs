@@ -30,9 +30,9 @@ pub struct ForceSensorCalibration {
     pub bias_n: f64,
     /// Its standard deviation (N).
     pub bias_sd_n: f64,
-    /// Load told by the sensor minus known load of each pair (N).
+    /// Measured minus known load of each pair (N).
     pub residuals_n: Vec<f64>,
-    /// Standard deviation of a load told by the sensor (N).
+    /// Standard deviation of a measured load (N).
     pub residual_sd_n: f64,
     /// Largest absolute residual (N).
     pub largest_residual_n: f64,

@@ -21,7 +21,7 @@ pub enum HomePlatformError {
         /// How many there are.
         given: usize,
     },
-    /// The description of a sensor makes no sense.
+    /// The description or reading of a sensor is invalid.
     #[error("sensor {sensor}: {message}")]
     Sensor {
         /// Number of the sensor, from 1.
@@ -29,15 +29,15 @@ pub enum HomePlatformError {
         /// What is wrong, one sentence.
         message: String,
     },
-    /// The readings leave a motion of the platform open.
+    /// The distances do not determine the pose.
     #[error("the six sensors do not fix the platform: no reading changes when it {motion}")]
     Singular {
-        /// The motion nobody would notice.
+        /// The motion that changes no distance.
         motion: String,
     },
 }
 
-/// Pose of the platform as the six sensors tell it.
+/// Pose of the platform on the home platform, from six distances.
 ///
 /// Sensor i at `o_i` looks along the unit vector `q_i` (reference frame) at the plane `n . x = h`
 /// fixed in the platform frame. With the platform at `(r, R)` in the reference frame and `N = R n`
@@ -179,7 +179,7 @@ fn predict(
     Ok((distances, sensitivity))
 }
 
-/// The inverse of the sensitivity; an error that names the open motion if it has none.
+/// The inverse of the sensitivity; if it is singular, an error that names the undetermined motion.
 fn invert(sensitivity: &Matrix6<f64>) -> Result<Matrix6<f64>, HomePlatformError> {
     // Rotations count by the displacement they cause at the planes, so that metres compare with metres.
     let square: f64 = sensitivity.fixed_columns::<3>(3).norm_squared();
@@ -241,7 +241,7 @@ fn damped_step(
         Err(_) => f64::INFINITY,
     };
     let before = misfit(pose);
-    // More than a radian at once is far outside what the linearisation knows.
+    // The linearisation does not hold beyond a radian.
     let turn = newton.fixed_rows::<3>(3).norm();
     let mut step = newton / turn.max(1.0);
     for _ in 0..40 {

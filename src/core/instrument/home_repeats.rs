@@ -28,7 +28,7 @@ pub struct HomeMeasurement {
     /// Pose from the mean distances. Its covariance takes the readings of a sensor as independent, of
     /// the stated `sd_m` each, so `sd_m / sqrt(count)` for the mean.
     pub fix: HomeFix,
-    /// Spread of each sensor.
+    /// Statistics of each sensor.
     pub sensors: Vec<SensorRepeats>,
     /// Standard deviation of the pose from one reading of each sensor, about the mean pose, in the base
     /// frame `[x y z, phi_x phi_y phi_z]` (m, rad): the repeatability. `None` unless all sensors
@@ -97,7 +97,7 @@ fn summarise(sensor: &HomeSensor, distances: &[f64]) -> SensorRepeats {
     let count = distances.len();
     let mean_m = distances.iter().sum::<f64>() / count as f64;
     let square: f64 = distances.iter().map(|d| (d - mean_m).powi(2)).sum();
-    // 0/0 for a single reading: its spread is unknown.
+    // NaN (0/0) for a single reading, whose spread is unknown.
     let sd_m = (square / (count as f64 - 1.0)).sqrt();
     SensorRepeats {
         count,

@@ -9,8 +9,8 @@ use crate::fitting::{FitStatistics, fit_linear};
 /// without payload.
 pub const WINCH_RESIDUAL_LIMIT_M: f64 = 1e-4;
 
-/// Tensions that vary less than this fraction of their mean cannot tell the stretch.
-const CONSTANT_TENSION: f64 = 0.1;
+/// Tensions that vary less than this fraction of their mean do not determine the stretch.
+const MIN_TENSION_RANGE: f64 = 0.1;
 
 /// One calibration reading of a winch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ pub struct WinchCalibration {
     pub passed: bool,
 }
 
-/// Fits cable per revolution, offset and, where the data tell it, stretch.
+/// Fits cable per revolution, offset and, where the tensions vary, stretch.
 ///
 /// # Errors
 /// Fewer than three pairs, values that are not finite, or all readings at one revolution.
@@ -63,7 +63,7 @@ pub fn calibrate_winch(pairs: &[WinchPair]) -> Result<WinchCalibration, Calibrat
         .iter()
         .map(|p| [p.revolutions, p.length_m, p.tension_n.unwrap_or(0.0)]);
     check_pairs(values, "cable per revolution and offset", 3)?;
-    if let Some(tensions) = telling_tensions(pairs) {
+    if let Some(tensions) = varying_tensions(pairs) {
         let fit = fit(pairs, Some(&tensions));
         if fit.is_full_rank() {
             return Ok(summary(fit, true));
@@ -79,12 +79,12 @@ pub fn calibrate_winch(pairs: &[WinchPair]) -> Result<WinchCalibration, Calibrat
     Ok(summary(fit, false))
 }
 
-/// The tensions, if all were measured, they vary, and a fourth pair gives redundancy.
-fn telling_tensions(pairs: &[WinchPair]) -> Option<Vec<f64>> {
+/// The tensions if all were measured and vary, and a fourth pair gives redundancy.
+fn varying_tensions(pairs: &[WinchPair]) -> Option<Vec<f64>> {
     let tensions: Vec<f64> = pairs.iter().map(|p| p.tension_n).collect::<Option<_>>()?;
     let highest = tensions.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let lowest = tensions.iter().copied().fold(f64::INFINITY, f64::min);
-    let varies = highest - lowest > CONSTANT_TENSION * 0.5 * (highest + lowest).abs();
+    let varies = highest - lowest > MIN_TENSION_RANGE * 0.5 * (highest + lowest).abs();
     (varies && pairs.len() > 3).then_some(tensions)
 }
 

@@ -17,8 +17,7 @@ pub struct CableDetail {
     pub largest_turn_rad: f64,
     /// Parts of the free cable where it sags.
     pub span_parts: usize,
-    /// Largest depth in the middle of a level cable that is drawn, over its length: one that is almost slack is no
-    /// parabola any more.
+    /// Limit on the depth in the middle of a level cable, over its length: an almost slack cable is no parabola.
     pub largest_sag: f64,
 }
 
@@ -53,7 +52,7 @@ pub struct CableDrawing {
 }
 
 /// Draws every cable at `pose` under `tensions_n`, as the model with its effects has them, in the robot's order. A cable
-/// whose tension is not known is straight; one that has no path or no tension to hold it up cannot be drawn and says so.
+/// whose tension is not known is straight; an error stands for each that has no path, or weight but no tension.
 ///
 /// # Errors
 /// An effect that does not exist, or tensions that are not one for each cable.
@@ -92,7 +91,7 @@ fn drawing(cable: &ModelledCable, down: Vec3, detail: &CableDetail) -> CableDraw
     let chord = anchor - from;
     let along = -Vec3::from(path.toward_exit);
     let across = down - along * along.dot(&down);
-    // Its depth in the middle, four times.
+    // Four times the depth in the middle.
     let sagging = |tension_n: f64| weight * path.free_length / (2.0 * tension_n);
     let sag = cable.tension_n.map_or(0.0, sagging);
     let most = 4.0 * detail.largest_sag;

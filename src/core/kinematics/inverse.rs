@@ -1,4 +1,4 @@
-//! Inverse kinematics: what every cable does at a pose, and how its length depends on the geometry.
+//! Inverse kinematics: length and path of every cable at a pose, and derivatives of the length.
 //!
 //! Platform at position `r` with rotation `R`, anchor `b` in the platform frame: `B = r + R b`. The
 //! path from the entry point `a` over the pulley to `B` is that of [`PulleyGeometry`]; with `u` the
@@ -20,7 +20,7 @@ const AXIS_CLEARANCE_M: f64 = 1e-9;
 /// Largest deviation of the norm of a swivel axis from 1.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Why a cable has no path at a pose, or a robot no kinematics.
+/// Why the kinematics of a robot has no solution at a pose.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KinematicsError {
     /// The anchor is nearer to the pulley centre than the radius.
@@ -29,7 +29,7 @@ pub enum KinematicsError {
         /// Name of the cable.
         cable: String,
     },
-    /// The pulley does not know where to face.
+    /// The direction in which the pulley faces is undefined.
     #[error("the platform anchor of {cable} is on the swivel axis of its pulley")]
     AnchorOnSwivelAxis {
         /// Name of the cable.
@@ -184,7 +184,7 @@ pub(super) fn check_pulley(cable: &Cable) -> Result<(), KinematicsError> {
 fn check_path(cable: &Cable, path: &CablePath<f64>) -> Result<(), KinematicsError> {
     let name = || cable.name.clone();
     let has_pulley = cable.pulley.radius_m > 0.0;
-    // Written so that NaN, from a pose that is no pose, is refused too.
+    // The comparison is false for NaN, so that an invalid pose is refused too.
     let clear = path.clearance > AXIS_CLEARANCE_M * AXIS_CLEARANCE_M;
     if !clear && has_pulley {
         return Err(KinematicsError::AnchorInsidePulley { cable: name() });
@@ -243,7 +243,7 @@ pub(super) fn swivel_angle(
     let axis = Vec3::from(cable.pulley.swivel_axis);
     let zero = Vec3::from(zero);
     let across = zero - axis * axis.dot(&zero);
-    // Written so that NaN is refused too.
+    // The comparison is false for NaN, which is refused too.
     if across.norm() > 1e-9 {
         let facing = Vec3::from(path.facing);
         let angle = axis.cross(&across).dot(&facing).atan2(across.dot(&facing));

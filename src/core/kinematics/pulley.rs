@@ -65,7 +65,7 @@ impl<T: Real> PulleyGeometry<T> {
     /// The path to an anchor at `anchor` in the base frame.
     ///
     /// Outside the domain (anchor inside the pulley or on the swivel axis) the result is finite
-    /// but meaningless; [`CablePath::clearance`] and [`CablePath::inverse_axis_distance`] tell.
+    /// but meaningless; [`CablePath::clearance`] and [`CablePath::inverse_axis_distance`] show where.
     #[inline(always)]
     #[must_use]
     pub fn path_to(&self, anchor: [T; 3]) -> CablePath<T> {

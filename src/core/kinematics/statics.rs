@@ -54,7 +54,7 @@ pub fn applied_wrench(robot: &Robot, pose: &Pose) -> Result<DVector<f64>, Kinema
     ))
 }
 
-/// Wrench that is out of balance at the given tensions: `A^T T + w` in the free coordinates.
+/// Residual of the static equilibrium at given tensions, `A^T T + w` in the free coordinates (N, N m).
 ///
 /// # Errors
 /// The first cable that has no path at this pose, by name; or that the mass is not given.
@@ -76,23 +76,23 @@ pub fn equilibrium_residual(
     Ok(structure.tr_mul(&DVector::from_column_slice(tensions_n)) + wrench)
 }
 
-/// Whether tensions within the limits balance the applied wrench.
+/// Whether the equilibrium can be reached by tensions within their limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feasibility {
-    /// They do, within rounding.
+    /// It can, within rounding.
     Feasible,
-    /// No tensions within the limits do.
+    /// It cannot.
     Infeasible,
 }
 
-/// Tensions nearest to a reference that balance the platform, or balance it as well as possible.
+/// Tensions nearest to a reference that hold the platform in equilibrium, or as near to it as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TensionDistribution {
-    /// Whether the platform is balanced.
+    /// Whether the platform is in equilibrium.
     pub feasibility: Feasibility,
     /// Tension of each cable (N), within its limits.
     pub tensions_n: Vec<f64>,
-    /// What is out of balance, `A^T T + w` (N, N m).
+    /// Residual wrench `A^T T + w` (N, N m).
     pub residual: Vec<f64>,
     /// Newton steps taken.
     pub iterations: usize,
@@ -104,7 +104,7 @@ const PROXIMAL_STEPS: usize = 60;
 const NEWTON_STEPS: usize = 60;
 /// Curvature added to the dual, relative to columns of `A` of norm 1.
 const PROXIMAL_WEIGHT: f64 = 1e-6;
-/// Imbalance that counts as none, relative to the wrenches that are balanced.
+/// Residual wrench that counts as zero, relative to the sum of the wrenches.
 const EQUILIBRIUM_TOLERANCE: f64 = 1e-10;
 
 type Vector6 = SVector<f64, 6>;
@@ -120,6 +120,19 @@ type Matrix6 = SMatrix<f64, 6, 6>;
 /// which proves that there is none (Farkas).
 ///
 /// `structure` is `A` (cables x free coordinates, at most 6), the limits may be infinite.
+///
+/// ```
+/// use tautline_core::geometry::Pose;
+/// use tautline_core::kinematics::{Feasibility, applied_wrench, distribute_tension, structure_matrix};
+/// use tautline_core::robot::presets;
+///
+/// let robot = presets::find("mini").unwrap().robot;
+/// let structure = structure_matrix(&robot, &Pose::identity())?;
+/// let wrench = applied_wrench(&robot, &Pose::identity())?;
+/// let found = distribute_tension(&structure, &wrench, &[40.0; 8], &[10.0; 8], &[150.0; 8]);
+/// assert_eq!(found.feasibility, Feasibility::Feasible);
+/// # Ok::<(), tautline_core::kinematics::KinematicsError>(())
+/// ```
 ///
 /// # Panics
 /// If the numbers of rows, columns, references and limits do not fit together.
@@ -138,10 +151,10 @@ pub fn distribute_tension(
     for _ in 0..PROXIMAL_STEPS {
         let (next, steps) = dual.proximal_step(&centre);
         iterations += steps;
-        let imbalance = dual.imbalance(&next);
+        let residual_wrench = dual.residual_wrench(&next);
         let run = next - centre;
         centre = next;
-        if imbalance.norm() <= EQUILIBRIUM_TOLERANCE * dual.scale(&next) {
+        if residual_wrench.norm() <= EQUILIBRIUM_TOLERANCE * dual.scale(&next) {
             feasibility = Feasibility::Feasible;
             break;
         }
@@ -218,14 +231,14 @@ impl<'a> Dual<'a> {
     }
 
     /// `F(lambda) = A^T T(lambda) + w`, scaled.
-    fn imbalance(&self, lambda: &Vector6) -> Vector6 {
+    fn residual_wrench(&self, lambda: &Vector6) -> Vector6 {
         let rows = self.rows.iter().enumerate();
         rows.fold(self.wrench, |sum, (i, row)| {
             sum + row * self.tension(i, lambda).0
         })
     }
 
-    /// Size of the wrenches that balance each other.
+    /// Sum of the magnitudes of all wrenches.
     fn scale(&self, lambda: &Vector6) -> f64 {
         let rows = self.rows.iter().enumerate();
         rows.fold(self.wrench.norm(), |sum, (i, row)| {
@@ -258,7 +271,7 @@ impl<'a> Dual<'a> {
     fn proximal_step(&self, centre: &Vector6) -> (Vector6, usize) {
         let mut lambda = *centre;
         for taken in 0..NEWTON_STEPS {
-            let gradient = self.imbalance(&lambda) + (lambda - centre) * PROXIMAL_WEIGHT;
+            let gradient = self.residual_wrench(&lambda) + (lambda - centre) * PROXIMAL_WEIGHT;
             if gradient.norm() <= 0.1 * EQUILIBRIUM_TOLERANCE * self.scale(&lambda) {
                 return (lambda, taken);
             }

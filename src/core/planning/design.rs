@@ -18,7 +18,7 @@ const MIN_GAIN: f64 = 1e-6;
 /// Limit on the rounds of exchanges.
 const MAX_ROUNDS: usize = 30;
 
-/// The candidates chosen, in no order that matters.
+/// Indices of the chosen candidates, in no particular order.
 pub(super) fn choose(
     information: &ExpectedInformation,
     count: usize,
@@ -76,7 +76,7 @@ fn exchange(
     Ok(())
 }
 
-/// Candidates with what they would add to those chosen.
+/// Candidates, the design chosen from them, and the increase of `ln det I` by each of the others.
 struct Pool<'a> {
     information: &'a ExpectedInformation,
     /// Candidates by their place in the information.
@@ -121,7 +121,7 @@ impl<'a> Pool<'a> {
         of.rows(from, to - from)
     }
 
-    /// Computes everything anew from what is chosen.
+    /// Recomputes covariance and products from the design: updates accumulate rounding.
     fn refresh(&mut self) {
         let chosen = (0..self.members.len()).filter(|place| self.chosen[*place]);
         let mut total = self.information.of(chosen.map(|place| self.members[place]));
@@ -138,15 +138,15 @@ impl<'a> Pool<'a> {
             .collect();
     }
 
-    /// Takes a member in or out.
-    fn change(&mut self, place: usize, is_in: bool) {
-        let sign = if is_in { 1.0 } else { -1.0 };
+    /// Adds a member to the design or removes it, by an update of low rank.
+    fn change(&mut self, place: usize, add: bool) {
+        let sign = if add { 1.0 } else { -1.0 };
         let own = &self.own[place];
         let inner = DMatrix::identity(own.nrows(), own.nrows()) + own * sign;
         let Some(factor) = inner.cholesky() else {
             return;
         };
-        self.chosen[place] = is_in;
+        self.chosen[place] = add;
         // W^T = L^-1 R C.
         let mut root = self.block(&self.rows, place) * &self.covariance;
         factor.l_dirty().solve_lower_triangular_mut(&mut root);
@@ -159,7 +159,7 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// What a member would add to `ln det I`.
+    /// Increase of `ln det I` by a member outside the design.
     fn gain(&self, place: usize) -> f64 {
         let own = &self.own[place];
         let inner = DMatrix::identity(own.nrows(), own.nrows()) + own;

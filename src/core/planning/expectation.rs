@@ -1,4 +1,4 @@
-//! Standard deviations to expect from poses, and how good they are in one number.
+//! Expected standard deviations of a set of poses, and criteria of optimal design.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use rand::SeedableRng;
@@ -10,7 +10,7 @@ use crate::estimation::{ExpectedInformation, Parameter, ParameterId, covariance_
 /// Random sets for comparison.
 const SETS: usize = 20;
 
-/// How good a set of poses is.
+/// Criteria of optimal design of a set of poses (Atkinson, Donev, Tobias, Optimum Experimental Designs, 2007).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indices {
     /// D: `ln det` of the information on all parameters (SI units); only differences mean anything. One more per
@@ -26,17 +26,17 @@ pub struct Indices {
     pub platform_m: Option<f64>,
 }
 
-/// What to expect of a set of poses.
+/// Expected standard deviations after measuring a set of poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
     /// Standard deviation of each parameter (SI units); `None` where the poses leave parameters open.
     pub sd: Vec<Option<f64>>,
-    /// In few numbers.
+    /// Criteria of optimal design.
     pub indices: Indices,
 }
 
 impl Expectation {
-    /// What to expect of the poses picked, together with all that is common.
+    /// Expectation of the poses picked, together with all that is known without them.
     pub(super) fn of(
         information: &ExpectedInformation,
         platform: Option<&DMatrix<f64>>,
@@ -91,7 +91,7 @@ fn of_entry_points(parameters: &[Parameter], covariance: &DMatrix<f64>) -> Optio
     (!picked.is_empty()).then(|| covariance.select_rows(&picked).select_columns(&picked))
 }
 
-/// What poses without a plan would give.
+/// Expectations of poses drawn at random.
 pub(super) struct RandomSets {
     /// Root mean square of the standard deviations, means of the indices.
     pub typical: Expectation,

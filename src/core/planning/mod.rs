@@ -102,7 +102,7 @@ pub enum PlanProgress {
 /// Why there is no plan.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// Nothing was asked for.
+    /// The number of poses is zero.
     #[error("found 0 poses to plan, expected at least 1")]
     NoPoses,
     /// Every parameter is known exactly.
@@ -185,7 +185,7 @@ impl Plan {
         &self.information.parameters
     }
 
-    /// What to expect after the first `count` poses of the plan: where this is good enough, the rest can be left.
+    /// Expectation after the first `count` poses of the plan: where it suffices, the rest can be left out.
     #[must_use]
     pub fn after(&self, count: usize) -> Expectation {
         let count = count.min(self.poses.len());

@@ -2,7 +2,7 @@
 //!
 //! `mini` is the robot of Jin et al. 2018: entry points from Table 1 (cable 7 with its signs repaired by
 //! symmetry). The paper does not give platform anchors, pulley radius, drum, stiffness, mass or laser
-//! mount; those values are assumed, and [`Preset::assumed`] says so.
+//! mount; those values are assumed, see [`Preset::assumed`].
 
 use super::{
     Cable, CableMaterial, ForceSensor, Home, Laser, PerAxis, Platform, Pulley, Robot, TargetPlane,

@@ -1,14 +1,14 @@
-//! The readings that a model predicts exactly: its inverse.
+//! Readings at which the residuals of a model vanish: the inverse of the prediction.
 
 use crate::effect::Circumstances;
 use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_under};
 use crate::geometry::Pose;
 use crate::measurement::{Dataset, Grid};
 
-/// Least and most steps that invert the models of winch, force sensor and laser.
+/// Least and most fixed-point steps that invert the models of winch, force sensor and laser.
 const INVERSION_STEPS: [usize; 2] = [12, 300];
-/// Readings that change by less than this (m, N, rad) are final.
-const SETTLED_READING: f64 = 1e-13;
+/// Largest change of a reading at which the inversion has converged (m, N, rad).
+const READING_TOLERANCE: f64 = 1e-13;
 
 /// Finds the readings that the true model predicts exactly at true poses and tensions (N), for cables that
 /// travelled in the given directions.
@@ -20,7 +20,7 @@ pub(super) fn invert(
     invert_within(INVERSION_STEPS, exact, (poses, tensions), directions)
 }
 
-/// The same with other least and most steps.
+/// [`invert`] with other least and most steps.
 pub(super) fn invert_within(
     [least, most]: [usize; 2],
     exact: &mut Dataset,
@@ -44,7 +44,7 @@ pub(super) fn invert_within(
             let changes = correct(exact, row, residual, tensions, Some(row) == home);
             largest = largest.max(changes);
         }
-        if step + 1 >= least && largest < SETTLED_READING {
+        if step + 1 >= least && largest < READING_TOLERANCE {
             break;
         }
     }

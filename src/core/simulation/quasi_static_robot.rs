@@ -148,7 +148,7 @@ impl QuasiStaticRobot {
             }
             pose = pose.perturbed(&step);
         }
-        Err(SimulationError::NoRest)
+        Err(SimulationError::NoEquilibrium)
     }
 
     /// Gauss-Newton step of the platform that makes the length errors least.
@@ -167,11 +167,11 @@ impl QuasiStaticRobot {
         let normal = jacobian.tr_mul(&jacobian).cholesky();
         let step = normal.map(|normal| normal.solve(&jacobian.tr_mul(&errors)));
         let step = step.filter(|step| step.iter().all(|v| v.is_finite()));
-        let step = step.ok_or(SimulationError::NoRest)?;
+        let step = step.ok_or(SimulationError::NoEquilibrium)?;
         Ok(freedom.expand(step.as_slice()))
     }
 
-    /// What is read, with the channels exchanged that effects exchange.
+    /// The readings with channels exchanged as effects do.
     #[must_use]
     pub fn as_read(&self, rest: &RestState) -> Measurements {
         let mut data = rest.readings.clone();

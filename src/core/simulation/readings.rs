@@ -13,18 +13,18 @@ use crate::kinematics::inverse_kinematics;
 use crate::measurement::{Dataset, Grid, Measurements, Truth};
 use crate::robot::Robot;
 
-/// Steps of the inversion where nobody compares the last digits.
+/// Steps of the inversion for planning, where the last digits do not matter.
 const PLANNING_STEPS: [usize; 2] = [2, 30];
 
 pub(super) fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     sd * rng.sample::<f64, _>(StandardNormal)
 }
 
-/// When a pose is measured that is only planned, and how the cables hold it.
+/// A planned pose and the tensions that hold it.
 pub(crate) struct PlannedRow {
     /// Label of the pose; times follow from labels.
     pub label: i64,
-    /// Where.
+    /// Pose of the platform.
     pub pose: Pose,
     /// Tensions (N).
     pub tensions_n: Vec<f64>,

@@ -76,9 +76,9 @@ impl SimulationOptions {
 /// A simulated calibration run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
-    /// What an operator has: the description and the measurements.
+    /// The description and the measurements, as an operator has them.
     pub dataset: Dataset,
-    /// What is true: entry points, home pose, target plane and effects.
+    /// True entry points, home pose, target plane and effects.
     pub truth: Robot,
 }
 
@@ -91,9 +91,9 @@ pub enum SimulationError {
     /// An effect cannot be attached.
     #[error(transparent)]
     Effect(#[from] EstimationError),
-    /// Motor revolutions at which the cables leave the platform no place.
-    #[error("the platform finds no place to rest at these motor revolutions")]
-    NoRest,
+    /// No equilibrium was found at the motor revolutions.
+    #[error("the platform has no equilibrium at these motor revolutions")]
+    NoEquilibrium,
     /// No tensions hold the platform.
     #[error("no tensions between {lower_n:.1} N and {upper_n:.1} N hold the platform at {place}")]
     Infeasible {
@@ -106,7 +106,7 @@ pub enum SimulationError {
     },
 }
 
-/// Poses that are tried for each that is wanted.
+/// Poses drawn for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 200;
 
 /// Simulates a calibration run.
@@ -249,8 +249,8 @@ fn visit_poses(
             Some(commanded) => commanded[done],
             None => workspace.draw(robot, rng),
         };
-        let pose = misplaced(robot, &target, rng);
-        // A pose that nobody could command is no pose of a plan.
+        let pose = displaced(robot, &target, rng);
+        // A pose that has no cable path in either geometry cannot be commanded.
         if inverse_kinematics(truth, &pose).is_err() || inverse_kinematics(robot, &target).is_err()
         {
             continue;
@@ -270,7 +270,7 @@ fn visit_poses(
     Ok((poses, commanded, tensions))
 }
 
-fn misplaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
+fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
     let cables = robot.cables.iter();
     let sds = cables.flat_map(|c| c.pulley.entry_point_sd_m.each());
     let sd = sds.flatten().fold(0.0, f64::max);

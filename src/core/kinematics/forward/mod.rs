@@ -23,8 +23,7 @@ use super::KinematicsError;
 use super::cable_arrays::{CableArrays, MAX_CABLES};
 use levenberg_marquardt::{LengthProblem, Minimum, minimise};
 
-/// Poses closer to a singularity than this are not called found; see
-/// [`ForwardSolution::conditioning`].
+/// Conditioning below which a pose counts as singular; see [`ForwardSolution::conditioning`].
 const SINGULAR: f64 = 1e-6;
 /// Default of the residual limit, relative to the size of the frame.
 const RELATIVE_RESIDUAL_LIMIT: f64 = 1e-6;
@@ -33,7 +32,23 @@ const RELATIVE_ROUNDING: f64 = 1e-11;
 /// Default number of starts.
 const STARTS: usize = 40;
 
-/// A robot prepared for forward kinematics.
+/// Forward kinematics of one robot, prepared for many solves.
+///
+/// ```
+/// use tautline_core::geometry::Pose;
+/// use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};
+/// use tautline_core::robot::presets;
+///
+/// let robot = presets::find("mini").unwrap().robot;
+/// let pose = Pose::from_parts([0.05, -0.02, 0.1], [1.0, 0.0, 0.0, 0.0]);
+/// let cables = inverse_kinematics(&robot, &pose)?;
+/// let lengths_m: Vec<f64> = cables.iter().map(|cable| cable.length_m).collect();
+///
+/// let found = ForwardKinematics::new(&robot)?.solve(&lengths_m, &Pose::identity());
+/// assert!(found.converged);
+/// assert!(found.pose.difference(&pose).norm() < 1e-9);
+/// # Ok::<(), tautline_core::kinematics::KinematicsError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ForwardKinematics {
     cables: CableArrays,
@@ -51,8 +66,8 @@ pub struct ForwardKinematics {
 pub struct ForwardSolution {
     /// The pose with the smallest residual that was found.
     pub pose: Pose,
-    /// Whether it is a minimum that fits: the iteration came to rest, the residual is within the
-    /// limit, every cable has a path and the pose is not singular.
+    /// Whether the iteration converged, the residual is within the limit, every cable has a path and the pose is not
+    /// singular.
     pub converged: bool,
     /// Root mean square of the length residuals (m).
     pub residual_rms_m: f64,

@@ -1,4 +1,4 @@
-//! Where forward kinematics starts, and where it tries again.
+//! Starting poses of forward kinematics.
 
 use super::super::cable_arrays::CableArrays;
 use super::ForwardKinematics;
@@ -6,7 +6,7 @@ use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
 /// Largest component of the rotation vector of a further start (rad).
-const TURN: f64 = 1.2;
+const MAX_ROTATION: f64 = 1.2;
 /// Half width of the box of further starts, relative to that of the frame.
 const SPREAD: f64 = 0.6;
 
@@ -50,28 +50,31 @@ pub(super) fn centre(cables: &CableArrays, robot: &Robot, frame_size_m: f64) -> 
 /// Further start number `number`, from 1, in the free coordinates only; the others stay as in
 /// `start`.
 ///
-/// Small platforms find their position from almost anywhere and err in their orientation, so the
-/// first ones turn the platform where the best minimum so far has put it; then points of a Halton
-/// sequence around the centre.
+/// A small platform converges to its position from almost anywhere, but not to its orientation. So the first starts
+/// rotate the platform at the best minimum so far; then follow points of a Halton sequence around the centre.
 pub(super) fn further(
     problem: &ForwardKinematics,
     start: &Pose,
     best: &Pose,
     number: usize,
 ) -> Pose {
-    let turning = number <= TURNS.len();
+    let turning = number <= ROTATIONS.len();
     let target = if turning { best } else { &problem.centre };
     let mut twist = target.difference(start);
     if turning {
         for k in 0..3 {
-            twist[3 + k] = TURNS[number - 1][k];
+            twist[3 + k] = ROTATIONS[number - 1][k];
         }
     } else {
         // Along a flat frame's normal the platform may still be far: use a part of the size.
         let least = 0.25 * problem.frame_size_m;
         let half = half_width(&problem.cables).map(|v| v.max(least));
         for k in 0..6 {
-            let scale = if k < 3 { SPREAD * half[k] } else { TURN };
+            let scale = if k < 3 {
+                SPREAD * half[k]
+            } else {
+                MAX_ROTATION
+            };
             twist[k] += scale * (2.0 * halton(number, BASES[k]) - 1.0);
         }
     }
@@ -82,7 +85,7 @@ pub(super) fn further(
 }
 
 /// Rotation vectors of the first further starts, relative to the given start (rad).
-const TURNS: [[f64; 3]; 6] = [
+const ROTATIONS: [[f64; 3]; 6] = [
     [0.0, 0.0, 0.6],
     [0.0, 0.0, -0.6],
     [0.6, 0.0, 0.0],
