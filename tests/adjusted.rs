@@ -1,4 +1,5 @@
-//! How exact a robot becomes: the whole loop of the commands on the simulated MINI, over many seeds.
+//! Accuracy of a robot before and after an adjustment: the whole loop of the commands on the simulated MINI, over many
+//! seeds.
 
 use std::path::Path;
 use std::process::Command;
@@ -90,7 +91,7 @@ fn expected_m(poses: usize) -> Result<f64> {
     expected.context("the plan promises nothing")
 }
 
-/// What a command on a session tells.
+/// The result document of a command on a session.
 fn told(command: &str, file: &Path, arguments: &[&str]) -> Result<Value> {
     let file = file
         .to_str()

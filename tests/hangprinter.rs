@@ -42,7 +42,7 @@ pub struct ModelRow {
 /// Effect and cables of a cause.
 pub type Name = (&'static str, Vec<usize>);
 
-/// What the doctor says of series 2 by itself.
+/// The diagnosis of series 2.
 #[derive(Debug, Clone)]
 pub struct Opinion {
     /// Verdict, effect and targets of each finding, its alternatives after it.
@@ -91,7 +91,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
     })
 }
 
-/// What the doctor says, as Markdown.
+/// The diagnosis as Markdown.
 #[must_use]
 pub fn opinion_markdown(opinion: &Opinion) -> String {
     let mut text = String::from(

@@ -64,7 +64,7 @@ fn newest(folder: &Path) -> Option<SystemTime> {
     times.max()
 }
 
-/// What a run of the program left behind.
+/// Output and exit code of a run of the program.
 pub struct Answer {
     /// Its exit code; none where it was killed.
     pub code: Option<i32>,

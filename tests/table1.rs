@@ -1,4 +1,4 @@
-//! The story of Table 1 of Jin et al. 2018 on simulated data: MINI with its measured geometry as the truth
+//! Table 1 of Jin et al. 2018 on simulated data: MINI with its measured geometry as the truth
 //! and its drawing as nominal, identified by each method.
 
 use std::time::Instant;
@@ -199,7 +199,7 @@ fn entry_error(outcome: &Outcome, truth: &Robot) -> f64 {
     (sum / (3 * truth.cables.len()) as f64).sqrt()
 }
 
-/// The controller pays out what the identified geometry says for the way from home to the test
+/// The controller pays out the length that the identified geometry predicts for the way from home to the test
 /// pose; the true robot goes where its own geometry makes these lengths fit best. Errors in the base frame
 /// and relative to home.
 fn position_errors(outcome: &Outcome, run: &Simulated, tests: &[Pose]) -> Result<[f64; 2]> {

@@ -1,5 +1,5 @@
-//! Simulated data against their truth: is chi-square what it should be, are standard deviations right, is
-//! the estimator efficient?
+//! Estimates from simulated data compared with the truth: distribution of chi-square, stated standard deviations,
+//! efficiency of the estimator.
 
 use anyhow::{Result, anyhow};
 use tautline_core::estimation::{Control, Options, ParameterId, Problem, Solution, solve};
@@ -21,7 +21,7 @@ pub struct TruthRow {
     pub dof: f64,
     /// Mean chi-square.
     pub chi2_mean: f64,
-    /// Standard error of that mean if chi-square is distributed as it should be.
+    /// Standard error of that mean if chi-square has its theoretical distribution.
     pub chi2_standard_error: f64,
     /// Root mean square of entry point errors over their standard deviations.
     pub standardised_rms: f64,

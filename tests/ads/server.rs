@@ -12,7 +12,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use tautline_link::ads::AdsAddress;
 
-/// How long an order may take before something must be wrong.
+/// How long an order may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A symbol that was written, and all its values.

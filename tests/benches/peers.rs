@@ -1,4 +1,4 @@
-//! Time of identification on one core, beside a reference solver where one is given:
+//! Time of identification on one core, compared with a reference solver where one is given:
 //!
 //!     cargo bench -p tautline-validation --bench peers [-- --peer PROGRAM]
 //!
@@ -167,7 +167,7 @@ fn compare_large() -> Result<()> {
     Ok(())
 }
 
-/// Reads a dataset, solves it and tells the peak of this process's memory.
+/// Reads a dataset, solves it and prints the peak of this process's memory.
 fn solve_alone(folder: &Path, method: &str) -> Result<()> {
     let dataset = read_dataset(folder)?.dataset;
     let read = peak_memory_mib();
@@ -188,7 +188,7 @@ fn solve_alone(folder: &Path, method: &str) -> Result<()> {
     Ok(())
 }
 
-/// Largest resident memory of this process so far, where the system tells it.
+/// Largest resident memory of this process so far, where the system reports it.
 fn peak_memory_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;

@@ -37,7 +37,7 @@ fn main() -> Result<()> {
             screenshots::looks::write_all(Path::new(folder))?;
         }
         _ => bail!(
-            "what to do: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
+            "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
              write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
         ),
     }
@@ -63,7 +63,7 @@ fn hangprinter_table(folder: Option<&str>) -> Result<String> {
     ))
 }
 
-/// How quick the window is; written down only when nothing else runs on the machine, so not with the rest.
+/// Speed of the window; written only on request, because nothing else may run on the machine meanwhile.
 fn workbench(what: Option<&str>) -> Result<()> {
     if let Some(part) = what.filter(|what| *what != "write") {
         println!("{}", window::speed::part(part)?);

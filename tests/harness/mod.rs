@@ -14,7 +14,7 @@ use tautline_workbench::shell::App;
 pub use renderer::GlowTestRenderer;
 pub use robot::{connect_and_arm, give_parameters, wait, words};
 
-/// How long a task may take before something must be wrong.
+/// How long a task may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Lets the workbench run until no task is running and nothing changes any more.

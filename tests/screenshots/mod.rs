@@ -1,4 +1,4 @@
-//! Pictures of the program for the README, taken from the real thing without a window.
+//! Screenshots for the README, rendered by the program itself without a window.
 
 mod files;
 pub mod looks;
@@ -16,13 +16,13 @@ use tautline_workbench::model::phase::{Phase, Screen};
 use crate::sessions;
 use stage::{LARGE, SMALL, Stage};
 
-/// Where the pictures lie.
+/// The folder of the pictures.
 #[must_use]
 pub fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../screenshots"))
 }
 
-/// A session with one fault that is named.
+/// A session with one fault, which the diagnosis names.
 const SESSION: &str = "mini-winch-scale/session.json";
 
 /// Takes all pictures.

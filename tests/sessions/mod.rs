@@ -19,7 +19,7 @@ pub fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../sessions"))
 }
 
-/// Makes all sample sessions and writes them below a folder, beside what is there.
+/// Makes all sample sessions and writes them below a folder, and keeps other files there.
 ///
 /// # Errors
 /// If one cannot be made or written.

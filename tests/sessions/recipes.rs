@@ -37,7 +37,7 @@ pub struct Recipe {
     pub hidden: &'static [Hidden],
     /// A pulley that was moved before the poses were measured.
     pub moved: Option<Moved>,
-    /// Whether the description says what the cables weigh.
+    /// Whether the description has the weight of the cables.
     pub cable_weight_is_stated: bool,
     /// Whether force sensors, home platform and elongation were measured on the bench before.
     pub has_bench: bool,

@@ -1,6 +1,6 @@
 //! Problem R1 against Ceres Solver: the minimum that Ceres finds on the same data, frozen.
 //!
-//! `.ci/peers` runs Ceres itself beside this program where it is installed.
+//! `.ci/peers` runs Ceres itself against this program where it is installed.
 
 use tautline_core::estimation::{Control, Method, Options, Problem, solve};
 use tautline_core::robot::presets;

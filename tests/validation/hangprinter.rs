@@ -1,4 +1,4 @@
-//! A real machine. Its data belong to another project and are looked for beside the repository.
+//! A real machine. Its data belong to another project and are looked for next to the repository.
 
 use std::path::{Path, PathBuf};
 
@@ -90,7 +90,7 @@ fn a_missing_reading_changes_neither_fit_nor_diagnosis_by_much() {
 /// The owner tuned the build-up by hand to -1.13e-4; independent fits gave -1.21e-4 and -1.50e-4. An independent
 /// analysis found that elasticity gains nothing.
 #[test]
-fn the_doctor_names_drum_radii_and_build_up_by_itself() {
+fn diagnosis_names_drum_radii_and_build_up() {
     let Some(folder) = folder() else {
         return;
     };

@@ -1,8 +1,8 @@
 //! A fixed selection of the hidden-effect test; the whole is `validation hidden all`.
 //!
 //! The selection is small, so that its shares scatter. A figure fails if a count as bad would have a
-//! probability below [`LEVEL`] were the share just what is asked for. Seeds are fixed: a change of the program
-//! that keeps to what is asked for fails one of the figures with a probability of at most their number times
+//! probability below [`LEVEL`] were the share exactly the required one. Seeds are fixed: a change of the
+//! program that meets the requirements fails one of the figures with a probability of at most their number times
 //! `LEVEL`, 9e-3; with margins, far less.
 
 use tautline_validation::hidden::{
@@ -10,7 +10,7 @@ use tautline_validation::hidden::{
     single,
 };
 
-/// Probability of a false failure of one figure whose share is just what is asked for.
+/// Probability of a false failure of one figure whose share is exactly the required one.
 const LEVEL: f64 = 1e-3;
 
 /// Every `step`-th plan.
@@ -18,7 +18,7 @@ fn some(plans: Vec<Plan>, step: usize) -> Vec<Plan> {
     plans.into_iter().step_by(step).collect()
 }
 
-/// Fails where a figure is worse than what is asked for and chance allow.
+/// Fails where a figure is worse than required, beyond what chance explains.
 fn check(study: &Study) {
     println!("{}\n{}", markdown(study), failures(study));
     let figures = Figures::of(study).all;

@@ -205,7 +205,7 @@ fn with_long_differences(script: &Path, folder: &Path) -> Result<PathBuf> {
 }
 
 #[test]
-fn iterates_are_those_of_the_reference() -> Result<()> {
+fn iterates_equal_those_of_the_reference() -> Result<()> {
     let Some(script) = reference_script() else {
         println!("published method: the reference jin2018.py (or NumPy) is absent, not compared");
         return Ok(());
@@ -299,7 +299,7 @@ const FROZEN_LONG: Frozen = [
 ];
 
 #[test]
-fn iterates_are_those_the_reference_once_gave() -> Result<()> {
+fn iterates_equal_recorded_ones_of_the_reference() -> Result<()> {
     let data = dataset()?;
     for (frozen, differences, limit_m) in [(FROZEN_SHORT, SHORT, 1e-3), (FROZEN_LONG, LONG, 1e-8)] {
         let result = solved(&data, differences)?;

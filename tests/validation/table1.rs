@@ -1,4 +1,4 @@
-//! The story of Table 1 as `validation table1` prints it.
+//! The study of Table 1 as `validation table1` prints it.
 
 use tautline_validation::table1::{markdown, study};
 

@@ -9,7 +9,7 @@ const DATA_SETS: usize = 60;
 /// per robot. The errors within one data set hang together, so that the standardised rms scatters by about
 /// 0.04 and the coverage by about 1 % over 60 data sets: their bounds are four times that.
 #[test]
-fn estimates_scatter_about_the_truth_as_they_say() {
+fn errors_agree_with_the_stated_uncertainties() {
     for name in ["mini", "hall", "suspended", "planar"] {
         let row = study(name, DATA_SETS, 500).unwrap();
         assert_eq!(row.failures, 0, "{name}");

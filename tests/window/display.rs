@@ -11,7 +11,7 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-/// Number of the request of XTEST that stands for a key, a button or a move.
+/// Number of the XTEST request for a key, a button or a move.
 const FAKE_INPUT: u8 = 2;
 
 /// Keysyms of keys that write nothing.

@@ -1,4 +1,4 @@
-//! The built program in a window, driven by keys and pointer, watched through what it says it shows.
+//! The built program in a window, driven by keys and pointer, observed through the accessible elements that it reports.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// Starts the program on a display of `size`, and says when. `folder` takes its settings and its output.
+    /// Starts the program on a display of `size`, and returns when it started. `folder` takes its settings and its output.
     ///
     /// # Errors
     /// If the display or the program cannot be started.

@@ -1,4 +1,4 @@
-//! How quick the workbench is: start, opening, turning the robot, measuring, standing idle, memory.
+//! Speed of the workbench: start, opening, turning the robot, measuring, idling, memory.
 
 mod measuring;
 mod scene;

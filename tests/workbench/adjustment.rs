@@ -61,7 +61,7 @@ fn effect_is_readable(bench: &Bench) {
 }
 
 #[test]
-fn identified_values_are_written_and_make_the_robot_more_exact() {
+fn writing_identified_values_improves_the_accuracy() {
     let mut bench = Bench::demo(3);
     bench.go(Phase::Adjustment);
     bench

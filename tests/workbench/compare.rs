@@ -62,7 +62,7 @@ fn row(harness: &Harness<'_, App>, cable: &str) -> String {
 }
 
 #[test]
-fn a_moved_pulley_is_told_from_noise_and_the_two_are_exchanged() {
+fn a_moved_pulley_is_distinguished_from_noise_and_the_sessions_are_swapped() {
     let folder = tempfile::tempdir().expect("a folder");
     let [before, after] = ["before.json", "after.json"].map(|name| folder.path().join(name));
     write(&before, "mini", 0.0, 1);
@@ -104,7 +104,7 @@ fn a_moved_pulley_is_told_from_noise_and_the_two_are_exchanged() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_said_with_its_file() {
+fn a_session_that_cannot_be_compared_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let [mini, planar] = ["mini.json", "planar.json"].map(|name| folder.path().join(name));
     write(&mini, "mini", 0.0, 1);
@@ -138,7 +138,7 @@ fn what_cannot_be_compared_is_said_with_its_file() {
 }
 
 #[test]
-fn the_open_session_is_the_first_and_is_compared_again_once_it_was_changed() {
+fn the_open_session_is_compared_first_and_again_after_a_change() {
     let folder = tempfile::tempdir().expect("a folder");
     let [open, other] = ["open.json", "other.json"].map(|name| folder.path().join(name));
     write(&open, "mini", 0.0, 1);

@@ -91,7 +91,7 @@ fn is_enabled(bench: &Bench, name: &str) -> bool {
 }
 
 #[test]
-fn wrong_entries_are_told_beside_their_fields_and_settings_are_edits() {
+fn invalid_entries_are_explained_beside_their_fields_and_settings_can_be_undone() {
     let (session, _) = planned(3);
     let mut bench = Bench::of_session(&session);
     bench.go(Phase::Measuring);
@@ -153,7 +153,7 @@ fn wrong_entries_are_told_beside_their_fields_and_settings_are_edits() {
 }
 
 #[test]
-fn a_recording_is_measured_again_and_never_looks_like_a_robot() {
+fn a_replayed_recording_is_never_shown_as_a_robot() {
     let (session, dataset) = planned(3);
     let mut bench = Bench::of_session(&session);
     let folder = bench.folder.path().join("recorded");
@@ -198,7 +198,7 @@ fn a_recording_is_measured_again_and_never_looks_like_a_robot() {
 }
 
 #[test]
-fn a_laser_distance_is_asked_for_at_every_pose_and_used_as_typed() {
+fn a_typed_laser_distance_is_requested_at_every_pose() {
     let (mut session, _) = planned(3);
     session.laser_source = LaserSettings::Manual;
     let mut bench = Bench::of_session(&session);
@@ -325,7 +325,7 @@ fn symbols_are_checked_one_by_one() {
 }
 
 #[test]
-fn a_lost_controller_comes_back_disarmed_and_the_run_goes_on() {
+fn a_reconnected_controller_is_disarmed_and_the_run_continues() {
     let plant = Plant::start(Style::Arrays);
     let mut bench = connected(&plant, 3);
     assert!(
@@ -370,7 +370,7 @@ fn a_lost_controller_comes_back_disarmed_and_the_run_goes_on() {
 }
 
 #[test]
-fn writing_over_a_connection_that_breaks_tells_what_the_controller_holds() {
+fn a_connection_lost_while_writing_reports_what_the_controller_holds() {
     let plant = Plant::start(Style::Arrays);
     let mut bench = connected(&plant, 3);
     let held = bench.state().model.link.parameters[0].clone();
@@ -407,7 +407,7 @@ fn writing_over_a_connection_that_breaks_tells_what_the_controller_holds() {
 }
 
 #[test]
-fn poses_of_a_verification_are_typed_where_no_instrument_is() {
+fn verification_poses_are_typed_without_an_instrument() {
     let plant = Plant::start(Style::Arrays);
     let mut bench = connected(&plant, 3);
     bench.go(Phase::Adjustment);

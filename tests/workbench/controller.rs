@@ -29,7 +29,7 @@ fn break_down(bench: &Bench) {
 }
 
 #[test]
-fn a_panic_in_the_controllers_thread_is_told_loses_nothing_and_ends_with_another_connection() {
+fn a_panic_in_the_controller_thread_is_reported_and_loses_nothing() {
     let mut bench = Bench::demo(3);
     bench.go(Phase::Measuring);
     bench.give(RobotCommand::Plan(6));

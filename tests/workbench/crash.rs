@@ -1,7 +1,7 @@
 //! What a kill at any moment leaves: the program is killed while it measures, edits and saves.
 //!
 //! The killed program is this test itself, started again: [`a_session_that_is_measured_edited_and_saved`] goes on until
-//! it is killed if it is told a folder.
+//! it is killed if it is given a folder.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ impl Running {
     }
 }
 
-/// Tells the parent what is on disk now.
+/// Reports to the parent what is on disk now.
 fn tell(what: &str, value: i64) {
     let mut out = std::io::stdout().lock();
     writeln!(out, "step {what} {value}").expect("the parent listens");
@@ -170,7 +170,7 @@ fn a_session_that_is_measured_edited_and_saved() {
     assert_eq!(saved.value.excluded().len(), 5);
 }
 
-/// What the program told before it was killed.
+/// What the program reported before it was killed.
 #[derive(Debug, Default)]
 struct Told {
     measured: Vec<i64>,
@@ -179,7 +179,7 @@ struct Told {
     saved: usize,
 }
 
-/// Lets the program run until it has told `steps` things, and `delay` longer.
+/// Lets the program run until it has reported `steps` steps, and `delay` longer.
 fn killed(folder: &Path, steps: u32, delay: Duration) -> Told {
     let name = "crash::a_session_that_is_measured_edited_and_saved";
     let test = std::env::current_exe().expect("a path");

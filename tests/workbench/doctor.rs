@@ -95,7 +95,7 @@ fn a_cause_is_named_added_removed_and_undone() {
 }
 
 #[test]
-fn what_cannot_be_told_apart_is_one_card_with_poses_for_the_plan() {
+fn causes_that_cannot_be_separated_share_a_card_with_poses_for_the_plan() {
     let slip: &[(&str, f64)] = &[("step", 0.02), ("pose", 25.0)];
     let measured = Measured::mini(25, &[("cable_slip", "cable-3", slip)]);
     let mut harness = measured.opened();

@@ -42,7 +42,7 @@ fn a_row_selects_its_cable_and_shows_the_coordinates() {
 }
 
 #[test]
-fn the_published_method_stands_beside_the_joint_one() {
+fn the_published_method_is_shown_beside_the_joint_one() {
     let measured = Measured::mini(15, &[]);
     let mut harness = measured.opened();
     press(&mut harness, "Published");
@@ -55,7 +55,7 @@ fn the_published_method_stands_beside_the_joint_one() {
 }
 
 #[test]
-fn a_suspicious_pose_is_left_out_and_taken_back() {
+fn a_suspicious_pose_is_excluded_and_included_again() {
     let outlier: &[(&str, f64)] = &[("error", 0.03), ("pose", 7.0)];
     let measured = Measured::mini(20, &[("encoder_outlier", "cable-2", outlier)]);
     let mut harness = measured.opened();

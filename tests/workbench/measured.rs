@@ -54,7 +54,7 @@ impl Measured {
         Self { folder }
     }
 
-    /// A file or folder beside the dataset.
+    /// A file or folder next to the dataset.
     pub fn beside(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }

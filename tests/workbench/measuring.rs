@@ -116,7 +116,7 @@ fn plan_edits_and_exclusions_are_undone_and_measurements_are_not() {
     assert_eq!(labels, [0, 1, 2, 3, 4, 5, 6, 7, 8]);
 }
 
-/// MINI whose beam hits nothing; with `mounted` a laser is in its description all the same.
+/// MINI whose beam hits nothing; with `mounted` its description has a laser nevertheless.
 fn without_beam(mounted: bool) -> Session {
     let mut robot = presets::find("mini").expect("a preset").robot;
     let mut truth = robot.clone();
@@ -136,7 +136,7 @@ fn without_beam(mounted: bool) -> Session {
 }
 
 #[test]
-fn a_laser_without_distance_is_told_with_what_to_do() {
+fn a_laser_without_a_reading_is_reported_with_advice() {
     let mut bench = Bench::of_session(&without_beam(true));
     bench.go(Phase::Measuring);
     bench.connect_and_arm();
@@ -157,7 +157,7 @@ fn a_laser_without_distance_is_told_with_what_to_do() {
 }
 
 #[test]
-fn a_closed_session_takes_its_robot_along() {
+fn closing_a_session_disconnects_its_robot() {
     let mut bench = Bench::demo(3);
     bench.go(Phase::Measuring);
     bench.connect_and_arm();
@@ -170,7 +170,7 @@ fn a_closed_session_takes_its_robot_along() {
 }
 
 #[test]
-fn what_a_stored_plan_promises_is_computed_when_it_is_looked_at() {
+fn the_forecast_of_a_stored_plan_is_computed_on_demand() {
     let mut bench = Bench::demo(3);
     bench.go(Phase::Measuring);
     bench.give(RobotCommand::Plan(8));

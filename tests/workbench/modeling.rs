@@ -18,7 +18,7 @@ fn modeling() -> Bench {
 }
 
 #[test]
-fn elongation_is_imported_judged_used_and_undone() {
+fn elongation_is_imported_assessed_applied_and_undone() {
     let mut bench = modeling();
     assert!(bench.shows("a constant stiffness of 40000 N is used"));
     let path = bench.write("elongation.csv", &elongation_table());

@@ -15,7 +15,7 @@ fn robot_has(bench: &Bench, cable: usize) -> f64 {
 }
 
 #[test]
-fn winches_are_imported_judged_used_and_undone() {
+fn winches_are_imported_assessed_applied_and_undone() {
     let mut bench = Bench::new();
     assert!(
         bench.shows("At least three pairs"),
@@ -112,7 +112,7 @@ fn wrong_typing_says_what_is_expected() {
 }
 
 #[test]
-fn force_sensors_are_judged_and_used() {
+fn force_sensors_are_assessed_and_applied() {
     let mut bench = Bench::new();
     bench.open("Force sensors");
     let path = bench.write("force.csv", &force_table());
@@ -133,7 +133,7 @@ fn force_sensors_are_judged_and_used() {
 }
 
 #[test]
-fn the_home_pose_is_measured_and_used() {
+fn the_home_pose_is_measured_and_applied() {
     let mut bench = Bench::with_robot(|robot| robot["home_platform"] = home_platform());
     bench.open("Home platform");
     assert!(bench.shows("Picture of the six sensors"));
@@ -157,7 +157,7 @@ fn the_home_pose_is_measured_and_used() {
 }
 
 #[test]
-fn a_robot_without_home_platform_is_told_what_to_do() {
+fn a_robot_without_home_platform_gets_advice() {
     let mut bench = Bench::new();
     bench.open("Home platform");
     assert!(bench.shows("has no home platform"));

@@ -205,7 +205,7 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
 }
 
 #[test]
-fn a_click_on_a_pulley_pins_its_coordinates_and_another_takes_them_away() {
+fn a_click_on_a_pulley_pins_its_coordinates_and_a_second_click_clears_them() {
     let mut harness = workbench();
     open(&mut harness, session_of("hall", 3), false);
     let centre = scene(&harness).cables[1].wheel.centre;

@@ -133,7 +133,7 @@ fn the_window_does_not_write_over_what_a_command_wrote() {
 }
 
 #[test]
-fn a_command_at_work_is_told_and_keeps_the_window_from_saving() {
+fn a_running_command_is_shown_and_blocks_saving() {
     let mut bench = Bench::new(None);
     write_session(&path(&bench), &session(3)).expect("written");
     let held = FileLock::acquire(&path(&bench)).expect("held");
@@ -156,7 +156,7 @@ fn a_command_at_work_is_told_and_keeps_the_window_from_saving() {
 }
 
 #[test]
-fn what_a_killed_command_has_left_is_taken_over() {
+fn measurements_of_a_killed_command_are_recovered() {
     let mut bench = Bench::new(None);
     let whole = session(3);
     let mut begun = whole.clone();
@@ -184,7 +184,7 @@ fn what_a_killed_command_has_left_is_taken_over() {
 }
 
 #[test]
-fn values_that_did_not_converge_are_asked_about() {
+fn writing_values_that_did_not_converge_needs_confirmation() {
     let mut bench = Bench::of_session(&session(12));
     bench.give(IdentificationCommand::Identify);
     bench.settle("an identification");

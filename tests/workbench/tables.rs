@@ -96,7 +96,7 @@ impl Bench {
             .is_some()
     }
 
-    /// What the status bar says last.
+    /// The last message of the status bar.
     pub fn said(&self) -> &str {
         let messages = &self.harness.state().state.model.messages;
         messages.last().map_or("", |message| message.text.as_str())

@@ -1,4 +1,4 @@
-//! The time line of the measured poses, and plots beside each other.
+//! The timeline of the measured poses, and plots side by side.
 
 use egui::{Key, Role};
 use egui_kittest::Harness;
@@ -30,7 +30,7 @@ fn identified(poses: usize) -> Harness<'static, App> {
 }
 
 #[test]
-fn poses_are_gone_through_by_keys_pointer_and_buttons() {
+fn poses_are_stepped_through_by_keys_pointer_and_buttons() {
     let mut harness = identified(9);
     let line = harness.get_by_label("Time line of the poses").rect();
     harness.hover_at(line.center());
@@ -61,7 +61,7 @@ fn poses_are_gone_through_by_keys_pointer_and_buttons() {
 }
 
 #[test]
-fn playing_begins_again_at_the_first_pose_and_ends_at_the_last() {
+fn playback_restarts_at_the_first_pose_and_stops_at_the_last() {
     let mut harness = identified(4);
     give(&mut harness, ViewCommand::Select(Default::default()));
     harness.get_by_label("Play the poses").click();
@@ -78,7 +78,7 @@ fn playing_begins_again_at_the_first_pose_and_ends_at_the_last() {
 }
 
 #[test]
-fn plots_stand_beside_each_other_move_together_and_are_remembered() {
+fn plots_side_by_side_move_together_and_are_restored() {
     let mut harness = identified(12);
     press(&mut harness, "Plots beside each other");
     press(&mut harness, "Two plots side by side");

@@ -94,7 +94,7 @@ fn menu(harness: &mut Harness<'_, App>, line: &str) {
 }
 
 #[test]
-fn every_edit_is_undone_and_done_again_by_keys_and_menu() {
+fn every_edit_is_undone_and_redone_by_keys_and_menu() {
     let mut harness = Measured::mini(6, &[]).opened();
     let measured = document(&harness).session().measurements.len();
     let edits = edits(&harness);

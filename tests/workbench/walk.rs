@@ -93,7 +93,7 @@ fn a_newcomer_walks_through_all_phases() {
     compare_with_a_clean_session(&mut bench);
 }
 
-/// The session beside one of a robot without a fault: what was put into the model is what differs.
+/// The session compared with one of a robot without a fault: they differ by the hidden effect.
 fn compare_with_a_clean_session(bench: &mut Bench) {
     let clean = Path::new(env!("CARGO_MANIFEST_DIR")).join("../sessions/clean-mini/session.json");
     bench.give(CompareCommand::Show);

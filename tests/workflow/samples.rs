@@ -44,7 +44,7 @@ fn named(made: &Made) -> Vec<(&'static str, Vec<usize>)> {
     findings.iter().map(name).collect()
 }
 
-/// The sentences that the doctor says stand in the README as they are.
+/// The sentences of the diagnosis are quoted literally in the README.
 fn assert_quoted(made: &Made, text: &str) {
     let diagnosed = made.diagnosed.as_ref().expect("a diagnosis");
     for finding in &diagnosed.diagnosis.findings {
@@ -105,7 +105,7 @@ fn nothing_is_found_where_nothing_is_wrong() {
 }
 
 #[test]
-fn the_drum_of_another_diameter_is_named() {
+fn a_drum_of_different_diameter_is_named() {
     let made = made("mini-winch-scale/session.json");
     assert_eq!(named(&made), [("winch_scale", vec![2])]);
     assert_quoted(&made, &readme("mini-winch-scale"));

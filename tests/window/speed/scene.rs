@@ -1,4 +1,4 @@
-//! What a still and a moving picture cost, with and without work beside.
+//! Processor time of a still and a moving picture, with and without a task in the background.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -19,7 +19,7 @@ const TICKS_PER_S: f64 = 100.0;
 
 /// What a scene costs.
 pub struct Scene {
-    /// What it is.
+    /// What is measured.
     pub name: String,
     /// While the robot is turned.
     pub turning: Frame,

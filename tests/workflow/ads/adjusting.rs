@@ -1,4 +1,4 @@
-//! Writing values while connections break: afterwards the controller holds all old or all new ones, and which is told.
+//! Writing values while connections break: afterwards the controller holds all old or all new ones, and the message says which.
 
 use std::time::Duration;
 
@@ -45,7 +45,7 @@ fn policy() -> Attempts<fn(f64)> {
     }
 }
 
-/// After an attempt with a fault the values are those that it told.
+/// After an attempt with a fault the controller holds the values that the message says.
 fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
     let at = format!("{action} {kind} {number}, sums {sums}");
     let plant = Plant::start(Style::Arrays);
@@ -67,7 +67,7 @@ fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
 }
 
 #[test]
-fn a_connection_that_breaks_at_any_written_value() {
+fn the_connection_breaks_at_any_written_value() {
     // Singly written: as many requests as values.
     for number in 1..=VALUES as u64 {
         assert_eq!(
@@ -81,7 +81,7 @@ fn a_connection_that_breaks_at_any_written_value() {
 }
 
 #[test]
-fn a_connection_that_breaks_amid_the_answer_to_any_written_value() {
+fn the_connection_breaks_within_the_answer_to_any_written_value() {
     for number in 1..=VALUES as u64 {
         let held = attempt("write", number, "half", false);
         assert_eq!(held == Holds::New, number == VALUES as u64, "{number}");
@@ -89,14 +89,14 @@ fn a_connection_that_breaks_amid_the_answer_to_any_written_value() {
 }
 
 #[test]
-fn a_connection_that_breaks_while_all_are_written_at_once() {
+fn the_connection_breaks_while_all_values_are_written_at_once() {
     assert_eq!(attempt("write", 1, "before", true), Holds::Old);
     assert_eq!(attempt("write", 1, "after", true), Holds::New);
     assert_eq!(attempt("write", 1, "half", true), Holds::New);
 }
 
 #[test]
-fn a_connection_that_breaks_while_values_are_read_back() {
+fn the_connection_breaks_while_values_are_read_back() {
     // Old values, version of the program, new values.
     assert_eq!(attempt("read", 1, "half", true), Holds::Old);
     assert_eq!(attempt("read", 2, "half", true), Holds::Old);
@@ -104,7 +104,7 @@ fn a_connection_that_breaks_while_values_are_read_back() {
 }
 
 #[test]
-fn values_of_which_one_cannot_be_written_are_taken_back() {
+fn old_values_are_restored_if_one_cannot_be_written() {
     let plant = Plant::start(Style::Single);
     let mut client = plant.armed();
     let old = held(&plant);
@@ -116,7 +116,7 @@ fn values_of_which_one_cannot_be_written_are_taken_back() {
 }
 
 #[test]
-fn what_a_controller_holds_is_settled_by_hand_too() {
+fn an_interrupted_adjustment_can_be_settled_by_hand() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     plant.server.order(json!({"sums": false}));
@@ -137,7 +137,7 @@ fn what_a_controller_holds_is_settled_by_hand_too() {
 }
 
 #[test]
-fn a_controller_that_is_not_there_any_more_leaves_it_open() {
+fn a_missing_controller_leaves_an_interrupted_adjustment_open() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     plant.server.fault("write", 1, "after");
@@ -174,7 +174,7 @@ impl ReconnectPolicy for Restarting<'_> {
 }
 
 #[test]
-fn a_controller_that_restarts_amid_writing() {
+fn the_controller_restarts_while_values_are_written() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     plant.server.order(json!({"sums": false}));
@@ -187,7 +187,7 @@ fn a_controller_that_restarts_amid_writing() {
 }
 
 #[test]
-fn a_write_that_arrives_after_the_connection_was_made_anew() {
+fn a_write_arrives_after_the_reconnection() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.client_with(AdsOptions {
         timeout_s: 1.5,

@@ -15,7 +15,7 @@ use tautline_link::{Clock, Controller, Instrument, Limits, SystemClock};
 use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::Style;
 
-/// Poses beside home.
+/// Poses without the home pose.
 const POSES: usize = 10;
 /// Ticks after which a run must have ended.
 const TICKS: usize = 200_000;

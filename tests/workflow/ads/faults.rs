@@ -20,7 +20,7 @@ fn a_slow_server_is_waited_for() {
 }
 
 #[test]
-fn an_answer_after_the_timeout_is_never_taken_for_another() {
+fn a_late_answer_is_never_matched_with_another_request() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.client_with(AdsOptions {
         timeout_s: 2.0,
@@ -44,7 +44,7 @@ fn an_answer_after_the_timeout_is_never_taken_for_another() {
 }
 
 #[test]
-fn a_connection_that_breaks_amid_a_read_is_told_and_made_anew() {
+fn a_connection_lost_while_reading_is_reported_and_reopened() {
     for action in ["before", "after", "half"] {
         let plant = Plant::start(Style::Arrays);
         let mut client = plant.armed();
@@ -59,7 +59,7 @@ fn a_connection_that_breaks_amid_a_read_is_told_and_made_anew() {
 }
 
 #[test]
-fn an_answer_to_another_question_ends_the_connection() {
+fn an_answer_to_another_request_ends_the_connection() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     plant.server.fault("read", 1, "stray");
@@ -69,7 +69,7 @@ fn an_answer_to_another_question_ends_the_connection() {
 }
 
 #[test]
-fn connections_that_break_while_symbols_are_looked_up_are_told() {
+fn connections_lost_while_symbols_are_looked_up_are_reported() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.client();
     for (kind, number) in [
@@ -88,7 +88,7 @@ fn connections_that_break_while_symbols_are_looked_up_are_told() {
 }
 
 #[test]
-fn a_controller_that_restarts_is_found_again() {
+fn a_restarted_controller_is_reconnected() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     let held = client.parameters().expect("parameters");
@@ -107,7 +107,7 @@ fn a_controller_that_restarts_is_found_again() {
 }
 
 #[test]
-fn a_program_that_is_replaced_is_noticed_before_anything_is_read_or_written_at_a_wrong_place() {
+fn a_replaced_program_is_noticed_before_any_access_to_a_wrong_address() {
     for reads in [true, false] {
         let plant = Plant::start(Style::Arrays);
         let mut client = plant.armed();
@@ -126,7 +126,7 @@ fn a_program_that_is_replaced_is_noticed_before_anything_is_read_or_written_at_a
 }
 
 #[test]
-fn a_server_without_sum_requests_is_asked_singly() {
+fn a_server_without_sum_requests_gets_single_requests() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     let before = client.parameters().expect("parameters");
@@ -142,7 +142,7 @@ fn a_server_without_sum_requests_is_asked_singly() {
 }
 
 #[test]
-fn error_codes_are_told_with_symbol_and_meaning() {
+fn error_codes_are_reported_with_symbol_and_meaning() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     for (code, meaning) in [
@@ -170,7 +170,7 @@ fn error_codes_are_told_with_symbol_and_meaning() {
 }
 
 #[test]
-fn a_program_that_stops_is_told() {
+fn a_program_that_stops_is_reported() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     plant.server.order(json!({"state": 6}));

@@ -1,4 +1,4 @@
-//! The page for the engineer of the controller says what the program expects.
+//! docs/ADS.md agrees with what the program expects.
 
 use std::path::Path;
 
@@ -43,7 +43,7 @@ fn the_sample_program_has_every_default_symbol() {
 }
 
 #[test]
-fn the_example_of_a_mapping_is_one() {
+fn the_example_of_a_mapping_is_valid() {
     let page = page();
     let (_, rest) = page.split_once("```json\n").expect("an example");
     let (example, _) = rest.split_once("```").expect("its end");

@@ -50,7 +50,7 @@ fn start(words: &[&str]) -> Child {
         .expect("the program starts")
 }
 
-/// Lets the program run, and calls `heard` with every line that it tells.
+/// Lets the program run, and calls `heard` with every line of its standard error.
 fn heard(mut child: Child, mut heard: impl FnMut(&str, &mut Child)) -> Answer {
     let told = BufReader::new(child.stderr.take().expect("a pipe"));
     let mut stderr = String::new();
@@ -91,7 +91,7 @@ fn verified(words: &[&str], stage: &str, tracker: &mut SimulatedTracker) -> f64 
 }
 
 #[test]
-fn measured_verified_adjusted_verified() {
+fn a_robot_is_measured_verified_adjusted_and_verified_again() {
     let mut plant = Plant::fast(Style::Arrays);
     let mut tracker = plant.tracker();
     let folder = Folder::new();
@@ -141,7 +141,7 @@ fn measured_verified_adjusted_verified() {
     assert_eq!(again["outcome"], "nothing_to_write");
 }
 
-/// Labels of the poses that a run has told to be on disk.
+/// Labels of the poses that a run has reported to be on disk.
 fn on_disk(told: &str) -> Vec<i64> {
     let labels = told.lines().filter_map(|line| {
         let (label, rest) = line.strip_prefix("pose ")?.split_once(' ')?;
@@ -151,7 +151,7 @@ fn on_disk(told: &str) -> Vec<i64> {
 }
 
 #[test]
-fn a_controller_that_dies_amid_measuring() {
+fn the_controller_dies_while_measuring() {
     let plant = Plant::fast(Style::Arrays);
     let folder = Folder::new();
     let file = folder.join("s.json");
@@ -190,7 +190,7 @@ fn a_controller_that_dies_amid_measuring() {
 }
 
 #[test]
-fn a_killed_adjustment_is_settled_by_the_next_call() {
+fn a_killed_adjustment_is_settled_by_the_next_command() {
     let plant = Plant::fast(Style::Arrays);
     let folder = Folder::new();
     let measured = folder.join("measured.json");
@@ -249,7 +249,7 @@ fn a_killed_adjustment_is_settled_by_the_next_call() {
 }
 
 #[test]
-fn symbols_that_are_not_there_are_named_and_nothing_is_begun() {
+fn missing_symbols_are_named_before_anything_starts() {
     let folder = Folder::new();
     let file = folder.join("s.json");
     let refused = |order: Value, parts: &[&str]| {
@@ -287,7 +287,7 @@ fn symbols_that_are_not_there_are_named_and_nothing_is_begun() {
 }
 
 #[test]
-fn symbols_of_a_file_are_kept_in_the_session() {
+fn symbols_read_from_a_file_are_stored_in_the_session() {
     let plant = Plant::fast(Style::Single);
     let folder = Folder::new();
     let (file, symbols) = (folder.join("s.json"), folder.join("symbols.json"));

@@ -30,7 +30,7 @@ fn missing_symbols_are_named() {
 }
 
 #[test]
-fn a_symbol_of_another_type_is_named() {
+fn a_symbol_of_the_wrong_type_is_named() {
     let told = refused(json!({"declare": [[global("moving"), "LREAL", 1, [0]]]}));
     let expected = "GVL_Tautline.moving is of type LREAL, expected BOOL";
     assert!(told.contains(expected), "{told}");
@@ -40,14 +40,14 @@ fn a_symbol_of_another_type_is_named() {
 }
 
 #[test]
-fn an_array_of_another_length_is_named() {
+fn an_array_of_the_wrong_length_is_named() {
     let told =
         refused(json!({"declare": [[global("revolutions"), "LREAL", 6, [0, 0, 0, 0, 0, 0]]]}));
     assert!(told.contains("has 6 values, expected 8"), "{told}");
 }
 
 #[test]
-fn a_program_that_does_not_run_is_told() {
+fn a_stopped_program_is_reported_at_connection() {
     let told = refused(json!({"state": 6}));
     assert!(told.contains("its state is \"Stop\""), "{told}");
 }
@@ -102,7 +102,7 @@ fn nothing_is_written_before_arming() {
 }
 
 #[test]
-fn arming_and_disarming_is_told() {
+fn arming_and_disarming_reach_the_controller() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     assert!(client.state().armed);
@@ -159,7 +159,7 @@ fn limits_are_kept_on_our_side() {
 }
 
 #[test]
-fn a_command_that_is_not_taken_becomes_a_fault() {
+fn an_unacknowledged_command_becomes_a_fault() {
     let plant = Plant::start(Style::Arrays);
     // Nobody copies the number of this client's commands.
     plant
@@ -197,7 +197,7 @@ fn a_command_that_is_not_taken_becomes_a_fault() {
 }
 
 #[test]
-fn a_release_that_is_taken_back_disarms() {
+fn a_withdrawn_release_disarms() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     client.sample().expect("a sample");

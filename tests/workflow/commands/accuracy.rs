@@ -99,7 +99,7 @@ fn rows_without_orientation_cost_the_orientation_figures_only() {
 }
 
 #[test]
-fn rows_that_make_no_check_are_refused() {
+fn incomplete_check_tables_are_refused() {
     let folder = Folder::new();
     for (change, parts) in [
         (

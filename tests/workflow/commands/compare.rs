@@ -32,7 +32,7 @@ fn moved(document: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn a_moved_pulley_is_told_from_noise() {
+fn a_moved_pulley_is_distinguished_from_noise() {
     let folder = Folder::new();
     let robot = presets::find("mini").expect("a preset").robot;
     let mut changed = robot.clone();
@@ -66,7 +66,7 @@ fn a_moved_pulley_is_told_from_noise() {
 }
 
 #[test]
-fn runs_of_other_robots_are_refused() {
+fn runs_of_different_robots_are_refused() {
     let folder = Folder::new();
     let [mini, planar] = ["mini", "planar"].map(|robot| {
         let out = folder.join(robot);

@@ -20,7 +20,7 @@ fn diagnose(dataset: &str, more: &[&str]) -> Answer {
     tautline(&arguments).succeeded()
 }
 
-/// Whether a value is of the type that the contract says.
+/// Whether a value is of the type that the file format requires.
 type OfType = fn(&Value) -> bool;
 
 /// Insists that every key is there and of its type.
@@ -127,7 +127,7 @@ fn a_hidden_winch_scale_is_named() {
 /// A model explains the data with which it was found as well as it did then, also where its effects depend on where
 /// the platform is.
 #[test]
-fn a_model_that_was_found_evaluates_as_it_was_found() {
+fn a_diagnosed_model_evaluates_to_the_same_result() {
     let hidden = [
         "winch_scale:cable-3:scale=0.02",
         "pulley_friction:mu=0.06",

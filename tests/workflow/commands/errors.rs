@@ -36,7 +36,7 @@ fn bad_input_ends_with_code_2_and_one_sentence() {
 }
 
 #[test]
-fn what_does_not_exist_is_named() {
+fn unknown_names_are_reported() {
     let folder = Folder::new();
     let data = folder.join("data");
     write_good_dataset(data.as_ref()).expect("written");
@@ -114,7 +114,7 @@ fn a_wrong_command_line_ends_with_code_2() {
 }
 
 #[test]
-fn what_is_not_the_inputs_fault_ends_with_code_1() {
+fn other_failures_end_with_code_1() {
     let folder = Folder::new();
     let data = folder.join("data");
     let arguments = ["simulate", "--robot", "planar", "--poses", "6", "--out"];

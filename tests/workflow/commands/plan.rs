@@ -54,7 +54,7 @@ fn a_plan_is_written_in_the_order_of_measurement() {
 }
 
 #[test]
-fn what_cannot_be_planned_is_refused() {
+fn impossible_plans_are_refused() {
     tautline(&["plan", "no-such-robot"]).refused(&["no-such-robot", "mini"]);
     tautline(&["plan", "mini", "--poses", "0"]).refused(&["--poses", "at least 1"]);
     tautline(&["plan", "mini", "--effects", "gremlins"]).refused(&["--effects", "gremlins"]);

@@ -130,7 +130,7 @@ fn the_model_holds_the_fitted_values() {
 }
 
 #[test]
-fn what_was_not_measured_is_not_needed() {
+fn calibration_tables_are_optional() {
     let folder = dataset();
     for name in ["winch.csv", "home.csv", "elongation.csv"] {
         std::fs::remove_file(folder.path().join(name)).expect("removed");
@@ -146,7 +146,7 @@ fn what_was_not_measured_is_not_needed() {
 }
 
 #[test]
-fn what_cannot_be_fitted_is_named() {
+fn tables_that_cannot_be_fitted_are_named() {
     let winch = "cable,rev,length_m\n";
     for (file, text, parts) in [
         (

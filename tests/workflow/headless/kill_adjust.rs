@@ -1,4 +1,4 @@
-//! `adjust` is killed at random moments: in the end the controller holds all old or all new values, as is told.
+//! `adjust` is killed at random moments: in the end the controller holds all old or all new values, as reported.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -54,7 +54,7 @@ impl Values {
 }
 
 #[test]
-fn a_killed_adjustment_leaves_old_or_new_values_after_the_next_call() {
+fn after_a_killed_adjustment_the_next_call_restores_old_or_new_values() {
     let folder = Folder::new();
     let measured = folder.join("measured.json");
     let new = [

@@ -13,7 +13,7 @@ use crate::commands::program::{Folder, tautline};
 const KILLS: usize = 50;
 const POSES: usize = 12;
 
-/// Labels of the poses that a run has told to be on disk.
+/// Labels of the poses that a run has reported to be on disk.
 fn on_disk(told: &str) -> Vec<i64> {
     let labels = told.lines().filter_map(|line| {
         let (label, rest) = line.strip_prefix("pose ")?.split_once(' ')?;
@@ -23,7 +23,7 @@ fn on_disk(told: &str) -> Vec<i64> {
 }
 
 #[test]
-fn a_killed_run_loses_nothing_and_measures_nothing_twice() {
+fn a_killed_run_loses_no_pose_and_repeats_none() {
     let folder = Folder::new();
     let plan = plan(&folder, POSES);
     let arguments = |file: &str| {

@@ -32,7 +32,7 @@ fn session(path: &str) -> Session {
     read.unwrap_or_else(|error| panic!("{error}")).value
 }
 
-/// What lies beside a session file.
+/// Files next to a session file.
 fn beside(path: &str) -> Vec<PathBuf> {
     let folder = Path::new(path).parent().expect("a folder");
     let name = Path::new(path).file_name().expect("a name");
@@ -46,7 +46,7 @@ fn beside(path: &str) -> Vec<PathBuf> {
     paths.filter(belongs).collect()
 }
 
-/// Starts the program and kills it once `when` says so; what it has told on standard error until then, and whether it
+/// Starts the program and kills it once `when` says so; its standard error until then, and whether it
 /// was still running.
 fn killed(arguments: &[&str], mut when: impl FnMut(Duration) -> bool) -> (String, bool) {
     let mut child = Command::new(program())

@@ -10,7 +10,7 @@ use super::{beside, killed, plan, session};
 use crate::commands::program::{Folder, assert_valid, tautline};
 
 #[test]
-fn bad_input_is_named_and_leaves_nothing_behind() {
+fn bad_input_is_named_and_writes_nothing() {
     let folder = Folder::new();
     let new = folder.join("new.json");
     let known = folder.join("known.json");
@@ -97,7 +97,7 @@ fn bad_input_is_named_and_leaves_nothing_behind() {
 }
 
 #[test]
-fn one_command_at_a_time_works_on_a_session() {
+fn a_session_is_locked_while_a_command_works_on_it() {
     let folder = Folder::new();
     let file = folder.join("mini.json");
     let plan = plan(&folder, 6);
@@ -143,7 +143,7 @@ fn one_command_at_a_time_works_on_a_session() {
 
 /// An interrupted adjustment keeps everything from moving until it is settled.
 #[test]
-fn nothing_moves_with_half_written_values() {
+fn the_robot_does_not_move_with_partly_written_values() {
     let folder = Folder::new();
     let file = folder.join("mini.json");
     tautline(&[
@@ -184,7 +184,7 @@ fn nothing_moves_with_half_written_values() {
 }
 
 #[test]
-fn what_has_to_be_typed_needs_somebody_who_types() {
+fn typed_readings_need_a_terminal() {
     let folder = Folder::new();
     let file = folder.join("mini.json");
     let plan = plan(&folder, 6);
@@ -233,7 +233,7 @@ fn what_has_to_be_typed_needs_somebody_who_types() {
 }
 
 #[test]
-fn symbols_are_printed_and_belong_to_a_controller_that_has_some() {
+fn symbols_are_printed_and_need_a_controller_with_symbols() {
     let folder = Folder::new();
     let symbols = folder.join("symbols.json");
     let printed = tautline(&["symbols", "mini"]).succeeded().json();

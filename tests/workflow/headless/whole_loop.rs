@@ -17,7 +17,7 @@ fn figures(verification: &Value) -> [[f64; 2]; 2] {
 }
 
 #[test]
-fn the_loop_makes_the_robot_more_exact() {
+fn the_loop_improves_the_accuracy_of_the_robot() {
     let folder = Folder::new();
     let file = folder.join("mini.json");
     let sim = ["--controller", "sim", "--arm", "--json", "-"];
@@ -77,7 +77,7 @@ fn the_loop_makes_the_robot_more_exact() {
 }
 
 #[test]
-fn the_published_method_is_written_as_well() {
+fn results_of_the_published_method_are_written() {
     let folder = Folder::new();
     let file = folder.join("mini.json");
     let sim = ["--controller", "sim", "--arm", "--json", "-"];
@@ -116,7 +116,7 @@ fn the_published_method_is_written_as_well() {
 }
 
 #[test]
-fn a_recording_is_measured_again_and_a_hidden_effect_is_kept() {
+fn a_replayed_recording_keeps_its_hidden_effect() {
     let folder = Folder::new();
     let recording = folder.join("recording");
     tautline(&[
@@ -189,7 +189,7 @@ fn a_run_ends_when_it_is_good_enough() {
 }
 
 #[test]
-fn a_pose_that_cannot_be_measured_is_left_out_and_told() {
+fn a_pose_that_cannot_be_measured_is_skipped_and_reported() {
     let folder = Folder::new();
     let table = plan(&folder, 10);
     let text = std::fs::read_to_string(&table).expect("a plan");
@@ -228,7 +228,7 @@ fn a_pose_that_cannot_be_measured_is_left_out_and_told() {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_keeps_its_poses_and_goes_on() {
+fn an_interrupted_run_keeps_its_poses_and_continues() {
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
 
