@@ -2,43 +2,32 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::comparison::{Comparison, Displacement, ScalarDifference, Test};
+use tautline_core::comparison::{
+    Comparison, Displacement, EffectDifference, FitQuality, ScalarDifference, Test,
+};
 use tautline_session::VersionedFile;
 
-/// What differs between two runs; differences are second run less first.
+/// Differences between two runs, second less first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonDocument {
     /// Whether a pulley, the target plane or an effect differs.
     pub different: bool,
-    /// Probability with which two runs of the same robot are called different.
+    /// Probability of calling two runs of the same robot different.
     pub level: f64,
     /// Every pulley, in the robot's order.
     pub pulleys: Vec<PulleyDocument>,
-    /// Motion that all pulleys have in common: the two home poses differ, not the robot. Null where none is possible.
+    /// Common motion of all pulleys, due to different home poses rather than to the robot. Null where none is possible.
     pub common_motion: Option<MotionDocument>,
-    /// Offset of the laser's target plane (m), the common motion taken out.
-    pub target_plane: Option<ScalarDocument>,
+    /// Offset of the laser's target plane (m), common motion removed.
+    pub target_plane: Option<ScalarDifference>,
     /// Coordinates of the home pose that are estimated.
     pub home: Option<HomeDocument>,
     /// Effects that are estimated.
-    pub effects: Vec<EffectDocument>,
-    /// All pulleys and the target plane together, the common motion taken out.
-    pub global: Option<TestDocument>,
+    pub effects: Vec<EffectDifference>,
+    /// All pulleys and the target plane together, common motion removed.
+    pub global: Option<Test>,
     /// How well each run is explained: first, second.
-    pub fits: Vec<FitDocument>,
-}
-
-/// A test.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TestDocument {
-    /// Chi-square.
-    pub chi2: f64,
-    /// Degrees of freedom.
-    pub dof: usize,
-    /// Probability of a chi-square at least as large by noise alone.
-    pub p_value: f64,
-    /// The same, corrected for the number of questions (Holm).
-    pub p_corrected: f64,
+    pub fits: Vec<FitQuality>,
 }
 
 /// Difference of an entry point.
@@ -61,10 +50,10 @@ pub struct PulleyDocument {
     pub cable: String,
     /// As the runs have it, each from its own home pose.
     pub raw: DisplacementDocument,
-    /// Relative to the pulleys that did not move; null where too few are left to tell.
+    /// Relative to the pulleys that did not move; null where too few others are left to compare with.
     pub relative: Option<DisplacementDocument>,
     /// Test of the relative difference.
-    pub test: Option<TestDocument>,
+    pub test: Option<Test>,
     /// Whether it has moved.
     pub moved: bool,
 }
@@ -81,22 +70,7 @@ pub struct MotionDocument {
     /// Its standard deviations (rad).
     pub rotation_sd_rad: [f64; 3],
     /// Whether it is more than the uncertainty of both home poses.
-    pub test: Option<TestDocument>,
-}
-
-/// Difference of a single quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ScalarDocument {
-    /// In the first run (SI); null where it is not part of it.
-    pub first: Option<f64>,
-    /// In the second run.
-    pub second: Option<f64>,
-    /// Difference.
-    pub difference: f64,
-    /// Its standard deviation.
-    pub sd: f64,
-    /// Whether it is more than noise.
-    pub test: Option<TestDocument>,
+    pub test: Option<Test>,
 }
 
 /// The home pose.
@@ -105,7 +79,7 @@ pub struct HomeDocument {
     /// Its coordinates.
     pub coordinates: Vec<CoordinateDocument>,
     /// All of them together.
-    pub test: Option<TestDocument>,
+    pub test: Option<Test>,
 }
 
 /// A coordinate of the home pose.
@@ -119,45 +93,10 @@ pub struct CoordinateDocument {
     pub sd: f64,
 }
 
-/// A parameter of an effect.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct EffectDocument {
-    /// Effect of the catalogue.
-    pub effect: String,
-    /// Cables; empty for all.
-    pub targets: Vec<String>,
-    /// Name of the parameter.
-    pub parameter: String,
-    /// SI unit.
-    pub unit: String,
-    /// Its sizes.
-    pub size: ScalarDocument,
-}
-
-/// How well a run is explained.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct FitDocument {
-    /// Chi-square.
-    pub chi2: f64,
-    /// Degrees of freedom.
-    pub dof: f64,
-    /// Probability of a chi-square at least as large if model and noise are right.
-    pub p_value: Option<f64>,
-}
-
 impl VersionedFile for ComparisonDocument {
     const FORMAT: &'static str = "tautline-comparison";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
-}
-
-fn test(test: Option<Test>) -> Option<TestDocument> {
-    test.map(|test| TestDocument {
-        chi2: test.chi2,
-        dof: test.degrees_of_freedom,
-        p_value: test.p_value,
-        p_corrected: test.p_corrected,
-    })
 }
 
 fn displacement(of: &Displacement) -> DisplacementDocument {
@@ -166,16 +105,6 @@ fn displacement(of: &Displacement) -> DisplacementDocument {
         sd_m: [0, 1, 2].map(|k| of.covariance[(k, k)].max(0.0).sqrt()),
         length_m: of.length_m(),
         length_sd_m: of.length_sd_m(),
-    }
-}
-
-fn scalar(of: &ScalarDifference) -> ScalarDocument {
-    ScalarDocument {
-        first: of.first,
-        second: of.second,
-        difference: of.difference,
-        sd: of.sd,
-        test: test(of.test),
     }
 }
 
@@ -192,7 +121,7 @@ impl ComparisonDocument {
                     cable: pulley.cable.clone(),
                     raw: displacement(&pulley.raw),
                     relative: pulley.relative.as_ref().map(displacement),
-                    test: test(pulley.test),
+                    test: pulley.test,
                     moved: pulley.moved,
                 })
                 .collect(),
@@ -201,9 +130,9 @@ impl ComparisonDocument {
                 shift_sd_m: sd(&motion.covariance, 0),
                 rotation_rad: motion.rotation_rad.into(),
                 rotation_sd_rad: sd(&motion.covariance, 3),
-                test: test(motion.test),
+                test: motion.test,
             }),
-            target_plane: compared.plane.as_ref().map(scalar),
+            target_plane: compared.plane.clone(),
             home: compared.home.as_ref().map(|home| HomeDocument {
                 coordinates: (home.coordinates.iter())
                     .map(|(coordinate, difference, sd)| CoordinateDocument {
@@ -212,25 +141,11 @@ impl ComparisonDocument {
                         sd: *sd,
                     })
                     .collect(),
-                test: test(home.test),
+                test: home.test,
             }),
-            effects: (compared.effects.iter())
-                .map(|effect| EffectDocument {
-                    effect: effect.effect.clone(),
-                    targets: effect.targets.clone(),
-                    parameter: effect.parameter.clone(),
-                    unit: effect.unit.to_owned(),
-                    size: scalar(&effect.size),
-                })
-                .collect(),
-            global: test(compared.global),
-            fits: (compared.fits.iter())
-                .map(|fit| FitDocument {
-                    chi2: fit.chi2,
-                    dof: fit.degrees_of_freedom,
-                    p_value: fit.p_value,
-                })
-                .collect(),
+            effects: compared.effects.clone(),
+            global: compared.global,
+            fits: compared.fits.to_vec(),
         }
     }
 }

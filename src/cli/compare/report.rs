@@ -1,8 +1,8 @@
 //! Readable form of a comparison.
 
-use tautline_core::comparison::Comparison;
+use tautline_core::comparison::{Comparison, ScalarDifference};
 
-use super::document::{ComparisonDocument, PulleyDocument, ScalarDocument};
+use super::document::{ComparisonDocument, PulleyDocument};
 use crate::output::say;
 use crate::table::{self, mm};
 use tautline_workflow::comparison::{unexplained, verdict};
@@ -28,8 +28,8 @@ pub fn print(comparison: &Comparison, compared: &ComparisonDocument) {
         let shift = [0, 1, 2].map(|k| with_sd(motion.shift_m[k], motion.shift_sd_m[k], "m"));
         let turn =
             [0, 1, 2].map(|k| with_sd(motion.rotation_rad[k], motion.rotation_sd_rad[k], "rad"));
-        say!("common shift, taken out: {}", shift.join(", "));
-        say!("common rotation, taken out: {}", turn.join(", "));
+        say!("common shift, removed: {}", shift.join(", "));
+        say!("common rotation, removed: {}", turn.join(", "));
     }
     if let Some(plane) = &compared.target_plane {
         say!("target plane: {}", scalar(plane, "m", compared.level));
@@ -49,7 +49,7 @@ fn cells(pulley: &PulleyDocument) -> [String; 8] {
     let shown = pulley.relative.unwrap_or(pulley.raw);
     let [x, y, z] = shown.vector_m.map(|value| mm(value, 2));
     let verdict = match (&pulley.test, pulley.moved) {
-        (None, _) => "cannot be told",
+        (None, _) => "undetermined",
         (Some(_), true) => "moved",
         (Some(_), false) => "noise",
     };
@@ -76,7 +76,7 @@ fn probability(p: f64) -> String {
     }
 }
 
-fn scalar(of: &ScalarDocument, unit: &str, level: f64) -> String {
+fn scalar(of: &ScalarDifference, unit: &str, level: f64) -> String {
     let size = |value: Option<f64>| value.map_or("not estimated".to_owned(), |v| quantity(v, unit));
     let verdict = match of.test {
         Some(test) if test.p_corrected < level => "different",

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::planning::{Expectation, Plan};
+use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
 
@@ -16,8 +16,8 @@ pub struct PlanDocument {
     /// Number of poses that can be measured among which was chosen.
     pub candidates: usize,
     /// Poses drawn, and why some were refused.
-    pub refused: RefusedDocument,
-    /// Length of the way through all poses, rotations counted at the platform's anchors (m).
+    pub refused: Refused,
+    /// Travel distance through all poses, rotations counted at the platform's anchors (m).
     pub travel_m: f64,
     /// Largest correlation of a coordinate with the order of measurement, without sign.
     pub largest_time_correlation: f64,
@@ -43,21 +43,6 @@ pub struct PlannedPoseDocument {
     pub tensions_n: Vec<f64>,
     /// Laser distance to expect (m).
     pub laser_m: Option<f64>,
-}
-
-/// Why poses were refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct RefusedDocument {
-    /// Poses drawn.
-    pub tried: usize,
-    /// A cable has no path.
-    pub kinematics: usize,
-    /// No tensions hold the platform.
-    pub tension: usize,
-    /// The laser misses its target or cannot use the distance.
-    pub laser: usize,
-    /// Too close to a pulley or a side of the frame.
-    pub frame: usize,
 }
 
 /// What to expect of a set of poses.
@@ -123,13 +108,7 @@ impl PlanDocument {
                 })
                 .collect(),
             candidates: plan.candidates,
-            refused: RefusedDocument {
-                tried: plan.refused.tried,
-                kinematics: plan.refused.kinematics,
-                tension: plan.refused.tension,
-                laser: plan.refused.laser,
-                frame: plan.refused.frame,
-            },
+            refused: plan.refused,
             travel_m: plan.order.travel_m,
             largest_time_correlation: plan.order.worst_correlation(),
             expected: expected(&plan.expected),

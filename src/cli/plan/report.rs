@@ -15,7 +15,7 @@ pub fn print(plan: &PlanDocument) {
         plan.candidates
     );
     say!(
-        "refused of {} drawn: {} without tensions that hold the platform, {} without a cable path, {} without a usable \
+        "rejected of {} drawn: {} without tensions that hold the platform, {} without a cable path, {} without a usable \
          laser distance, {} too close to the frame",
         refused.tried,
         refused.tension,
@@ -24,15 +24,16 @@ pub fn print(plan: &PlanDocument) {
         refused.frame
     );
     say!(
-        "way {:.1} m; largest correlation of a coordinate with time {:.2}",
+        "travel distance {:.1} m; largest correlation of a coordinate with time {:.2}",
         plan.travel_m,
         plan.largest_time_correlation
     );
-    let mut rows = table::numbers(&["Parameter", "known to", "expected", "at random poses"]);
+    let mut rows = table::numbers(&["Parameter", "prior sd", "expected sd", "at random poses"]);
     let random = &plan.random.parameters;
     for (expected, random) in plan.expected.parameters.iter().zip(random) {
-        let show =
-            |sd: Option<f64>| sd.map_or("open".to_owned(), |sd| quantity(sd, &expected.unit));
+        let show = |sd: Option<f64>| {
+            sd.map_or("undetermined".to_owned(), |sd| quantity(sd, &expected.unit))
+        };
         table::push(
             &mut rows,
             &[
@@ -46,9 +47,9 @@ pub fn print(plan: &PlanDocument) {
         );
     }
     say!("{rows}");
-    let metres = |value: Option<f64>| value.map_or("open".to_owned(), |v| quantity(v, "m"));
+    let metres = |value: Option<f64>| value.map_or("undetermined".to_owned(), |v| quantity(v, "m"));
     say!(
-        "entry points: {} on average, {} along the worst direction of all together; at random poses {} and {}",
+        "entry points: sd {} rms, {} along the worst direction; at random poses {} and {}",
         metres(plan.expected.mean_m),
         metres(plan.expected.worst_m),
         metres(plan.random.mean_m),
@@ -56,7 +57,7 @@ pub fn print(plan: &PlanDocument) {
     );
     if let (Some(expected), Some(random)) = (plan.expected.platform_m, plan.random.platform_m) {
         say!(
-            "position of the platform once these values are at the controller: {} off on average (root mean square); at random poses {}",
+            "expected rms position error of the platform with these values in the controller: {}; at random poses {}",
             quantity(expected, "m"),
             quantity(random, "m")
         );

@@ -3,9 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::cable::ElongationSurface;
-use tautline_session::VersionedFile;
+use tautline_core::instrument::{ForceSensorCalibration, HomeMeasurement, WinchCalibration};
+use tautline_core::robot::{Cable, Robot};
+use tautline_session::{PhaseData, VersionedFile};
+use tautline_workflow::precalibration::{Calibration, ElongationFit, PerCable};
 
-/// What phases 1 and 2 tell about a robot; empty or null where nothing was measured.
+/// Results of phases 1 and 2; empty or null where nothing was measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Precalibration {
     /// Winches of winch.csv, in the order of the cables.
@@ -29,13 +32,13 @@ pub struct WinchResult {
     pub cable_per_revolution_m: f64,
     /// Its standard deviation (m).
     pub cable_per_revolution_sd_m: f64,
-    /// Cable per motor revolution that robot.json tells (m).
+    /// Cable per motor revolution according to robot.json (m).
     pub nominal_cable_per_revolution_m: f64,
     /// Length at zero revolutions (m).
     pub offset_m: f64,
     /// Its standard deviation (m).
     pub offset_sd_m: f64,
-    /// Stretch per newton (m/N); null where the tensions do not tell it.
+    /// Stretch per newton (m/N); null where the tensions do not determine it.
     pub stretch_m_per_n: Option<f64>,
     /// Its standard deviation (m/N).
     pub stretch_sd_m_per_n: Option<f64>,
@@ -132,4 +135,131 @@ impl VersionedFile for Precalibration {
     const FORMAT: &'static str = "tautline-precalibration";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
+}
+
+/// A fit that failed: its file and the reason.
+pub struct Failure {
+    /// File of the dataset.
+    pub file: &'static str,
+    /// Cable or other item and what is wrong, one sentence.
+    pub message: String,
+}
+
+fn of_file(file: &'static str) -> impl Fn(&String) -> Failure {
+    move |message| Failure {
+        file,
+        message: message.clone(),
+    }
+}
+
+impl Precalibration {
+    /// The machine form of fits that all succeeded.
+    ///
+    /// # Errors
+    /// The first that did not.
+    pub fn of(robot: &Robot, phases: &PhaseData, fits: &Calibration) -> Result<Self, Failure> {
+        let winches = fits.winches.iter().map(|PerCable { cable, fit }| {
+            let fit = fit.as_ref().map_err(of_file("winch.csv"))?;
+            Ok(WinchResult::of(&robot.cables[*cable], fit))
+        });
+        let force_sensors = fits.force_sensors.iter().map(|PerCable { cable, fit }| {
+            let fit = fit.as_ref().map_err(of_file("force.csv"))?;
+            Ok(ForceResult::of(&robot.cables[*cable], fit))
+        });
+        let home = fits.home.as_ref();
+        let elongation = fits.elongation.as_ref();
+        Ok(Self {
+            winches: winches.collect::<Result<_, _>>()?,
+            force_sensors: force_sensors.collect::<Result<_, _>>()?,
+            home: home
+                .map(|fit| {
+                    fit.as_ref()
+                        .map(HomeResult::of)
+                        .map_err(of_file("home.csv"))
+                })
+                .transpose()?,
+            elongation: elongation
+                .map(|fit| {
+                    let fit = fit.as_ref().map_err(of_file("elongation.csv"))?;
+                    Ok(ElongationResult::of(phases.elongation.len(), fit))
+                })
+                .transpose()?,
+        })
+    }
+}
+
+impl WinchResult {
+    fn of(cable: &Cable, fit: &WinchCalibration) -> Self {
+        Self {
+            cable: cable.name.clone(),
+            pairs: fit.residuals_m.len(),
+            cable_per_revolution_m: fit.cable_per_revolution_m,
+            cable_per_revolution_sd_m: fit.cable_per_revolution_sd_m,
+            nominal_cable_per_revolution_m: cable.winch.cable_per_revolution_m(),
+            offset_m: fit.offset_m,
+            offset_sd_m: fit.offset_sd_m,
+            stretch_m_per_n: fit.stretch_m_per_n.map(|(value, _)| value),
+            stretch_sd_m_per_n: fit.stretch_m_per_n.map(|(_, sd)| sd),
+            residual_sd_m: fit.residual_sd_m,
+            largest_residual_m: fit.largest_residual_m,
+            passed: fit.passed,
+        }
+    }
+}
+
+impl ForceResult {
+    fn of(cable: &Cable, fit: &ForceSensorCalibration) -> Self {
+        Self {
+            cable: cable.name.clone(),
+            pairs: fit.residuals_n.len(),
+            tension_gain: fit.gain,
+            tension_gain_sd: fit.gain_sd,
+            bias_n: fit.bias_n,
+            bias_sd_n: fit.bias_sd_n,
+            residual_sd_n: fit.residual_sd_n,
+            largest_residual_n: fit.largest_residual_n,
+            passed: fit.passed,
+        }
+    }
+}
+
+impl HomeResult {
+    fn of(home: &HomeMeasurement) -> Self {
+        let fix = &home.fix;
+        let repeatability = home.repeatability;
+        let sensors = home.sensors.iter().enumerate();
+        Self {
+            position_m: fix.platform_in_base.position.into(),
+            orientation_wxyz: fix.platform_in_base.orientation_wxyz(),
+            position_sd_m: fix.position_sd_m,
+            orientation_sd_rad: fix.orientation_sd_rad,
+            position_repeatability_m: repeatability.map(|r| [r[0], r[1], r[2]]),
+            orientation_repeatability_rad: repeatability.map(|r| [r[3], r[4], r[5]]),
+            largest_residual_m: fix.largest_misfit_m,
+            sensors: sensors
+                .map(|(k, repeats)| HomeSensorResult {
+                    sensor: k + 1,
+                    readings: repeats.count,
+                    mean_m: repeats.mean_m,
+                    sd_m: Some(repeats.sd_m).filter(|sd| sd.is_finite()),
+                    in_range: repeats.in_range,
+                })
+                .collect(),
+        }
+    }
+}
+
+impl ElongationResult {
+    fn of(points: usize, fit: &ElongationFit) -> Self {
+        let degrees = fit.choice.scores.iter().map(|score| DegreeResult {
+            degree: score.degree,
+            error_m: score.error_m,
+        });
+        Self {
+            points,
+            largest_residual_m: fit.largest_residual_m,
+            degrees: degrees.collect(),
+            surface: fit.choice.surface.clone(),
+        }
+    }
 }

@@ -123,7 +123,7 @@ fn print_home(home: &HomeResult) {
     );
     for sensor in home.sensors.iter().filter(|sensor| !sensor.in_range) {
         let (number, mean) = (sensor.sensor, table::mm(sensor.mean_m, 1));
-        say!("sensor {number}: {mean} mm is outside the range of such sensors");
+        say!("sensor {number}: {mean} mm is outside the measuring range");
     }
 }
 

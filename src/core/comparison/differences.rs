@@ -83,7 +83,7 @@ pub(super) fn effects(runs: &[Estimate<'_>; 2]) -> Vec<EffectDifference> {
             effect: entry.key.0.clone(),
             targets: entry.key.1.clone(),
             parameter: entry.key.2.clone(),
-            unit: entry.unit,
+            unit: entry.unit.to_owned(),
             size: ScalarDifference {
                 first: at(0),
                 second: at(1),

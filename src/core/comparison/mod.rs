@@ -32,6 +32,8 @@ mod least_squares;
 mod tests;
 
 use nalgebra::{DMatrix, DVector, Matrix3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::estimation::{Problem, Solution};
 use crate::geometry::{Coordinate, Vec3};
@@ -74,11 +76,12 @@ pub enum ComparisonError {
 }
 
 /// Outcome of a test.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Test {
     /// Chi-square.
     pub chi2: f64,
     /// Degrees of freedom.
+    #[serde(rename = "dof")]
     pub degrees_of_freedom: usize,
     /// Probability of a chi-square at least as large by noise alone.
     pub p_value: f64,
@@ -157,7 +160,7 @@ pub struct CommonMotion {
 }
 
 /// Difference of a single quantity, second run less first.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScalarDifference {
     /// In the first run (SI units); `None` where it is not part of it.
     pub first: Option<f64>,
@@ -172,7 +175,7 @@ pub struct ScalarDifference {
 }
 
 /// Difference of a parameter of an effect.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectDifference {
     /// Effect of the catalogue.
     pub effect: String,
@@ -181,7 +184,7 @@ pub struct EffectDifference {
     /// Name of the parameter.
     pub parameter: String,
     /// SI unit.
-    pub unit: &'static str,
+    pub unit: String,
     /// Values in both runs.
     pub size: ScalarDifference,
 }
@@ -196,11 +199,12 @@ pub struct HomeDifference {
 }
 
 /// How well a run is explained by its model.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitQuality {
     /// Chi-square.
     pub chi2: f64,
     /// Degrees of freedom.
+    #[serde(rename = "dof")]
     pub degrees_of_freedom: f64,
     /// Probability of a chi-square at least as large if model and noise are right: where it is small, differences
     /// may come from what the model lacks.

@@ -2,6 +2,8 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use super::information_model::InformationModel;
 use super::{PlanError, PlanOptions, PlanProgress};
@@ -21,7 +23,7 @@ const LEAST_INCIDENCE: f64 = 0.5;
 const REPORT_INTERVAL: usize = 500;
 
 /// How many poses were drawn, and why some were refused.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Refused {
     /// Poses drawn.
     pub tried: usize,

@@ -34,7 +34,7 @@ pub trait VersionedFile: Serialize + DeserializeOwned + JsonSchema {
     /// The steps from older versions to the present one.
     const MIGRATIONS: &'static [Migration] = &[];
 
-    /// Checks what the types alone do not guarantee.
+    /// Checks what the types alone do not guarantee; by default nothing.
     ///
     /// # Errors
     /// The first field that is wrong.

@@ -1,12 +1,12 @@
-//! What the tables of phases 1 and 2 of a session tell, computed once for each state of them.
+//! The fits of the tables of phases 1 and 2, computed once for each state of them.
 
 use tautline_core::geometry::Pose;
 use tautline_core::instrument::{ForceSensorCalibration, HomeMeasurement, WinchCalibration};
 use tautline_core::robot::{Home, Robot};
 use tautline_session::{PhaseData, Session};
 
+use super::apply::{set_cable_per_revolution, set_elongation_surface, set_force_sensor, set_home};
 use super::fits::{ElongationFit, fit_elongation, fit_force_sensor, fit_home, fit_winch};
-use super::put::{put_force_sensor, put_home, put_surface, put_winch};
 
 /// The fit of one cable's instrument, or one sentence.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,10 +52,15 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Fits everything that was measured.
+    /// Fits everything that was measured in a session.
     #[must_use]
     pub fn of(session: &Session) -> Self {
-        let (robot, phases) = (&session.robot, &session.phases);
+        Self::new(&session.robot, &session.phases)
+    }
+
+    /// Fits everything in the tables of a robot.
+    #[must_use]
+    pub fn new(robot: &Robot, phases: &PhaseData) -> Self {
         let winches = per_cable(robot, |cable| {
             let measured = phases.winch.iter().any(|pair| pair.cable == cable);
             measured.then(|| fit_winch(robot, &phases.winch, cable))
@@ -68,10 +73,16 @@ impl Calibration {
         let elongation =
             (!phases.elongation.is_empty()).then(|| fit_elongation(&phases.elongation));
         Self {
-            with_winches: with_winches(robot, &winches),
-            with_force_sensors: with_force_sensors(robot, &force_sensors),
+            with_winches: Proposal::new(robot, |robot, _| apply_winches(robot, &winches)),
+            with_force_sensors: Proposal::new(robot, |robot, left_out| {
+                apply_force_sensors(robot, &force_sensors, left_out);
+                Ok(())
+            }),
             with_home: with_home(robot, home.as_ref()),
-            with_elongation: with_elongation(robot, elongation.as_ref()),
+            with_elongation: Proposal::new(robot, |robot, _| {
+                apply_elongation(robot, elongation.as_ref());
+                Ok(())
+            }),
             winches,
             force_sensors,
             home,
@@ -82,6 +93,18 @@ impl Calibration {
                 ..phases.clone()
             },
         }
+    }
+
+    /// The robot with all fitted values at once.
+    #[must_use]
+    pub fn with_all(&self) -> Proposal {
+        Proposal::new(&self.robot, |robot, left_out| {
+            apply_winches(robot, &self.winches)?;
+            apply_force_sensors(robot, &self.force_sensors, left_out);
+            apply_home(robot, self.home.as_ref(), left_out);
+            apply_elongation(robot, self.elongation.as_ref());
+            Ok(())
+        })
     }
 
     /// Whether it was computed from the present robot and tables of a session.
@@ -114,7 +137,7 @@ impl Proposal {
         let (mut changed, mut left_out) = (robot.clone(), Vec::new());
         let result = change(&mut changed, &mut left_out).and_then(|()| {
             let checked = changed.check();
-            checked.map_err(|error| format!("The values make no possible robot: {error}"))
+            checked.map_err(|error| format!("The values are not valid for a robot: {error}"))
         });
         Self {
             is_used: result.is_ok() && changed == *robot,
@@ -124,41 +147,55 @@ impl Proposal {
     }
 }
 
-fn with_winches(robot: &Robot, fits: &[PerCable<WinchCalibration>]) -> Proposal {
-    Proposal::new(robot, |robot, _| {
-        for PerCable { cable, fit } in fits {
-            let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) else {
-                continue;
-            };
-            put_winch(&mut cable.winch, fit.cable_per_revolution_m)
+/// Gives the winches the drums that pay out what was measured.
+fn apply_winches(robot: &mut Robot, fits: &[PerCable<WinchCalibration>]) -> Result<(), String> {
+    for PerCable { cable, fit } in fits {
+        if let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) {
+            set_cable_per_revolution(&mut cable.winch, fit.cable_per_revolution_m)
                 .map_err(|message| format!("{}: {message}", cable.name))?;
         }
-        Ok(())
-    })
+    }
+    Ok(())
 }
 
-fn with_force_sensors(robot: &Robot, fits: &[PerCable<ForceSensorCalibration>]) -> Proposal {
-    Proposal::new(robot, |robot, left_out| {
-        for PerCable { cable, fit } in fits {
-            if let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) {
-                left_out.extend(put_force_sensor(cable, fit.gain, fit.bias_n).err());
-            }
+/// Gives the force sensors gain and bias; those that are not in the robot are `left_out`.
+fn apply_force_sensors(
+    robot: &mut Robot,
+    fits: &[PerCable<ForceSensorCalibration>],
+    left_out: &mut Vec<String>,
+) {
+    for PerCable { cable, fit } in fits {
+        if let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) {
+            left_out.extend(set_force_sensor(cable, fit.gain, fit.bias_n).err());
         }
-        Ok(())
-    })
+    }
+}
+
+fn apply_home(
+    robot: &mut Robot,
+    fit: Option<&Result<HomeMeasurement, String>>,
+    left_out: &mut Vec<String>,
+) {
+    if let Some(Ok(HomeMeasurement { fix, .. })) = fit {
+        let pose = &fix.platform_in_base;
+        let position = (pose.position.into(), fix.position_sd_m);
+        let orientation = (pose.orientation_wxyz(), fix.orientation_sd_rad);
+        left_out.extend(set_home(robot, position, orientation).err());
+    }
+}
+
+fn apply_elongation(robot: &mut Robot, fit: Option<&Result<ElongationFit, String>>) {
+    if let Some(Ok(fit)) = fit {
+        set_elongation_surface(robot, &fit.choice.surface);
+    }
 }
 
 fn with_home(robot: &Robot, fit: Option<&Result<HomeMeasurement, String>>) -> Proposal {
     let proposal = Proposal::new(robot, |robot, left_out| {
-        if let Some(Ok(HomeMeasurement { fix, .. })) = fit {
-            let pose = &fix.platform_in_base;
-            let position = (pose.position.into(), fix.position_sd_m);
-            let orientation = (pose.orientation_wxyz(), fix.orientation_sd_rad);
-            left_out.extend(put_home(robot, position, orientation).err());
-        }
+        apply_home(robot, fit, left_out);
         Ok(())
     });
-    // The fit starts from the home pose of the robot, so that it changes by rounding once it is used.
+    // The fit starts from the home pose of the robot, so once it is used it still changes by rounding.
     let is_used = match (&proposal.robot, &robot.home) {
         (Ok(changed), Some(now)) => changed.home.is_some_and(|new| is_same_home(&new, now)),
         _ => proposal.is_used,
@@ -176,13 +213,4 @@ fn is_same_home(a: &Home, b: &Home) -> bool {
     pose_a.difference(&pose_b).amax() < ROUNDING
         && (a.position_sd_m - b.position_sd_m).abs() < ROUNDING
         && (a.orientation_sd_rad - b.orientation_sd_rad).abs() < ROUNDING
-}
-
-fn with_elongation(robot: &Robot, fit: Option<&Result<ElongationFit, String>>) -> Proposal {
-    Proposal::new(robot, |robot, _| {
-        if let Some(Ok(fit)) = fit {
-            put_surface(robot, &fit.choice.surface);
-        }
-        Ok(())
-    })
 }

@@ -1,4 +1,4 @@
-//! Putting the values of phases 1 and 2 into a robot.
+//! Values of phases 1 and 2 applied to a robot.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use tautline_core::robot::{Cable, Robot, Winch};
 ///
 /// # Errors
 /// One sentence if no drum of this pitch does that.
-pub fn put_winch(winch: &mut Winch, metres: f64) -> Result<(), String> {
+pub fn set_cable_per_revolution(winch: &mut Winch, metres: f64) -> Result<(), String> {
     let (per_turn, pitch) = (metres * winch.gear_ratio, winch.drum_pitch_m);
     if per_turn <= pitch {
         return Err(format!(
@@ -26,7 +26,7 @@ pub fn put_winch(winch: &mut Winch, metres: f64) -> Result<(), String> {
 ///
 /// # Errors
 /// One sentence if the cable has none.
-pub fn put_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(), String> {
+pub fn set_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(), String> {
     let Some(sensor) = &mut cable.force_sensor else {
         return Err(format!(
             "{} has no force_sensor in robot.json: its gain and bias are not in the model",
@@ -42,7 +42,7 @@ pub fn put_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(),
 ///
 /// # Errors
 /// One sentence if the robot has no home pose.
-pub fn put_home(
+pub fn set_home(
     robot: &mut Robot,
     (position_m, position_sd_m): ([f64; 3], [f64; 3]),
     (orientation_wxyz, orientation_sd_rad): ([f64; 4], [f64; 3]),
@@ -59,7 +59,7 @@ pub fn put_home(
 }
 
 /// Gives all cables the measured elongation.
-pub fn put_surface(robot: &mut Robot, surface: &ElongationSurface) {
+pub fn set_elongation_surface(robot: &mut Robot, surface: &ElongationSurface) {
     for cable in &mut robot.cables {
         cable.cable.elongation_surface = Some(surface.clone());
     }

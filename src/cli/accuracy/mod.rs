@@ -1,0 +1,48 @@
+//! `tautline accuracy`.
+
+mod report;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tautline_session::read_check_file;
+
+use super::output::{is_readable, write_json};
+use crate::BadInput;
+pub use report::print;
+use tautline_workflow::accuracy::{accuracy, group, is_partly_oriented, word};
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The check.csv
+    #[arg(value_name = "CHECK.csv")]
+    check: PathBuf,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let rows = read_check_file(&arguments.check)?;
+    let file = arguments.check.display();
+    let at_file = |error: String| BadInput::new(format!("{file}: {error}"));
+    let groups = group(&rows.value).map_err(at_file)?;
+    let accuracy = accuracy(&groups).map_err(at_file)?;
+    for notice in &rows.notices {
+        eprintln!("{notice}");
+    }
+    for group in groups.iter().filter(|g| is_partly_oriented(g)) {
+        let kind = word(group.kind);
+        eprintln!(
+            "{file}: {kind} \"{}\" has rows without orientation, so it gets no orientation figures",
+            group.name
+        );
+    }
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&accuracy))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        print(&accuracy);
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! `tautline plan`.
+
+mod document;
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use crate::BadInput;
+use anyhow::{Context, Result};
+use tautline_core::estimation::Control;
+use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
+
+use crate::effect_arguments::FreedEffects;
+use crate::input::{self, RobotSource};
+use crate::output::{is_readable, say, write_json};
+pub use document::PlanDocument;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A preset (mini, hall, suspended, planar) or a robot.json
+    #[arg(value_name = "PRESET|FILE")]
+    robot: String,
+    /// Number of poses, without the home pose
+    #[arg(long, value_name = "N", default_value_t = 25)]
+    poses: usize,
+    /// Number of feasible poses from which to choose
+    #[arg(long, value_name = "N", default_value_t = 3000)]
+    candidates: usize,
+    /// Seed of the poses drawn
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    effects: FreedEffects,
+    /// Write the poses in the order of measurement
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let RobotSource { robot, preset } = input::robot(&arguments.robot)?;
+    let effects = arguments.effects.bind(&robot)?;
+    let options = PlanOptions {
+        candidates: arguments.candidates,
+        workspace: preset.as_ref().map(|p| p.workspace),
+        tension: preset.as_ref().map(|p| p.tension),
+        effects: &effects,
+        ..PlanOptions::new(arguments.poses, arguments.seed)
+    };
+    let planned = plan(&robot, &options, &mut |_| Control::Continue).map_err(|e| match e {
+        PlanError::NoPoses => BadInput::new(format!("--poses: {e}")),
+        PlanError::Cancelled => e.into(),
+        _ => BadInput::new(format!("{}: {e}", arguments.robot)),
+    })?;
+    if let Some(path) = &arguments.out {
+        write_poses(path, &planned)?;
+    }
+    let document = PlanDocument::of(&robot, &planned);
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&document))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        report::print(&document);
+        if let Some(path) = &arguments.out {
+            say!("the poses are in {}", path.display());
+        }
+    }
+    Ok(())
+}
+
+/// `pose,x_m,y_m,z_m,qw,qx,qy,qz`.
+fn write_poses(path: &Path, plan: &Plan) -> Result<()> {
+    let mut text = "pose,x_m,y_m,z_m,qw,qx,qy,qz\n".to_owned();
+    for planned in &plan.poses {
+        let position: [f64; 3] = planned.pose.position.into();
+        let numbers = position.into_iter().chain(planned.pose.orientation_wxyz());
+        text.push_str(&planned.label.to_string());
+        numbers.for_each(|number| text.push_str(&format!(",{number}")));
+        text.push('\n');
+    }
+    tautline_session::write_text(path, &text)
+        .with_context(|| format!("{} cannot be written", path.display()))
+}

@@ -1,0 +1,72 @@
+//! `tautline precalibrate`.
+
+mod document;
+mod report;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tautline_session::{PhaseData, read_calibration_tables, write_robot};
+use tautline_workflow::precalibration::Calibration;
+
+use super::output::{is_readable, write_json};
+use crate::BadInput;
+pub use document::Precalibration;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Dataset folder
+    #[arg(value_name = "DATASET")]
+    dataset: PathBuf,
+    /// Write the machine form; - is standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the robot with the fitted values
+    #[arg(long, value_name = "FILE")]
+    model_out: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let tables = read_calibration_tables(&arguments.dataset)?;
+    let (robot, phases) = &tables.value;
+    require_any(arguments, phases)?;
+    let fits = Calibration::new(robot, phases);
+    let document = Precalibration::of(robot, phases, &fits).map_err(|failure| {
+        let file = arguments.dataset.join(failure.file);
+        BadInput::new(format!("{}: {}", file.display(), failure.message))
+    })?;
+    let proposal = fits.with_all();
+    for notice in &tables.notices {
+        eprintln!("{notice}");
+    }
+    if let Some(path) = &arguments.model_out {
+        let model = proposal
+            .robot
+            .map_err(|error| BadInput::new(format!("{}: {error}", arguments.dataset.display())))?;
+        for notice in &proposal.left_out {
+            eprintln!("{notice}");
+        }
+        write_robot(path, &model)?;
+    }
+    if let Some(path) = &arguments.json {
+        write_json(path, &tautline_session::document(&document))?;
+    }
+    if is_readable(arguments.json.as_deref()) {
+        report::print(&document);
+    }
+    Ok(())
+}
+
+fn require_any(arguments: &Arguments, phases: &PhaseData) -> Result<()> {
+    let nothing = phases.winch.is_empty()
+        && phases.force.is_empty()
+        && phases.home.is_empty()
+        && phases.elongation.is_empty();
+    if nothing {
+        return Err(BadInput::new(format!(
+            "{}: found none of winch.csv, force.csv, home.csv and elongation.csv, expected one at least",
+            arguments.dataset.display()
+        )));
+    }
+    Ok(())
+}
