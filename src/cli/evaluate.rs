@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Model file or robot.json whose geometry and effects are held
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// Hold the poses, too, at the external instrument's positions
+    /// Also hold the poses, at the external instrument's positions
     #[arg(long)]
     poses_held: bool,
     /// Write the machine form; - is standard output

@@ -54,7 +54,7 @@ struct Arguments {
     /// File that describes what the window shows after every frame, for programs that drive it
     #[arg(long, value_name = "FILE", hide = true)]
     observed: Option<PathBuf>,
-    /// How many times faster than real the simulated robot moves, for programs that measure the window.
+    /// How many times faster than real time the simulated robot moves, for programs that measure the window
     #[arg(long, value_name = "TIMES", hide = true)]
     robot_speed: Option<f64>,
     #[command(subcommand)]
@@ -65,17 +65,17 @@ struct Arguments {
 enum Command {
     /// Make a dataset of a virtual robot
     Simulate(simulate::Arguments),
-    /// Choose the poses to measure and say what to expect of them
+    /// Choose the poses to measure and predict the standard deviations
     Plan(plan::Arguments),
-    /// Drive a robot from pose to pose and measure; goes on where an earlier run ended
+    /// Drive a robot to the planned poses and measure; continues an interrupted run
     Measure(measure::Arguments),
-    /// Find the pulleys from a dataset
+    /// Identify the pulleys from a dataset
     Identify(identify::Arguments),
-    /// Say whether the model explains a dataset, what it gets wrong and what to do about it
+    /// Diagnose the model: does it explain a dataset, what does it lack and what to do about it
     Diagnose(diagnose::Arguments),
     /// Fit poses only, with the geometry and effects of a model held
     Evaluate(evaluate::Arguments),
-    /// Say which pulleys differ between two runs and what is noise
+    /// Compare two runs: which pulleys moved, which differences are noise
     Compare(compare::Arguments),
     /// Accuracy figures of ISO 9283 from a check.csv
     Accuracy(accuracy::Arguments),
@@ -83,11 +83,11 @@ enum Command {
     Precalibrate(precalibrate::Arguments),
     /// Identify, diagnose and write a report as HTML or PDF
     Report(report::Arguments),
-    /// Identify and write the values to the controller, or bring the old ones back
+    /// Identify and write the values to the controller, or restore the old ones
     Adjust(adjust::Arguments),
-    /// Drive to test poses and paths, and say how exactly the robot moves
+    /// Drive to test poses and paths and compute the accuracy figures of ISO 9283
     Verify(verify::Arguments),
-    /// Print the default names of a controller's symbols, as --symbols reads them
+    /// Write the default symbol names of a controller, for --symbols
     Symbols(symbols::Arguments),
     /// List the physical effects that simulate can hide and identify can free
     Effects,
@@ -110,7 +110,7 @@ pub struct WindowOptions {
     pub robot_speed: Option<f64>,
 }
 
-/// What the commands need from the window's crate, which they do not depend on.
+/// Functions of the window's crate, which this one does not depend on.
 pub struct Window {
     /// Opens the window and returns once it is closed.
     pub open: fn(WindowOptions) -> anyhow::Result<()>,
@@ -156,7 +156,7 @@ pub fn run(window: &Window) -> ExitCode {
 fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {
     if let Some(missing) = options.path.as_deref().filter(|path| !path.exists()) {
         let message = format!(
-            "{}: is neither a command nor a file or folder",
+            "{}: neither a command nor a file or folder",
             missing.display()
         );
         return Err(BadInput::new(message));
@@ -164,7 +164,7 @@ fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {
     (window.open)(options)
 }
 
-/// Prints what went wrong, in one line, and gives the exit code.
+/// Prints an error in one line; returns the exit code.
 fn finish(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else {
         return ExitCode::SUCCESS;

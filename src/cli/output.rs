@@ -6,18 +6,17 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 
-/// A line on standard output. Whoever reads it may stop reading (`tautline ... | head`): that is no
-/// failure of ours.
+/// A line on standard output. A reader may stop reading (`tautline ... | head`), which is no error.
 pub fn line(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
 /// A line on standard error, beside the result.
-pub fn tell_error(text: String) {
+pub fn notice(text: String) {
     eprintln!("{text}");
 }
 
-/// `println!` by way of [`line()`].
+/// `println!` through [`line()`].
 macro_rules! say {
     ($($text:tt)*) => {
         $crate::output::line(&format!($($text)*))

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::BadInput;
 use anyhow::Result;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tautline_core::estimation::Control;
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::dataset_to_diagnose;
@@ -27,11 +28,12 @@ pub struct Arguments {
         long,
         value_name = "PART",
         value_delimiter = ',',
+        value_parser = part(),
         conflicts_with = "without"
     )]
     sections: Vec<Part>,
     /// Parts that are left out, separated by commas
-    #[arg(long, value_name = "PART", value_delimiter = ',')]
+    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = part())]
     without: Vec<Part>,
     /// Title instead of the name of the session
     #[arg(long, default_value = "")]
@@ -47,6 +49,13 @@ pub struct Arguments {
     company: String,
 }
 
+/// Reads the name of a part.
+fn part() -> impl TypedValueParser<Value = Part> {
+    let parts = Part::ALL.map(|part| PossibleValue::new(part.name()).help(part.title()));
+    // The parser lets only these names pass.
+    PossibleValuesParser::new(parts).map(|name| Part::named(&name).unwrap_or(Part::Result))
+}
+
 impl Arguments {
     fn choice(&self) -> ReportChoice {
         let is_out = |part: &Part| match self.sections.is_empty() {
@@ -54,7 +63,7 @@ impl Arguments {
             false => !self.sections.contains(part),
         };
         ReportChoice {
-            without: Part::all().iter().copied().filter(is_out).collect(),
+            without: Part::ALL.into_iter().filter(is_out).collect(),
             title: self.title.clone(),
             header: self.header.clone(),
             operator: self.operator.clone(),

@@ -17,7 +17,7 @@ use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::identification::IdentificationDocument;
 
 pub fn run(out: &Path) -> Result<()> {
-    std::fs::create_dir_all(out).with_context(|| format!("{} cannot be made", out.display()))?;
+    std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
     let mut schemas = tautline_session::schemas();
     schemas.push(tautline_session::versioned_schema::<IdentificationDocument>());
     schemas.push(tautline_session::versioned_schema::<DiagnosisDocument>());

@@ -1,4 +1,4 @@
-//! What is written to a controller and how that is told and recorded, for the window and the commands.
+//! Writing identified values to a controller: which values, what is reported and what is recorded, for window and commands.
 
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{self, Difference, Holds};
@@ -23,7 +23,7 @@ pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The last adjustment, if it can be taken back.
+/// The last adjustment, if it can be rolled back.
 #[must_use]
 pub fn revertible(session: &Session) -> Option<&Adjustment> {
     let last = session.adjustments().last()?;
@@ -39,23 +39,23 @@ pub fn former_values(adjustment: &Adjustment) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// What came of an attempt to write so many values, for the operator.
+/// Summary of an attempt to write so many values, for the operator.
 #[must_use]
-pub fn told(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
+pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
     let what = match (&adjustment.holds, purpose) {
         (Holds::New, Purpose::Adjust) => {
             format!(
-                "The identified values are in the controller and were read back ({values} changed)."
+                "The identified values were written to the controller and verified ({values} changed)."
             )
         }
         (Holds::New, Purpose::RollBack) => {
-            format!("The controller holds the former values again ({values} changed).")
+            format!("The previous values were restored ({values} changed).")
         }
         (Holds::Old, _) => "The values were not written.".to_owned(),
         (Holds::Mixed(names), _) => {
-            format!("Attention: {} values are half written.", names.len())
+            format!("Warning: {} values are only partly written.", names.len())
         }
-        (Holds::Unknown, _) => "Attention: what the controller holds is not known.".to_owned(),
+        (Holds::Unknown, _) => "Warning: the values in the controller are not known.".to_owned(),
     };
     let problem = adjustment.problem.as_deref().unwrap_or_default();
     let advice = match purpose {
@@ -67,7 +67,7 @@ pub fn told(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize)
     parts.join(" ")
 }
 
-/// The same for the record of the session; `text` is what is told.
+/// The outcome for the session's record; `text` is the summary.
 #[must_use]
 pub fn outcome(holds: Option<&Holds>, purpose: Purpose, text: &str) -> Outcome {
     match (holds, purpose) {
@@ -99,7 +99,7 @@ pub fn changes(
         .collect()
 }
 
-/// What a controller holds, as a session keeps it.
+/// The values of a controller in the form of a session.
 #[must_use]
 pub fn held(parameters: &[ParameterInfo]) -> Vec<NamedValue> {
     let parameters = parameters.iter();
@@ -111,7 +111,7 @@ pub fn held(parameters: &[ParameterInfo]) -> Vec<NamedValue> {
         .collect()
 }
 
-/// What a verification of a stage is called.
+/// Title of a verification.
 #[must_use]
 pub fn title(stage: Stage) -> &'static str {
     match stage {

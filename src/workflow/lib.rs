@@ -1,5 +1,6 @@
-//! What is done with a session, with no face: identification, planning, adjusting, comparing, verifying, the tables of
-//! the first phases, reports, result documents and their wording. Commands and window are made of these.
+//! Everything that is done with a session, without a user interface: identification, diagnosis, planning, adjusting,
+//! comparing, verifying, the tables of the first phases, reports, result documents and their wording. Commands and window
+//! are built on these.
 
 pub mod accuracy;
 pub mod adjusting;

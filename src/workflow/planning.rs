@@ -1,4 +1,4 @@
-//! Poses to measure and what to expect of them, for the window and the commands.
+//! Poses to measure and the precision to expect of them, for window and commands.
 
 use std::collections::HashSet;
 
@@ -14,19 +14,19 @@ use crate::identification::IdentificationRequest;
 /// Seed of the poses among which is chosen.
 pub const SEED: u64 = 1;
 
-/// A plan and what to expect of it.
+/// A plan with the precision to expect of it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outlook {
-    /// The poses in their order, the home pose first where it is to be measured.
+pub struct PlanSummary {
+    /// The poses in their order; the home pose comes first where it is still to be measured.
     pub poses: Vec<PlannedPose>,
-    /// What all poses together tell.
+    /// Precision to expect from all poses together.
     pub expected: Indices,
-    /// What as many poses drawn at random would tell.
+    /// Precision to expect from as many random poses.
     pub random: Indices,
     /// Standard deviation of the entry points after so many of the poses, home not counted (m).
     pub after_m: Vec<Option<f64>>,
-    /// Length of the way (m).
-    pub way_m: f64,
+    /// Travel distance (m).
+    pub travel_m: f64,
 }
 
 /// Options of a plan for what is to be identified, on top of the raw measurements `existing`.
@@ -55,20 +55,20 @@ fn request(session: &Session) -> Result<IdentificationRequest, String> {
 ///
 /// # Errors
 /// One sentence, if there is no such plan or the observer cancelled it.
-pub fn outlook(
+pub fn plan_poses(
     session: &Session,
     wanted: (usize, u64),
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
-) -> Result<Outlook, String> {
+) -> Result<PlanSummary, String> {
     let request = request(session)?;
     let measured = session.dataset().measurements;
     let options = options(&request, &measured, wanted);
     let planned = plan(&request.dataset.robot, &options, observe);
     let planned = planned.map_err(|error| error.to_string())?;
-    Ok(Outlook::of(with_home(session, &planned), &planned))
+    Ok(PlanSummary::of(with_home(session, &planned), &planned))
 }
 
-impl Outlook {
+impl PlanSummary {
     fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
         Self {
             poses,
@@ -77,19 +77,19 @@ impl Outlook {
             after_m: (0..=planned.poses.len())
                 .map(|count| planned.after(count).indices.mean_m)
                 .collect(),
-            way_m: planned.order.travel_m,
+            travel_m: planned.order.travel_m,
         }
     }
 }
 
-/// What the plan of a session promises, built on what was measured outside of it.
+/// Precision to expect from the plan of a session, on top of what was measured outside of it.
 ///
 /// # Errors
 /// One sentence, if nothing can be said or the observer cancelled it.
-pub fn stored(
+pub fn evaluate_plan(
     session: &Session,
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
-) -> Result<Outlook, String> {
+) -> Result<PlanSummary, String> {
     let request = request(session)?;
     let is_planned = |label: i64| session.plan.iter().any(|pose| pose.label == label);
     let measured = session.dataset().measurements;
@@ -104,7 +104,7 @@ pub fn stored(
     let options = options(&request, &measured, (poses.len(), SEED));
     let planned = evaluate(&request.dataset.robot, &poses, &options, observe);
     let planned = planned.map_err(|error| error.to_string())?;
-    Ok(Outlook::of(session.plan.clone(), &planned))
+    Ok(PlanSummary::of(session.plan.clone(), &planned))
 }
 
 /// The poses with labels of their own, after the home pose where that is not measured yet.

@@ -90,7 +90,7 @@ fn phases(looks: &mut Looks) -> Result<()> {
             looks.at(&format!("phase-{}-{part}", step.number()))?;
         }
     }
-    for show in ["Add to model: ", "What is left"] {
+    for show in ["Add to model: ", "Unexplained"] {
         if looks.stage.shows(show) {
             let name = show.to_lowercase().replace([' ', ':'], "");
             looks.at(&format!("doctor-{name}"))?;

@@ -30,7 +30,7 @@ fn clean_data_have_no_cards() {
     assert!(harness.query_by_label_contains("Add to model").is_none());
     harness.get_by_label_contains("Nothing found does not mean that nothing is there");
     press(&mut harness, "What these poses cannot show");
-    harness.get_by_label_contains("These poses do not show");
+    harness.get_by_label_contains("These poses cannot reveal");
     let record = document(&harness)
         .session()
         .results()

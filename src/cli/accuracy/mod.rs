@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
     }
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&accuracy))?;
+        write_json(path, &tautline_session::versioned(&accuracy))?;
     }
     if is_readable(arguments.json.as_deref()) {
         print(&accuracy);

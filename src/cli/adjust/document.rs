@@ -1,4 +1,4 @@
-//! What `adjust` did: as a document, and in words.
+//! The result of `adjust`: as a document, and as readable text.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use super::interrupted::Found;
 use super::writing::Written;
 use crate::output::say;
 use crate::table;
-use tautline_workflow::wording::units::people;
+use tautline_workflow::wording::units::display_unit;
 
 /// An attempt to write identified values to a controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,7 +30,7 @@ pub struct AdjustmentDocument {
     /// What the controller holds after an attempt to write: all new values, all old ones, mixed or unknown; null
     /// where nothing was written.
     pub holds: Option<String>,
-    /// What came of it, and what to do next.
+    /// Summary of the outcome, and what to do next.
     pub text: Option<String>,
 }
 
@@ -88,7 +88,7 @@ impl AdjustmentDocument {
         self.differences = rows.collect();
     }
 
-    /// What was found of an interrupted adjustment.
+    /// Sets the state that an interrupted adjustment was found in.
     pub fn set_interrupted(&mut self, found: Found) {
         let word = match found {
             Found::Old => "old",
@@ -98,8 +98,8 @@ impl AdjustmentDocument {
         self.interrupted = Some(word.to_owned());
     }
 
-    /// What came of it.
-    pub fn take(&mut self, written: &Written) {
+    /// Sets the outcome.
+    pub fn set_outcome(&mut self, written: &Written) {
         self.outcome = match written.outcome {
             Outcome::Written => "written",
             Outcome::RolledBack => "rolled_back",
@@ -119,8 +119,8 @@ impl AdjustmentDocument {
 
 /// Prints it.
 pub fn print(document: &AdjustmentDocument) {
-    let told = |row: &&DifferenceRow| row.changes || row.sd.is_some();
-    let rows: Vec<&DifferenceRow> = document.differences.iter().filter(told).collect();
+    let is_shown = |row: &&DifferenceRow| row.changes || row.sd.is_some();
+    let rows: Vec<&DifferenceRow> = document.differences.iter().filter(is_shown).collect();
     if !document.differences.is_empty() {
         let mut lines = table::numbers(&[
             "Parameter",
@@ -131,7 +131,7 @@ pub fn print(document: &AdjustmentDocument) {
             "sd",
         ]);
         for row in &rows {
-            let (scale, unit) = people(&row.unit);
+            let (scale, unit) = display_unit(&row.unit);
             let number = |value: Option<f64>| {
                 value.map_or_else(|| "-".to_owned(), |v| format!("{:.4}", v * scale))
             };
@@ -147,13 +147,13 @@ pub fn print(document: &AdjustmentDocument) {
         }
         say!("{lines}");
         let same = document.differences.len() - rows.len();
-        say!("{same} other parameters do not change");
+        say!("{same} other parameters are unchanged");
     }
     let text = document
         .text
         .as_deref()
         .unwrap_or(match document.outcome.as_str() {
-            "nothing_to_write" => "The controller holds the identified values already.",
+            "nothing_to_write" => "The controller already holds the identified values.",
             _ => "Nothing was written.",
         });
     say!("{}: {text}", document.controller);

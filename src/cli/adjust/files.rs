@@ -1,4 +1,4 @@
-//! Identified values for those who enter them at a controller by other means.
+//! Files with the identified values, for controllers without a link.
 
 use anyhow::Result;
 use tautline_core::robot::Robot;

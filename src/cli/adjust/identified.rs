@@ -1,4 +1,4 @@
-//! What is to be written: the identified robot.
+//! The identification whose values are to be written.
 
 use crate::BadInput;
 use anyhow::{Result, anyhow};
@@ -39,7 +39,7 @@ impl Identified {
         let identified = identify_session(&session, &mut |_| Control::Continue)
             .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
         for open in &identified.open {
-            eprintln!("open: {}", open.sentence);
+            eprintln!("undetermined: {}", open.sentence);
         }
         let document = identified.document();
         Ok(Self {
@@ -62,7 +62,7 @@ impl Identified {
             PublishedStop::SmallStep | PublishedStop::SmallError => None,
             // As in the publication, whose steps are counted, not awaited.
             PublishedStop::IterationLimit => Some(format!(
-                "The published method was still moving when its {} steps were used up",
+                "The published method had not converged after its {} steps",
                 published.result.iterations
             )),
             PublishedStop::Diverged => {

@@ -1,4 +1,4 @@
-//! An adjustment that the end of the program interrupted.
+//! Recovery from an adjustment during which the program was killed.
 
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
@@ -7,13 +7,13 @@ use tautline_session::{Adjustment, Outcome, Session, ValueChange};
 
 use super::document::AdjustmentDocument;
 use super::writing::{Written, attempt, conclude};
-use super::{Arguments, parameters, tell};
+use super::{Arguments, message, parameters};
 use crate::live::{Connection, SessionFile, link_error};
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::adjusting::former_values;
 use tautline_workflow::wording::count;
 
-/// What a controller holds after an interrupted adjustment.
+/// Values of a controller after an interrupted adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Found {
     /// All old values.
@@ -30,7 +30,7 @@ pub fn is(session: &Session) -> bool {
     last.is_some_and(|last| last.outcome == Outcome::Begun)
 }
 
-/// Compares what a controller holds with what was there and what was to be written.
+/// Compares the values of a controller with those from before and those that were to be written.
 pub fn found(adjustment: &Adjustment, parameters: &[ParameterInfo]) -> Found {
     let is_held = |change: &ValueChange, value: f64| {
         let known = parameters.iter().find(|p| p.name == change.name);
@@ -57,7 +57,7 @@ pub fn found(adjustment: &Adjustment, parameters: &[ParameterInfo]) -> Found {
     }
 }
 
-/// Tells what the controller holds, and brings the old values back unless all are new.
+/// Reports the values of the controller, and restores the old ones unless all are new.
 pub fn settle(
     arguments: &Arguments,
     file: &mut SessionFile,
@@ -69,15 +69,15 @@ pub fn settle(
     let found = found(&begun, &parameters(connection)?);
     let values = count(begun.changes.len(), "value");
     let what = match found {
-        Found::Old => format!("the controller holds all {values} as they were before"),
-        Found::New => format!("the controller holds all {values} as they were to be written"),
+        Found::Old => format!("the controller still holds all {values} from before"),
+        Found::New => format!("the controller holds all {values} that were to be written"),
         Found::Mixed(others) => {
             format!(
-                "the controller holds {others} of {values} otherwise than before: old and new ones are mixed"
+                "{others} of {values} in the controller differ from before: old and new ones are mixed"
             )
         }
     };
-    tell(
+    message(
         arguments,
         &format!("The adjustment of {} was interrupted: {what}.", begun.time),
     );
@@ -100,13 +100,13 @@ pub fn settle(
         },
         Found::Mixed(_) => {
             let robot = &arguments.robot_arguments;
-            robot.require_arm("The old values were not brought back")?;
+            robot.require_arm("The old values were not restored")?;
             connection.controller.arm().map_err(link_error)?;
             attempt(connection, &former_values(&begun), Purpose::RollBack)
         }
     };
     conclude(file, connection, &written)?;
-    document.take(&written);
+    document.set_outcome(&written);
     arguments.deliver(&document)?;
     match (found, &written.outcome) {
         (Found::Mixed(_), Outcome::Failed(text)) => Err(anyhow!("{text}")),

@@ -14,12 +14,12 @@ use tautline_link::ParameterInfo;
 use tautline_link::adjusting::plan_adjustment;
 use tautline_session::Outcome;
 use tautline_workflow::adjusting::{Purpose, former_values, revertible, values_to_write};
-use tautline_workflow::controllers::Rig;
+use tautline_workflow::controllers::ConnectionSetup;
 
 use crate::live::{Connection, RobotArguments, SessionFile, link_error};
 use crate::measure::require_simulated;
 use crate::method::MethodName;
-use crate::output::{is_readable, say, tell_error, write_json};
+use crate::output::{is_readable, notice, say, write_json};
 pub use document::AdjustmentDocument;
 use identified::Identified;
 use writing::write;
@@ -31,17 +31,17 @@ pub struct Arguments {
     session: PathBuf,
     #[command(flatten)]
     robot_arguments: RobotArguments,
-    /// How to identify; by default as the session says
+    /// Method of identification; by default that of the session
     #[arg(long, value_enum)]
     method: Option<MethodName>,
-    /// Write the values of an identification that did not converge, too
-    #[arg(long)]
-    unconverged: bool,
+    /// Write the values even if the identification did not converge
+    #[arg(long, alias = "unconverged")]
+    allow_unconverged: bool,
     /// Show what would be written, and write nothing
     #[arg(long)]
     dry_run: bool,
     /// Write the values that were there before the last adjustment
-    #[arg(long, conflicts_with_all = ["method", "dry_run", "unconverged"])]
+    #[arg(long, conflicts_with_all = ["method", "dry_run", "allow_unconverged"])]
     roll_back: bool,
     /// Write controller and identified values as a table
     #[arg(long, value_name = "FILE")]
@@ -68,13 +68,13 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.robot_arguments.choice()?;
-    let mut file = SessionFile::open(&arguments.session, &mut tell_error)?;
+    let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
     let symbols = &arguments.robot_arguments.symbols;
     let renamed = symbols.take(&mut file.session, &choice)?;
     if interrupted::is(&file.session) {
-        let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
         let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
         return interrupted::settle(arguments, &mut file, &mut connection);
     }
@@ -83,14 +83,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         robot.require_arm("Nothing was written to the controller")?;
     }
     if arguments.roll_back {
-        let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
         let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
     check_converged(arguments, &identified)?;
     let effects = &identified.model.effects;
-    let rig = Rig::chosen(&file.session, effects, &choice, Some(&file.controller()));
+    let rig = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
     let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
     if renamed && !arguments.dry_run {
         file.save()?;
@@ -98,17 +98,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     adjust(arguments, &mut file, &mut connection, &identified)
 }
 
-/// Values that were still changing when the identification ended are written only where somebody wants that.
+/// Values of an identification that did not converge are written only on request.
 fn check_converged(arguments: &Arguments, identified: &Identified) -> Result<()> {
     let Some(why) = &identified.unconverged else {
         return Ok(());
     };
-    if arguments.dry_run || arguments.unconverged {
+    if arguments.dry_run || arguments.allow_unconverged {
         eprintln!("{why}.");
         return Ok(());
     }
     Err(anyhow!(
-        "{why}: nothing was written to the controller; --unconverged writes the values all the same"
+        "{why}: nothing was written to the controller; --allow-unconverged writes the values anyway"
     ))
 }
 
@@ -138,7 +138,7 @@ fn adjust(
     }
     file.session.add_result(identified.record(&file.session));
     let written = write(file, connection, &parameters, &values, Purpose::Adjust)?;
-    document.take(&written);
+    document.set_outcome(&written);
     arguments.deliver(&document)?;
     match written.outcome {
         Outcome::Written => Ok(()),
@@ -154,14 +154,14 @@ fn roll_back(
     let Some(last) = revertible(&file.session) else {
         let place = arguments.session.display();
         return Err(BadInput::new(format!(
-            "{place}: the last adjustment was not written, so there is nothing to take back"
+            "{place}: the last adjustment was not written, so there is nothing to roll back"
         )));
     };
     let values = former_values(last);
     let parameters = parameters(connection)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
-    document.take(&written);
+    document.set_outcome(&written);
     arguments.deliver(&document)?;
     match written.outcome {
         Outcome::RolledBack => Ok(()),
@@ -173,11 +173,32 @@ fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
     connection.controller.parameters().map_err(link_error)
 }
 
-/// Says something beside what a document has.
-fn tell(arguments: &Arguments, text: &str) {
+/// Prints a message that is not part of the document, on standard error where that goes to standard output.
+fn message(arguments: &Arguments, text: &str) {
     if is_readable(arguments.json.as_deref()) {
         say!("{text}");
     } else {
         eprintln!("{text}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Debug, Parser)]
+    struct Adjust {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    #[test]
+    fn the_former_name_of_the_flag_is_read() {
+        for flag in ["--allow-unconverged", "--unconverged"] {
+            let words = ["tautline", "session.json", "--controller", "sim", flag];
+            assert!(Adjust::parse_from(words).arguments.allow_unconverged);
+        }
     }
 }

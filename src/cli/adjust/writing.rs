@@ -11,16 +11,15 @@ use tautline_session::{Adjustment, Outcome, Phase};
 
 use crate::live::{Connection, SessionFile, link_error};
 use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::adjusting::{changes, held, outcome, told};
+use tautline_workflow::adjusting::{changes, held, outcome, summary};
 use tautline_workflow::clock;
 
-/// How often a lost connection is tried to be made anew.
+/// Attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
-/// Time after which nothing arrives any more that was sent over a lost connection (s): longer than any answer is
-/// waited for.
+/// Time after which nothing sent over a lost connection can still arrive (s): longer than the timeout of any answer.
 const LATE_S: f64 = 1.5;
 
-/// What came of it.
+/// Outcome of writing values.
 pub struct Written {
     /// The attempt; `None` where nothing was written.
     pub attempt: Option<Attempt>,
@@ -30,7 +29,7 @@ pub struct Written {
     pub text: String,
 }
 
-/// Writes values, and keeps in the session what was there before, who wrote what, and what came of it.
+/// Writes values, and records in the session the previous values, the operator and the outcome.
 pub fn write(
     file: &mut SessionFile,
     connection: &mut Connection,
@@ -54,7 +53,7 @@ pub fn write(
     Ok(written)
 }
 
-/// Tries to write values.
+/// Writes values, reconnecting where the connection is lost.
 pub fn attempt(connection: &mut Connection, values: &[(String, f64)], purpose: Purpose) -> Written {
     let mut policy = Attempts {
         back_off: BackOff::default(),
@@ -65,7 +64,7 @@ pub fn attempt(connection: &mut Connection, values: &[(String, f64)], purpose: P
     let controller = &mut *connection.controller;
     let (attempt, text) = match write_adjustment_reconnecting(controller, values, &mut policy) {
         Ok(attempt) => {
-            let text = told(&attempt, purpose, values.len());
+            let text = summary(&attempt, purpose, values.len());
             (Some(attempt), text)
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),
@@ -78,7 +77,7 @@ pub fn attempt(connection: &mut Connection, values: &[(String, f64)], purpose: P
     }
 }
 
-/// Puts into the session what came of the attempt that was begun, and what the controller holds now.
+/// Records in the session the outcome of the attempt that was begun, and the values of the controller.
 pub fn conclude(
     file: &mut SessionFile,
     connection: &mut Connection,
@@ -94,14 +93,14 @@ pub fn conclude(
     Ok(file.remove_controller()?)
 }
 
-/// What the controller holds of the parameters that are to be written.
+/// Present values of the parameters that are to be written.
 fn old_values(parameters: &[ParameterInfo], values: &[(String, f64)]) -> Vec<(String, f64)> {
     let known = |name: &str| parameters.iter().find(|p| p.name == name);
     let old = values.iter().filter_map(|(name, _)| known(name));
     old.map(|p| (p.name.clone(), p.value)).collect()
 }
 
-/// Who runs the program.
+/// The user who runs the program.
 fn operator() -> String {
     let names = ["USER", "LOGNAME", "USERNAME"].iter();
     let mut found = names.filter_map(|name| std::env::var(name).ok());

@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
     let document = ComparisonDocument::of(&compared);
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&document))?;
+        write_json(path, &tautline_session::versioned(&document))?;
     }
     if is_readable(arguments.json.as_deref()) {
         report::print(&compared, &document);

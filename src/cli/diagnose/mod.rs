@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// Probability of a finding in data that the model explains
+    /// Probability of a false finding where the model is right
     #[arg(long, value_name = "PROBABILITY", default_value_t = DiagnosisOptions::default().alpha)]
     alpha: f64,
     /// Write the machine form; - is standard output
@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Write the robot with the geometry and the effects of the extended model
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
-    /// Print the numbers behind the verdicts, too
+    /// Also print the statistics behind the verdicts
     #[arg(long)]
     explain: bool,
 }
@@ -64,7 +64,7 @@ pub fn diagnose_with_progress(
     diagnose_dataset(dataset, alpha, &mut |progress| line.update(*progress))
 }
 
-/// Writes and prints what was asked for.
+/// Writes the files and prints the text that were asked for.
 fn deliver(arguments: &Arguments, diagnosed: &Diagnosed) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         let solution = &diagnosed.diagnosis.extended_solution;

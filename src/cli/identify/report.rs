@@ -1,7 +1,7 @@
 //! The readable report of an identification.
 
 use tautline_core::robot::Robot;
-use tautline_workflow::identification::{Explains, IdentificationDocument};
+use tautline_workflow::identification::{FitVerdict, IdentificationDocument};
 
 use crate::output::say;
 use crate::table;
@@ -19,7 +19,7 @@ pub fn print(identification: &IdentificationDocument, drawing: &Robot) {
     }
     print_residuals(identification);
     for sentence in &identification.undetermined {
-        say!("open: {sentence}");
+        say!("undetermined: {sentence}");
     }
     print_suspects(&identification.suspect_readings);
 }
@@ -87,14 +87,14 @@ fn print_suspects(suspects: &[String]) {
 fn adequacy(identification: &IdentificationDocument) -> String {
     let (chi2, dof) = (identification.chi2, identification.dof);
     let figures = format!("chi-square {chi2:.1} for {dof:.0} degrees of freedom");
-    let explains = Explains::of(identification.p_value);
+    let explains = FitVerdict::of(identification.p_value);
     let words = explains.words();
     match identification.p_value {
-        Some(_) if explains == Explains::No => format!(
-            "{figures}: the model does NOT explain the data; the standard deviations hold only if it did"
+        Some(_) if explains == FitVerdict::Inadequate => format!(
+            "{figures}: the model does NOT explain the data, so the standard deviations are not valid"
         ),
-        Some(p) if explains == Explains::Hardly => format!("{figures} (p = {p:.4}): {words}"),
-        Some(p) if explains == Explains::Yes => format!("{figures} (p = {p:.3}): {words}"),
+        Some(p) if explains == FitVerdict::Doubtful => format!("{figures} (p = {p:.4}): {words}"),
+        Some(p) if explains == FitVerdict::Adequate => format!("{figures} (p = {p:.3}): {words}"),
         _ => format!("{figures}: {words}"),
     }
 }

@@ -8,7 +8,7 @@ use tautline_link::laser::ManualLaser;
 use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
 
 use crate::BadInput;
-use tautline_workflow::controllers::{FastClock, OpenError, Rig};
+use tautline_workflow::controllers::{ConnectionSetup, OpenError, SimulationClock};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
@@ -18,7 +18,7 @@ const SHORTEST_TICK: Duration = Duration::from_millis(1);
 const STEP_S: f64 = 0.05;
 /// Longest step of a simulated robot's time (s).
 const LONGEST_STEP_S: f64 = 0.2;
-/// Longest time that the way home may take (s), by the clock.
+/// Timeout of homing (s), by the clock.
 const HOMING_S: f64 = 120.0;
 
 /// How time passes.
@@ -39,14 +39,14 @@ pub struct Connection {
     /// The external instrument of a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
     /// The laser whose distances the operator types.
-    pub asked: Option<ManualLaser>,
-    clock: FastClock,
+    pub manual_laser: Option<ManualLaser>,
+    clock: SimulationClock,
     pace: Pace,
 }
 
 impl Connection {
     /// Opens and connects; without a `speed` the time of a robot that is not real runs as fast as it computes.
-    pub fn open(rig: &Rig, speed: Option<f64>) -> Result<Self> {
+    pub fn open(rig: &ConnectionSetup, speed: Option<f64>) -> Result<Self> {
         let pace = match speed {
             _ if rig.runs_in_real_time() => Pace::Real,
             Some(speed) => Pace::Faster(speed),
@@ -62,7 +62,7 @@ impl Connection {
         Ok(Self {
             controller,
             instrument: opened.instrument,
-            asked: opened.asked,
+            manual_laser: opened.manual_laser,
             clock: opened.clock,
             pace,
         })
@@ -79,11 +79,11 @@ impl Connection {
             Pace::Computed => self.clock.advance(STEP_S),
             Pace::Faster(speed) => {
                 thread::sleep(TICK.div_f64(speed.max(1.0)).max(SHORTEST_TICK));
-                self.clock.go_on(Some(LONGEST_STEP_S));
+                self.clock.follow_real_time(Some(LONGEST_STEP_S));
             }
             Pace::Real => {
                 thread::sleep(TICK);
-                self.clock.go_on(None);
+                self.clock.follow_real_time(None);
             }
         }
     }
@@ -94,7 +94,7 @@ impl Connection {
         self.controller.home().map_err(link_error)?;
         loop {
             self.step();
-            // A controller tells what it does with its readings, and stops where nobody asks for them.
+            // A controller reports its state with its readings, and stops unless they are requested.
             self.controller.sample().map_err(link_error)?;
             match self.controller.state().activity {
                 Activity::Moving => {}
@@ -111,7 +111,7 @@ impl Connection {
             if self.now_s() - begun_s > HOMING_S {
                 self.stop();
                 return Err(anyhow!(
-                    "the platform has not come home after {HOMING_S:.0} s"
+                    "the platform has not reached home after {HOMING_S:.0} s"
                 ));
             }
         }
@@ -120,7 +120,7 @@ impl Connection {
     /// Stops the platform.
     pub fn stop(&mut self) {
         if let Err(error) = self.controller.stop() {
-            eprintln!("The platform could not be told to stop: {error}");
+            eprintln!("The stop command failed: {error}");
         }
     }
 }
@@ -131,7 +131,7 @@ impl Drop for Connection {
     }
 }
 
-/// What cannot be set up is for the user to correct.
+/// Setup errors are bad input, which the user can correct.
 pub fn link_error(error: LinkError) -> anyhow::Error {
     match error {
         LinkError::Setup(text) => BadInput::new(text),

@@ -1,4 +1,4 @@
-//! The operator's interrupt, Ctrl-C: what goes on is ended in order.
+//! The operator's interrupt, Ctrl-C, which ends a run in an orderly way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -7,7 +7,7 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Exit code of a program that was interrupted twice.
 const INTERRUPTED: i32 = 130;
 
-/// Notes an interrupt from now on instead of ending the program; the second one ends it.
+/// From now on notes an interrupt instead of ending the program; the second one ends it.
 ///
 /// # Errors
 /// If the operating system does not allow it: then a robot must not move.
@@ -17,11 +17,10 @@ pub fn listen() -> anyhow::Result<()> {
             std::process::exit(INTERRUPTED);
         }
     };
-    ctrlc::set_handler(note)
-        .map_err(|error| anyhow::anyhow!("Ctrl-C cannot be listened to: {error}"))
+    ctrlc::set_handler(note).map_err(|error| anyhow::anyhow!("Ctrl-C cannot be handled: {error}"))
 }
 
-/// Whether there was one.
+/// Whether there was an interrupt.
 #[must_use]
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)

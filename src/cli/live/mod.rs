@@ -1,4 +1,4 @@
-//! What the commands that work with a robot have in common: the session's file, the connection, the interrupt.
+//! Shared by the commands that work with a robot: session file, connection, interrupt.
 
 mod connection;
 pub mod interrupt;
@@ -15,7 +15,7 @@ use tautline_session::{Session, read_symbols};
 use crate::BadInput;
 use tautline_workflow::controllers::ControllerChoice;
 
-/// Which robot, and whether it may move.
+/// Arguments that choose a controller and allow it to act.
 #[derive(Debug, clap::Args)]
 pub struct RobotArguments {
     /// sim (the session's simulated robot), replay:DIR (a recorded dataset) or ads:HOST[:PORT]/NETID
@@ -24,14 +24,14 @@ pub struct RobotArguments {
     /// Allow the robot to move and its values to be changed
     #[arg(long)]
     pub arm: bool,
-    /// Let the time of a simulated or recorded robot run X times faster than real; by default as fast as it computes
+    /// Run a simulated or recorded robot X times faster than real time; by default as fast as it can be computed
     #[arg(long, value_name = "X")]
     pub speed: Option<f64>,
     #[command(flatten)]
     pub symbols: SymbolsArgument,
 }
 
-/// What the controller calls its variables.
+/// The argument for the controller's symbol names.
 #[derive(Debug, clap::Args)]
 pub struct SymbolsArgument {
     /// Names of the symbols of an ads: controller, as `tautline symbols` writes the default ones; kept in the session
@@ -40,7 +40,7 @@ pub struct SymbolsArgument {
 }
 
 impl SymbolsArgument {
-    /// Gives the session the symbols of the file, if one was named; whether there are new ones.
+    /// Sets the session's symbols from the file, if one was named; returns whether they have changed.
     pub fn take(&self, session: &mut Session, choice: &ControllerChoice) -> Result<bool> {
         let Some(path) = &self.file else {
             return Ok(false);
@@ -74,7 +74,7 @@ impl RobotArguments {
         choice.map_err(|error| BadInput::new(format!("--controller: {error}")))
     }
 
-    /// Refuses to do anything to a robot without leave.
+    /// Refuses to act on a robot without `--arm`.
     pub fn require_arm(&self, what: &str) -> Result<()> {
         if self.arm {
             return Ok(());

@@ -6,22 +6,22 @@ use anyhow::Result;
 
 use crate::BadInput;
 
-/// How often a line that is no answer is asked for again.
+/// Attempts at an answer that can be read.
 const TRIES: usize = 3;
 
-/// Refuses to begin where nobody can type: neither a terminal nor a file or program gives standard input.
+/// Refuses to start where no answers can be typed: standard input is neither a terminal nor a file or pipe.
 pub fn require(what: &str) -> Result<()> {
-    if stdin().is_terminal() || !gives_nothing() {
+    if stdin().is_terminal() || !is_null_device() {
         return Ok(());
     }
     Err(BadInput::new(format!(
-        "{what}, and there is no terminal to type at: start the command at one"
+        "{what}, and standard input is no terminal: start the command in one"
     )))
 }
 
-/// Whether standard input is a device, such as that for nothing; a terminal was looked for before.
+/// Whether standard input is a device such as `/dev/null`; a terminal was ruled out before.
 #[cfg(unix)]
-fn gives_nothing() -> bool {
+fn is_null_device() -> bool {
     use std::fs::File;
     use std::os::fd::AsFd;
     use std::os::unix::fs::FileTypeExt;
@@ -30,13 +30,13 @@ fn gives_nothing() -> bool {
     metadata.map_or(true, |metadata| metadata.file_type().is_char_device())
 }
 
-/// Elsewhere the first question tells.
+/// Elsewhere the first question finds out.
 #[cfg(not(unix))]
-fn gives_nothing() -> bool {
+fn is_null_device() -> bool {
     false
 }
 
-/// Asks, and reads lines from standard input until one is an answer; `None` where none comes.
+/// Asks a question and reads lines from standard input until one is an answer; `None` where there is none.
 pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
     eprintln!("{question}");
     for _ in 0..TRIES {

@@ -39,7 +39,7 @@ pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Sessi
     session.record(LogEntry {
         time: now,
         phase: Phase::Session,
-        text: format!("Begun by command with the controller {choice}."),
+        text: format!("Created by command with the controller {choice}."),
     });
     Ok(session)
 }

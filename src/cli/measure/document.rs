@@ -1,4 +1,4 @@
-//! What a run of `measure` came to: as a document, and in words.
+//! The result of `measure`: as a document, and as readable text.
 
 use std::path::Path;
 
@@ -83,7 +83,7 @@ pub fn print(document: &MeasuringDocument, session: &Path) {
         document.measured.len()
     );
     for Skipped { pose, reason } in &document.skipped {
-        say!("pose {pose} was left out: {reason}");
+        say!("pose {pose} was skipped: {reason}");
     }
     if let Some(sd_m) = document.largest_sd_m {
         say!(
@@ -93,6 +93,6 @@ pub fn print(document: &MeasuringDocument, session: &Path) {
     }
     if document.end == "good_enough" {
         let rest = count(document.missing.len(), "planned pose");
-        say!("that is good enough: {rest} not needed");
+        say!("the precision is reached: {rest} not needed");
     }
 }

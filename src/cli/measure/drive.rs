@@ -1,4 +1,4 @@
-//! The run itself: no pose is commanded before the one before it is on disk.
+//! The measuring run: no pose is commanded before the previous one is on disk.
 
 use std::collections::HashMap;
 
@@ -11,13 +11,13 @@ use tautline_link::measuring::{
     MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
 use tautline_session::{MeasuredPose, RecoveryWriter, Session};
-use tautline_workflow::controllers::Rig;
+use tautline_workflow::controllers::ConnectionSetup;
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::wording::sentence;
 
 use crate::live::{Connection, SessionFile, interrupt, typed};
 
-/// Poses, home included, before which nobody asks whether it is good enough.
+/// Fewest poses, home included, after which the precision is checked.
 const LEAST: usize = 6;
 
 /// How a run ended.
@@ -25,13 +25,13 @@ const LEAST: usize = 6;
 pub enum End {
     /// Every pose is measured or left out.
     Finished,
-    /// What is measured is good enough.
+    /// The precision that was asked for is reached.
     GoodEnough,
     /// The operator interrupted it.
     Interrupted,
-    /// Something went wrong; one sentence.
+    /// The run failed; one sentence.
     Failed(String),
-    /// Nobody typed what was asked for; one sentence.
+    /// An answer that was asked for was not typed; one sentence.
     NotTyped(String),
 }
 
@@ -48,7 +48,7 @@ pub struct Ended {
     pub largest_sd_m: Option<f64>,
 }
 
-/// A run with what its end depends on.
+/// A run with its stop criteria.
 pub struct Drive {
     run: MeasuringRun,
     poses: usize,
@@ -60,7 +60,12 @@ pub struct Drive {
 
 impl Drive {
     /// The poses of the session's plan that are not measured yet.
-    pub fn new(session: &Session, rig: &Rig, stop_at_m: Option<f64>, retries: usize) -> Self {
+    pub fn new(
+        session: &Session,
+        rig: &ConnectionSetup,
+        stop_at_m: Option<f64>,
+        retries: usize,
+    ) -> Self {
         let planned = session.plan.iter();
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
         let mut options = MeasuringOptions::of(rig.robot());
@@ -87,20 +92,20 @@ impl Drive {
     /// Drives until the end; then everything is in the session's file and nothing is left beside it.
     pub fn run(mut self, file: &mut SessionFile, connection: &mut Connection) -> Result<Ended> {
         let mut keeper = file.autosave()?;
-        self.run = self.run.asking(connection.asked.clone());
+        self.run = self.run.asking(connection.manual_laser.clone());
         let measured = self.measure(file, connection, &mut keeper);
         if self.run.stage() != Stage::Ended || measured.is_err() {
             connection.stop();
         }
         match measured {
             Ok(end) => self.ended.end = end,
-            // What is kept stays beside the file for the next command, should the file not be written below.
+            // If saving fails below, the autosaved poses stay beside the file for the next command.
             Err(error) if error.is::<BadInput>() => {
                 self.ended.end = End::NotTyped(error.to_string());
             }
             Err(error) => self.ended.end = End::Failed(format!("{error:#}")),
         }
-        super::logged(file, &self.ended);
+        super::log(file, &self.ended);
         file.save()?;
         keeper.finish()?;
         Ok(self.ended)
@@ -131,7 +136,7 @@ impl Drive {
                     }
                     MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
                     MeasuringEvent::LaserWanted { label } => {
-                        if let Some(laser) = &connection.asked {
+                        if let Some(laser) = &connection.manual_laser {
                             ask_distance(label, laser)?;
                         }
                     }
@@ -147,7 +152,7 @@ impl Drive {
         }
     }
 
-    /// A pose is on disk before it is told, and told before the next one is commanded.
+    /// A pose is on disk before it is reported, and reported before the next one is commanded.
     fn store(
         &mut self,
         pose: &MeasuredPose,
@@ -168,7 +173,7 @@ impl Drive {
         Ok(())
     }
 
-    /// Tries a pose again, or leaves it out.
+    /// Retries a pose, or skips it.
     fn paused(&mut self, reason: &str, connection: &Connection) -> Result<()> {
         let state = connection.controller.state();
         let label = self.run.under_way().context("the run waits")?;
@@ -178,17 +183,17 @@ impl Drive {
         let tried = self.tried.entry(label).or_default();
         *tried += 1;
         if *tried <= self.retries {
-            eprintln!("{}: tried again.", sentence(reason.trim_end_matches('.')));
+            eprintln!("{}: retrying.", sentence(reason.trim_end_matches('.')));
             self.run.resume();
             return Ok(());
         }
         if label == 0 {
             return Err(anyhow!(
-                "the home pose, from which all lengths count, cannot be measured: {reason}"
+                "the home pose, which all lengths refer to, cannot be measured: {reason}"
             ));
         }
         eprintln!(
-            "{}: pose {label} is left out.",
+            "{}: pose {label} is skipped.",
             sentence(reason.trim_end_matches('.'))
         );
         self.ended.skipped.push((label, reason.to_owned()));

@@ -11,14 +11,14 @@ use std::path::PathBuf;
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_session::{LaserSettings, Outcome, Phase, Session};
-use tautline_workflow::controllers::{ControllerChoice, Rig};
+use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 use tautline_workflow::identification::{Identification, identify_session};
 use tautline_workflow::wording::count;
 
 use crate::effect_arguments::HiddenEffects;
 use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
-use crate::output::{is_readable, tell_error, write_json};
+use crate::output::{is_readable, notice, write_json};
 pub use document::MeasuringDocument;
 use drive::{Drive, End};
 
@@ -43,14 +43,14 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
-    /// End as soon as no coordinate of an entry point has a larger standard deviation than this (mm)
+    /// Stop as soon as every coordinate of an entry point has a standard deviation below this (mm)
     #[arg(long, value_name = "MM")]
     stop_at: Option<f64>,
     /// Where laser distances come from: controller, manual (typed at each pose), tcp:HOST:PORT or serial:PORT[:BAUD],
     /// both with ?pattern=..&unit=mm; kept in the session
     #[arg(long, value_name = "SOURCE")]
     laser: Option<LaserSettings>,
-    /// How often a pose at which the run pauses is tried again before it is left out
+    /// How often a pose at which the run pauses is retried before it is skipped
     #[arg(long, value_name = "N", default_value_t = 1)]
     retries: usize,
     /// Write the machine form; - is standard output
@@ -59,7 +59,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// The precision that is enough (m).
+    /// The precision at which to stop (m).
     fn stop_at_m(&self) -> Result<Option<f64>> {
         match self.stop_at {
             Some(mm) if !(mm.is_finite() && mm > 0.0) => Err(BadInput::new(format!(
@@ -83,13 +83,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             is_new.set(true);
             begin::session(arguments, &choice).map(Some)
         },
-        &mut tell_error,
+        &mut notice,
     )?;
     if !is_new.get() && !arguments.effects.is_empty() {
         let place = arguments.session.display();
-        eprintln!(
-            "{place}: goes on with the simulated robot that it has, --effect changes nothing"
-        );
+        eprintln!("{place}: continues with its own simulated robot; --effect is ignored");
     }
     check(&file, arguments, &choice)?;
     let symbols = &arguments.robot_arguments.symbols;
@@ -105,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(laser) = &arguments.laser {
         file.session.laser_source = laser.clone();
     }
-    let rig = Rig::chosen(&file.session, &[], &choice, Some(&file.controller()));
+    let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
     let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
     file.save()?;
@@ -123,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     result(&document, &ended, arguments)
 }
 
-/// Whether the session can be gone on with by this command.
+/// Refuses a session that this command cannot continue.
 fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -> Result<()> {
     let place = file.path.display();
     refuse_interrupted(&file.session, &place.to_string())?;
@@ -140,22 +138,22 @@ fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -
     Ok(())
 }
 
-/// A simulated robot is that of the session: readings of another one would say nothing about its robot.
+/// Refuses to simulate a session without a simulated robot: the readings would say nothing about its real one.
 pub fn require_simulated(session: &Session, choice: &ControllerChoice, place: &str) -> Result<()> {
     if *choice == ControllerChoice::Simulated && session.simulator.is_none() {
         return Err(BadInput::new(format!(
-            "{place}: has no simulated robot, expected another --controller than sim"
+            "{place}: has no simulated robot, expected a --controller other than sim"
         )));
     }
     Ok(())
 }
 
-/// Nothing is measured with values that may be half old and half new.
+/// Refuses to measure while the controller may hold a mixture of old and new values.
 pub fn refuse_interrupted(session: &Session, place: &str) -> Result<()> {
     let last = session.adjustments().last();
     if last.is_some_and(|last| last.outcome == Outcome::Begun) {
         return Err(BadInput::new(format!(
-            "{place}: an adjustment of the controller was interrupted; run `tautline adjust` first, which settles it"
+            "{place}: an adjustment of the controller was interrupted; run `tautline adjust` first, which resolves it"
         )));
     }
     Ok(())
@@ -176,14 +174,14 @@ fn result(document: &MeasuringDocument, ended: &drive::Ended, arguments: &Argume
     let place = arguments.session.display();
     match &ended.end {
         End::Interrupted => Err(anyhow!(
-            "Stopped by the operator: {on_disk} are in {place}; the same command goes on"
+            "Stopped by the operator: {on_disk} are in {place}; the same command continues"
         )),
         End::Failed(why) => Err(anyhow!(
-            "{} {on_disk} are in {place}; the same command goes on",
+            "{} {on_disk} are in {place}; the same command continues",
             ensure_full_stop(why)
         )),
         End::NotTyped(why) => Err(BadInput::new(format!(
-            "{} {on_disk} are in {place}; the same command goes on",
+            "{} {on_disk} are in {place}; the same command continues",
             ensure_full_stop(why)
         ))),
         End::Finished | End::GoodEnough if document.enough => Ok(()),
@@ -197,14 +195,14 @@ fn ensure_full_stop(text: &str) -> String {
     format!("{}.", text.trim_end_matches('.'))
 }
 
-/// What the session's log says of a run.
-fn logged(file: &mut SessionFile, ended: &drive::Ended) {
+/// Adds a run to the session's log.
+fn log(file: &mut SessionFile, ended: &drive::Ended) {
     let text = format!(
         "Measured {} by command{}.",
         count(ended.measured.len(), "pose"),
         match &ended.end {
             End::Finished => String::new(),
-            End::GoodEnough => ", which is good enough".to_owned(),
+            End::GoodEnough => ", precision reached".to_owned(),
             End::Interrupted => ", then stopped by the operator".to_owned(),
             End::Failed(why) | End::NotTyped(why) =>
                 format!(", then it failed: {}", why.trim_end_matches('.')),

@@ -1,4 +1,4 @@
-//! Which poses are measured.
+//! The plan of a run.
 
 use anyhow::Result;
 use tautline_core::estimation::Control;
@@ -7,7 +7,7 @@ use tautline_session::{PlannedPose, Session, read_plan, read_table_file};
 use super::Arguments;
 use crate::{BadInput, input};
 use tautline_workflow::controllers::ControllerChoice;
-use tautline_workflow::planning::outlook;
+use tautline_workflow::planning::plan_poses;
 use tautline_workflow::wording::count;
 
 /// Poses that are closer than this are the same one (m and rad).
@@ -36,7 +36,7 @@ pub fn complete(
         return take(session, poses.collect(), &folder.display().to_string());
     }
     eprintln!("Planning {}.", count(arguments.poses, "pose"));
-    let planned = outlook(session, (arguments.poses, arguments.seed), &mut |_| {
+    let planned = plan_poses(session, (arguments.poses, arguments.seed), &mut |_| {
         Control::Continue
     });
     let planned = planned.map_err(|error| {
@@ -49,7 +49,7 @@ pub fn complete(
     Ok(())
 }
 
-/// Takes the poses of a table, after the home pose; what is measured already stays.
+/// Adopts the poses of a table, after the home pose; measured poses stay.
 fn take(session: &mut Session, poses: Vec<PlannedPose>, place: &str) -> Result<()> {
     let labels = &session.measurements.labels;
     for pose in &poses {
@@ -58,7 +58,7 @@ fn take(session: &mut Session, poses: Vec<PlannedPose>, place: &str) -> Result<(
         let moved = commanded.is_some_and(|c| c.difference(&pose.pose()).amax() > SAME);
         if moved && pose.label != 0 {
             return Err(BadInput::new(format!(
-                "{place}: pose {} is measured already, at another place",
+                "{place}: pose {} has already been measured elsewhere",
                 pose.label
             )));
         }
@@ -75,7 +75,7 @@ fn take(session: &mut Session, poses: Vec<PlannedPose>, place: &str) -> Result<(
     {
         plan.push(PlannedPose::new(0, &home.pose()));
     }
-    // Lengths count from home, so that is where a run begins.
+    // Lengths are relative to home, so a run begins there.
     let (home, others): (Vec<PlannedPose>, Vec<PlannedPose>) =
         poses.into_iter().partition(|pose| pose.label == 0);
     plan.extend(home.into_iter().chain(others));

@@ -49,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_robot(path, &model)?;
     }
     if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::document(&document))?;
+        write_json(path, &tautline_session::versioned(&document))?;
     }
     if is_readable(arguments.json.as_deref()) {
         report::print(&document);

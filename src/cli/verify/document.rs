@@ -1,4 +1,4 @@
-//! What `verify` tells: as a document, and in words.
+//! The result of `verify`: as a document, and as readable text.
 
 use anyhow::{Result, anyhow};
 use schemars::JsonSchema;

@@ -31,7 +31,7 @@ pub fn drive(
     };
     if typed {
         options.measurements = 1;
-        // Nobody is hurried.
+        // The operator may take any time.
         options.timeout_s = f64::INFINITY;
     }
     let mut run = VerifyingRun::new(targets.clone(), options);
@@ -67,7 +67,7 @@ pub fn drive(
 }
 
 fn interrupted() -> anyhow::Error {
-    anyhow!("Stopped by the operator: nothing of this verification is kept")
+    anyhow!("Stopped by the operator: this verification is discarded")
 }
 
 /// What the target number `done`, from 1, is called.

@@ -18,12 +18,12 @@ use super::live::{
     Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
 };
 use super::measure::{refuse_interrupted, require_simulated};
-use super::output::{is_readable, tell_error, write_json};
+use super::output::{is_readable, notice, write_json};
 use crate::BadInput;
 pub use document::VerificationDocument;
 use tautline_workflow::adjusting::title;
 use tautline_workflow::clock;
-use tautline_workflow::controllers::{ControllerChoice, Rig};
+use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 
 /// Points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
@@ -39,12 +39,12 @@ pub struct Arguments {
     /// Allow the robot to move
     #[arg(long)]
     arm: bool,
-    /// Let the time of a simulated robot run X times faster than real; by default as fast as it computes
+    /// Run a simulated robot X times faster than real time; by default as fast as it can be computed
     #[arg(long, value_name = "X")]
     speed: Option<f64>,
     #[command(flatten)]
     symbols: SymbolsArgument,
-    /// Where to drive: cube (15 poses in three cubes), circle, line
+    /// Targets: cube (15 poses in three cubes), circle, line
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', default_values_t = TargetName::ALL)]
     targets: Vec<TargetName>,
     /// How often each target is approached; ISO 9283 asks for 30
@@ -53,13 +53,13 @@ pub struct Arguments {
     /// Points of the circle and of the line; by default 16 and 9
     #[arg(long, value_name = "N")]
     points: Option<usize>,
-    /// Take commanded and measured poses from this check.csv instead of driving
+    /// Use the commanded and measured poses of this check.csv instead of driving
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["controller", "arm"])]
     check: Option<PathBuf>,
     /// Write commanded and measured poses as a check.csv
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Whether this is before or after the adjustment; by default as the session's record says
+    /// Whether this is before or after the adjustment; by default from the session's records
     #[arg(long, value_enum)]
     stage: Option<StageName>,
     /// Write the machine form; - is standard output
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let message = "The robot was not moved: add --arm once nobody is near the robot";
         return Err(BadInput::new(message));
     }
-    let mut file = SessionFile::open(&arguments.session, &mut tell_error)?;
+    let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     refuse_interrupted(&file.session, &arguments.session.display().to_string())?;
     let (rows, source) = match (&arguments.check, &choice) {
         (Some(path), _) => (from_file(path)?, format!("from {}", path.display())),
@@ -101,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         (None, None) => return Err(BadInput::new("expected --controller or --check")),
     };
-    // Figures first: what makes none is no verification.
+    // Figures first: rows without figures are not a verification.
     tautline_workflow::accuracy::figures(&rows).map_err(|error| match &arguments.check {
         Some(path) => BadInput::new(format!("{}: {error}", path.display())),
         None => anyhow::anyhow!("{error}"),
@@ -131,7 +131,7 @@ fn check(arguments: &Arguments) -> Result<()> {
     }
     if arguments.cycles < 2 {
         let message = format!(
-            "--cycles: found {}, expected at least 2 to tell the repeatability",
+            "--cycles: found {}, expected at least 2 for the repeatability",
             arguments.cycles
         );
         return Err(BadInput::new(message));
@@ -166,14 +166,14 @@ fn driven(
 ) -> Result<(Vec<CheckRow>, String)> {
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, choice, &place)?;
-    let rig = Rig::chosen(&file.session, &[], choice, Some(&file.controller()));
+    let rig = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
     let targets = targets(arguments, &rig);
     if targets.is_empty() {
-        let message = format!("{place}: --targets: its robot can be driven to none of them");
+        let message = format!("{place}: --targets: its robot cannot reach any of them");
         return Err(BadInput::new(message));
     }
     if !rig.has_instrument() {
-        typing::require("The robot was not moved: where it stands has to be typed")?;
+        typing::require("The robot was not moved: its positions have to be typed")?;
     }
     let mut connection = Connection::open(&rig, arguments.speed)?;
     interrupt::listen()?;
@@ -186,7 +186,7 @@ fn driven(
     Ok((rows, source))
 }
 
-fn targets(arguments: &Arguments, rig: &Rig) -> Vec<CheckTarget> {
+fn targets(arguments: &Arguments, rig: &ConnectionSetup) -> Vec<CheckTarget> {
     let (robot, workspace) = (rig.robot(), rig.workspace());
     let (on_circle, on_line) = POINTS;
     let mut targets = Vec::new();

@@ -1,4 +1,4 @@
-//! An external instrument whose readings somebody types.
+//! An external instrument whose readings are typed at the terminal.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,7 +7,7 @@ use tautline_session::CheckPose;
 
 use crate::live::typed;
 
-/// Where the platform is going, for the question, and whether it had no answer.
+/// Name of the target that readings are asked for, and whether none was typed.
 #[derive(Debug, Clone, Default)]
 pub struct Target(Arc<Mutex<(String, bool)>>);
 
@@ -51,7 +51,7 @@ impl Instrument for Typed {
         }
         self.0.miss();
         let text = format!(
-            "no reading was typed for {}: nothing of this verification is kept",
+            "no reading was typed for {}: this verification is discarded",
             self.0.get()
         );
         Err(LinkError::Setup(text))

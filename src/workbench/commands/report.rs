@@ -22,7 +22,7 @@ pub(super) fn perform(state: &mut State, command: ReportCommand) {
             };
             state
                 .model
-                .change_preferences(|preferences| choice.keep(preferences));
+                .change_preferences(|preferences| choice.save(preferences));
             save(state, path, choice);
         }
     }

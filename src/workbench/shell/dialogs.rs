@@ -85,7 +85,7 @@ fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
         .num_columns(2)
         .spacing([6.0 * GRID, GRID])
         .show(ui, |ui| {
-            for (k, part) in Part::all().iter().enumerate() {
+            for (k, part) in Part::ALL.iter().enumerate() {
                 let mut wanted = !choice.without.contains(part);
                 if ui.checkbox(&mut wanted, part.title()).changed() {
                     if wanted {

@@ -143,7 +143,7 @@ fn check_cycles(kind: CheckKind, points: Vec<Point>) -> Result<Vec<Point>, Strin
     }
     if let [only] = expected.as_slice() {
         return Err(format!(
-            "found cycle {only} only, expected at least 2 cycles to tell the repeatability"
+            "found cycle {only} only, expected at least 2 cycles for the repeatability"
         ));
     }
     Ok(points)

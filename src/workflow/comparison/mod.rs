@@ -14,7 +14,7 @@ pub use words::{by_chance, differs, effect_name, unexplained, verdict};
 /// Probability with which two sessions of the same robot are called different.
 pub const LEVEL: f64 = 0.05;
 
-/// What was read as a session, with what there is to tell about it; datasets and robots begin one.
+/// An import as a session, with notices; datasets and robots begin a new session.
 ///
 /// # Errors
 /// If it is a table: one sentence.

@@ -8,12 +8,12 @@ use crate::wording::{count, list, odds};
 /// Probability of a fit below which its differences are not to be trusted.
 const BAD_FIT: f64 = 0.01;
 
-/// Whether a test tells a difference from noise.
+/// Whether a test finds a difference beyond noise.
 pub fn differs(compared: &Comparison, test: Option<Test>) -> bool {
     test.is_some_and(|test| test.p_corrected < compared.level)
 }
 
-/// What differs, in a sentence or two.
+/// The differences in a sentence or two.
 pub fn verdict(compared: &Comparison) -> String {
     let moved: Vec<String> = (compared.pulleys.iter())
         .filter(|pulley| pulley.moved)
@@ -40,7 +40,7 @@ pub fn verdict(compared: &Comparison) -> String {
     }
 }
 
-/// What else of the robot is different.
+/// Other differences than those of pulleys.
 fn others(compared: &Comparison) -> Vec<String> {
     let plane = compared.plane.as_ref().and_then(|plane| plane.test);
     let plane = differs(compared, plane).then(|| "the laser's target plane".to_owned());
@@ -64,7 +64,7 @@ pub fn effect_name(effect: &EffectDifference) -> String {
     }
 }
 
-/// A sentence for each of the two that its model does not explain; they have these names.
+/// A sentence for each of the two runs, of these names, that its model does not explain.
 pub fn unexplained(compared: &Comparison, names: [&str; 2]) -> Vec<String> {
     let fits = compared.fits.iter().zip(names);
     fits.filter(|(fit, _)| fit.p_value.is_some_and(|p| p < BAD_FIT))
@@ -141,7 +141,7 @@ mod tests {
             effect: "winch_scale".to_owned(),
             targets: vec!["cable-2".to_owned()],
             parameter: "scale".to_owned(),
-            unit: "1",
+            unit: "1".to_owned(),
             size: ScalarDifference {
                 first: Some(0.0),
                 second: None,

@@ -1,4 +1,4 @@
-//! Which controller somebody asks for, as one word.
+//! The choice of a controller as one word of text.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::str::FromStr;
 use tautline_link::ads::AdsAddress;
 use tautline_session::{ControllerKind, Session};
 
-/// What can be asked for.
+/// The choices, for error messages.
 const KNOWN: &str = "expected sim, replay:DIR or ads:HOST[:PORT]/NETID[:AMSPORT]";
 const REPLAY: &str = "replay:";
 const ADS: &str = "ads:";
@@ -23,17 +23,17 @@ pub enum ControllerChoice {
     Ads(AdsAddress),
 }
 
-/// A word that names no controller; the text says why.
+/// A text that names no controller, and why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct NoChoice(String);
+pub struct ControllerChoiceError(String);
 
 impl ControllerChoice {
-    /// The one of a session's settings.
+    /// The controller of a session's settings.
     #[must_use]
     pub fn of(session: &Session) -> Self {
         let connection = &session.connection;
-        // A session that is checked has what its kind of controller needs.
+        // Checked sessions have the settings that their kind of controller needs.
         match (
             connection.controller,
             &connection.recording,
@@ -54,10 +54,14 @@ impl ControllerChoice {
 }
 
 impl FromStr for ControllerChoice {
-    type Err = NoChoice;
+    type Err = ControllerChoiceError;
 
-    fn from_str(text: &str) -> Result<Self, NoChoice> {
-        let refuse = |expected| Err(NoChoice(format!("found \"{text}\", {expected}")));
+    fn from_str(text: &str) -> Result<Self, ControllerChoiceError> {
+        let refuse = |expected| {
+            Err(ControllerChoiceError(format!(
+                "found \"{text}\", {expected}"
+            )))
+        };
         if text == "sim" {
             return Ok(Self::Simulated);
         }
@@ -73,7 +77,7 @@ impl FromStr for ControllerChoice {
         let address: Result<AdsAddress, _> = address.parse();
         address
             .map(Self::Ads)
-            .map_err(|error| NoChoice(error.to_string()))
+            .map_err(|error| ControllerChoiceError(error.to_string()))
     }
 }
 

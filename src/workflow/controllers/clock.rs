@@ -1,15 +1,15 @@
-//! The clock of a simulated robot, which may run faster than that of the wall.
+//! The clock of a simulated robot, which may run faster than real time.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use tautline_link::Clock;
 
-/// A clock that goes on when it is told to; clones show the same time.
+/// A clock that advances only when asked to; clones show the same time.
 ///
-/// While something goes on it never jumps: a busy computer makes the simulated robot slower, not its samples fewer.
+/// Its steps can be limited: a busy computer makes the simulated robot slower, not its samples fewer.
 #[derive(Debug, Clone)]
-pub struct FastClock {
+pub struct SimulationClock {
     hands: Arc<Mutex<Hands>>,
 }
 
@@ -20,7 +20,7 @@ struct Hands {
     speed: f64,
 }
 
-impl FastClock {
+impl SimulationClock {
     /// A clock that shows 0.
     #[must_use]
     pub fn start(speed: f64) -> Self {
@@ -37,8 +37,8 @@ impl FastClock {
         self.hands.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Goes on by the time that has passed, by at most `longest_s` where that is given.
-    pub fn go_on(&self, longest_s: Option<f64>) {
+    /// Advances by the real time that has passed, by at most `longest_s` where that is given.
+    pub fn follow_real_time(&self, longest_s: Option<f64>) {
         let now = Instant::now();
         let mut hands = self.hands();
         let passed = now.saturating_duration_since(hands.moved);
@@ -46,17 +46,17 @@ impl FastClock {
         hands.pass(passed, longest_s);
     }
 
-    /// Goes on by a time (s) of its own, whatever the wall's clock says.
+    /// Advances by a time (s), independently of real time.
     pub fn advance(&self, seconds: f64) {
         self.hands().shown_s += seconds.max(0.0);
     }
 
-    /// Runs so many times faster than real from now on.
+    /// Runs this many times faster than real time from now on.
     pub fn set_speed(&self, speed: f64) {
         self.hands().speed = speed;
     }
 
-    /// How many times faster than real it runs.
+    /// How many times faster than real time it runs.
     #[must_use]
     pub fn speed(&self) -> f64 {
         self.hands().speed
@@ -70,7 +70,7 @@ impl Hands {
     }
 }
 
-impl Clock for FastClock {
+impl Clock for SimulationClock {
     fn now_s(&self) -> f64 {
         self.hands().shown_s
     }
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_runs_at_its_speed_and_does_not_jump_while_something_goes_on() {
+    fn time_runs_at_its_speed_in_limited_steps() {
         let mut hands = Hands {
             moved: Instant::now(),
             shown_s: 10.0,
@@ -91,10 +91,10 @@ mod tests {
         assert_eq!(hands.shown_s, 20.0);
         hands.pass(Duration::from_secs(2), Some(0.25));
         assert_eq!(hands.shown_s, 20.25);
-        let clock = FastClock::start(1000.0);
+        let clock = SimulationClock::start(1000.0);
         assert_eq!(clock.now_s(), 0.0);
         clock.set_speed(2.0);
-        clock.go_on(Some(0.0));
+        clock.follow_real_time(Some(0.0));
         assert_eq!((clock.now_s(), clock.speed()), (0.0, 2.0));
         clock.clone().advance(0.5);
         assert_eq!(clock.now_s(), 0.5);

@@ -1,16 +1,16 @@
-//! Controllers, put together: the same for the window and for the commands.
+//! Controllers with their limits, instruments and clocks, for window and commands alike.
 //!
-//! A [`Rig`] says what a connection is made of; [`Rig::open`] makes it: the controller behind its limits, the external
-//! instrument that belongs to it, and the clock that its time comes from.
+//! A [`ConnectionSetup`] describes a connection; [`ConnectionSetup::open`] opens it: the controller behind its limits, the
+//! external instrument that belongs to it, and the clock that drives it.
 
 mod choice;
 mod clock;
 mod opened;
-mod rig;
+mod setup;
 mod stored;
 
-pub use choice::{ControllerChoice, NoChoice};
-pub use clock::FastClock;
+pub use choice::{ControllerChoice, ControllerChoiceError};
+pub use clock::SimulationClock;
 pub use opened::{OpenError, Opened};
-pub use rig::{Kind, Rig, bounds};
-pub use stored::{beside, stored_at};
+pub use setup::{ConnectionSetup, Kind, bounds};
+pub use stored::{beside, held_values};

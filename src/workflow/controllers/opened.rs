@@ -1,4 +1,4 @@
-//! A connection, made.
+//! Opening a connection.
 
 use std::sync::Arc;
 
@@ -9,9 +9,9 @@ use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
 use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station, SystemClock};
 use tautline_session::{ReadError, read_dataset};
 
-use super::clock::FastClock;
-use super::rig::{Rig, Source};
-use super::stored::{Stored, stored_at};
+use super::clock::SimulationClock;
+use super::setup::{ConnectionSetup, Source};
+use super::stored::{Stored, held_values};
 
 /// Noise of the simulated tracker (m, rad).
 const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
@@ -20,12 +20,12 @@ const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 pub struct Opened {
     /// The controller, behind its limits.
     pub controller: Station<Box<dyn Controller>>,
-    /// The laser to which the operator answers.
-    pub asked: Option<ManualLaser>,
-    /// The external instrument that watches a simulated robot.
+    /// The laser whose distances the operator types.
+    pub manual_laser: Option<ManualLaser>,
+    /// The external instrument that observes a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
-    /// Where its time comes from.
-    pub clock: FastClock,
+    /// The clock that drives it.
+    pub clock: SimulationClock,
 }
 
 /// Why a controller cannot be opened.
@@ -41,13 +41,13 @@ pub enum OpenError {
 
 type Parts = (Box<dyn Controller>, Option<Box<dyn Instrument>>);
 
-impl Rig {
-    /// Makes the connection; the time of simulated and recorded robots runs `speed` times faster than real.
+impl ConnectionSetup {
+    /// Opens the connection; simulated and recorded robots run `speed` times faster than real time.
     ///
     /// # Errors
-    /// If a file is missing or wrong, or such a controller cannot be.
+    /// If a file is missing or wrong, or the controller cannot be set up.
     pub fn open(&self, speed: f64) -> Result<Opened, OpenError> {
-        let clock = FastClock::start(if self.runs_in_real_time() { 1.0 } else { speed });
+        let clock = SimulationClock::start(if self.runs_in_real_time() { 1.0 } else { speed });
         let (controller, instrument) = match &self.source {
             Source::Simulated(setup) => self.simulated(setup, &clock)?,
             Source::Replay(folder) => {
@@ -66,20 +66,24 @@ impl Rig {
             }
         };
         let laser = laser::chosen(&self.laser, Arc::new(SystemClock::start()));
-        let asked = laser.as_ref().and_then(laser::Chosen::asked);
+        let manual_laser = laser.as_ref().and_then(laser::Chosen::asked);
         Ok(Opened {
             controller: Station::new(controller, self.limits.clone())
                 .with_laser(laser.map(laser::Chosen::into_source)),
-            asked,
+            manual_laser,
             instrument,
             clock,
         })
     }
 
-    fn simulated(&self, setup: &SimulatedSetup, clock: &FastClock) -> Result<Parts, OpenError> {
+    fn simulated(
+        &self,
+        setup: &SimulatedSetup,
+        clock: &SimulationClock,
+    ) -> Result<Parts, OpenError> {
         let mut setup = setup.clone();
-        if let Some(path) = &self.stores_at
-            && let Some(held) = stored_at(path)?
+        if let Some(path) = &self.values_file
+            && let Some(held) = held_values(path)?
         {
             let values = held.into_iter().map(|held| (held.name, held.value));
             setup.parameters = values.collect();
@@ -88,7 +92,7 @@ impl Rig {
         let robot = SimulatedRobot::new(setup, Arc::new(clock.clone()))?;
         let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
         let tracker = robot.tracker(position_sd_m, orientation_sd_rad, seed);
-        let controller: Box<dyn Controller> = match &self.stores_at {
+        let controller: Box<dyn Controller> = match &self.values_file {
             Some(path) => Box::new(Stored {
                 inner: robot,
                 path: path.clone(),
@@ -128,7 +132,7 @@ mod tests {
 
     fn open(choice: &str, session: &Session) -> Result<Opened, OpenError> {
         let choice: ControllerChoice = choice.parse().expect("a choice");
-        Rig::chosen(session, &[], &choice, None).open(1.0)
+        ConnectionSetup::chosen(session, &[], &choice, None).open(1.0)
     }
 
     fn session(name: &str) -> Session {
@@ -149,7 +153,7 @@ mod tests {
         let told = |choice: &str| open(choice, &session("mini")).err().map(|e| e.to_string());
         let missing = told("replay:no/such/folder").expect("an error");
         assert!(missing.contains("no/such/folder: not found"), "{missing}");
-        // Nobody is asked before the connection is made.
+        // The network is not used before the connection is made.
         assert_eq!(told("ads:robot/1.2.3.4.1.1"), None);
     }
 }

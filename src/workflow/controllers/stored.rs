@@ -1,4 +1,4 @@
-//! A simulated controller whose values survive the program, as those of a real one do.
+//! A simulated controller whose values survive the program, like those of a real one.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use tautline_core::geometry::Pose;
 use tautline_link::{Controller, ControllerState, LinkError, ParameterInfo, Sample};
 use tautline_session::{NamedValue, ReadError, VersionedFile, read_versioned, write_versioned};
 
-/// What a simulated controller holds while values are written to it; the session has it before and afterwards.
+/// Values of a simulated controller while they are written to it; before and afterwards they are in the session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct HeldValues {
     /// All its parameters.
@@ -30,11 +30,11 @@ pub fn beside(session: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// The values that a simulated controller was left with, if it was left in the middle of writing.
+/// The values of a simulated controller, if the program was killed while they were written.
 ///
 /// # Errors
 /// If the file cannot be read.
-pub fn stored_at(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
+pub fn held_values(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     if !path.exists() {
         return Ok(None);
     }
@@ -42,7 +42,7 @@ pub fn stored_at(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     Ok(Some(read.value.values))
 }
 
-/// A controller that puts its values into a file, one after the other as they are written.
+/// A controller that saves its values to a file, one by one as they are written.
 pub(super) struct Stored<C> {
     pub inner: C,
     pub path: PathBuf,
@@ -125,7 +125,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = beside(&folder.path().join("s.json"), ".controller");
         assert!(path.ends_with("s.json.controller"));
-        assert_eq!(stored_at(&path), Ok(None));
+        assert_eq!(held_values(&path), Ok(None));
         let preset = presets::find("mini").expect("a preset");
         let setup = SimulatedSetup::of_preset(&preset, 1);
         let clock = Arc::new(ManualClock::default());
@@ -143,7 +143,9 @@ mod tests {
         let values = before[..2].iter();
         let values: Vec<(String, f64)> = values.map(|p| (p.name.clone(), p.value + 1e-3)).collect();
         assert!(stored.write(&values).is_err());
-        let held = stored_at(&stored.path).expect("readable").expect("a file");
+        let held = held_values(&stored.path)
+            .expect("readable")
+            .expect("a file");
         assert_eq!(held.len(), before.len());
         assert_eq!(held[0].value, before[0].value + 1e-3);
         assert_eq!(held[1].value, before[1].value);

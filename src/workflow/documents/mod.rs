@@ -1,4 +1,4 @@
-//! Results as documents and in words: the same for the commands, the screens and the sessions that keep them.
+//! Results as documents and in words, shared by commands, screens and sessions.
 
 pub mod diagnosis;
 
@@ -15,7 +15,7 @@ pub fn record<D: VersionedFile>(
     ResultRecord {
         time,
         title: title.to_owned(),
-        // Only keys that are no texts could fail, and there are none.
+        // Serialising fails only for keys that are not strings, and there are none.
         document: ResultDocument::of(&document).unwrap_or_default(),
         basis: Some(session.basis()),
     }

@@ -1,30 +1,30 @@
 //! Whether a model explains the data, by the probability of its chi-square.
 
-/// How well a model explains the data.
+/// Whether a model explains the data, by the probability of its chi-square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Explains {
-    /// As a right model does.
-    Yes,
-    /// Worse than 99 of 100 right models would.
-    Hardly,
+pub enum FitVerdict {
+    /// As a correct model would.
+    Adequate,
+    /// Worse than 99 % of correct models.
+    Doubtful,
     /// Not at all.
-    No,
+    Inadequate,
     /// The data scatter less than the stated noise.
-    TooWell,
-    /// Nothing is redundant: it cannot be checked.
-    Unchecked,
+    NoiseOverstated,
+    /// Nothing is redundant, so it cannot be tested.
+    Untested,
 }
 
-impl Explains {
+impl FitVerdict {
     /// By the probability of a chi-square at least as large if model and noise are right.
     #[must_use]
     pub fn of(p_value: Option<f64>) -> Self {
         match p_value {
-            None => Self::Unchecked,
-            Some(p) if p < 1e-4 => Self::No,
-            Some(p) if p < 0.01 => Self::Hardly,
-            Some(p) if p > 0.9999 => Self::TooWell,
-            Some(_) => Self::Yes,
+            None => Self::Untested,
+            Some(p) if p < 1e-4 => Self::Inadequate,
+            Some(p) if p < 0.01 => Self::Doubtful,
+            Some(p) if p > 0.9999 => Self::NoiseOverstated,
+            Some(_) => Self::Adequate,
         }
     }
 
@@ -32,11 +32,11 @@ impl Explains {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Yes => "the model explains the data",
-            Self::Hardly => "the model hardly explains the data",
-            Self::No => "the model does not explain the data",
-            Self::TooWell => "the data scatter less than the stated noise",
-            Self::Unchecked => "the data cannot be checked, nothing is redundant",
+            Self::Adequate => "the model explains the data",
+            Self::Doubtful => "the model hardly explains the data",
+            Self::Inadequate => "the model does not explain the data",
+            Self::NoiseOverstated => "the data scatter less than the stated noise",
+            Self::Untested => "the model cannot be tested, nothing is redundant",
         }
     }
 }
@@ -46,15 +46,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_a_right_model_does_is_an_explanation() {
+    fn the_probability_of_chi_square_decides() {
         for (p_value, expected) in [
-            (None, Explains::Unchecked),
-            (Some(1e-9), Explains::No),
-            (Some(0.001), Explains::Hardly),
-            (Some(0.3), Explains::Yes),
-            (Some(0.999_999), Explains::TooWell),
+            (None, FitVerdict::Untested),
+            (Some(1e-9), FitVerdict::Inadequate),
+            (Some(0.001), FitVerdict::Doubtful),
+            (Some(0.3), FitVerdict::Adequate),
+            (Some(0.999_999), FitVerdict::NoiseOverstated),
         ] {
-            assert_eq!(Explains::of(p_value), expected);
+            assert_eq!(FitVerdict::of(p_value), expected);
         }
     }
 }

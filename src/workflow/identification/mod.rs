@@ -23,7 +23,7 @@ use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_session::Session;
 
-pub use adequacy::Explains;
+pub use adequacy::FitVerdict;
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
 pub use model::{entry_point_sd, identified};
 pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};

@@ -1,34 +1,33 @@
-//! What of a report is wanted, and what stands at its head.
+//! The parts of a report that are wanted, and its heading.
 
 use std::collections::BTreeSet;
 
-use clap::ValueEnum;
 use tautline_session::Preferences;
 
 /// A part of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// What came out, in words.
+    /// The result in words.
     Result,
     /// The robot with its picture.
     Robot,
-    /// What was measured.
+    /// The measured data.
     Data,
-    /// How it was identified.
+    /// The method of identification.
     Method,
     /// The identified values.
     Geometry,
-    /// How well the model fits.
+    /// Goodness of fit.
     Fit,
-    /// What the model gets wrong.
+    /// The diagnosis of the model.
     Causes,
     /// Accuracy before and after.
     Accuracy,
-    /// What was written to the controller.
+    /// Values written to the controller.
     Adjustments,
-    /// What the report cannot say.
+    /// Limits and assumptions.
     Limits,
-    /// What made the report.
+    /// Provenance of the report.
     About,
     /// The log of the session.
     Log,
@@ -36,19 +35,47 @@ pub enum Part {
 
 impl Part {
     /// All, in their order.
-    #[must_use]
-    pub fn all() -> &'static [Self] {
-        Self::value_variants()
-    }
+    pub const ALL: [Self; 12] = [
+        Self::Result,
+        Self::Robot,
+        Self::Data,
+        Self::Method,
+        Self::Geometry,
+        Self::Fit,
+        Self::Causes,
+        Self::Accuracy,
+        Self::Adjustments,
+        Self::Limits,
+        Self::About,
+        Self::Log,
+    ];
 
     /// Its name in commands and preferences.
     #[must_use]
-    pub fn name(self) -> String {
-        let value = self.to_possible_value();
-        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Result => "result",
+            Self::Robot => "robot",
+            Self::Data => "data",
+            Self::Method => "method",
+            Self::Geometry => "geometry",
+            Self::Fit => "fit",
+            Self::Causes => "causes",
+            Self::Accuracy => "accuracy",
+            Self::Adjustments => "adjustments",
+            Self::Limits => "limits",
+            Self::About => "about",
+            Self::Log => "log",
+        }
     }
 
-    /// What the operator reads.
+    /// The part of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|part| part.name() == name)
+    }
+
+    /// Title in reports and on screen.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -57,8 +84,8 @@ impl Part {
             Self::Data => "Measured data",
             Self::Method => "Method",
             Self::Geometry => "Identified values",
-            Self::Fit => "How well the model fits",
-            Self::Causes => "What the model gets wrong",
+            Self::Fit => "Goodness of fit",
+            Self::Causes => "Model diagnosis",
             Self::Accuracy => "Accuracy",
             Self::Adjustments => "Adjustments",
             Self::Limits => "Limits of this report",
@@ -68,7 +95,7 @@ impl Part {
     }
 }
 
-/// What of a report is wanted, and what stands at its head; by default everything, with a title made of the session.
+/// The parts of a report that are wanted, and its heading; by default everything, with a title from the session.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ReportChoice {
     /// Parts that are left out.
@@ -87,12 +114,9 @@ impl ReportChoice {
     /// As the user has chosen before.
     #[must_use]
     pub fn of(preferences: &Preferences) -> Self {
-        let left_out = &preferences.report.without;
-        let parts = Part::all().iter().copied();
+        let left_out = preferences.report.without.iter();
         Self {
-            without: parts
-                .filter(|part| left_out.contains(&part.name()))
-                .collect(),
+            without: left_out.filter_map(|name| Part::named(name)).collect(),
             title: String::new(),
             header: preferences.report.header.clone(),
             operator: preferences.operator.clone(),
@@ -100,12 +124,13 @@ impl ReportChoice {
         }
     }
 
-    /// Puts it where the next report finds it; the title is that of one report alone.
-    pub fn keep(&self, preferences: &mut Preferences) {
+    /// Saves the choice for the next report, except the title.
+    pub fn save(&self, preferences: &mut Preferences) {
         preferences.operator.clone_from(&self.operator);
         preferences.report.company.clone_from(&self.company);
         preferences.report.header.clone_from(&self.header);
-        preferences.report.without = self.without.iter().map(|part| part.name()).collect();
+        let without = self.without.iter();
+        preferences.report.without = without.map(|part| part.name().to_owned()).collect();
     }
 }
 
@@ -114,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_choice_is_kept_but_for_its_title() {
+    fn a_choice_is_saved_except_for_its_title() {
         let choice = ReportChoice {
             without: [Part::Log, Part::About].into(),
             title: "This one".into(),
@@ -123,7 +148,7 @@ mod tests {
             company: "Cables Ltd".into(),
         };
         let mut preferences = Preferences::default();
-        choice.keep(&mut preferences);
+        choice.save(&mut preferences);
         assert_eq!(preferences.report.without, ["about", "log"]);
         let expected = ReportChoice {
             title: String::new(),

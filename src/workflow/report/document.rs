@@ -1,4 +1,4 @@
-//! What a report consists of; the renderers know nothing else.
+//! The content of a report, independent of the format.
 
 use crate::plot::Drawing;
 
@@ -7,7 +7,7 @@ use crate::plot::Drawing;
 pub struct Document {
     /// A line above the title; may be empty.
     pub header: String,
-    /// What it is about.
+    /// Title.
     pub title: String,
     /// Lines below the title.
     pub subtitle: Vec<String>,
@@ -20,7 +20,7 @@ pub struct Document {
 pub struct Section {
     /// Its heading.
     pub title: String,
-    /// What it says, in order.
+    /// Its content, in order.
     pub blocks: Vec<Block>,
 }
 
@@ -29,11 +29,11 @@ pub struct Section {
 pub enum Block {
     /// A heading inside the section.
     Heading(String),
-    /// A sentence that carries the section: what a hurried reader reads.
+    /// The main sentence of the section.
     Lead(String),
     /// Text.
     Paragraph(String),
-    /// Text for those who want the numbers.
+    /// Small print with figures.
     Note(String),
     /// Short lines.
     List(Vec<String>),
@@ -122,7 +122,7 @@ impl Section {
         self.blocks.push(Block::Paragraph(text.into()));
     }
 
-    /// Adds text for those who want the numbers.
+    /// Adds small print with figures.
     pub fn note(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Note(text.into()));
     }

@@ -25,7 +25,7 @@ pub use pdf::PdfError;
 /// Name of the program, as it signs reports.
 const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
 
-/// What a report is about.
+/// Input of a report.
 #[derive(Debug, Clone, Copy)]
 pub struct ReportInput<'a> {
     /// The session.
@@ -38,7 +38,7 @@ pub struct ReportInput<'a> {
     pub outdated: bool,
     /// A picture of the robot (PNG), if there is one.
     pub picture: Option<&'a [u8]>,
-    /// What of it is wanted, and its head.
+    /// The parts that are wanted, and the heading.
     pub choice: &'a ReportChoice,
     /// When the report is made.
     pub now: Timestamp,
@@ -65,7 +65,7 @@ impl ReportFormat {
         }
     }
 
-    /// What the operator reads.
+    /// Title in reports and on screen.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

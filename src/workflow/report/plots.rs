@@ -50,7 +50,7 @@ const BINS: f64 = 2.0;
 /// Standard deviations that a histogram shows on either side; what is farther out is in the last bin.
 const SPAN: f64 = 5.0;
 
-/// How often residuals of a size occur, and how often they would with the noise as given.
+/// Distribution of the residuals, with the one that the stated noise would give.
 pub fn histogram(name: &str, residuals: &[f64]) -> Drawing {
     let (edges, counts) = count(residuals, SPAN, (2.0 * SPAN * BINS) as usize);
     let beyond = ((SPAN - LIMIT) * BINS) as usize;

@@ -200,10 +200,10 @@ fn the_words_say_how_sure_they_are() {
     let html = sample(&[Verdict::Named, Verdict::Ambiguous, Verdict::Unknown]).html();
     for part in [
         "does NOT explain the readings",
-        "1. Winch scale (cable-3), clearly",
+        "1. Winch scale (cable-3), unambiguous",
         "0.31 ± 0.04 %",
         "0.232 to 0.388 %",
-        "2. Pulley radius (cable-3), cannot be told apart from: Winch offset (cable-3)",
+        "2. Pulley radius (cable-3), cannot be distinguished from: Winch offset (cable-3)",
         "These data cannot tell which of these it is",
         "Measure far from cable-3.",
         "3. Unknown cause (cable-3)",
@@ -309,7 +309,7 @@ fn parts_can_be_left_out_and_the_head_is_ones_own() {
     }
     assert!(html.contains("About this report"));
     assert!(render_report(&sample.input(), ReportFormat::Pdf).is_ok());
-    sample.choice.without = Part::all().iter().copied().collect();
+    sample.choice.without = Part::ALL.into();
     assert!(content::document(&sample.input()).sections.is_empty());
 }
 

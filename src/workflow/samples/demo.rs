@@ -1,4 +1,4 @@
-//! The demonstration: MINI as drawn, MINI as measured behind it, and one fault drawn at random.
+//! The demonstration: MINI as drawn, a true robot with measured geometry behind it, and a random fault.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

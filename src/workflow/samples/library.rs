@@ -1,4 +1,4 @@
-//! Sample sessions in folders: `NAME/session.json` with a `README.md` that says what to see.
+//! Sample sessions in folders: `NAME/session.json` with a `README.md`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 pub struct Sample {
     /// Its title.
     pub title: String,
-    /// What it shows, one line.
+    /// What it demonstrates, one line.
     pub shows: String,
     /// Its session file.
     pub session: PathBuf,
 }
 
-/// Sample sessions in the first of the folders that has any, by the name of their folder.
+/// Sample sessions of the first folder that has any, sorted by folder name.
 #[must_use]
 pub fn find(folders: &[PathBuf]) -> Vec<Sample> {
     let found = folders.iter().map(|folder| samples_in(folder));

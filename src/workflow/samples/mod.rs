@@ -1,4 +1,4 @@
-//! Sessions that the program makes itself: the demonstration and the samples to open and look at.
+//! The demonstration session and the sample sessions.
 
 mod demo;
 mod library;

@@ -1,4 +1,4 @@
-//! What an operator would have measured on a workshop bench before the poses.
+//! Simulated calibration tables, as an operator would measure them on a workshop bench.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

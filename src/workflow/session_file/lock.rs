@@ -41,7 +41,7 @@ pub enum LockError {
     Io {
         /// The folder of the lock.
         folder: PathBuf,
-        /// What the system says.
+        /// Reason given by the system.
         reason: IoError,
     },
 }
@@ -99,7 +99,7 @@ impl Drop for FileLock {
     }
 }
 
-/// Whether an open file is still the one at `path`, and not one that another program has removed meanwhile.
+/// Whether an open file is still the one at `path`; another program may have removed it meanwhile.
 fn is_still(file: &File, path: &Path) -> IoResult<bool> {
     match fs::metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
@@ -113,7 +113,7 @@ fn is_same(a: &Metadata, b: &Metadata) -> bool {
     (a.dev(), a.ino()) == (b.dev(), b.ino())
 }
 
-/// Where files in use cannot be removed there is no other.
+/// On systems where open files cannot be removed, it always is.
 #[cfg(not(unix))]
 fn is_same(_: &Metadata, _: &Metadata) -> bool {
     true

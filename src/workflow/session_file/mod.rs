@@ -46,7 +46,7 @@ pub enum SessionFileError {
         folder.display()
     )]
     Recovery {
-        /// Where it is.
+        /// The folder.
         folder: PathBuf,
         /// Why not.
         reason: ReadError,
@@ -54,7 +54,7 @@ pub enum SessionFileError {
     /// What a killed program had measured belongs to another robot.
     #[error("{}: its poses do not fit the session: {reason}", folder.display())]
     Misfit {
-        /// Where it is.
+        /// The folder.
         folder: PathBuf,
         /// What does not fit.
         reason: FieldError,
@@ -66,7 +66,7 @@ pub enum SessionFileError {
         path: PathBuf,
         /// Read or removed.
         action: &'static str,
-        /// What the system says.
+        /// Reason given by the system.
         reason: IoError,
     },
 }
@@ -87,7 +87,7 @@ impl SessionFileError {
 pub struct SessionFile {
     /// The file.
     pub path: PathBuf,
-    /// What is in it, and what is not yet.
+    /// The session, changes that are not in the file yet included.
     pub session: Session,
     lock: FileLock,
 }

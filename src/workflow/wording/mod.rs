@@ -26,7 +26,7 @@ pub fn sentence(text: &str) -> String {
     first.chain(rest).collect()
 }
 
-/// How often something of this probability happens.
+/// A probability in words.
 pub fn odds(p_value: f64) -> String {
     if p_value < 1e-6 {
         return "less than once in a million times".to_owned();
@@ -37,7 +37,7 @@ pub fn odds(p_value: f64) -> String {
     format!("about once in {:.0} times", 1.0 / p_value)
 }
 
-/// How many times: three digits, or all before the point.
+/// A ratio with three digits, or all before the point.
 pub fn ratio(times: f64) -> String {
     let decimals = match times {
         _ if times < 9.995 => 2,

@@ -1,4 +1,4 @@
-//! Parameters of a controller as people read them: the same in the table of the adjustment and in the report.
+//! Parameters of a controller in display form, for the adjustment table and the report.
 
 use tautline_core::effect;
 use tautline_core::robot::Cable;
@@ -20,7 +20,7 @@ fn is_of(name: &str, cable: &str) -> bool {
         .is_some_and(|rest| rest.starts_with('.'))
 }
 
-/// Unit in files of a parameter that has `unit` there; `None` for what is counted, as the pose from which an effect acts.
+/// SI unit of a parameter that has `unit` in files; `None` for counts, such as the pose from which an effect acts.
 pub fn unit<'a>(name: &str, unit: &'a str) -> Option<&'a str> {
     let Some(name) = EffectName::read(name) else {
         return Some(unit);
@@ -32,7 +32,7 @@ pub fn unit<'a>(name: &str, unit: &'a str) -> Option<&'a str> {
     }
 }
 
-/// A parameter of one of these cables, or of none, as one reads it.
+/// Display name of a parameter of one of these cables, or of none.
 pub fn title(name: &str, cables: &[Cable]) -> String {
     if let Some(name) = EffectName::read(name) {
         return effect_title(name);
@@ -60,7 +60,7 @@ fn effect_title(name: EffectName<'_>) -> String {
     parts.join(", ")
 }
 
-/// A parameter that is no effect's as one reads it.
+/// Display name of a parameter that belongs to no effect.
 fn words(name: &str) -> String {
     let (part, axis) = name.rsplit_once('.').unwrap_or(("", name));
     let axis = axis.trim_end_matches("_m").trim_end_matches("_rad");
@@ -70,7 +70,7 @@ fn words(name: &str) -> String {
         "pulley" => "Pulley radius".to_owned(),
         "winch" => "Drum diameter".to_owned(),
         "home" => match axis.strip_prefix('r') {
-            Some(axis) => format!("Home turn about {axis}"),
+            Some(axis) => format!("Home rotation about {axis}"),
             None => format!("Home {axis}"),
         },
         "laser.target_plane" => "Laser target".to_owned(),
@@ -83,14 +83,14 @@ mod tests {
     use tautline_core::robot::presets;
 
     use super::*;
-    use crate::wording::units::people;
+    use crate::wording::units::display_unit;
 
     #[test]
     fn parameters_have_words() {
         let cables = presets::find("mini").expect("a preset").robot.cables;
         for (name, cable, text) in [
             ("cable-2.entry_point.x_m", Some(1), "2 entry point x"),
-            ("home.ry_rad", None, "Home turn about y"),
+            ("home.ry_rad", None, "Home rotation about y"),
             (
                 "effect.winch_scale.cable-3.scale",
                 Some(2),
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_in_the_units_that_people_read() {
+    fn values_are_in_display_units() {
         for (name, in_files, read) in [
             ("effect.winch_scale.cable-3.scale", "1", Some("%")),
             ("effect.pulley_friction.mu", "1", Some("")),
@@ -123,7 +123,7 @@ mod tests {
             ("home.x_m", "m", Some("mm")),
         ] {
             let unit = unit(name, in_files);
-            assert_eq!(unit.map(|unit| people(unit).1), read, "{name}");
+            assert_eq!(unit.map(|unit| display_unit(unit).1), read, "{name}");
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Quantities in the units in which people read them: millimetres, degrees, percent.
+//! Quantities in display units: millimetres, degrees, percent.
 
-/// Factor from a unit of files, and the unit that people read.
-pub fn people(unit: &str) -> (f64, &str) {
+/// Factor from an SI unit to the display unit, and the display unit.
+pub fn display_unit(unit: &str) -> (f64, &str) {
     match unit {
         "m" => (1e3, "mm"),
         "rad" => (1.0_f64.to_degrees(), "degrees"),
@@ -14,7 +14,7 @@ pub fn people(unit: &str) -> (f64, &str) {
     }
 }
 
-/// Unit of a parameter: coefficients of friction are ratios, but no percentages.
+/// Unit of a parameter: coefficients of friction are ratios, but not shown as percentages.
 pub fn unit_of<'a>(parameter: &str, unit: &'a str) -> &'a str {
     match parameter {
         "mu" => "",
@@ -22,7 +22,7 @@ pub fn unit_of<'a>(parameter: &str, unit: &'a str) -> &'a str {
     }
 }
 
-/// A number with `digits` that count, without zeros at its end; all digits before the point.
+/// A number with significant `digits`, without trailing zeros; digits before the point are kept.
 pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -40,9 +40,9 @@ pub fn significant(value: f64, digits: i32) -> String {
     }
 }
 
-/// A quantity of files with its unit: `2.3 mm`.
+/// An SI quantity in its display unit: `2.3 mm`.
 pub fn quantity(value: f64, unit: &str) -> String {
-    let (factor, name) = people(unit);
+    let (factor, name) = display_unit(unit);
     let size = significant(value * factor, 3);
     match (name, size.as_str()) {
         ("degrees", "1" | "-1") => format!("{size} degree"),
@@ -52,7 +52,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
 
 /// A range of quantities: `1.2 to 9 mm`.
 pub fn range([from, to]: [f64; 2], unit: &str) -> String {
-    let (factor, _) = people(unit);
+    let (factor, _) = display_unit(unit);
     let size = significant(from * factor, 3);
     let to = quantity(to, unit);
     if to.split(' ').next() == Some(&size) {
@@ -61,7 +61,7 @@ pub fn range([from, to]: [f64; 2], unit: &str) -> String {
     format!("{size} to {to}")
 }
 
-/// Decimals to which a value of this standard deviation, positive, has sense.
+/// Significant decimals of a value with this standard deviation (positive).
 pub fn decimals(sd: f64) -> usize {
     let leading = sd.log10().floor();
     // Two digits where the first is a 1: 0.1 could be anything from 0.05 to 0.15.
@@ -73,9 +73,9 @@ pub fn decimals(sd: f64) -> usize {
     usize::try_from(digits - leading as i32).unwrap_or(0)
 }
 
-/// A quantity with its standard deviation: `0.31 ± 0.04 %`. The digits are those that the deviation leaves sense.
+/// A quantity with its standard deviation: `0.31 ± 0.04 %`. Digits are rounded to the standard deviation.
 pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
-    let (factor, name) = people(unit);
+    let (factor, name) = display_unit(unit);
     let (value, sd) = (value * factor, sd * factor);
     if !(sd.is_finite() && sd > 0.0) {
         return format!("{} {name}", significant(value, 3))
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantities_are_in_peoples_units() {
+    fn quantities_are_in_display_units() {
         for (value, unit, text) in [
             (0.002_346, "m", "2.35 mm"),
             (-0.03, "m", "-30 mm"),

@@ -178,7 +178,7 @@ fn the_controller_dies_while_measuring() {
         last.contains("the controller is lost") || last.contains("cannot be reached"),
         "{last}"
     );
-    assert!(last.contains("the same command goes on"), "{last}");
+    assert!(last.contains("the same command continues"), "{last}");
     let mut told = on_disk(&first.stderr);
     assert_eq!(told.len(), 5);
     assert_eq!(session(&file).measurements.labels, told);

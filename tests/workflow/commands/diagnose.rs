@@ -99,7 +99,7 @@ fn a_hidden_winch_scale_is_named() {
     let first = answer.stdout.lines().next();
     assert!(first.is_some_and(|line| line.contains("does NOT explain the readings")));
     assert!(answer.stdout.contains("\n1. Winch scale (cable-3)"));
-    assert!(answer.stdout.contains("What it gains: "));
+    assert!(answer.stdout.contains("Improvement: "));
     assert_eq!(answer.stderr, "");
 
     let diagnosis = folder.json("diagnosis.json");
@@ -170,7 +170,7 @@ fn clean_data_have_no_findings() {
     assert!(text.starts_with("mini: the model explains the readings of 26 poses.\n"));
     let explained = diagnose(&dataset, &["--explain"]).stdout;
     assert!(explained.starts_with(text.trim_end()));
-    assert!(explained.contains("Tests of the model as it came"));
+    assert!(explained.contains("Tests of the original model"));
 }
 
 #[test]
@@ -181,8 +181,8 @@ fn what_the_data_cannot_separate_is_listed() {
     let dataset = simulate(&folder, 25, &hidden);
     let json = folder.join("diagnosis.json");
     let text = diagnose(&dataset, &["--json", &json]).stdout;
-    assert!(text.contains(", cannot be told apart from: "), "{text}");
-    assert!(text.contains("To tell them apart: "), "{text}");
+    assert!(text.contains(", cannot be distinguished from: "), "{text}");
+    assert!(text.contains("To distinguish them: "), "{text}");
     let diagnosis = folder.json("diagnosis.json");
     assert_contract(&diagnosis);
     let finding = &diagnosis["findings"][0];

@@ -19,7 +19,7 @@ fn a_report_is_written_as_html_and_as_pdf() {
         "Robot",
         "Method",
         "Identified values",
-        "How well the model fits",
+        "Goodness of fit",
     ] {
         assert!(
             text.contains(&format!(">{heading}</h2>")),

@@ -81,7 +81,7 @@ fn bad_input_is_named_and_writes_nothing() {
     with(&["measure", &known, "--robot", "hall"], &sim).refused(&["\"mini\"", "\"hall\""]);
     with(&["adjust", &new], &sim).refused(&[&new, "not found"]);
     with(&["adjust", &known, "--controller", "sim"], &[]).refused(&["--arm"]);
-    with(&["adjust", &known, "--roll-back"], &sim).refused(&["nothing to take back"]);
+    with(&["adjust", &known, "--roll-back"], &sim).refused(&["nothing to roll back"]);
     with(&["verify", &known, "--controller", "sim"], &[]).refused(&["--arm"]);
     with(&["verify", &known, "--cycles", "1"], &sim).refused(&["--cycles"]);
     with(&["verify", &known, "--check", &plan], &[]).refused(&["plan.csv"]);

@@ -7,7 +7,7 @@ use super::Diagnosed;
 use crate::table;
 use tautline_workflow::documents::diagnosis::gain;
 
-/// What stands before the lines below a heading.
+/// Indentation of the lines below a heading.
 const INDENT: &str = "   ";
 
 /// Heading and body of a finding.
@@ -17,7 +17,7 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
         let size = diagnosed.size(&finding.parameters);
         body.extend(size.map(|size| format!("Size: {size}")));
     }
-    body.push(format!("What it gains: {}", gain(&finding.gain)));
+    body.push(format!("Improvement: {}", gain(&finding.gain)));
     if !finding.advice.is_empty() {
         body.push(format!("What to do: {}", finding.advice));
     }
@@ -29,9 +29,9 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     lines
 }
 
-/// What would tell causes apart.
+/// What would distinguish the causes.
 fn separating(separation: &Separation) -> Vec<String> {
-    let mut lines = vec![format!("To tell them apart: {}", separation.advice)];
+    let mut lines = vec![format!("To distinguish them: {}", separation.advice)];
     if separation.poses.is_empty() {
         return lines;
     }
@@ -50,6 +50,6 @@ fn separating(separation: &Separation) -> Vec<String> {
             .lines()
             .map(|row| row.trim_end().to_owned()),
     );
-    lines.push("rx, ry, rz: rotation vector about the axes of the base".to_owned());
+    lines.push("rx, ry, rz: rotation vector in the base frame".to_owned());
     lines
 }

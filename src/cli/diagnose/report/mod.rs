@@ -26,7 +26,7 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     lines.extend(section(diagnosed.invisible_lines().into_iter()));
     if diagnosis.findings.iter().any(|f| !f.parameters.is_empty()) {
         lines.extend(section(std::iter::once(
-            "After ±: the standard deviation. 19 times out of 20 the true value lies within two of them."
+            "± is one standard deviation; the true value lies within two of them with 95 % probability."
                 .to_owned(),
         )));
     }

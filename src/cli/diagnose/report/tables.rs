@@ -7,7 +7,7 @@ use super::Diagnosed;
 use crate::table;
 use tautline_workflow::wording::units::{quantity, unit_of};
 
-/// Everything, for those who ask how it was concluded.
+/// All statistics behind the conclusions.
 pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
     let diagnosis = &diagnosed.diagnosis;
     let mut lines = Vec::new();
@@ -26,7 +26,7 @@ pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
         );
     }
     add(
-        format!("Tests of the model as it came: {}", global(&diagnosis.base)),
+        format!("Tests of the original model: {}", global(&diagnosis.base)),
         &groups_table(diagnosed, &diagnosis.base),
     );
     if !diagnosis.findings.is_empty() {
@@ -39,7 +39,7 @@ pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
         );
     }
     add(
-        "Readings that the model as it came misses, and on what that depends".to_owned(),
+        "Residuals of the original model that depend on a variable".to_owned(),
         &discrepancy_table(diagnosed, &diagnosis.discrepancies),
     );
     add(
@@ -56,7 +56,7 @@ pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
 fn evidence(finding: &Finding) -> String {
     let evidence = &finding.evidence;
     format!(
-        "chi-square falls by {:.1} for {} more parameters, p = {} after {} questions; ranking:",
+        "chi-square falls by {:.1} for {} more parameters, p = {} corrected for {} tests; ranking:",
         evidence.delta_chi2,
         evidence.parameters,
         probability(evidence.p_value),

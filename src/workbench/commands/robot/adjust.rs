@@ -76,7 +76,7 @@ pub(super) fn written(
 ) {
     let (adjustment, text) = match result {
         Ok(adjustment) => {
-            let text = adjusting::told(&adjustment, purpose, values.len());
+            let text = adjusting::summary(&adjustment, purpose, values.len());
             (Some(adjustment), text)
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),

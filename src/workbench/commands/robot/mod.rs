@@ -12,7 +12,7 @@ use tautline_session::Phase as LogPhase;
 use crate::model::command::{RobotCommand, RobotOutcome};
 use crate::model::link::{Connected, DriverEvent};
 use crate::shell::State;
-use tautline_workflow::controllers::{Kind, Rig};
+use tautline_workflow::controllers::{ConnectionSetup, Kind};
 use tautline_workflow::wording;
 
 pub use self::adjust::{differences, revertible};
@@ -81,7 +81,7 @@ fn connect(state: &mut State) {
     }
     let identified = open.fit().map_or(&[][..], |fit| &fit.model.effects);
     let session = open.session();
-    let rig = Rig::of(session, identified);
+    let rig = ConnectionSetup::of(session, identified);
     if let (Kind::Recording, Some(recording)) = (rig.kind, &session.connection.recording) {
         state.model.link.set_speed(recording.speed);
     }

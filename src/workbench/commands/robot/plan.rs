@@ -9,7 +9,7 @@ use crate::model::command::{EXPECTING, Outcome, PLANNING, RobotOutcome};
 use crate::model::edit::Edit;
 use crate::model::tasks::TaskHandle;
 use crate::shell::State;
-use tautline_workflow::planning::{Outlook, SEED, outlook, stored};
+use tautline_workflow::planning::{PlanSummary, SEED, evaluate_plan, plan_poses};
 use tautline_workflow::wording;
 
 pub(super) fn start(state: &mut State, poses: usize) {
@@ -23,7 +23,8 @@ pub(super) fn start(state: &mut State, poses: usize) {
     state.model.tasks.start(PLANNING, move |task| {
         Outcome::Robot(RobotOutcome::Planned {
             session_id: identity,
-            result: outlook(&session, (poses, SEED), &mut |p| tell(task, p, poses)).map(Box::new),
+            result: plan_poses(&session, (poses, SEED), &mut |p| tell(task, p, poses))
+                .map(Box::new),
         })
     });
 }
@@ -43,13 +44,14 @@ pub(super) fn expect_stored(state: &mut State) {
     state.model.tasks.start(EXPECTING, move |task| {
         Outcome::Robot(RobotOutcome::Expected {
             session_id: identity,
-            result: stored(&session, &mut |p| tell(task, p, session.plan.len())).map(Box::new),
+            result: evaluate_plan(&session, &mut |p| tell(task, p, session.plan.len()))
+                .map(Box::new),
         })
     });
 }
 
 /// Takes what to expect of a stored plan, if it still is the plan.
-pub(super) fn expected(state: &mut State, identity: u64, result: Result<Box<Outlook>, String>) {
+pub(super) fn expected(state: &mut State, identity: u64, result: Result<Box<PlanSummary>, String>) {
     let Some(open) = of_identity(state.model.open.as_mut(), identity) else {
         return;
     };
@@ -82,7 +84,7 @@ fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
     }
 }
 
-pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<Outlook>, String>) {
+pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<PlanSummary>, String>) {
     let Some(open) = of_identity(state.model.open.as_mut(), identity) else {
         return;
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tautline_session::{CheckPose, Stage};
 
 use super::{Setup, SetupOutcome};
-use tautline_workflow::planning::Outlook;
+use tautline_workflow::planning::PlanSummary;
 
 /// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
@@ -86,14 +86,14 @@ pub enum RobotOutcome {
         /// Identity of the document.
         session_id: u64,
         /// The plan and what to expect of it, or one sentence.
-        result: Result<Box<Outlook>, String>,
+        result: Result<Box<PlanSummary>, String>,
     },
     /// Of looking at the plan of the document of this identity.
     Expected {
         /// Identity of the document.
         session_id: u64,
         /// What to expect of it, or one sentence.
-        result: Result<Box<Outlook>, String>,
+        result: Result<Box<PlanSummary>, String>,
     },
     /// Of the window that connects.
     Setup(SetupOutcome),

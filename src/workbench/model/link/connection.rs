@@ -13,7 +13,7 @@ use super::message::{Doing, Lost, MeasuringRequest};
 use super::pose_tracker::PoseTracker;
 use super::work::Measuring;
 use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::controllers::{FastClock, Opened, Rig};
+use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
 /// Attempts to make a connection anew that broke while values were written, before that goes on in the background.
 const ATTEMPTS: u32 = 6;
@@ -30,8 +30,8 @@ pub(super) struct Connection {
     /// The laser to which the operator answers.
     pub asked: Option<ManualLaser>,
     pub instrument: Option<Box<dyn Instrument>>,
-    pub clock: FastClock,
-    pub rig: Box<Rig>,
+    pub clock: SimulationClock,
+    pub rig: Box<ConnectionSetup>,
     pub whereabouts: Option<PoseTracker>,
     pub unsettled: Option<Unsettled>,
     lost: Option<Anew>,
@@ -52,10 +52,10 @@ struct Anew {
 }
 
 impl Connection {
-    pub fn new(opened: Opened, rig: Box<Rig>) -> Self {
+    pub fn new(opened: Opened, rig: Box<ConnectionSetup>) -> Self {
         Self {
             controller: opened.controller,
-            asked: opened.asked,
+            asked: opened.manual_laser,
             instrument: opened.instrument,
             clock: opened.clock,
             whereabouts: PoseTracker::of(rig.robot()),

@@ -11,12 +11,12 @@ use tautline_link::{ControllerState, ParameterInfo, Sample};
 use tautline_session::{CheckPose, CheckRow, MeasuredPose, Stage};
 
 use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::controllers::Rig;
+use tautline_workflow::controllers::ConnectionSetup;
 
 /// What the thread is to do.
 pub(super) enum DriverCommand {
     /// Connects, for the document of this identity.
-    Connect(Box<Rig>, u64),
+    Connect(Box<ConnectionSetup>, u64),
     Disconnect,
     Arm,
     Disarm,
@@ -74,7 +74,7 @@ pub enum DriverEvent {
         /// What it holds.
         parameters: Vec<ParameterInfo>,
         /// What it is made of.
-        rig: Box<Rig>,
+        rig: Box<ConnectionSetup>,
         /// Identity of the document that it is for.
         session_id: u64,
     },

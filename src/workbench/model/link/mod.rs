@@ -23,7 +23,7 @@ use tautline_session::{CheckPose, Stage};
 use self::message::{DriverCommand, MeasuringRequest};
 use self::publisher::StatusPublisher;
 use self::worker::serve;
-use tautline_workflow::controllers::Rig;
+use tautline_workflow::controllers::ConnectionSetup;
 
 pub use self::message::{Doing, DriverEvent, Live, Lost, Surprise};
 pub use self::run::{Pending, RunLog};
@@ -35,7 +35,7 @@ pub struct Connected {
     /// Identity of the document that it belongs to.
     pub session_id: u64,
     /// What it is made of.
-    pub rig: Box<Rig>,
+    pub rig: Box<ConnectionSetup>,
 }
 
 /// The way to the controller.
@@ -165,7 +165,7 @@ impl Link {
     }
 
     /// Connects to what `rig` describes, for the document of this identity.
-    pub fn connect(&mut self, rig: Rig, session_id: u64) {
+    pub fn connect(&mut self, rig: ConnectionSetup, session_id: u64) {
         self.start();
         self.connecting = true;
         self.tell(DriverCommand::Connect(Box::new(rig), session_id));

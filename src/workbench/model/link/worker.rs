@@ -17,7 +17,7 @@ use super::message::{DriverCommand, DriverEvent, Live, Lost};
 use super::publisher::{PICTURE, StatusPublisher};
 use super::work::{Verifying, Work};
 use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::controllers::{Kind, OpenError, Rig};
+use tautline_workflow::controllers::{ConnectionSetup, Kind, OpenError};
 
 /// Between two samples at the speed of real time.
 const TICK: Duration = Duration::from_millis(20);
@@ -104,7 +104,9 @@ impl Worker {
     fn step(&mut self, order: Option<DriverCommand>, goes_on: bool) {
         let given = order.is_some();
         if let Some(connection) = &self.connection {
-            connection.clock.go_on(goes_on.then_some(LONGEST_STEP_S));
+            connection
+                .clock
+                .follow_real_time(goes_on.then_some(LONGEST_STEP_S));
         }
         if let Some(order) = order
             && let Err(error) = self.perform(order)
@@ -263,7 +265,7 @@ impl Worker {
         Ok(())
     }
 
-    fn connect(&mut self, rig: Box<Rig>, session_id: u64) -> Result<(), LinkError> {
+    fn connect(&mut self, rig: Box<ConnectionSetup>, session_id: u64) -> Result<(), LinkError> {
         let had_another = self.close(BY_OPERATOR);
         let made = self.make(rig, session_id);
         if made.is_err() && had_another {
@@ -272,7 +274,7 @@ impl Worker {
         made
     }
 
-    fn make(&mut self, rig: Box<Rig>, session_id: u64) -> Result<(), LinkError> {
+    fn make(&mut self, rig: Box<ConnectionSetup>, session_id: u64) -> Result<(), LinkError> {
         let opened = rig.open(self.speed).map_err(|error| match error {
             OpenError::Link(error) => error,
             OpenError::Read(error) => LinkError::Setup(error.to_string()),

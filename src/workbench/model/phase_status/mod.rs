@@ -11,7 +11,7 @@ pub use self::precalibration::{force_sensors, home, winches};
 use super::OpenSession;
 use super::open_session::Stored;
 use super::phase::{Phase, PhaseStatus, Progress};
-use tautline_workflow::identification::Explains;
+use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::count;
 
 /// How far a phase of this session is.
@@ -37,7 +37,7 @@ fn identification(open: &OpenSession) -> PhaseStatus {
     if !open.fit_is_current() {
         return PhaseStatus::new(Progress::OutOfDate, "data changed since");
     }
-    let explains = Explains::of(fit.solution.p_value());
+    let explains = FitVerdict::of(fit.solution.p_value());
     let found = open.diagnosis().filter(|_| open.diagnosis_is_current());
     let found = found.map_or(0, |diagnosed| diagnosed.diagnosis.findings.len());
     match explains {
@@ -49,7 +49,7 @@ fn identification(open: &OpenSession) -> PhaseStatus {
             PhaseStatus::new(Progress::Attention, "elongation is extrapolated")
         }
         _ if !fit.solution.converged() => PhaseStatus::new(Progress::Attention, "did not converge"),
-        Explains::Yes => PhaseStatus::new(Progress::Done, explains.words()),
+        FitVerdict::Adequate => PhaseStatus::new(Progress::Done, explains.words()),
         _ => PhaseStatus::new(Progress::Attention, explains.words()),
     }
 }

@@ -23,7 +23,7 @@ use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
-use tautline_workflow::identification::Explains;
+use tautline_workflow::identification::FitVerdict;
 
 /// Identity and revision of the document, place of its fit, count of the parameters' changes.
 type Key = (u64, u64, Option<usize>, u64);
@@ -103,7 +103,7 @@ fn next(state: &State, current: bool) -> Next {
 /// Warns of values from a model that misses the readings: they can make the robot worse.
 fn doubt(ui: &mut Ui, state: &mut State) {
     let fit = state.model.open.as_ref().and_then(|open| open.fit());
-    let explains = |p: f64| Explains::of(Some(p)) != Explains::No;
+    let explains = |p: f64| FitVerdict::of(Some(p)) != FitVerdict::Inadequate;
     if fit
         .and_then(|fit| fit.solution.p_value())
         .is_none_or(explains)

@@ -10,7 +10,7 @@ use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
-use tautline_workflow::wording::units::{fixed, people, signed};
+use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
 /// Columns; the unit has its own, because that of an effect can be any.
 const COLUMNS: [Column<'static>; 6] = [
@@ -63,7 +63,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
 fn row(ui: &Ui, line: &Difference, cables: &[Cable], cable: Option<usize>) -> Vec<Cell> {
     let palette = theme::of(ui);
     let (scale, unit) = unit(&line.name, line.unit).map_or((1.0, None), |unit| {
-        let (scale, unit) = people(unit);
+        let (scale, unit) = display_unit(unit);
         (scale, Some(unit))
     });
     let decimals = decimals(line.sd.map(|sd| sd * scale), unit);

@@ -9,9 +9,9 @@ use crate::model::comparison::Compared;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
-use tautline_workflow::identification::Explains;
+use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
-use tautline_workflow::wording::units::{decimals, people, quantity, unit_of, with_sd};
+use tautline_workflow::wording::units::{decimals, display_unit, quantity, unit_of, with_sd};
 
 /// Draws the parts.
 pub fn show(ui: &mut Ui, compared: &Compared) {
@@ -52,12 +52,12 @@ fn side_by_side(
     (name, unit): (String, &str),
     scalar: &ScalarDifference,
 ) -> Vec<Cell> {
-    let (factor, people) = people(unit);
+    let (factor, shown) = display_unit(unit);
     let sd = factor * scalar.sd;
     let value = |value: Option<f64>| match value {
         None => Cell::new("not in its model").coloured(theme::of(ui).muted),
         Some(value) if sd.is_finite() && sd > 0.0 => {
-            let text = format!("{:.*} {people}", decimals(sd), factor * value);
+            let text = format!("{:.*} {shown}", decimals(sd), factor * value);
             Cell::new(text.trim_end())
         }
         Some(value) => Cell::new(quantity(value, unit)),
@@ -86,7 +86,7 @@ fn effects(ui: &mut Ui, compared: &Comparison) {
             [_] => sentence(&effect_name(effect)),
             _ => format!("{}: {}", sentence(&effect_name(effect)), effect.parameter),
         };
-        let unit = unit_of(&effect.parameter, effect.unit);
+        let unit = unit_of(&effect.parameter, &effect.unit);
         side_by_side(ui, compared, (name, unit), &effect.size)
     });
     let rows: Vec<_> = rows.collect();
@@ -178,7 +178,7 @@ fn fits(ui: &mut Ui, compared: &Compared) {
     let named = compared.runs.iter().zip(["A", "B"]);
     let rows = named.map(|(run, name)| {
         let missed = run.fit.residual_ratio();
-        let explains = Explains::of(run.fit.solution.p_value());
+        let explains = FitVerdict::of(run.fit.solution.p_value());
         vec![
             Cell::new(name),
             Cell::new(run.fit.solution.poses.len().to_string()),

@@ -12,7 +12,7 @@ use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, section, verdict};
-use tautline_workflow::identification::{Explains, Identification, entry_point_sd};
+use tautline_workflow::identification::{FitVerdict, Identification, entry_point_sd};
 use tautline_workflow::wording::units::with_sd;
 use tautline_workflow::wording::{ratio, sentence};
 
@@ -63,15 +63,15 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         let text = format!("{}: the result does not hold there.", sentence(&place));
         verdict(ui, Verdict::Bad, &text);
     }
-    let explains = Explains::of(solution.p_value());
+    let explains = FitVerdict::of(solution.p_value());
     let kind = match explains {
-        Explains::Yes => Verdict::Good,
-        Explains::Hardly | Explains::TooWell => Verdict::Doubtful,
-        Explains::No => Verdict::Bad,
-        Explains::Unchecked => Verdict::Neutral,
+        FitVerdict::Adequate => Verdict::Good,
+        FitVerdict::Doubtful | FitVerdict::NoiseOverstated => Verdict::Doubtful,
+        FitVerdict::Inadequate => Verdict::Bad,
+        FitVerdict::Untested => Verdict::Neutral,
     };
     verdict(ui, kind, &format!("{}.", sentence(explains.words())));
-    if explains == Explains::No {
+    if explains == FitVerdict::Inadequate {
         muted(ui, "The standard deviations hold only if it did.");
     }
     if let Some(missed) = fit.residual_ratio() {

@@ -20,7 +20,7 @@ use crate::model::phase::{Phase, Screen};
 use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
-use tautline_workflow::planning::Outlook;
+use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::planning::missing;
 
 /// What the panel remembers.
@@ -31,7 +31,7 @@ pub struct PanelState {
     /// Standard deviation of the entry points that is good enough (mm).
     target_mm: f64,
     /// What to expect of the plan, once it was asked, or why that cannot be said.
-    pub outlook: Option<Result<Outlook, String>>,
+    pub outlook: Option<Result<PlanSummary, String>>,
     /// The plan of which it was asked, and of which document.
     asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, of a document and its revision.
@@ -148,7 +148,7 @@ fn show_planned(state: &mut State) {
         .map(PlannedPose::pose)
         .collect();
     // What is expected is of the plan that was made; another plan has other poses.
-    let is_of = |outlook: &Outlook| outlook.poses.iter().all(|p| session.plan.contains(p));
+    let is_of = |outlook: &PlanSummary| outlook.poses.iter().all(|p| session.plan.contains(p));
     let memory = &mut state.panels.measuring;
     let asked = memory.asked.as_ref();
     let is_known = match &memory.outlook {

@@ -7,7 +7,7 @@ use super::PanelState;
 use crate::model::command::EXPECTING;
 use crate::shell::State;
 use crate::widgets::{Verdict, muted, value, verdict};
-use tautline_workflow::planning::Outlook;
+use tautline_workflow::planning::PlanSummary;
 
 /// Draws what is expected, and whether enough is measured.
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
@@ -63,7 +63,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn words(outlook: &Outlook) -> String {
+fn words(outlook: &PlanSummary) -> String {
     let Some(sd_m) = outlook.expected.mean_m else {
         return "These poses leave some coordinates of the pulleys open: plan more poses.".into();
     };
@@ -110,11 +110,11 @@ fn enough(ui: &mut Ui, remembered: &PanelState, done: usize) {
     }
 }
 
-fn details(ui: &mut Ui, outlook: &Outlook) {
+fn details(ui: &mut Ui, outlook: &PlanSummary) {
     value(
         ui,
         "Length of the way",
-        &format!("{:.1}", outlook.way_m),
+        &format!("{:.1}", outlook.travel_m),
         "m",
     );
     muted(ui, "Of these poses, and of as many at random:");

@@ -190,7 +190,7 @@ fn text(finding: &Finding) -> String {
     let others: Vec<_> = others.collect();
     let advice = finding.separation.as_ref().map_or("", |s| &s.advice);
     let text = format!(
-        "{} These data cannot tell it apart from: {}. {advice}",
+        "{} These data cannot distinguish it from: {}. {advice}",
         finding.sentence,
         others.join("; ")
     );

@@ -8,11 +8,11 @@ use tautline_session::VersionedFile;
 /// Machine form of a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DiagnosisDocument {
-    /// Whether the model as it came explains the data; then there are no findings.
+    /// Whether the original model explains the data; then there are no findings.
     pub adequate: bool,
-    /// Test of the model as it came, all readings together.
+    /// Test of the original model, all readings together.
     pub global_test: GlobalTestDocument,
-    /// Dependences of the residuals of the model as it came, the strongest first.
+    /// Dependences of the residuals of the original model, the strongest first.
     pub discrepancy: Vec<DiscrepancyDocument>,
     /// What was found, in the order in which it was added.
     pub findings: Vec<FindingDocument>,
@@ -24,9 +24,9 @@ pub struct DiagnosisDocument {
     pub seconds: f64,
     /// Whether it ran to its end.
     pub complete: bool,
-    /// Tests of the model as it came, per kind of reading, then per cable.
+    /// Tests of the original model, per kind of reading, then per cable.
     pub groups: Vec<GroupTestDocument>,
-    /// Tests of the extended model; the same as of the model as it came without findings.
+    /// Tests of the extended model, which is the original one where there are no findings.
     pub extended: ExtendedDocument,
     /// Dependences that are left with the extended model.
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
@@ -84,7 +84,7 @@ pub struct DiscrepancyDocument {
     pub rms_over_sd: Option<f64>,
     /// On what the residual depends.
     pub depends_on: String,
-    /// Probability if there is no dependence, corrected for the number of questions.
+    /// Probability if there is no dependence, corrected for the number of tests.
     pub p_value: Option<f64>,
     /// What a plot shows.
     pub points: Vec<PointDocument>,
@@ -120,9 +120,9 @@ pub struct FindingDocument {
     pub parameters: Vec<ParameterDocument>,
     /// The numbers behind the verdict.
     pub evidence: EvidenceDocument,
-    /// What it gains on poses held out, on top of the findings before it.
+    /// Improvement on poses held out, on top of the findings before it.
     pub gain: GainDocument,
-    /// Further poses that would separate it from its alternatives, the most telling first.
+    /// Further poses that would separate it from its alternatives, the most informative first.
     pub separating_poses: Vec<PoseDocument>,
     /// Chi-square by which the two best causes are expected to differ once these poses are measured.
     pub separating_delta_chi2: Option<f64>,
@@ -174,9 +174,9 @@ pub struct EvidenceDocument {
     pub delta_chi2: f64,
     /// Number of its parameters.
     pub parameters: usize,
-    /// Probability of such a gain without the cause, corrected for the number of questions.
+    /// Probability of such a gain without the cause, corrected for the number of tests.
     pub p_value: Option<f64>,
-    /// How many questions were asked.
+    /// Number of tests.
     pub questions: usize,
     /// The best of the others.
     pub runner_up: Option<RunnerUpDocument>,
@@ -273,7 +273,7 @@ pub struct NoiseDocument {
     pub ratio: f64,
     /// 95 % interval of the ratio.
     pub interval: [f64; 2],
-    /// Probability of such a ratio if the noise is as given, corrected for the number of questions.
+    /// Probability of such a ratio if the noise is as given, corrected for the number of tests.
     pub p_value: Option<f64>,
 }
 

@@ -7,15 +7,18 @@ use crate::wording::units::{significant, unit_of, with_sd};
 use crate::wording::{count, ratio};
 
 impl Diagnosed {
-    /// What it is and how sure that is.
+    /// The cause and how certain it is.
     #[must_use]
     pub fn heading(&self, finding: &Finding) -> String {
         let title = self.title(&finding.cause);
         match finding.verdict {
-            Verdict::Named => format!("{title}, clearly"),
+            Verdict::Named => format!("{title}, unambiguous"),
             Verdict::Ambiguous => {
                 let others: Vec<_> = finding.alternatives.iter().map(|c| self.title(c)).collect();
-                format!("{title}, cannot be told apart from: {}", others.join("; "))
+                format!(
+                    "{title}, cannot be distinguished from: {}",
+                    others.join("; ")
+                )
             }
             Verdict::Unknown => format!("Unknown cause{}", self.on(&finding.cause)),
         }
@@ -43,28 +46,28 @@ impl Diagnosed {
     }
 }
 
-/// What the finding does to the prediction and to the robot.
+/// Improvement by a finding: of the prediction and of the robot.
 #[must_use]
 pub fn gain(gain: &Gain) -> String {
     let position = gain.position;
     let [from, to] = position.interval_m.map(|m| significant(1e3 * m, 2));
     let moved = format!(
-        "the platform is {} ({from} to {to}) away from where the old model has it, {} at most",
+        "the platform is {} ({from} to {to}) from where the previous model puts it, at most {}",
         short(position.rms_m),
         short(position.largest_m)
     );
     let [before, after] = [gain.before, gain.after].map(ratio);
     if gain.poses_held_out == 0 || !(gain.before.is_finite() && gain.after.is_finite()) {
-        return format!("{moved}. There are too few poses to test it on others.");
+        return format!("{moved}. There are too few poses for a test on held-out poses.");
     }
     let poses = count(gain.poses_held_out, "pose");
-    let readings = format!("the readings at {poses} that were not used for fitting are");
+    let readings = format!("at {poses} held out of the fit, residuals are");
     let change = if before == after {
-        format!("still missed by {after} times their noise")
+        format!("unchanged at {after} times the expected noise")
     } else if gain.after > gain.before {
-        format!("now missed by {after} instead of {before} times their noise, which is no gain")
+        format!("{after} instead of {before} times the expected noise, which is no improvement")
     } else {
-        format!("now missed by {after} instead of {before} times their noise")
+        format!("{after} instead of {before} times the expected noise")
     };
     format!("{readings} {change}; {moved}.")
 }

@@ -1,4 +1,4 @@
-//! What the data cannot show, condensed.
+//! Effects that the data cannot reveal, in groups.
 
 use tautline_core::diagnosis::Invisible;
 
@@ -13,20 +13,20 @@ struct Group<'a> {
     members: Vec<&'a Invisible>,
 }
 
-/// What a diagnosis cannot show, by effect.
+/// Effects that the data cannot reveal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Hidden {
-    /// Effects with the smallest size that would show.
+    /// Effects with their smallest detectable size.
     pub sized: Vec<String>,
-    /// Effects of which no size would show.
+    /// Effects that are not detectable at any size.
     pub never: Vec<&'static str>,
 }
 
-/// What stands above the effects that have a size.
-pub const HIDDEN: &str = "These poses do not show the following faults at their usual sizes. Smallest size that would show:";
+/// Heading of the effects that have a detectable size.
+pub const HIDDEN: &str = "These poses cannot reveal the following faults at their typical sizes. Smallest detectable size:";
 
 impl Diagnosed {
-    /// What the data cannot show.
+    /// Effects that the data cannot reveal.
     #[must_use]
     pub fn hidden_effects(&self) -> Hidden {
         let groups = groups(&self.diagnosis.invisible);
@@ -51,7 +51,7 @@ impl Diagnosed {
         lines.extend(hidden.sized.iter().map(|line| format!("   {line}")));
         if !hidden.never.is_empty() {
             lines.push(format!(
-                "   No size would show: {}",
+                "   Not detectable at any size: {}",
                 hidden.never.join(", ")
             ));
         }
@@ -63,7 +63,7 @@ impl Diagnosed {
         let most = group.sizes().fold(f64::NEG_INFINITY, f64::max);
         let never = match group.members.len() - group.sizes().count() {
             0 => String::new(),
-            some => format!(" ({some} of {} at no size)", group.members.len()),
+            some => format!(" (not detectable on {some} of {})", group.members.len()),
         };
         let sizes = range([least, most], group.unit);
         format!("{}{}: {sizes}{never}", group.title(), self.cables_of(group))

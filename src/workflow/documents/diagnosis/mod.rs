@@ -1,4 +1,4 @@
-//! What a diagnosis says: as a document, and in words.
+//! A diagnosis as a document and in words.
 
 mod cause;
 mod convert;
@@ -20,7 +20,7 @@ pub use document::DiagnosisDocument;
 pub use finding::gain;
 pub use invisible::{HIDDEN, Hidden};
 pub use stage::stage;
-pub use verdict::{adequacy, missed};
+pub use verdict::{adequacy, residual_ratio};
 
 /// A diagnosis with what it is about.
 #[derive(Debug)]

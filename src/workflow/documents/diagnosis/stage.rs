@@ -1,4 +1,4 @@
-//! What a running diagnosis is about, in words.
+//! The stages of a running diagnosis, in words.
 
 use tautline_core::diagnosis::Stage;
 
@@ -7,8 +7,8 @@ use tautline_core::diagnosis::Stage;
 pub fn stage(stage: Stage) -> &'static str {
     match stage {
         Stage::BaseFit => "fitting the model as it is",
-        Stage::Discrepancy => "looking at which readings it misses",
-        Stage::Scores => "asking every possible cause",
+        Stage::Discrepancy => "testing the residuals",
+        Stage::Scores => "testing every possible cause",
         Stage::Refits => "fitting the likeliest causes",
         Stage::HeldOut => "testing on poses left out of the fit",
         Stage::Separation => "looking for poses that tell causes apart",

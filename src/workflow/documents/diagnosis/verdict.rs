@@ -1,4 +1,4 @@
-//! Whether a model explains the readings, their noise, and what is left, in words.
+//! The verdict on a model, its noise and what remains unexplained, in words.
 
 use tautline_core::diagnosis::{Adequacy, Discrepancy, GlobalTest, NoiseStatement, Quantity};
 
@@ -6,29 +6,29 @@ use super::Diagnosed;
 use crate::wording::units::significant;
 use crate::wording::{count, odds, ratio, readings, sentence};
 
-/// By how many times their noise the readings are missed; `None` if nothing is redundant.
+/// Root mean square of the residuals over that of noise alone; `None` if nothing is redundant.
 #[must_use]
-pub fn missed(test: &GlobalTest) -> Option<f64> {
+pub fn residual_ratio(test: &GlobalTest) -> Option<f64> {
     (test.degrees_of_freedom > 0.0).then(|| (test.chi2 / test.degrees_of_freedom).sqrt())
 }
 
-/// How well the model fits the readings.
+/// Goodness of fit the readings.
 #[must_use]
 pub fn adequacy(adequacy: &Adequacy) -> String {
     let test = &adequacy.global;
-    match missed(test) {
+    match residual_ratio(test) {
         Some(by) if adequacy.adequate => {
             format!(
-                "It misses them by {} times their noise; a right model does so by about 1.",
+                "Its residuals are {} times the expected noise; about 1 is normal.",
                 ratio(by)
             )
         }
         Some(by) if test.p_value.is_finite() => format!(
-            "It misses them by {} times their noise; a right model would do so or worse {}.",
+            "Its residuals are {} times the expected noise; with a correct model they would be as large {}.",
             ratio(by),
             odds(test.p_value)
         ),
-        _ => "The readings are just enough to find the pulleys: they cannot be checked.".to_owned(),
+        _ => "There are only just enough readings to identify the pulleys, so the model cannot be tested.".to_owned(),
     }
 }
 
@@ -36,7 +36,11 @@ impl Diagnosed {
     /// Whether the model explains the readings.
     #[must_use]
     pub fn headline(&self) -> String {
-        format!("{}: {}", self.robot().name, self.judgement("NOT"))
+        let doubt = match self.diagnosis.extended_solution.converged() {
+            true => "",
+            false => "the fit did NOT converge, do not rely on these results; ",
+        };
+        format!("{}: {doubt}{}", self.robot().name, self.judgement("NOT"))
     }
 
     /// Whether the model explains the readings, without the robot's name; `not` is written if it does not.
@@ -53,40 +57,35 @@ impl Diagnosed {
                 return format!("the model explains the readings of {poses}.");
             }
             0 if diagnosis.noise.is_empty() => "No cause was found.".to_owned(),
-            0 => "No cause was found, but their noise is not as robot.json says.".to_owned(),
+            0 => "No cause was found, but the noise is not what robot.json states.".to_owned(),
             _ if diagnosis.extended.adequate => format!("With {found} below it does."),
-            _ => format!("With {found} below it is closer, but not there yet."),
+            _ => format!("With {found} below it comes closer, but still does not."),
         };
         format!("the model does {not} explain the readings of {poses}. {end}")
     }
 
-    /// How well the model fits, and what casts doubt on the whole.
+    /// Goodness of fit, and what casts doubt on the whole.
     #[must_use]
     pub fn fit(&self) -> Vec<String> {
         let diagnosis = &self.diagnosis;
         let mut lines = vec![adequacy(&diagnosis.base)];
         let is_extended = !diagnosis.findings.is_empty();
         if is_extended && !diagnosis.base_solution.converged() {
-            lines.push(
-                "Its fit did not converge: by how much it misses them is a guess.".to_owned(),
-            );
+            lines.push("Its fit did not converge, so this figure is only approximate.".to_owned());
         }
-        if let Some(after) = missed(&diagnosis.extended.global).filter(|_| is_extended) {
+        if let Some(after) = residual_ratio(&diagnosis.extended.global).filter(|_| is_extended) {
             lines.push(format!(
-                "With what was found, it misses them by {} times their noise.",
+                "With the findings included, the residuals are {} times the expected noise.",
                 ratio(after)
             ));
         }
-        if !diagnosis.extended_solution.converged() {
-            lines.push("The fit did NOT converge: do not rely on the numbers.".to_owned());
-        }
         if diagnosis.cancelled {
-            lines.push("The diagnosis was stopped before its end.".to_owned());
+            lines.push("The diagnosis was cancelled before it was complete.".to_owned());
         }
         lines
     }
 
-    /// Noise that is not as the robot's description says, in a sentence.
+    /// Noise that differs from the robot's description, in a sentence.
     #[must_use]
     pub fn noise_line(&self, noise: &NoiseStatement) -> String {
         let cable = self.cable(noise.cable);
@@ -95,7 +94,7 @@ impl Diagnosed {
         let ratio = significant(noise.ratio, 2);
         let only = if noise.ratio < 1.0 { "only " } else { "" };
         format!(
-            "{readings} scatter {only}{ratio} times as much as given ({from} to {to}): correct {} in robot.json.",
+            "{readings} have {only}{ratio} times the stated noise ({from} to {to}): correct {} in robot.json.",
             noise_key(noise.quantity)
         )
     }
@@ -105,7 +104,7 @@ impl Diagnosed {
     pub fn remaining_line(&self, left: &Discrepancy) -> String {
         let cable = self.cable(left.cable);
         format!(
-            "What is left: {} are missed by {:.2} times their noise, depending on {}.",
+            "Unexplained: residuals of {} are {:.2} times the expected noise and depend on {}.",
             readings(left.quantity, cable.as_deref()),
             left.rms_over_sd,
             left.variable.name()

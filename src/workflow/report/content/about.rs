@@ -1,4 +1,4 @@
-//! What made this report, and the log of the session.
+//! Provenance of the report, and the log of the session.
 
 use tautline_session::{Phase, Session, schemas};
 
@@ -16,7 +16,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     let facts = [
         ("Program", PROGRAM.to_owned()),
         ("File formats", list(&formats)),
-        ("Made on", when(input.now)),
+        ("Created", when(input.now)),
         ("Session", input.session.name.clone()),
         ("Fingerprint of the inputs", input.session.basis()),
     ];

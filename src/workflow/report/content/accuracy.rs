@@ -1,4 +1,4 @@
-//! How exactly the robot moves, by an external instrument: figures of ISO 9283.
+//! Accuracy by an external instrument: figures of ISO 9283.
 
 use tautline_session::{CheckRow, Session, Stage};
 

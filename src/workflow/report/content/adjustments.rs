@@ -1,4 +1,4 @@
-//! What was written to the controller.
+//! Values that were written to the controller.
 
 use tautline_core::robot::Cable;
 use tautline_session::{Adjustment, Outcome, Session};
@@ -6,7 +6,7 @@ use tautline_session::{Adjustment, Outcome, Session};
 use super::{number, signed, when};
 use crate::report::document::{Section, Table};
 use crate::wording::parameters::{title, unit};
-use crate::wording::units::people;
+use crate::wording::units::display_unit;
 
 pub fn section(session: &Session) -> Option<Section> {
     if session.adjustments().is_empty() {
@@ -53,8 +53,8 @@ fn changes(adjustment: &Adjustment, cables: &[Cable]) -> Table {
     );
     for change in &adjustment.changes {
         let unit = unit(&change.name, &change.unit);
-        let (factor, shown) = unit.map_or((1.0, ""), people);
-        // What is counted has no decimals.
+        let (factor, shown) = unit.map_or((1.0, ""), display_unit);
+        // Counts have no decimals.
         let digits = if unit.is_some() { 3 } else { 0 };
         table.push([
             title(&change.name, cables),

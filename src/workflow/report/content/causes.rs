@@ -1,4 +1,4 @@
-//! What the model gets wrong.
+//! The diagnosis of the model.
 
 use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
 use tautline_core::effect::{Effect, Unknown};
@@ -10,12 +10,12 @@ use crate::report::document::{Block, Section, Table};
 use crate::wording::units::{range, significant, unit_of};
 use crate::wording::{count, list, odds, ratio, sentence};
 
-/// Standard deviations on either side within which the true value lies 19 times out of 20.
+/// Half width of a 95 % interval in standard deviations.
 const INTERVAL: f64 = 1.96;
 
 pub fn section(told: &Diagnosed) -> Section {
     let diagnosis = &told.diagnosis;
-    let mut section = Section::new("What the model gets wrong");
+    let mut section = Section::new("Model diagnosis");
     for line in told.fit() {
         section.paragraph(line);
     }
@@ -28,7 +28,7 @@ pub fn section(told: &Diagnosed) -> Section {
     let remaining = diagnosis.remaining.iter();
     section.list(remaining.map(|left| told.remaining_line(left)).collect());
     section.note(format!(
-        "Data that the model explains would lead to any finding with probability {}.",
+        "Probability of a false finding where the model is right: {}.",
         significant(told.alpha, 2)
     ));
     section
@@ -43,17 +43,17 @@ fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Sec
             let mut titles = vec![told.title(&finding.cause)];
             titles.extend(finding.alternatives.iter().map(|cause| told.title(cause)));
             section.paragraph(format!(
-                "These data cannot tell which of these it is: {}. The values below hold if it is the first.",
+                "These data cannot distinguish between {}. The values below hold for the first.",
                 list(&titles)
             ));
         }
         Verdict::Unknown => section.paragraph(
-            "The readings depend on something that no effect of the catalogue explains. What it is, is not known: no size is given, and the geometry was kept free of it.",
+            "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given; the geometry was kept free of it.",
         ),
     }
     section.blocks.push(Block::Facts(facts(told, finding)));
     if let Some(separation) = &finding.separation {
-        section.paragraph(format!("To tell them apart: {}", separation.advice));
+        section.paragraph(format!("To distinguish them: {}", separation.advice));
         section.table(poses(separation));
     }
 }
@@ -67,16 +67,16 @@ fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
         }
         let intervals = intervals(&finding.parameters);
         if !intervals.is_empty() {
-            add("19 times out of 20", list(&intervals));
+            add("95 % interval", list(&intervals));
         }
     }
     add("Evidence", sentence(&evidence(finding)));
     if let Some(text) = runner_up(told, finding) {
         add("Runner-up", text);
     }
-    add("What it gains", sentence(&gain(&finding.gain)));
+    add("Improvement", sentence(&gain(&finding.gain)));
     if let Some(text) = gain_interval(finding) {
-        add("Gain, 19 times out of 20", sentence(&text));
+        add("Improvement, 95 % interval", sentence(&text));
     }
     if !finding.advice.is_empty() {
         add("What to do", finding.advice.clone());
@@ -87,7 +87,7 @@ fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     facts
 }
 
-/// Where the true values are, for those that were fitted.
+/// 95 % intervals of the fitted parameters.
 fn intervals(parameters: &[FoundParameter]) -> Vec<String> {
     let interval = |p: &FoundParameter| {
         let half = INTERVAL * p.sd.filter(|sd| sd.is_finite() && *sd > 0.0)?;
@@ -100,7 +100,7 @@ fn intervals(parameters: &[FoundParameter]) -> Vec<String> {
 fn evidence(finding: &Finding) -> String {
     let evidence = &finding.evidence;
     format!(
-        "without this cause, readings that speak as much for it would occur {}, the {} questions that were asked taken into account (chi-square falls by {:.1} for {} more)",
+        "without this cause, evidence as strong would occur {}, corrected for {} tests (chi-square falls by {:.1} for {} more)",
         odds(evidence.p_value),
         evidence.questions,
         evidence.delta_chi2,
@@ -108,12 +108,12 @@ fn evidence(finding: &Finding) -> String {
     )
 }
 
-/// What came closest.
+/// The next best cause.
 fn runner_up(told: &Diagnosed, finding: &Finding) -> Option<String> {
     let rival = finding.evidence.ranking.get(1)?;
     let own = finding.evidence.ranking.first()?;
     Some(format!(
-        "{}: chi-square falls by {:.1} instead of {:.1}, readings held out are missed by {} instead of {} times their noise",
+        "{}: chi-square falls by {:.1} instead of {:.1}, held-out residuals are {} instead of {} times the expected noise",
         told.title(&rival.cause),
         rival.delta_chi2,
         own.delta_chi2,
@@ -128,7 +128,7 @@ fn gain_interval(finding: &Finding) -> Option<String> {
     let is_known = gain.poses_held_out > 0 && from.is_finite() && to.is_finite();
     is_known.then(|| {
         format!(
-            "readings held out are missed by {} to {} times their noise less than before",
+            "held-out residuals fall by {} to {} times the expected noise",
             number(from, 2),
             number(to, 2)
         )
@@ -138,7 +138,7 @@ fn gain_interval(finding: &Finding) -> Option<String> {
 fn poses(separation: &Separation) -> Table {
     let mut table = Table::new(
         format!(
-            "Poses to measure, the most telling first: chi-square of the two best causes is expected to differ by {:.0} then. Angles: rotation vector about the axes of the base",
+            "Poses to measure, the most informative first; with them the chi-squares of the two best causes are expected to differ by {:.0}. Angles: rotation vector in the base frame",
             separation.expected_delta_chi2
         ),
         1,

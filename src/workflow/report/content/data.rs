@@ -1,4 +1,4 @@
-//! What was measured.
+//! The measured data.
 
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_session::Session;
@@ -12,12 +12,12 @@ pub fn section(session: &Session) -> Section {
     let measured = &session.measurements;
     let mut facts = Vec::new();
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
-    add("Session begun", when(session.created));
-    add("Last changed", when(session.modified));
+    add("Session created", when(session.created));
+    add("Last modified", when(session.modified));
     add("Poses measured", poses(measured));
-    add("Left out", left_out(session));
+    add("Excluded", left_out(session));
     if let Some(duration) = duration(measured) {
-        add("Measuring took", duration);
+        add("Duration", duration);
     }
     if let Some(range) = range(&measured.temperature_c) {
         add(
@@ -82,7 +82,7 @@ fn phases(session: &Session) -> String {
         .map(|(name, rows)| format!("{name} ({rows} rows)"))
         .collect();
     if present.is_empty() {
-        "none: values of the drawing are used".to_owned()
+        "none: nominal values are used".to_owned()
     } else {
         list(&present)
     }
@@ -90,7 +90,7 @@ fn phases(session: &Session) -> String {
 
 fn readings(measured: &Measurements) -> Table {
     let mut table = Table::new(
-        "Readings that were made, poses left out included",
+        "Readings, those of excluded poses included",
         1,
         &["Reading", "number"],
     );

@@ -9,14 +9,14 @@ use crate::documents::diagnosis::Diagnosed;
 use crate::identification::{Identification, SUSPECT_LEVEL, reading_name};
 use crate::report::document::{Block, Section, Table};
 use crate::report::plots;
-use crate::wording::units::{people, quantity};
+use crate::wording::units::{display_unit, quantity};
 use crate::wording::{odds, ratio, sentence};
 
 /// Most suspect readings that are listed.
 const SUSPECTS: usize = 12;
 
 pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {
-    let mut section = Section::new("How well the model fits");
+    let mut section = Section::new("Goodness of fit");
     section.lead(verdict(fit));
     if let Some(diagnosed) = diagnosed {
         for noise in &diagnosed.diagnosis.noise {
@@ -27,7 +27,7 @@ pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {
     let plots = cable_plots(fit);
     if !plots.is_empty() {
         section.heading("Length readings, cable by cable");
-        section.note("Prediction minus reading over the poses, in standard deviations of this difference. The band reaches to three of them: with a right model about 3 of 1000 readings are outside.");
+        section.note("Prediction minus reading over the poses, in standard deviations of this difference. The band covers three of them; with a correct model about 3 of 1000 readings lie outside.");
         section.blocks.push(Block::Plots(plots));
     }
     let all: Vec<f64> = fit
@@ -38,9 +38,8 @@ pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {
         .collect();
     if !all.is_empty() {
         section.heading("All readings together");
-        section.note(
-            "How often residuals of a size occur; the line is what noise as given would make.",
-        );
+        section
+            .note("Distribution of the residuals; the line is what the stated noise would give.");
         let name = format!("{} readings", all.len());
         section
             .blocks
@@ -54,25 +53,25 @@ fn verdict(fit: &Identification) -> String {
     let solution = &fit.solution;
     let by = (solution.chi2 / solution.degrees_of_freedom).sqrt();
     match solution.p_value() {
-        None => "The readings are just enough to find the parameters: they cannot be checked."
+        None => "There are only just enough readings to identify the parameters, so the model cannot be tested."
             .to_owned(),
         Some(p) if p < 0.01 => format!(
-            "The readings are missed by {} times their noise; a right model would do so or worse {}.",
+            "The residuals are {} times the expected noise; with a correct model they would be as large {}.",
             ratio(by),
             odds(p)
         ),
         Some(p) if p > 0.9999 => format!(
-            "The readings are missed by only {} times their noise: they scatter less than the robot's description says.",
+            "The residuals are only {} times the expected noise: the readings are more precise than the robot's description states.",
             ratio(by)
         ),
         Some(_) => format!(
-            "The readings are missed by {} times their noise; a right model does so by about 1.",
+            "The residuals are {} times the expected noise; about 1 is normal.",
             ratio(by)
         ),
     }
 }
 
-/// The quantity of a reading; none of the balance of forces, which stands for the tensions.
+/// The quantity of a reading; none for static equilibrium, which stands for the tensions.
 fn quantity_of(kind: ReadingKind) -> Option<(Quantity, &'static str)> {
     Some(match kind {
         ReadingKind::Length(_) => (Quantity::Length, "m"),
@@ -87,14 +86,14 @@ fn quantity_of(kind: ReadingKind) -> Option<(Quantity, &'static str)> {
 
 fn kinds(fit: &Identification) -> Table {
     let mut table = Table::new(
-        "Residuals by kind of reading: root mean square, and over what noise alone would leave",
+        "Residuals by kind of reading: root mean square, and relative to noise alone",
         2,
         &[
             "Reading",
             "unit",
             "number",
             "residual",
-            "over noise",
+            "relative to noise",
             "beyond 3",
         ],
     );
@@ -105,7 +104,7 @@ fn kinds(fit: &Identification) -> Table {
         let Some((_, unit)) = readings.first().and_then(|r| quantity_of(r.kind)) else {
             continue;
         };
-        let (factor, unit) = people(unit);
+        let (factor, unit) = display_unit(unit);
         let normalised: Vec<f64> = readings.iter().filter_map(|r| r.normalised()).collect();
         let beyond = normalised.iter().filter(|r| r.abs() > 3.0).count();
         table.push([
@@ -174,7 +173,7 @@ fn cable_plots(fit: &Identification) -> Vec<crate::plot::Drawing> {
 fn suspects(fit: &Identification, section: &mut Section) {
     let suspects = fit.analysis.suspects(SUSPECT_LEVEL);
     if suspects.is_empty() {
-        section.note("No single reading stands out.");
+        section.note("There are no outliers.");
         return;
     }
     let more = match suspects.len().saturating_sub(SUSPECTS) {
@@ -182,7 +181,7 @@ fn suspects(fit: &Identification, section: &mut Section) {
         more => format!(", the worst {SUSPECTS} of {}", more + SUSPECTS),
     };
     let mut table = Table::new(
-        format!("Readings that stand out{more}: look at these poses again"),
+        format!("Outliers{more}: check these poses"),
         1,
         &["Reading", "pose", "standard deviations"],
     );

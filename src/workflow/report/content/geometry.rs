@@ -6,13 +6,13 @@ use tautline_core::geometry::Coordinate;
 use super::{NONE, number, signed};
 use crate::identification::Identification;
 use crate::report::document::{Section, Table};
-use crate::wording::units::{decimals, people, unit_of};
+use crate::wording::units::{decimals, display_unit, unit_of};
 
-/// Correlations above this are worth knowing.
+/// Correlations above this are listed.
 const CORRELATED: f64 = 0.9;
 /// Most correlations that are listed.
 const LISTED: usize = 10;
-/// Most decimals of a number that people read.
+/// Most decimals that are shown.
 const FINEST: usize = 4;
 
 pub fn section(fit: &Identification) -> Section {
@@ -22,7 +22,7 @@ pub fn section(fit: &Identification) -> Section {
             "The data do not determine all of these values: there are no standard deviations.",
         );
     } else {
-        section.paragraph("19 times out of 20 the true value lies within two standard deviations of the identified one, if the model explains the data.");
+        section.paragraph("If the model explains the data, each true value lies within two standard deviations of the identified one with 95 % probability.");
     }
     section.table(entry_points(fit));
     section.table(others(fit));
@@ -50,7 +50,7 @@ fn is_estimated(fit: &Identification, id: &ParameterId) -> bool {
 
 fn entry_points(fit: &Identification) -> Table {
     let mut table = Table::new(
-        "Where the cables reach their pulleys (mm, base frame)",
+        "Entry points of the cables at their pulleys (mm, base frame)",
         2,
         &[
             "Cable",
@@ -74,7 +74,7 @@ fn entry_points(fit: &Identification) -> Table {
             let nominal = description.pulley.entry_point_m[axis];
             let sd = match sd(fit, &id(cable, axis)) {
                 Some(sd) => number(1e3 * sd, digits),
-                None if is_estimated(fit, &id(cable, axis)) => "open".to_owned(),
+                None if is_estimated(fit, &id(cable, axis)) => "undetermined".to_owned(),
                 None => "given".to_owned(),
             };
             let name = if axis == 0 { &description.name } else { "" };
@@ -122,7 +122,7 @@ fn values(fit: &Identification, parameter: &Parameter) -> Option<(Option<f64>, f
     }
 }
 
-/// Unit in which people read a parameter, and the factor to it.
+/// Display unit of a parameter, and the factor to it.
 fn unit<'a>(fit: &Identification, parameter: &'a Parameter) -> (f64, &'a str) {
     let name = match parameter.id {
         ParameterId::Effect { effect, parameter } => {
@@ -132,12 +132,12 @@ fn unit<'a>(fit: &Identification, parameter: &'a Parameter) -> (f64, &'a str) {
         }
         _ => None,
     };
-    people(unit_of(name.unwrap_or_default(), parameter.unit))
+    display_unit(unit_of(name.unwrap_or_default(), parameter.unit))
 }
 
 fn others(fit: &Identification) -> Table {
     let mut table = Table::new(
-        "Everything else that was identified; home rotations are those from the nominal pose",
+        "Other identified parameters; home rotations are relative to the nominal pose",
         2,
         &[
             "Parameter",
@@ -164,7 +164,7 @@ fn others(fit: &Identification) -> Table {
             shown(nominal, number),
             number(factor * found, digits),
             shown(nominal.map(|nominal| found - nominal), signed),
-            sd.map_or_else(|| "open".to_owned(), |sd| number(sd, digits)),
+            sd.map_or_else(|| "undetermined".to_owned(), |sd| number(sd, digits)),
         ]);
     }
     table
@@ -182,7 +182,7 @@ fn correlations(fit: &Identification, section: &mut Section) {
     strong.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
     if strong.is_empty() {
         section.note(format!(
-            "No two of these values are correlated by more than {CORRELATED}."
+            "No two of these values have a correlation above {CORRELATED}."
         ));
         return;
     }
@@ -194,7 +194,7 @@ fn correlations(fit: &Identification, section: &mut Section) {
     };
     let mut table = Table::new(
         format!(
-            "Correlations worth knowing ({which}): what such values have in common is known better than each alone"
+            "Strong correlations ({which}): such values are known better in combination than one by one"
         ),
         2,
         &["Parameter", "and", "correlation"],

@@ -1,4 +1,4 @@
-//! What the data cannot say, and what was taken for granted.
+//! What the data do not determine, and the assumptions.
 
 use tautline_core::robot::Robot;
 
@@ -11,9 +11,9 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     let mut section = Section::new("Limits");
     if let Some(fit) = input.fit {
         if fit.open.is_empty() {
-            section.paragraph("The data determine everything that was to be identified.");
+            section.paragraph("The data determine all parameters.");
         } else {
-            section.paragraph("The data leave this open:");
+            section.paragraph("The data do not determine the following:");
             let open = fit.open.iter();
             section.list(
                 open.map(|d| format!("{}.", sentence(&d.sentence)))
@@ -30,24 +30,24 @@ pub fn section(input: &ReportInput<'_>) -> Section {
             }
             if !hidden.never.is_empty() {
                 section.paragraph(format!(
-                    "These poses would show the following faults at no size: {}.",
+                    "These poses cannot reveal the following faults at any size: {}.",
                     hidden.never.join(", ")
                 ));
             }
         }
         None => section.paragraph(
-            "It was not asked what the model gets wrong: faults that imitate a displaced pulley may be in the values.",
+            "The model was not diagnosed: faults that look like a displaced pulley may have gone into the values.",
         ),
     }
-    section.paragraph("Taken for granted:");
+    section.paragraph("Assumptions:");
     section.list(assumptions(&input.session.robot, input));
     section
 }
 
 fn assumptions(robot: &Robot, input: &ReportInput<'_>) -> Vec<String> {
     let mut all = vec![
-        "Pulley radii, swivel axes, anchors on the platform and drums are as the drawing says, unless an effect above says otherwise.".to_owned(),
-        "Readings scatter as the robot's description says, independently of each other.".to_owned(),
+        "Pulley radii, swivel axes, platform anchors and drums are as drawn, unless an effect above says otherwise.".to_owned(),
+        "The noise of the readings is as stated in the robot's description, and independent.".to_owned(),
     ];
     let inelastic = robot
         .cables

@@ -1,4 +1,4 @@
-//! How the values were found.
+//! The method of identification.
 
 use tautline_core::effect::BoundEffect;
 use tautline_core::estimation::Method;
@@ -8,20 +8,22 @@ use crate::identification::Identification;
 use crate::report::document::Section;
 use crate::wording::{count, list};
 
-/// Where the method comes from.
+/// Source of the method.
 const SOURCE: &str = "X. Jin, J. Jung, S. Y. Ko, E. Choi, J.-O. Park, C.-S. Kim: Geometric parameter calibration for a cable-driven parallel robot based on a single one-dimensional laser distance sensor measurement and experimental modeling. Sensors 18 (2018) 2392, doi:10.3390/s18072392.";
 
 pub fn section(session: &Session, fit: &Identification) -> Section {
     let mut section = Section::new("Method");
     let tensions = match fit.method {
-        Method::Simple => "Tensions are taken as the sensors say, without the balance of forces",
+        Method::Simple => {
+            "Tensions are taken from the sensors as exact, without static equilibrium"
+        }
         Method::Joint if fit.dataset.measurements.force_n.is_empty() => "No tensions were measured",
         Method::Joint => {
-            "Tensions are unknown as well: their readings have noise, and the balance of forces holds at every pose"
+            "Tensions are estimated as well: their readings have noise, and static equilibrium holds at every pose"
         }
     };
     section.paragraph(format!(
-        "The pulleys are put where lengths, tensions and distances at all measured poses fit together best, each reading weighted by its noise; the poses themselves are found along with them. {tensions}."
+        "Pulleys and poses are estimated together by least squares from the lengths, tensions and distances at all measured poses, each reading weighted by its noise. {tensions}."
     ));
     let effects = &fit.solution.globals.effects;
     if !effects.is_empty() {

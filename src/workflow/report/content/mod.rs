@@ -1,4 +1,4 @@
-//! What a report says, part by part: in words for the technician first, then the numbers for the engineer.
+//! The content of a report, part by part: words for the technician first, then figures for the engineer.
 
 mod about;
 mod accuracy;
@@ -18,7 +18,7 @@ use super::document::Document;
 use super::{Part, ReportInput};
 use crate::wording::units;
 
-/// What stands where there is no number.
+/// Shown in place of a missing number.
 const NONE: &str = "–";
 
 /// The whole report.
@@ -71,18 +71,18 @@ fn head(input: &ReportInput<'_>) -> Vec<String> {
             lines.push(format!("{what}: {}", who.trim()));
         }
     }
-    lines.push(format!("Made on {}", when(input.now)));
+    lines.push(format!("Created {}", when(input.now)));
     lines
 }
 
-/// A point in time as people write it: `2018-07-23, 09:05 UTC`.
+/// A point in time in display form: `2018-07-23, 09:05 UTC`.
 fn when(time: Timestamp) -> String {
     let text = time.to_string();
     let part = |from: usize, to: usize| text.get(from..to).unwrap_or_default();
     format!("{}, {} UTC", part(0, 10), part(11, 16))
 }
 
-/// A number with a sign that is as long as the digits are high, and no minus before nothing but zeros.
+/// A number with a typographic minus; what rounds to zero has no sign.
 fn number(value: f64, decimals: usize) -> String {
     units::fixed(value, decimals).replace('-', "−")
 }

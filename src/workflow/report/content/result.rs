@@ -1,4 +1,4 @@
-//! The first page: what came out.
+//! The first page: the result.
 
 use tautline_core::diagnosis::Diagnosis;
 use tautline_core::estimation::Solution;
@@ -17,7 +17,10 @@ const DOUBT: f64 = 0.01;
 pub fn section(input: &ReportInput<'_>) -> Section {
     let mut section = Section::new("Result");
     if input.outdated {
-        section.lead("The session was changed after this was computed: identify again before using the values.");
+        section.lead("The session has changed since this was computed: identify again before you use the values.");
+    }
+    if input.fit.is_some_and(|fit| !fit.solution.converged()) {
+        section.lead("The identification did NOT converge: do not rely on its values.");
     }
     match (input.diagnosis, input.fit) {
         (Some(diagnosed), _) => {
@@ -45,7 +48,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
             png: png.to_vec(),
             caption: match input.fit {
                 Some(_) => format!(
-                    "{}: the arrows lead from the pulleys of the drawing to the identified ones, larger than they are",
+                    "{}: arrows point from the nominal to the identified pulleys, enlarged",
                     input.session.robot.name
                 ),
                 None => format!("{} with its cables", input.session.robot.name),
@@ -68,21 +71,18 @@ fn nothing(session: &Session) -> String {
 /// Whether the model explains the readings, without a diagnosis.
 fn verdict(solution: &Solution, session: &Session) -> String {
     let name = &session.robot.name;
-    if !solution.converged() {
-        return format!("{name}: the fit did NOT converge, do not rely on the numbers.");
-    }
     match solution.p_value() {
         None => format!(
-            "{name}: the readings are just enough to find the pulleys, so they cannot be checked."
+            "{name}: there are only just enough readings to identify the pulleys, so the model cannot be tested."
         ),
         Some(p) if p < DOUBT => format!(
-            "{name}: the model does NOT explain the readings. The standard deviations hold only if it did."
+            "{name}: the model does NOT explain the readings. The standard deviations are not valid."
         ),
         Some(_) => format!("{name}: the model explains the readings."),
     }
 }
 
-/// How far the entry points are from the drawing.
+/// Largest displacement of a pulley from the drawing.
 fn moved(fit: &Identification) -> String {
     let nominal = &fit.dataset.robot.cables;
     let distances = fit.displacements_m(&fit.dataset.robot).into_iter();
@@ -91,19 +91,19 @@ fn moved(fit: &Identification) -> String {
     let poses = count(fit.dataset.measurements.len(), "pose");
     match farthest {
         Some((distance, name)) if distance > 0.0 => format!(
-            "Identified from {poses}. The pulley that is farthest from where the drawing has it is that of {name}: {}.",
+            "Identified from {poses}. Largest displacement from the drawing: the pulley of {name}, {}.",
             quantity(distance, "m")
         ),
-        _ => format!("Identified from {poses}. No pulley is elsewhere than the drawing has it."),
+        _ => format!("Identified from {poses}. No pulley is displaced from the drawing."),
     }
 }
 
-/// By how much the platform is misplaced without the findings.
+/// Effect of the most important finding on the position of the platform.
 fn largest_gain(diagnosis: &Diagnosis) -> Option<String> {
     let positions = diagnosis.findings.iter().map(|f| f.gain.position);
     let largest = positions.max_by(|a, b| a.rms_m.total_cmp(&b.rms_m))?;
     Some(format!(
-        "The finding that matters most moves the platform by {} on average (up to {}).",
+        "The most important finding moves the platform by {} rms (up to {}).",
         quantity(largest.rms_m, "m"),
         quantity(largest.largest_m, "m")
     ))

@@ -26,12 +26,12 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
         .iter()
         .map(|c| c.describe().to_owned())
         .collect();
-    add("Platform moves in", list(&free));
+    add("Free coordinates", list(&free));
     let mass = robot.platform.mass_kg;
     add(
         "Mass of the platform",
         mass.map_or_else(
-            || "not given, so the balance of forces is not used".to_owned(),
+            || "not given, so static equilibrium is not used".to_owned(),
             |mass| quantity(mass, "kg"),
         ),
     );
@@ -49,7 +49,7 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
     facts
 }
 
-/// What measures, with its noise.
+/// Instruments with their noise.
 fn instruments(robot: &Robot) -> String {
     let mut all = vec!["winch encoders".to_owned()];
     let sensors = robot.cables.iter().filter(|c| c.force_sensor.is_some());
@@ -82,7 +82,7 @@ fn instruments(robot: &Robot) -> String {
 
 fn cables(robot: &Robot) -> Table {
     let mut table = Table::new(
-        "Cables as the drawing and the first two phases describe them",
+        "Cables, from the drawing and the first two phases",
         1,
         &[
             "Cable",

@@ -1,4 +1,4 @@
-//! Where everything stands on the pages.
+//! Layout of the pages.
 
 use std::io::Cursor;
 
@@ -25,7 +25,7 @@ pub const BOTTOM: f64 = PAGE[1] - 60.0;
 const GAP: f64 = 12.0;
 /// Largest height of a picture (pt).
 const PICTURE_HEIGHT: f64 = 270.0;
-/// What must fit below a heading on the same page (pt).
+/// Space that must remain below a heading on the same page (pt).
 const BELOW_HEADING: f64 = 72.0;
 
 /// A picture on a page.
@@ -38,7 +38,7 @@ pub struct Placed {
     pub size: [f64; 2],
 }
 
-/// What stands on a page.
+/// Content of a page.
 #[derive(Default)]
 pub struct Page {
     /// Shapes, the lowest first.
@@ -86,7 +86,7 @@ const HEADING: Style = style(10.5, 14.0, true, colours::DARK);
 const LEAD: Style = style(10.5, 14.5, true, colours::DARK);
 const TEXT: Style = style(9.5, 13.5, false, colours::DARK);
 const NAME: Style = style(9.5, 13.5, false, colours::MUTED);
-/// Text for those who want the numbers, captions.
+/// Small print and captions.
 pub const SMALL: Style = style(8.5, 12.0, false, colours::MUTED);
 
 /// Fills pages from top to bottom.
@@ -191,7 +191,7 @@ impl<'a> Layout<'a> {
             Block::Plots(plots) => self.plots(plots),
             Block::Picture { png, caption } => self.picture(png, caption),
         }
-        // What a lead says belongs to what follows it.
+        // A lead belongs to the block below it.
         if matches!(block, Block::Lead(_)) && !after.is_empty() {
             self.y += 1.0;
         }

@@ -2,7 +2,7 @@
 
 use super::faces::Faces;
 
-/// What lines may break at: a space that does not forbid it.
+/// Whether a line may break at a character: any space but a non-breaking one.
 fn is_gap(letter: char) -> bool {
     letter.is_whitespace() && letter != '\u{a0}'
 }

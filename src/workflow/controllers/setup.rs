@@ -1,4 +1,4 @@
-//! Which controllers a session offers, and what one is made of.
+//! The parts of a connection to a session's controller.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use super::choice::ControllerChoice;
 /// A kind of controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The simulated robot of the session, a demonstration: its readings are those of the session's robot.
+    /// The simulated robot of the session: its readings are those of the session's robot.
     OfSession,
     /// A robot simulated from the description alone: its readings say nothing about a real robot.
     OfDescription,
@@ -27,7 +27,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What a session is connected to by its settings.
+    /// The kind of controller in the settings of a session.
     #[must_use]
     pub fn offered(session: &Session) -> Self {
         match session.connection.controller {
@@ -46,19 +46,19 @@ impl Kind {
     }
 }
 
-/// Everything that a connection is made of.
+/// The parts of a connection.
 #[derive(Debug, Clone)]
-pub struct Rig {
-    /// What it is.
+pub struct ConnectionSetup {
+    /// Kind of controller.
     pub kind: Kind,
     pub(super) source: Source,
-    /// File for the values that a simulated controller holds while they are written.
-    pub(super) stores_at: Option<PathBuf>,
+    /// File in which a simulated controller saves its values while they are written.
+    pub(super) values_file: Option<PathBuf>,
     pub(super) limits: Limits,
     pub(super) laser: LaserChoice,
 }
 
-/// What answers.
+/// The controller itself.
 #[derive(Debug, Clone)]
 pub(super) enum Source {
     Simulated(Box<SimulatedSetup>),
@@ -69,7 +69,7 @@ pub(super) enum Source {
 /// Seed of the noise of a robot that is simulated from its description.
 const SEED: u64 = 1;
 
-impl Rig {
+impl ConnectionSetup {
     /// The controller of a session's settings; a simulated one can correct its robot's effects, those of the model and
     /// `identified` ones.
     #[must_use]
@@ -77,14 +77,14 @@ impl Rig {
         Self::chosen(session, identified, &ControllerChoice::of(session), None)
     }
 
-    /// The controller that was chosen for a session. A simulated one corrects the effects that [`Rig::of`] says, and
-    /// holds values in the file `stores_at` from the first that is written.
+    /// The controller that was chosen for a session. A simulated one corrects the effects that [`ConnectionSetup::of`] says, and
+    /// holds values in the file `values_file` from the first that is written.
     #[must_use]
     pub fn chosen(
         session: &Session,
         identified: &[EffectSetting],
         choice: &ControllerChoice,
-        stores_at: Option<&Path>,
+        values_file: Option<&Path>,
     ) -> Self {
         let (workspace, tension) = bounds(&session.robot);
         let limits = Limits {
@@ -111,25 +111,25 @@ impl Rig {
         Self {
             kind,
             source,
-            stores_at: stores_at.map(Path::to_owned),
+            values_file: values_file.map(Path::to_owned),
             limits,
             laser: session.laser_source.clone(),
         }
     }
 
-    /// Whether its time cannot run faster than that of the wall.
+    /// Whether it cannot run faster than real time.
     #[must_use]
     pub fn runs_in_real_time(&self) -> bool {
         self.kind == Kind::Real
     }
 
-    /// Whether a lost connection is made anew: that of a real controller is.
+    /// Whether a lost connection is restored, as that of a real controller.
     #[must_use]
     pub fn reconnects(&self) -> bool {
         self.kind == Kind::Real
     }
 
-    /// Whether an instrument watches the robot; where none does, poses are typed.
+    /// Whether an external instrument observes the robot; otherwise poses are typed.
     #[must_use]
     pub fn has_instrument(&self) -> bool {
         matches!(self.source, Source::Simulated(_))
@@ -145,7 +145,7 @@ impl Rig {
         known.any(|known| same(known, setting))
     }
 
-    /// The robot as described, without what a controller holds.
+    /// The robot as described, without the values of the controller.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.limits.robot
@@ -192,18 +192,18 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
         tension: limits.tension,
         velocity_m_s,
         acceleration_m_s2: 5.0 * velocity_m_s,
-        // Another run is another noise, as that of a run that goes on after a break is.
+        // A run that continues after a break needs new noise.
         ..SimulatedSetup::new(nominal, truth, seed_after(seed, session.measurements.len()))
     }
 }
 
 /// The seed of a run after so many measured poses.
 fn seed_after(seed: u64, poses: usize) -> u64 {
-    // An odd number, so that no two counts share a seed; its bits are those of the golden ratio.
+    // An odd factor, so that no two counts share a seed: the fractional bits of the golden ratio.
     seed.wrapping_add((poses as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
-/// Where a robot moves and how its cables are tensioned: as published for a known robot, else as suits its description.
+/// Workspace and tension range of a robot: those of its preset, else derived from its description.
 #[must_use]
 pub fn bounds(robot: &Robot) -> (Workspace, TensionRange) {
     let known = presets::NAMES.iter().filter_map(|name| presets::find(name));
@@ -220,7 +220,7 @@ fn same(a: &EffectSetting, b: &EffectSetting) -> bool {
     a.effect == b.effect && a.targets == b.targets
 }
 
-/// The same effect without any influence.
+/// The same effect at neutral values.
 fn neutral(setting: &EffectSetting) -> EffectSetting {
     let parameters = find(&setting.effect).map_or(&[][..], |effect| effect.parameters());
     EffectSetting {
@@ -266,7 +266,7 @@ mod tests {
                 value: 0.002,
             },
         ];
-        let rig = Rig::of(&session, &[]);
+        let rig = ConnectionSetup::of(&session, &[]);
         let setting = |effect: &str, targets: &[&str]| EffectSetting {
             effect: effect.into(),
             targets: targets.iter().map(|t| (*t).to_owned()).collect(),
