@@ -19,7 +19,7 @@ pub struct Import {
 #[derive(Debug)]
 enum Target<'a> {
     Module(&'a ModulePath),
-    Item(&'a Module),
+    Item(&'a ModulePath, &'a Module),
 }
 
 /// The first words of paths that lead to another crate, with file and line.
@@ -33,7 +33,8 @@ pub fn crates_mentioned(krate: &Crate) -> BTreeSet<(String, PathBuf, usize)> {
     found
 }
 
-/// All imports between different files of a crate.
+/// All imports between different files of a crate. A module that re-exports what its own children define does not
+/// import it: that is the table of contents of a folder.
 pub fn imports(krate: &Crate) -> BTreeSet<Import> {
     let mut found = BTreeSet::new();
     for (path, module) in &krate.modules {
@@ -49,7 +50,8 @@ pub fn imports(krate: &Crate) -> BTreeSet<Import> {
         };
         for mention in &module.mentions {
             match resolve(krate, path, &mention.path, 0) {
-                Some(Target::Item(target)) => add(Some(target), &mention.path, mention.line),
+                Some(Target::Item(at, _)) if mention.is_reexport && at.starts_with(path) => {}
+                Some(Target::Item(_, target)) => add(Some(target), &mention.path, mention.line),
                 // A module by itself says nothing: what is used of it is a mention of its own.
                 Some(Target::Module(_)) | None => {}
             }
@@ -102,7 +104,7 @@ fn resolve<'a>(
         if is_module && !others.is_empty() {
             at = child;
         } else if module.items.contains(name) {
-            return Some(Target::Item(module));
+            return Some(Target::Item(key, module));
         } else if let Some(import) = module.imports.get(name).filter(|import| *import != rest) {
             match resolve(krate, &at, import, depth + 1)? {
                 Target::Module(target) if !others.is_empty() => at = target.clone(),
@@ -117,7 +119,7 @@ fn resolve<'a>(
                 resolve(krate, &at, &long, depth + 1)
             });
             // A name that a macro has made is taken for the module's own.
-            return of_glob.or((!is_first).then_some(Target::Item(module)));
+            return of_glob.or((!is_first).then_some(Target::Item(key, module)));
         }
         rest = others;
         is_first = false;

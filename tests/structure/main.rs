@@ -71,16 +71,7 @@ const CRATES: [Rules; 6] = [
             "tautline_workflow",
         ],
         order: &[
-            "fonts",
-            "theme",
-            "model",
-            "commands",
-            "widgets",
-            "views",
-            "offscreen report_picture",
-            "screens",
-            "shell",
-            "lib",
+            "model", "commands", "theme", "widgets", "views", "screens", "shell", "lib",
         ],
     },
 ];

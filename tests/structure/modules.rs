@@ -14,6 +14,8 @@ pub type ModulePath = Vec<String>;
 pub struct Mention {
     pub path: Vec<String>,
     pub line: usize,
+    /// Whether it only gives the item a further name: `pub use`.
+    pub is_reexport: bool,
 }
 
 /// A module, in a file of its own or inside of another.
@@ -182,8 +184,15 @@ impl Parser<'_> {
     }
 
     fn import(&mut self, module: &mut Module) {
+        let before = self.at.checked_sub(1).map(|at| self.tokens[at].text);
+        // Behind `pub` or the parenthesis of `pub(crate)`.
+        let is_reexport = matches!(before, Some("pub" | ")"));
         self.at += 1;
+        let first = module.mentions.len();
         self.tree(&[], module);
+        for mention in &mut module.mentions[first..] {
+            mention.is_reexport = is_reexport;
+        }
     }
 
     /// One tree of a `use` declaration: `a::b`, `a as b`, `a::*`, `a::{b, c::d}`.
@@ -243,7 +252,11 @@ impl Parser<'_> {
             self.at += 2;
         }
         if path.len() > 1 {
-            module.mentions.push(Mention { path, line });
+            module.mentions.push(Mention {
+                path,
+                line,
+                is_reexport: false,
+            });
         }
     }
 }
@@ -252,6 +265,7 @@ fn keep(module: &mut Module, name: String, path: Vec<String>, line: usize) {
     module.mentions.push(Mention {
         path: path.clone(),
         line,
+        is_reexport: false,
     });
     module.imports.insert(name, path);
 }

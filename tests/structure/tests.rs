@@ -69,6 +69,20 @@ fn a_file_beside_its_folder_belongs_to_it() {
     assert!(found(&RULES, &files).is_empty());
 }
 
+/// A folder may use what the `mod.rs` above it defines, as long as that only re-exports it.
+#[test]
+fn a_reexport_is_no_import() {
+    let child = ("a/b/mod.rs", "pub struct B(Option<super::A>);");
+    let mut files = [
+        ("lib.rs", "pub mod a;"),
+        ("a/mod.rs", "mod b; pub(crate) use b::B; pub struct A;"),
+        child,
+    ];
+    assert!(found(&RULES, &files).is_empty());
+    files[1].1 = "mod b; use b::B; pub struct A(B);";
+    assert_eq!(found(&RULES, &files).len(), 3);
+}
+
 #[test]
 fn tests_comments_and_literals_import_nothing() {
     let files = [
