@@ -51,7 +51,7 @@ fn take(harness: &mut Harness<'_, App>, side: &str, path: &Path) {
         .get_by_role_and_label(Role::TextInput, &field)
         .type_text(&text);
     harness.run_ok();
-    press(harness, &format!("Take {side}"));
+    press(harness, &format!("Use {side}"));
 }
 
 /// The row of a cable in the table of pulleys.

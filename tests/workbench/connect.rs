@@ -122,11 +122,11 @@ fn invalid_entries_are_explained_beside_their_fields_and_settings_can_be_undone(
     assert!(shows(&bench, "expected the name or address of the laser"));
     bench.press("Typed by the operator at every pose");
     bench.press("Symbols");
-    bench.press("Names of one's own");
+    bench.press("Custom names");
     type_into(&mut bench, "Scale: Motor revolutions", "many");
     assert!(shows(&bench, "expected a number such as 12.5"));
     type_into(&mut bench, "Scale: Motor revolutions", "-0.5");
-    bench.press("Keep settings");
+    bench.press("Save settings");
     assert!(
         bench
             .harness
@@ -269,7 +269,7 @@ fn fill(bench: &mut Bench, plant: &Plant) {
     let net_id = address.net_id.map(|number| number.to_string()).join(".");
     type_into(bench, "AMS Net ID", &net_id);
     // A machine that runs many tests at once is slow.
-    type_into(bench, "Longest wait (s)", "20");
+    type_into(bench, "Timeout (s)", "20");
 }
 
 /// Connected by the window, and armed.

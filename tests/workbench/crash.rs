@@ -89,7 +89,7 @@ impl Running {
         state.model.autosave.follow(state.model.open.as_ref());
         state.model.autosave.measured(pose.clone());
         let start = Instant::now();
-        while state.model.autosave.kept().is_empty() {
+        while state.model.autosave.events().is_empty() {
             assert!(
                 start.elapsed() < Duration::from_secs(60),
                 "it is never kept"

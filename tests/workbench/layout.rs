@@ -284,7 +284,7 @@ fn every_window_above_the_screen_fits() {
         ("controller", &["Beckhoff controller (ADS)"]),
         (
             "symbols",
-            &["Beckhoff controller (ADS)", "Symbols", "Names of one's own"],
+            &["Beckhoff controller (ADS)", "Symbols", "Custom names"],
         ),
         ("laser", &["Laser source", "From a device at a serial port"]),
     ];

@@ -175,7 +175,12 @@ fn the_forecast_of_a_stored_plan_is_computed_on_demand() {
     bench.go(Phase::Measuring);
     bench.give(RobotCommand::Plan(8));
     bench.settle("a plan");
-    let expected = bench.state().panels.measuring.outlook.clone();
+    let expected = bench
+        .state()
+        .model
+        .outlook
+        .as_ref()
+        .map(|o| o.result.clone());
     let expected = expected.expect("it was planned").expect("it is known");
     let session = bench.session().clone();
     drop(bench);
@@ -186,7 +191,12 @@ fn the_forecast_of_a_stored_plan_is_computed_on_demand() {
     bench
         .harness
         .get_by_label_contains("The pulleys will be known to");
-    let again = bench.state().panels.measuring.outlook.clone();
+    let again = bench
+        .state()
+        .model
+        .outlook
+        .as_ref()
+        .map(|o| o.result.clone());
     let again = again.expect("it was asked").expect("it is known");
     assert_eq!(again.poses, expected.poses);
     let sd_m = again.expected.mean_m.expect("determined");

@@ -7,10 +7,10 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 use tautline_session::{Session, Timestamp};
+use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::robot_3d::Live;
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::identification::{IdentificationRequest, identify};
@@ -169,12 +169,12 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
         .camera()
         .expect("it is there");
     let pose = Pose::from_parts([0.05, 0.0, 0.1], [1.0, 0.0, 0.0, 0.0]);
-    let view = &mut harness.state_mut().state.views.robot_3d;
-    view.live = Some(Live {
+    let state = &mut harness.state_mut().state;
+    state.model.live_platform = Some(LivePlatform {
         pose,
         tensions_n: vec![25.0; 8],
     });
-    view.planned = vec![pose];
+    state.views.robot_3d.planned = vec![pose];
     harness.run_ok();
     assert_eq!(scene(&harness).shown, Shown::Live);
     assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));
@@ -189,7 +189,7 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
             .expect("it is there"),
         before
     );
-    harness.state_mut().state.views.robot_3d.live = None;
+    harness.state_mut().state.model.live_platform = None;
     open(&mut harness, session_of("planar", 3), false);
     assert_ne!(
         *harness

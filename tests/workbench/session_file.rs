@@ -203,6 +203,6 @@ fn writing_values_that_did_not_converge_needs_confirmation() {
     assert!(!bench.state().model.dialogs.unconverged);
     bench.give(RobotCommand::Write);
     question(&mut bench);
-    bench.press("Write all the same");
+    bench.press("Write anyway");
     assert!(!bench.state().model.dialogs.unconverged);
 }

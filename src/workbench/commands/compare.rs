@@ -3,63 +3,69 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use tautline_core::estimation::{Control, Progress};
+use tautline_core::estimation::Progress;
 use tautline_session::{Session, import};
 
-use crate::model::OpenSession;
+use super::pick;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{Compared, Run, Side, Source};
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;
-use crate::shell::State;
+use crate::model::{Model, OpenSession};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{as_session, identify_to_compare};
 use tautline_workflow::identification::IdentificationError;
 
-pub(super) fn perform(state: &mut State, command: CompareCommand) {
+pub(super) fn perform(model: &mut Model, command: CompareCommand) {
     match command {
-        CompareCommand::Show => show(state),
-        CompareCommand::Ask(side) => state.model.tasks.start("File dialog", move |_| {
-            let dialog = rfd::FileDialog::new().add_filter("Tautline", &["json"]);
-            CompareOutcome::Picked(side, dialog.pick_file()).into()
-        }),
-        CompareCommand::Choose(side, source) => choose(state, side, source),
+        CompareCommand::Show => show(model),
+        CompareCommand::Ask(side) => pick(
+            model,
+            || {
+                let dialog = rfd::FileDialog::new().add_filter("Tautline", &["json"]);
+                dialog.pick_file()
+            },
+            move |path| CompareCommand::Choose(side, Source::File(path)),
+        ),
+        CompareCommand::Choose(side, source) => choose(model, side, source),
         CompareCommand::Drop(path) => {
-            let memory = &state.panels.compare;
-            let empty = Side::ALL
-                .into_iter()
-                .find(|side| memory.source(*side).is_none());
-            choose(state, empty.unwrap_or(Side::B), Source::File(path));
+            let is_empty = |side: &Side| model.comparison.source(*side).is_none();
+            let side = Side::ALL.into_iter().find(is_empty).unwrap_or(Side::B);
+            choose(model, side, Source::File(path));
         }
         CompareCommand::Clear(side) => {
-            state.model.tasks.cancel(COMPARING);
-            state.panels.compare.clear(side);
+            model.tasks.cancel(COMPARING);
+            model.comparison.clear(side);
         }
         CompareCommand::Swap => {
-            state.panels.compare.swap();
-            start(state, None);
+            model.comparison.swap();
+            start(model, None);
         }
-        CompareCommand::Again => start(state, None),
+        CompareCommand::Again => start(model, None),
     }
 }
 
-fn show(state: &mut State) {
-    state.model.screen = Screen::Compare;
-    let memory = &mut state.panels.compare;
-    let is_open = state.model.open.is_some();
+fn show(model: &mut Model) {
+    model.screen = Screen::Compare;
+    let comparison = &mut model.comparison;
+    let is_open = model.open.is_some();
     for side in Side::ALL {
-        if !is_open && memory.source(side) == Some(&Source::Open) {
-            memory.clear(side);
+        if !is_open && comparison.source(side) == Some(&Source::Open) {
+            comparison.clear(side);
         }
     }
-    if is_open && Side::ALL.iter().all(|side| memory.source(*side).is_none()) {
-        memory.choose(Side::A, Source::Open);
+    if is_open
+        && Side::ALL
+            .iter()
+            .all(|side| comparison.source(*side).is_none())
+    {
+        comparison.choose(Side::A, Source::Open);
     }
 }
 
-fn choose(state: &mut State, side: Side, source: Source) {
-    state.panels.compare.choose(side, source);
-    start(state, Some(side));
+fn choose(model: &mut Model, side: Side, source: Source) {
+    model.comparison.choose(side, source);
+    start(model, Some(side));
 }
 
 /// What has to be done to have one of the two.
@@ -114,11 +120,7 @@ impl Job {
                 None,
                 format!("{}, step {}", side.name(), progress.iteration),
             );
-            if task.cancelled() {
-                Control::Cancel
-            } else {
-                Control::Continue
-            }
+            task.control()
         });
         Ok(Arc::new(Run {
             fit: Arc::new(fit.map_err(named)?),
@@ -138,18 +140,18 @@ fn read(path: &Path) -> Result<Session, String> {
 }
 
 /// Compares as soon as both are chosen; `chosen` is read again even if it is known.
-fn start(state: &mut State, chosen: Option<Side>) {
-    state.model.tasks.cancel(COMPARING);
-    let memory = &mut state.panels.compare;
-    let number = memory.begin();
+fn start(model: &mut Model, chosen: Option<Side>) {
+    model.tasks.cancel(COMPARING);
+    let comparison = &mut model.comparison;
+    let number = comparison.begin();
     let [Some(a), Some(b)] = Side::ALL.map(|side| {
-        let source = memory.source(side)?;
-        let known = memory.known().filter(|_| chosen != Some(side));
-        Job::of(source, known, state.model.open.as_ref())
+        let source = comparison.source(side)?;
+        let known = comparison.known().filter(|_| chosen != Some(side));
+        Job::of(source, known, model.open.as_ref())
     }) else {
         return;
     };
-    state.model.tasks.start(COMPARING, move |task| {
+    model.tasks.start(COMPARING, move |task| {
         let compared = || {
             let runs = [a.run(Side::A, task)?, b.run(Side::B, task)?];
             Compared::new(runs)
@@ -160,26 +162,16 @@ fn start(state: &mut State, chosen: Option<Side>) {
             Err(_) if task.cancelled() => Err("The comparison was stopped.".to_owned()),
             result => result,
         };
-        CompareOutcome::Compared { number, result }.into()
+        CompareOutcome { number, result }.into()
     });
 }
 
-pub(super) fn receive(state: &mut State, outcome: CompareOutcome) {
-    match outcome {
-        CompareOutcome::Picked(side, Some(path)) => choose(state, side, Source::File(path)),
-        CompareOutcome::Picked(_, None) => state.model.messages.info(
-            "No file was chosen. If no dialog appeared, type the path or drop the file on the window.",
-        ),
-        CompareOutcome::Compared { number, result } => {
-            if !state.panels.compare.expects(number) {
-                return;
-            }
-            if let Err(error) = &result {
-                state.model.messages.error(error.clone());
-            }
-            let result = result.map(|compared| Arc::new(*compared));
-            state.panels.compare.take(result);
-            state.views.compared_3d.look_anew();
-        }
+pub(super) fn receive(model: &mut Model, CompareOutcome { number, result }: CompareOutcome) {
+    if !model.comparison.expects(number) {
+        return;
     }
+    if let Err(error) = &result {
+        model.messages.error(error.clone());
+    }
+    model.comparison.take(result.map(Arc::from));
 }

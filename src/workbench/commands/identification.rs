@@ -5,20 +5,16 @@ use std::sync::Arc;
 
 use tautline_core::diagnosis::Diagnosis;
 use tautline_core::effect::EffectSetting;
-use tautline_core::estimation::Control;
 use tautline_core::measurement::Dataset;
 use tautline_session::{Method, Phase as LogPhase, ResultRecord, Session, VersionedFile as _};
 
-use crate::model::OpenSession;
 use crate::model::command::{
     DIAGNOSING, DiagnosisResult, IDENTIFYING, IdentificationCommand, IdentificationOutcome,
 };
-use crate::model::discrepancy;
 use crate::model::fit_progress::{Before, FitProgress};
 use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
-use crate::screens::identification::Half;
-use crate::shell::State;
+use crate::model::{Model, OpenSession, UiRequest, discrepancy};
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
@@ -28,37 +24,38 @@ use tautline_workflow::identification::{
 };
 use tautline_workflow::wording::{count, ratio};
 
-pub(super) fn perform(state: &mut State, command: IdentificationCommand) {
+pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
     match command {
         IdentificationCommand::Identify => {
-            state.panels.identification.half = Half::Geometry;
-            identify(state, true);
+            model.request(UiRequest::ShowGeometry);
+            model.identification.before = None;
+            identify(model, true);
         }
         IdentificationCommand::Diagnose => {
-            state.panels.identification.half = Half::Doctor;
-            start_diagnosis(state, true);
+            model.request(UiRequest::ShowDoctor);
+            start_diagnosis(model, true);
         }
         IdentificationCommand::Stop => {
-            state.panels.identification.live.stop();
-            state.model.tasks.cancel(IDENTIFYING);
-            state.model.tasks.cancel(DIAGNOSING);
+            model.identification.progress.stop();
+            model.tasks.cancel(IDENTIFYING);
+            model.tasks.cancel(DIAGNOSING);
         }
     }
 }
 
-fn identify(state: &mut State, keep: bool) {
-    let Some(open) = &state.model.open else {
+fn identify(model: &mut Model, keep: bool) {
+    let Some(open) = &model.open else {
         return;
     };
     if open.session().measurements.is_empty() {
         return;
     }
-    state.model.tasks.cancel(IDENTIFYING);
+    model.tasks.cancel(IDENTIFYING);
     let (session, inputs) = (open.session().clone(), open.inputs());
-    let live = FitProgress::default();
-    state.panels.identification.live = live.clone();
-    state.model.tasks.start(IDENTIFYING, move |task| {
-        let result = identified(&session, &live, task);
+    let progress = FitProgress::default();
+    model.identification.progress = progress.clone();
+    model.tasks.start(IDENTIFYING, move |task| {
+        let result = identified(&session, &progress, task);
         let record = match &result {
             Ok(Some(fit)) if keep => Some(Box::new(identification_record(&session, fit))),
             _ => None,
@@ -75,15 +72,16 @@ fn identify(state: &mut State, keep: bool) {
 
 /// After a session was opened: identifies and diagnoses again what it has results of, so that there is something to look
 /// at.
-pub(super) fn reopened(state: &mut State) {
-    let stored = state.model.open.as_ref().map(OpenSession::stored);
-    state.panels.identification = Default::default();
+pub(super) fn reopened(model: &mut Model) {
+    let stored = model.open.as_ref().map(OpenSession::stored);
+    model.identification = Default::default();
+    model.request(UiRequest::ShowGeometry);
     if stored == Some(Stored::Current) {
-        identify(state, false);
+        identify(model, false);
     }
-    let session = state.model.open.as_ref().map(OpenSession::session);
+    let session = model.open.as_ref().map(OpenSession::session);
     if session.is_some_and(has_current_diagnosis) {
-        start_diagnosis(state, false);
+        start_diagnosis(model, false);
     }
 }
 
@@ -95,14 +93,14 @@ fn has_current_diagnosis(session: &Session) -> bool {
 
 /// What the operator changes of the problem while looking at its solution.
 #[derive(PartialEq)]
-pub(super) struct Model {
+pub(super) struct FitChoices {
     effects: Vec<EffectSetting>,
     excluded: BTreeSet<i64>,
 }
 
-impl Model {
-    pub(super) fn of(state: &State) -> Option<Self> {
-        let session = state.model.open.as_ref()?.session();
+impl FitChoices {
+    pub(super) fn of(model: &Model) -> Option<Self> {
+        let session = model.open.as_ref()?.session();
         Some(Self {
             effects: session.settings.identification.effects.clone(),
             excluded: session.excluded().clone(),
@@ -112,46 +110,38 @@ impl Model {
 
 /// After an edit: identifies again where effects were added or removed or poses left out, if there are results to compare
 /// with.
-pub(super) fn follow(state: &mut State, before: Option<&Model>, what: &str) {
-    let Some(open) = &state.model.open else {
+pub(super) fn follow(model: &mut Model, before: Option<&FitChoices>, what: &str) {
+    let Some(open) = &model.open else {
         return;
     };
-    let changed = Model::of(state).as_ref() != before;
+    let changed = FitChoices::of(model).as_ref() != before;
     if !changed || open.fit().is_none() && open.diagnosis().is_none() {
         return;
     }
-    state.panels.identification.before = open.fit().map(|fit| Before {
+    model.identification.before = open.fit().map(|fit| Before {
         what: what.to_owned(),
         missed: fit.residual_ratio(),
         chi2: fit.solution.chi2,
         degrees_of_freedom: fit.solution.degrees_of_freedom,
     });
-    identify(state, true);
-}
-
-fn control(task: &TaskHandle) -> Control {
-    if task.cancelled() {
-        Control::Cancel
-    } else {
-        Control::Continue
-    }
+    identify(model, true);
 }
 
 fn identified(
     session: &Session,
-    live: &FitProgress,
+    shown: &FitProgress,
     task: &TaskHandle,
 ) -> Result<Option<Identification>, String> {
     let request = IdentificationRequest::of_session(session).map_err(|error| error.to_string())?;
-    live.begin(&request.dataset);
+    shown.begin(&request.dataset);
     let found = identify_request(&request, &mut |progress| {
-        let missed = live.step(progress.loss);
+        let missed = shown.step(progress.loss);
         let step = progress.iteration;
         task.tell(
             None,
             format!("step {step}, residuals {} of their noise", ratio(missed)),
         );
-        control(task)
+        task.control()
     });
     let mut found = found.map_err(|error| error.to_string())?;
     if task.cancelled() {
@@ -174,16 +164,16 @@ fn identification_record(session: &Session, fit: &Identification) -> ResultRecor
     record(session, "Identification", &document, clock::now())
 }
 
-fn start_diagnosis(state: &mut State, keep: bool) {
-    let Some(open) = &state.model.open else {
+fn start_diagnosis(model: &mut Model, keep: bool) {
+    let Some(open) = &model.open else {
         return;
     };
-    if open.session().measurements.is_empty() || state.model.tasks.runs(DIAGNOSING) {
+    if open.session().measurements.is_empty() || model.tasks.runs(DIAGNOSING) {
         return;
     }
     let (session, inputs) = (open.session().clone(), open.inputs());
     let current = open.fit().filter(|_| open.fit_is_current()).cloned();
-    state.model.tasks.start(DIAGNOSING, move |task| {
+    model.tasks.start(DIAGNOSING, move |task| {
         let result = diagnosed(&session, current, keep, task);
         IdentificationOutcome::Diagnosed { inputs, result }.into()
     });
@@ -228,7 +218,7 @@ fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Di
             some => format!("{} so far, {words}", count(some, "finding")),
         };
         task.tell(None, text);
-        control(task)
+        task.control()
     });
     let diagnosed = found.map_err(|error| error.to_string())?;
     let Diagnosis {
@@ -241,18 +231,18 @@ fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Di
     Ok((!is_inconclusive).then_some(diagnosed))
 }
 
-pub(super) fn receive(state: &mut State, outcome: IdentificationOutcome) {
+pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
     let (inputs, what) = match &outcome {
         IdentificationOutcome::Identified { inputs, .. } => (*inputs, "Identification"),
         IdentificationOutcome::Diagnosed { inputs, .. } => (*inputs, "Diagnosis"),
     };
-    let Some(open) = &mut state.model.open else {
+    let Some(open) = &mut model.open else {
         return;
     };
     if !open.knows(inputs) {
         return;
     }
-    let stopped = state.panels.identification.live.is_stopped();
+    let stopped = model.identification.progress.is_stopped();
     let said = match outcome {
         IdentificationOutcome::Identified {
             record,
@@ -263,7 +253,9 @@ pub(super) fn receive(state: &mut State, outcome: IdentificationOutcome) {
             result: Ok(Some(examined)),
             ..
         } => {
-            state.panels.identification.examined(examined.figures);
+            model.identification.figures = examined.figures;
+            model.identification.before = None;
+            model.requests.push(UiRequest::ShowFirstDiscrepancy);
             Ok(take_diagnosis(
                 open,
                 inputs,
@@ -276,7 +268,7 @@ pub(super) fn receive(state: &mut State, outcome: IdentificationOutcome) {
             result: Ok(None), ..
         } => {
             // One that was overtaken by a newer one needs no word.
-            let overtaken = open.inputs() != inputs || state.model.tasks.runs(IDENTIFYING);
+            let overtaken = open.inputs() != inputs || model.tasks.runs(IDENTIFYING);
             if overtaken {
                 return;
             }
@@ -290,8 +282,8 @@ pub(super) fn receive(state: &mut State, outcome: IdentificationOutcome) {
         } => Err(format!("{what} is not possible: {error}.")),
     };
     match said {
-        Ok(text) => state.model.messages.info(text),
-        Err(text) => state.model.messages.error(text),
+        Ok(text) => model.messages.info(text),
+        Err(text) => model.messages.error(text),
     }
 }
 

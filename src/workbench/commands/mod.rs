@@ -7,80 +7,118 @@ mod import;
 mod plots;
 mod report;
 pub mod robot;
+mod setup;
 mod tables;
 mod view;
 
-pub use self::file::search;
+pub use self::file::find_unsaved;
 pub use self::view::restore;
 
-use crate::model::OpenSession;
+use std::path::{Path, PathBuf};
+
 use crate::model::autosave::AutosaveEvent;
 use crate::model::command::{Command, Outcome};
-use crate::shell::State;
+use crate::model::{Model, OpenSession, UiRequest};
 
 /// Does what a command says.
-pub fn perform(state: &mut State, command: Command) {
+pub fn perform(model: &mut Model, command: Command) {
     match command {
-        Command::File(command) => file::perform(state, command),
-        Command::Import(command) => import::perform(state, command),
-        Command::View(command) => view::perform(state, command),
-        Command::Identification(command) => identification::perform(state, command),
-        Command::Robot(command) => robot::perform(state, command),
-        Command::Plot(command) => plots::perform(state, command),
-        Command::Report(command) => report::perform(state, command),
-        Command::Compare(command) => compare::perform(state, command),
-        Command::Edit(edit) => changed(state, None, |open| {
+        Command::File(command) => file::perform(model, command),
+        Command::Import(command) => import::perform(model, command),
+        Command::View(command) => view::perform(model, command),
+        Command::Identification(command) => identification::perform(model, command),
+        Command::Robot(command) => robot::perform(model, command),
+        Command::Plot(command) => plots::perform(model, command),
+        Command::Report(command) => report::perform(model, command),
+        Command::Compare(command) => compare::perform(model, command),
+        Command::Edit(edit) => changed(model, None, |open| {
             let name = edit.name();
             open.edit(edit).then_some(name)
         }),
-        Command::Undo => changed(state, Some("Undone"), OpenSession::undo),
-        Command::Redo => changed(state, Some("Done again"), OpenSession::redo),
+        Command::CancelTask(title) => model.tasks.cancel(title),
+        Command::Notify(severity, text) => model.messages.add(severity, text),
+        Command::Undo => changed(model, Some("Undone"), OpenSession::undo),
+        Command::Redo => changed(model, Some("Redone"), OpenSession::redo),
     }
 }
 
 /// Does, undoes or redoes an edit; what was computed follows.
 fn changed(
-    state: &mut State,
-    told: Option<&str>,
+    model: &mut Model,
+    prefix: Option<&str>,
     step: impl FnOnce(&mut OpenSession) -> Option<String>,
 ) {
-    let before = identification::Model::of(state);
-    let Some(name) = state.model.open.as_mut().and_then(step) else {
+    let before = identification::FitChoices::of(model);
+    let Some(name) = model.open.as_mut().and_then(step) else {
         return;
     };
-    let what = told.map_or_else(|| name.clone(), |told| format!("{told}: {name}"));
-    if told.is_some() {
-        state.model.messages.info(format!("{what}."));
+    let what = prefix.map_or_else(|| name.clone(), |prefix| format!("{prefix}: {name}"));
+    if prefix.is_some() {
+        model.messages.info(format!("{what}."));
     }
-    identification::follow(state, before.as_ref(), &what);
+    identification::follow(model, before.as_ref(), &what);
 }
 
-/// Takes what the keeper of unsaved sessions has to tell.
-pub fn kept(state: &mut State, kept: AutosaveEvent) {
-    match kept {
-        AutosaveEvent::Measured(label) => robot::kept(state, label),
+/// Takes what the autosave has to tell.
+pub fn autosaved(model: &mut Model, event: AutosaveEvent) {
+    match event {
+        AutosaveEvent::Measured(label) => robot::autosaved(model, label),
         AutosaveEvent::Failed(text) => {
-            robot::not_kept(state);
-            state.model.messages.error(text);
+            robot::autosave_failed(model);
+            model.messages.error(text);
         }
     }
 }
 
 /// Takes what a task came to.
-pub fn receive(state: &mut State, outcome: Outcome) {
+pub fn receive(model: &mut Model, outcome: Outcome) {
     match outcome {
-        Outcome::File(outcome) => file::receive(state, outcome),
-        Outcome::Import(outcome) => import::receive(state, outcome),
-        Outcome::Identification(outcome) => identification::receive(state, outcome),
-        Outcome::Robot(outcome) => robot::receive(state, outcome),
-        Outcome::Plot(outcome) => plots::receive(state, outcome),
-        Outcome::Report(outcome) => report::receive(state, outcome),
-        Outcome::Compare(outcome) => compare::receive(state, outcome),
+        Outcome::File(outcome) => file::receive(model, outcome),
+        Outcome::Import(outcome) => import::receive(model, outcome),
+        Outcome::Identification(outcome) => identification::receive(model, outcome),
+        Outcome::Prepared(prepared) => model.request(UiRequest::TakePreparation(prepared)),
+        Outcome::Plan(outcome) => robot::planned(model, outcome),
+        Outcome::Setup(outcome) => setup::receive(model, outcome),
+        Outcome::Compare(outcome) => compare::receive(model, outcome),
+        Outcome::Picked(Some(command)) => perform(model, *command),
+        Outcome::Picked(None) => model
+            .messages
+            .info("No file was chosen. If no dialog appeared, type the path instead."),
+        Outcome::Written(Ok((path, warning))) => {
+            if let Some(warning) = warning {
+                model.messages.warning(warning);
+            }
+            model.messages.info(format!("Saved {}.", path.display()));
+        }
+        Outcome::Written(Err(error)) => model.messages.error(error),
         Outcome::Panicked { task, caught_panic } => {
-            state.model.messages.error(format!(
-                "{task} broke down; the session is untouched. Please report this with the log."
+            model.messages.error(format!(
+                "{task} failed with an internal error; the session is unchanged. Please report this with the log."
             ));
-            state.model.caught_panic = Some(caught_panic);
+            model.caught_panic = Some(caught_panic);
         }
     }
+}
+
+/// Opens a file dialog on a thread of its own; with the file that was picked, `command` is done.
+fn pick<C: Into<Command>>(
+    model: &mut Model,
+    dialog: impl FnOnce() -> Option<PathBuf> + Send + 'static,
+    command: impl FnOnce(PathBuf) -> C + Send + 'static,
+) {
+    model.tasks.start("File dialog", move |_| {
+        Outcome::Picked(dialog().map(|path| Box::new(command(path).into())))
+    });
+}
+
+/// Writes a file in a task of this title; `work` may give a warning.
+fn write(
+    model: &mut Model,
+    title: &str,
+    path: PathBuf,
+    work: impl FnOnce(&Path) -> Result<Option<String>, String> + Send + 'static,
+) {
+    model.tasks.start(title, move |_| {
+        Outcome::Written(work(&path).map(|warning| (path, warning)))
+    });
 }

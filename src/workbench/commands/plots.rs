@@ -8,61 +8,67 @@ use std::time::Duration;
 use egui::{ColorImage, Rect};
 use tautline_session::{write_bytes, write_text};
 
-use crate::model::command::{Outcome, PlotCommand, PlotOutcome};
+use super::{pick, write};
+use crate::model::command::{Outcome, PlotCommand};
 use crate::model::plot_preparation::Preparation;
-use crate::shell::State;
+use crate::model::{Model, UiRequest};
 
 /// Title of the task that prepares plots.
 const PREPARING: &str = "Preparing plots";
+/// Title of the task that saves one.
+const SAVING: &str = "Saving plot";
 /// Longest time that a picture of the window may take.
 const PICTURE: Duration = Duration::from_secs(10);
 
-pub(super) fn perform(state: &mut State, command: PlotCommand) {
+pub(super) fn perform(model: &mut Model, command: PlotCommand) {
     match command {
-        PlotCommand::Prepare => prepare(state),
-        PlotCommand::Ask(format) => state.model.tasks.start("File dialog", move |_| {
-            let dialog = rfd::FileDialog::new()
-                .add_filter(format.title(), &[format.ending()])
-                .set_file_name(format!("plot.{}", format.ending()));
-            PlotOutcome::Picked(dialog.save_file()).into()
+        PlotCommand::Prepare => prepare(model),
+        PlotCommand::Ask(format) => pick(
+            model,
+            move || {
+                let dialog = rfd::FileDialog::new()
+                    .add_filter(format.title(), &[format.ending()])
+                    .set_file_name(format!("plot.{}", format.ending()));
+                dialog.save_file()
+            },
+            PlotCommand::SetPath,
+        ),
+        PlotCommand::SetPath(path) => model.request(UiRequest::SetPlotPath(path)),
+        PlotCommand::SaveText(path, text) => write(model, SAVING, path, move |path| {
+            write_text(path, &text)
+                .map(|()| None)
+                .map_err(|error| error.to_string())
         }),
-        PlotCommand::SaveText(path, text) => {
-            state.model.tasks.start("Saving plot", move |_| {
-                let result = write_text(&path, &text).map_err(|error| error.to_string());
-                PlotOutcome::Saved(result.map(|()| path)).into()
-            });
-        }
-        PlotCommand::SavePicture(path, part) => picture(state, path, part),
+        PlotCommand::SavePicture(path, part) => picture(model, path, part),
     }
 }
 
-fn prepare(state: &mut State) {
-    if state.model.tasks.runs(PREPARING) {
+fn prepare(model: &mut Model) {
+    if model.tasks.runs(PREPARING) {
         return;
     }
-    let Some(open) = &state.model.open else {
+    let Some(open) = &model.open else {
         return;
     };
     let (fit, diagnosed) = (open.fit().cloned(), open.diagnosis().cloned());
-    state.model.tasks.start(PREPARING, move |task| {
+    model.tasks.start(PREPARING, move |task| {
         let prepared = Preparation::new(fit, diagnosed, &|| task.cancelled());
-        PlotOutcome::Prepared(Box::new(prepared)).into()
+        Outcome::Prepared(Box::new(prepared))
     });
 }
 
-fn picture(state: &mut State, path: PathBuf, part: Rect) {
+fn picture(model: &mut Model, path: PathBuf, part: Rect) {
     let (sender, receiver) = mpsc::channel::<Arc<ColorImage>>();
-    let scale = state.model.context.pixels_per_point();
-    state.model.context.request_screenshot(move |image| {
+    let scale = model.context.pixels_per_point();
+    model.context.request_screenshot(move |image| {
         // The task may have given up.
         let _ = sender.send(image);
     });
-    state.model.tasks.start("Saving plot", move |_| {
-        let result = match receiver.recv_timeout(PICTURE) {
-            Ok(image) => save_part(&path, &image, part, scale),
-            Err(_) => Err("The window gave no picture of itself; save as SVG instead.".to_owned()),
-        };
-        Outcome::Plot(PlotOutcome::Saved(result.map(|()| path)))
+    write(model, SAVING, path, move |path| {
+        let image = receiver
+            .recv_timeout(PICTURE)
+            .map_err(|_| "The window gave no picture of itself; save as SVG instead.".to_owned())?;
+        save_part(path, &image, part, scale).map(|()| None)
     });
 }
 
@@ -82,24 +88,6 @@ fn save_part(path: &Path, image: &ColorImage, part: Rect, scale: f32) -> Result<
         .write_to(&mut png, image::ImageFormat::Png)
         .map_err(|error| error.to_string())?;
     write_bytes(path, png.get_ref()).map_err(|error| error.to_string())
-}
-
-pub(super) fn receive(state: &mut State, outcome: PlotOutcome) {
-    match outcome {
-        PlotOutcome::Prepared(preparation) => state.views.plots.prepared(&preparation),
-        PlotOutcome::Picked(Some(path)) => state.views.plots.picked(&path),
-        PlotOutcome::Picked(None) => {
-            state
-                .model
-                .messages
-                .info("No file was chosen. If no dialog appeared, type the path.");
-        }
-        PlotOutcome::Saved(Ok(path)) => state
-            .model
-            .messages
-            .info(format!("Saved {}.", path.display())),
-        PlotOutcome::Saved(Err(error)) => state.model.messages.error(error),
-    }
 }
 
 #[cfg(test)]

@@ -3,23 +3,22 @@
 use tautline_session::{Import, Loaded, Phase as LogPhase};
 
 use super::import;
-use crate::model::OpenSession;
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Screen};
-use crate::shell::State;
+use crate::model::{Model, OpenSession};
 use tautline_workflow::precalibration::TableRows;
 
 /// Takes a table into the open session; `file` is its name for messages.
-pub(super) fn take(state: &mut State, file: &str, table: Import) {
+pub(super) fn take(model: &mut Model, file: &str, table: Import) {
     let rows = match table {
         Import::Winch(rows) => TableRows::Winch(rows),
         Import::Force(rows) => TableRows::Force(rows),
         Import::Home(rows) => TableRows::Home(rows),
         Import::Elongation(rows) => TableRows::Elongation(rows),
-        table => return put(state, file, table),
+        table => return put(model, file, table),
     };
     import::take(
-        state,
+        model,
         file,
         Loaded {
             value: rows,
@@ -28,21 +27,21 @@ pub(super) fn take(state: &mut State, file: &str, table: Import) {
     );
 }
 
-fn put(state: &mut State, file: &str, table: Import) {
-    let Some(open) = &mut state.model.open else {
+fn put(model: &mut Model, file: &str, table: Import) {
+    let Some(open) = &mut model.open else {
         let message = format!(
             "{file}: is a table, expected a session, a robot.json or a dataset folder to be opened first."
         );
-        state.model.messages.error(message);
+        model.messages.error(message);
         return;
     };
     match into(open, file, table) {
         Ok(step) => {
             open.log(LogPhase::Poses, format!("Imported {file}."));
-            state.model.messages.info(format!("Imported {file}."));
-            state.model.screen = Screen::Phase(step);
+            model.messages.info(format!("Imported {file}."));
+            model.screen = Screen::Phase(step);
         }
-        Err(message) => state.model.messages.error(message),
+        Err(message) => model.messages.error(message),
     }
 }
 

@@ -3,52 +3,48 @@
 use egui::ThemePreference;
 use tautline_session::Theme;
 
+use crate::model::Model;
 use crate::model::command::ViewCommand;
-use crate::shell::State;
-use crate::views::timeline::after;
 
 /// Smallest and largest size of everything.
 const SCALES: std::ops::RangeInclusive<f32> = 0.75..=2.5;
 
-pub(super) fn perform(state: &mut State, command: ViewCommand) {
+pub(super) fn perform(model: &mut Model, command: ViewCommand) {
     match command {
-        ViewCommand::Go(screen) => state.model.screen = screen,
-        ViewCommand::Select(selection) => state.model.selection = selection,
+        ViewCommand::Go(screen) => model.screen = screen,
+        ViewCommand::Select(selection) => model.selection = selection,
         ViewCommand::Pose(step) => {
-            let labels = state.model.open.as_ref();
+            let labels = model.open.as_ref();
             let labels = labels.map_or(&[][..], |d| &d.session().measurements.labels);
-            if let Some(label) = after(labels, state.model.selection.pose, step) {
-                scrub(state, label);
+            if let Some(label) = step.from(labels, model.selection.pose) {
+                scrub(model, label);
             }
         }
         ViewCommand::Scrub(label) => {
-            state.views.timeline.play(false);
-            scrub(state, label);
+            model.playback.plays = false;
+            scrub(model, label);
         }
-        ViewCommand::Play(plays) => state.views.timeline.play(plays),
-        ViewCommand::Follow(follows) => state.views.timeline.follows = follows,
+        ViewCommand::Play(plays) => model.playback.plays = plays,
+        ViewCommand::Follow(follows) => model.playback.follows = follows,
         ViewCommand::Theme(theme) => {
-            state.model.context.set_theme(theme);
-            state
-                .model
-                .change_preferences(|preferences| preferences.theme = stored(theme));
+            model.context.set_theme(theme);
+            model.change_preferences(|preferences| preferences.theme = stored(theme));
         }
         ViewCommand::Scale(scale) => {
             let scale = scale.clamp(*SCALES.start(), *SCALES.end());
-            state.model.context.set_zoom_factor(scale);
-            state
-                .model
-                .change_preferences(|preferences| preferences.interface_scale = f64::from(scale));
+            model.context.set_zoom_factor(scale);
+            model.change_preferences(|preferences| preferences.interface_scale = f64::from(scale));
         }
-        ViewCommand::Palette(open) => state.model.dialogs.set_palette(open),
-        ViewCommand::Log(open) => state.model.dialogs.log = open,
+        ViewCommand::Palette(open) => model.dialogs.set_palette(open),
+        ViewCommand::Log(open) => model.dialogs.log = open,
+        ViewCommand::SetPlots(plots) => model.change_preferences(|p| p.plots = plots),
     }
 }
 
 /// Shows a measured pose.
-fn scrub(state: &mut State, label: i64) {
-    state.model.selection.pose = Some(label);
-    state.views.timeline.follows = false;
+fn scrub(model: &mut Model, label: i64) {
+    model.selection.pose = Some(label);
+    model.playback.follows = false;
 }
 
 fn stored(theme: ThemePreference) -> Theme {
@@ -60,14 +56,14 @@ fn stored(theme: ThemePreference) -> Theme {
 }
 
 /// Sets what the user has chosen at some earlier time.
-pub fn restore(state: &State) {
-    let theme = match state.model.preferences.theme {
+pub fn restore(model: &Model) {
+    let theme = match model.preferences.theme {
         Theme::Dark => ThemePreference::Dark,
         Theme::Light => ThemePreference::Light,
         Theme::System => ThemePreference::System,
     };
-    state.model.context.set_theme(theme);
-    state.model.context.set_zoom_factor(
-        (state.model.preferences.interface_scale as f32).clamp(*SCALES.start(), *SCALES.end()),
+    model.context.set_theme(theme);
+    model.context.set_zoom_factor(
+        (model.preferences.interface_scale as f32).clamp(*SCALES.start(), *SCALES.end()),
     );
 }

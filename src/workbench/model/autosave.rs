@@ -21,8 +21,8 @@ enum Job {
     Changed(Box<SessionChanges>),
     /// Keep one more measured pose.
     Measured(Box<MeasuredPose>),
-    /// Set aside what an earlier crash has left behind.
-    SetAside(Box<UnsavedSession>),
+    /// Discard what an earlier crash has left behind.
+    Discard(Box<UnsavedSession>),
     /// Nothing is unsaved any more, or the operator does not want it.
     Finish,
 }
@@ -65,7 +65,7 @@ impl Followed {
 /// Keeps the open session.
 pub struct Autosave {
     jobs: Option<mpsc::Sender<Job>>,
-    kept: mpsc::Receiver<AutosaveEvent>,
+    events: mpsc::Receiver<AutosaveEvent>,
     thread: Option<JoinHandle<()>>,
     /// What was handed over last; `None` while nothing is kept.
     followed: Option<Followed>,
@@ -77,22 +77,22 @@ impl Autosave {
     /// Keeps in the recovery folder `folder`; `context` is woken when there is something to tell.
     #[must_use]
     pub fn new(folder: PathBuf, context: egui::Context) -> Self {
-        let (jobs, orders) = mpsc::channel();
-        let (tell, kept) = mpsc::channel();
+        let (jobs, received) = mpsc::channel();
+        let (tell, events) = mpsc::channel();
         let work = move || {
-            work(&folder, &orders, |message| {
+            work(&folder, &received, |message| {
                 // Nobody listens any more when the program ends.
                 let _ = tell.send(message);
                 context.request_repaint();
             });
         };
         let thread = thread::Builder::new()
-            .name("keeping".into())
+            .name("autosave".into())
             .spawn(work)
             .ok();
         Self {
             jobs: Some(jobs),
-            kept,
+            events,
             thread,
             followed: None,
             ahead: Vec::new(),
@@ -164,21 +164,20 @@ impl Autosave {
         self.send(Job::Measured(Box::new(pose)));
     }
 
-    /// Sets aside what an earlier crash has left behind, after everything that was handed over before.
-    pub fn set_aside(&self, left: UnsavedSession) {
-        self.send(Job::SetAside(Box::new(left)));
+    /// Discards what an earlier crash has left behind, after everything that was handed over before.
+    pub fn discard(&self, left: UnsavedSession) {
+        self.send(Job::Discard(Box::new(left)));
     }
 
     /// What happened since the last call.
-    pub fn kept(&mut self) -> Vec<AutosaveEvent> {
-        let kept: Vec<AutosaveEvent> = self.kept.try_iter().collect();
-        let has_failed = kept
-            .iter()
-            .any(|kept| matches!(kept, AutosaveEvent::Failed(_)));
+    pub fn events(&mut self) -> Vec<AutosaveEvent> {
+        let events: Vec<AutosaveEvent> = self.events.try_iter().collect();
+        let failed = |event: &AutosaveEvent| matches!(event, AutosaveEvent::Failed(_));
+        let has_failed = events.iter().any(failed);
         if let Some(followed) = self.followed.as_mut().filter(|_| has_failed) {
             followed.snapshot = None;
         }
-        kept
+        events
     }
 
     /// Waits until everything that was handed over is on disk; nothing is kept afterwards.
@@ -204,14 +203,14 @@ impl Drop for Autosave {
     }
 }
 
-fn work(folder: &Path, orders: &mpsc::Receiver<Job>, tell: impl Fn(AutosaveEvent)) {
+fn work(folder: &Path, jobs: &mpsc::Receiver<Job>, tell: impl Fn(AutosaveEvent)) {
     let mut keeper = None;
-    while let Ok(first) = orders.recv() {
-        let mut jobs = vec![first];
-        jobs.extend(orders.try_iter());
-        let jobs = newest(jobs);
-        let wrote_much = jobs.iter().any(|job| matches!(job, Job::Snapshot { .. }));
-        for job in jobs {
+    while let Ok(first) = jobs.recv() {
+        let mut batch = vec![first];
+        batch.extend(jobs.try_iter());
+        let batch = newest(batch);
+        let wrote_much = batch.iter().any(|job| matches!(job, Job::Snapshot { .. }));
+        for job in batch {
             if let Err(message) = perform(folder, &mut keeper, job, &tell) {
                 tell(AutosaveEvent::Failed(message));
             }
@@ -248,7 +247,8 @@ fn perform(
     job: Job,
     tell: &impl Fn(AutosaveEvent),
 ) -> Result<(), String> {
-    let failed = |error: WriteError| format!("The session could not be kept for recovery: {error}");
+    let failed =
+        |error: WriteError| format!("The session could not be saved for recovery: {error}");
     match job {
         Job::Snapshot { session, origin } => match keeper {
             Some(keeper) => keeper.write_snapshot(&session).map_err(failed),
@@ -260,20 +260,20 @@ fn perform(
             }
         },
         Job::Changed(changes) => {
-            let keeper = keeper
-                .as_mut()
-                .ok_or("A change could not be kept for recovery: nothing is being kept.")?;
+            let keeper = keeper.as_mut().ok_or(
+                "A change could not be saved for recovery: the session is not being autosaved.",
+            )?;
             keeper.write_changes(*changes).map_err(failed)
         }
         Job::Measured(pose) => {
             let keeper = keeper
                 .as_mut()
-                .ok_or("A measured pose could not be kept: nothing is being kept.")?;
+                .ok_or("A measured pose could not be saved for recovery: the session is not being autosaved.")?;
             keeper.append_pose(&pose).map_err(failed)?;
             tell(AutosaveEvent::Measured(pose.label()));
             Ok(())
         }
-        Job::SetAside(left) => left.discard().map(drop).map_err(failed),
+        Job::Discard(left) => left.discard().map(drop).map_err(failed),
         Job::Finish => keeper
             .take()
             .map_or(Ok(()), RecoveryWriter::finish)
@@ -303,8 +303,8 @@ mod tests {
         })
     }
 
-    fn told(keeping: &Autosave) -> i64 {
-        let told = keeping.kept.recv_timeout(Duration::from_secs(60));
+    fn told(autosave: &Autosave) -> i64 {
+        let told = autosave.events.recv_timeout(Duration::from_secs(60));
         match told.expect("it is kept") {
             AutosaveEvent::Measured(label) => label,
             AutosaveEvent::Failed(text) => panic!("{text}"),
@@ -316,15 +316,15 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let robot = presets::find("mini").expect("a preset").robot;
         let mut open = OpenSession::new(Session::new("MINI", robot, clock::now()), None);
-        let mut keeping = Autosave::new(folder.path().into(), egui::Context::default());
-        keeping.follow(Some(&open));
+        let mut autosave = Autosave::new(folder.path().into(), egui::Context::default());
+        autosave.follow(Some(&open));
         let written = open.revision();
-        keeping.measured(pose(0));
-        assert_eq!(told(&keeping), 0);
+        autosave.measured(pose(0));
+        assert_eq!(told(&autosave), 0);
         // The file was begun before the pose came, and is done before the document has it.
         open.saved_as(folder.path().join("saved.json"), written);
-        keeping.follow(Some(&open));
-        keeping.flush();
+        autosave.follow(Some(&open));
+        autosave.flush();
         let left = find_unsaved_sessions(folder.path()).expect("readable");
         assert_eq!(left.len(), 1);
         assert_eq!(left[0].poses, 1);
@@ -335,15 +335,15 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let robot = presets::find("mini").expect("a preset").robot;
         let mut open = OpenSession::new(Session::new("MINI", robot, clock::now()), None);
-        let mut keeping = Autosave::new(folder.path().into(), egui::Context::default());
-        keeping.follow(Some(&open));
-        keeping.measured(pose(0));
-        assert_eq!(told(&keeping), 0);
+        let mut autosave = Autosave::new(folder.path().into(), egui::Context::default());
+        autosave.follow(Some(&open));
+        autosave.measured(pose(0));
+        assert_eq!(told(&autosave), 0);
         open.append_pose(&pose(0)).expect("it fits");
-        keeping.follow(Some(&open));
+        autosave.follow(Some(&open));
         open.saved_as(folder.path().join("saved.json"), open.revision());
-        keeping.follow(Some(&open));
-        keeping.flush();
+        autosave.follow(Some(&open));
+        autosave.flush();
         assert!(
             find_unsaved_sessions(folder.path())
                 .expect("readable")
@@ -356,17 +356,17 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let robot = presets::find("mini").expect("a preset").robot;
         let mut open = OpenSession::new(Session::new("MINI", robot, clock::now()), None);
-        let mut keeping = Autosave::new(folder.path().into(), egui::Context::default());
-        keeping.follow(Some(&open));
-        let measure = |keeping: &mut Autosave, open: &mut OpenSession, label| {
-            keeping.follow(Some(open));
-            keeping.measured(pose(label));
-            assert_eq!(told(keeping), label);
+        let mut autosave = Autosave::new(folder.path().into(), egui::Context::default());
+        autosave.follow(Some(&open));
+        let measure = |autosave: &mut Autosave, open: &mut OpenSession, label| {
+            autosave.follow(Some(open));
+            autosave.measured(pose(label));
+            assert_eq!(told(autosave), label);
             open.append_pose(&pose(label)).expect("it fits");
-            keeping.follow(Some(open));
+            autosave.follow(Some(open));
         };
         for label in 0..30 {
-            measure(&mut keeping, &mut open, label);
+            measure(&mut autosave, &mut open, label);
         }
         let size = |name: &str| {
             let own = std::fs::read_dir(folder.path()).expect("a folder");
@@ -379,7 +379,7 @@ mod tests {
         assert!(size("journal.jsonl") > 30 * 300);
         assert_eq!(size("changes.json"), 0, "nothing was edited");
         open.edit(Edit::Exclude(7));
-        measure(&mut keeping, &mut open, 30);
+        measure(&mut autosave, &mut open, 30);
         assert_eq!(
             size("snapshot.json"),
             empty,
@@ -388,9 +388,9 @@ mod tests {
         assert!(size("changes.json") < empty + 500);
         // Measurements that came otherwise are kept as a whole.
         open.append(|session| session.measurements.laser_m[3] = 2.0);
-        measure(&mut keeping, &mut open, 31);
+        measure(&mut autosave, &mut open, 31);
         assert!(size("snapshot.json") > empty + 31 * 50);
-        keeping.flush();
+        autosave.flush();
         let left = find_unsaved_sessions(folder.path()).expect("readable");
         let recovered = left[0].recover().expect("a session").value.session;
         assert_eq!(recovered.measurements, open.session().measurements);

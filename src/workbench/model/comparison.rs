@@ -1,15 +1,12 @@
-//! Two sessions compared, with everything that the screen shows of it.
+//! Two sessions that are compared.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use tautline_core::comparison::Comparison;
 
-use crate::views::plots::residuals_of_both;
-use crate::views::robot_3d::scene::{Scene, Subject};
 use tautline_workflow::comparison::{LEVEL, compare_identifications};
 use tautline_workflow::identification::Identification;
-use tautline_workflow::plot::figure::Figure;
 
 /// One of the two places of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,10 +60,6 @@ pub struct Compared {
     pub runs: [Arc<Run>; 2],
     /// B less A.
     pub comparison: Comparison,
-    /// Both geometries.
-    pub scene: Arc<Scene>,
-    /// Residuals of the lengths of both.
-    pub residuals: Figure,
 }
 
 impl Compared {
@@ -76,17 +69,76 @@ impl Compared {
     /// One sentence, if the robots have other cables or one of the sessions leaves its geometry open.
     pub fn new(runs: [Arc<Run>; 2]) -> Result<Self, String> {
         let fits = runs.each_ref().map(|run| run.fit.as_ref());
-        let comparison = compare_identifications(fits, LEVEL)?;
-        let [first, _] = fits;
-        let subject = Subject {
-            fit: Some(first),
-            ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
-        };
         Ok(Self {
-            scene: Arc::new(subject.scene().compared(&comparison)),
-            residuals: residuals_of_both(fits),
-            comparison,
+            comparison: compare_identifications(fits, LEVEL)?,
             runs,
         })
+    }
+}
+
+/// Which sessions are compared, and what came of it.
+#[derive(Debug, Default)]
+pub struct ComparisonState {
+    sources: [Option<Source>; 2],
+    result: Option<Result<Arc<Compared>, String>>,
+    /// The last comparison that succeeded; its identifications are used again.
+    known: Option<Arc<Compared>>,
+    number: u64,
+}
+
+impl ComparisonState {
+    /// Where one of the two sessions comes from, if it was chosen.
+    #[must_use]
+    pub fn source(&self, side: Side) -> Option<&Source> {
+        self.sources[side as usize].as_ref()
+    }
+
+    /// The last comparison, or why there is none.
+    #[must_use]
+    pub fn result(&self) -> Option<&Result<Arc<Compared>, String>> {
+        self.result.as_ref()
+    }
+
+    /// The last comparison that succeeded.
+    #[must_use]
+    pub fn known(&self) -> Option<&Arc<Compared>> {
+        self.known.as_ref()
+    }
+
+    /// Chooses a session.
+    pub fn choose(&mut self, side: Side, source: Source) {
+        self.sources[side as usize] = Some(source);
+    }
+
+    /// Forgets what was chosen.
+    pub fn clear(&mut self, side: Side) {
+        self.sources[side as usize] = None;
+        self.begin();
+    }
+
+    /// Exchanges the two.
+    pub fn swap(&mut self) {
+        self.sources.swap(0, 1);
+    }
+
+    /// Begins a comparison: the number of its result.
+    pub fn begin(&mut self) -> u64 {
+        self.result = None;
+        self.number += 1;
+        self.number
+    }
+
+    /// Whether the result of this number is waited for.
+    #[must_use]
+    pub fn expects(&self, number: u64) -> bool {
+        self.number == number
+    }
+
+    /// Takes a result.
+    pub fn take(&mut self, result: Result<Arc<Compared>, String>) {
+        if let Ok(compared) = &result {
+            self.known = Some(Arc::clone(compared));
+        }
+        self.result = Some(result);
     }
 }

@@ -1,8 +1,11 @@
 //! A running identification: how its residuals shrink.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use tautline_core::measurement::Dataset;
+
+use tautline_workflow::plot::figure::Figure;
 
 /// Residuals after each step, shared with the task.
 #[derive(Debug, Clone, Default)]
@@ -62,6 +65,17 @@ pub struct Before {
     pub chi2: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: f64,
+}
+
+/// What accompanies the identification of the open session.
+#[derive(Debug, Default)]
+pub struct IdentificationState {
+    /// The identification that runs or ran last.
+    pub progress: FitProgress,
+    /// The fit before the last change of the model.
+    pub before: Option<Before>,
+    /// Plots of the dependences that the last diagnosis found, by their places among all.
+    pub figures: BTreeMap<usize, Figure>,
 }
 
 /// Number of lengths, distances and angles that were read.

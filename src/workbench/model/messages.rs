@@ -3,6 +3,7 @@
 use tautline_session::Timestamp;
 
 use tautline_workflow::clock;
+use tautline_workflow::wording::sentence;
 
 /// How much a message matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,4 +76,10 @@ impl Messages {
     pub fn last(&self) -> Option<&Message> {
         self.all.last()
     }
+}
+
+/// A text as a sentence: with a capital letter first and a full stop at its end.
+#[must_use]
+pub fn full_sentence(text: &str) -> String {
+    format!("{}.", sentence(text.trim_end_matches('.')))
 }

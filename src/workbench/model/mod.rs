@@ -15,25 +15,34 @@ pub mod open_session;
 pub mod phase;
 pub mod phase_status;
 pub mod plot_preparation;
+mod request;
 mod session_lock;
 pub mod tasks;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use tautline_session::{Folders, Preferences, UnsavedSession};
+use tautline_link::adjusting::{Difference, plan_adjustment};
+use tautline_session::{Adjustment, Folders, Preferences, Session, UnsavedSession};
 
 pub use memo::Memo;
 pub use open_session::OpenSession;
+pub use request::{ConnectionRequest, UiRequest};
 pub use tautline_workflow::plot::Selection;
 
 use autosave::Autosave;
 use caught_panic::CaughtPanic;
-use command::{Leaving, ReportDraft};
-use link::Link;
+use command::{Leaving, PlanOutlook, ReportDraft};
+use comparison::ComparisonState;
+use fit_progress::IdentificationState;
+use link::{Link, LivePlatform};
 use messages::Messages;
 use phase::Screen;
 use session_lock::SessionLock;
 use tasks::Tasks;
+use tautline_workflow::adjusting;
+use tautline_workflow::controllers::Kind;
+use tautline_workflow::identification::Identification;
 
 /// How the program was started.
 #[derive(Debug, Clone, Default)]
@@ -74,6 +83,19 @@ impl Dialogs {
     }
 }
 
+/// What is shown of the measured poses and of the robot in motion.
+#[derive(Debug)]
+pub struct Playback {
+    /// Whether the measured poses are played one after the other.
+    pub plays: bool,
+    /// Whether the robot is drawn where it is now while something goes on, whatever is selected.
+    pub follows: bool,
+}
+
+/// Draws the robot for a report as PNG, with the coordinates of the pulleys of these indices; or one sentence on why not.
+pub type ReportPicture =
+    fn(&Session, Option<&Identification>, &BTreeSet<usize>) -> Result<Vec<u8>, String>;
+
 /// Everything the window knows.
 pub struct Model {
     /// How the program was started.
@@ -86,6 +108,18 @@ pub struct Model {
     pub screen: Screen,
     /// What is selected, everywhere.
     pub selection: Selection,
+    /// What is shown of the measured poses and of the robot in motion.
+    pub playback: Playback,
+    /// Where the platform is now, while something goes on and the views follow it.
+    pub live_platform: Option<LivePlatform>,
+    /// What accompanies the identification.
+    pub identification: IdentificationState,
+    /// What to expect of the poses that are planned.
+    pub outlook: Option<PlanOutlook>,
+    /// Id and revision of the session for which that was checked.
+    outlook_checked: Option<(u64, u64)>,
+    /// Two sessions side by side.
+    pub comparison: ComparisonState,
     /// Keeps commands from the file of the open session while it has unsaved changes.
     pub session_lock: SessionLock,
     /// Keeps what is not saved yet.
@@ -106,12 +140,16 @@ pub struct Model {
     pub messages: Messages,
     /// Dialogs above the screen.
     pub dialogs: Dialogs,
+    /// Draws the robot for reports.
+    pub report_picture: ReportPicture,
+    /// What commands want of panels and views, in order.
+    pub(crate) requests: Vec<UiRequest>,
 }
 
 impl Model {
     /// The model at the start of the program.
     #[must_use]
-    pub fn new(context: &egui::Context, options: Options) -> Self {
+    pub fn new(context: &egui::Context, options: Options, report_picture: ReportPicture) -> Self {
         let mut messages = Messages::default();
         let folders = options
             .folders
@@ -135,14 +173,69 @@ impl Model {
             session_lock: SessionLock::default(),
             screen: Screen::default(),
             selection: Selection::default(),
+            playback: Playback {
+                plays: false,
+                follows: true,
+            },
+            live_platform: None,
+            identification: IdentificationState::default(),
+            outlook: None,
+            outlook_checked: None,
+            comparison: ComparisonState::default(),
             tasks: Tasks::new(context.clone()),
             messages,
             dialogs: Dialogs::default(),
+            report_picture,
+            requests: Vec::new(),
         }
     }
 }
 
 impl Model {
+    /// Asks something of panels and views.
+    pub fn request(&mut self, request: UiRequest) {
+        self.requests.push(request);
+    }
+
+    /// Takes what was asked of panels and views since the last call.
+    pub fn take_requests(&mut self) -> Vec<UiRequest> {
+        std::mem::take(&mut self.requests)
+    }
+
+    /// Forgets what was expected of another plan than the session has now.
+    pub fn check_outlook(&mut self) {
+        let key = self.open.as_ref().map(|open| (open.id(), open.revision()));
+        if key != self.outlook_checked {
+            self.outlook_checked = key;
+            let open = self.open.as_ref();
+            self.outlook
+                .take_if(|outlook| open.is_none_or(|open| !outlook.is_of(open)));
+        }
+    }
+
+    /// What the controller holds beside what was identified; empty without an identification that is up to date.
+    #[must_use]
+    pub fn differences(&self) -> Vec<Difference> {
+        let open = self.open.as_ref().filter(|open| open.fit_is_current());
+        let fit = open.and_then(OpenSession::fit);
+        fit.map_or_else(Vec::new, |fit| {
+            plan_adjustment(&self.link.parameters, &fit.model, Some(&fit.solution))
+        })
+    }
+
+    /// The last adjustment, if it can be taken back.
+    #[must_use]
+    pub fn revertible(&self) -> Option<&Adjustment> {
+        adjusting::revertible(self.open.as_ref()?.session())
+    }
+
+    /// Whether what is connected, if anything, is the simulated robot of the session.
+    #[must_use]
+    pub fn is_true_to_session(&self) -> bool {
+        let connected = self.link.connected.as_ref();
+        connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
+    }
+
     /// Changes the choices of the user and writes them down.
     pub fn change_preferences(&mut self, change: impl FnOnce(&mut Preferences)) {
         change(&mut self.preferences);

@@ -4,6 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread;
 
+use tautline_core::estimation::Control;
+
 use super::caught_panic::{self, CaughtPanic};
 use super::command::Outcome;
 use super::memory;
@@ -60,6 +62,16 @@ impl TaskHandle {
     #[must_use]
     pub fn cancelled(&self) -> bool {
         self.shared.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Whether a computation that asks goes on.
+    #[must_use]
+    pub fn control(&self) -> Control {
+        if self.cancelled() {
+            Control::Cancel
+        } else {
+            Control::Continue
+        }
     }
 
     /// Tells how far it is.

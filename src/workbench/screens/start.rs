@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, TextEdit, Ui};
 use egui_material_icons::icons;
 
-use crate::model::command::{CompareCommand, FileCommand};
-use crate::shell::State;
+use crate::model::Model;
+use crate::model::command::{CompareCommand, FileCommand, Outbox};
+
 use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted, primary, section};
 use tautline_workflow::samples::{self, Sample};
@@ -15,7 +16,7 @@ use tautline_workflow::samples::{self, Sample};
 #[derive(Debug, Default)]
 pub struct PanelState {
     path: String,
-    /// Whether all that crashes have left behind is listed.
+    /// Whether all unsaved sessions are listed.
     shows_all: bool,
     /// Sample sessions that are there; looked up once.
     samples: Option<Vec<Sample>>,
@@ -23,10 +24,10 @@ pub struct PanelState {
 
 const WIDTH: f32 = 640.0;
 /// Number of unsaved sessions that are listed at first.
-const LEFT_BEHIND: usize = 3;
+const UNSAVED_SHOWN: usize = 3;
 
 /// Draws the start screen.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let margin = ((ui.available_width() - WIDTH) / 2.0).max(4.0 * GRID);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -37,23 +38,23 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
                 muted(ui, "Find where the pulleys of a cable robot really are, and what its model still gets wrong.");
                 ui.add_space(4.0 * GRID);
-                unsaved_sessions(ui, state);
-                begin(ui, state);
+                unsaved_sessions(ui, model, panel, outbox);
+                begin(ui, outbox);
                 section(ui, "Open a session, a robot.json or a dataset folder");
-                open(ui, state);
-                compare(ui, state);
-                recent(ui, state);
-                sample_sessions(ui, state);
+                open(ui, panel, outbox);
+                compare(ui, outbox);
+                recent(ui, model, outbox);
+                sample_sessions(ui, panel, outbox);
                 ui.add_space(6.0 * GRID);
             });
         });
     });
 }
 
-fn begin(ui: &mut Ui, state: &mut State) {
+fn begin(ui: &mut Ui, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         if primary(ui, "Try the demo robot", true).clicked() {
-            state.outbox.send(FileCommand::TryDemo);
+            outbox.send(FileCommand::TryDemo);
         }
         muted(
             ui,
@@ -62,8 +63,8 @@ fn begin(ui: &mut Ui, state: &mut State) {
     });
 }
 
-fn open(ui: &mut Ui, state: &mut State) {
-    let path = &mut state.panels.start.path;
+fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
+    let path = &mut panel.path;
     ui.horizontal(|ui| {
         let field = TextEdit::singleline(path).hint_text("Path, or drop a file on the window");
         let field = ui.add(
@@ -77,45 +78,43 @@ fn open(ui: &mut Ui, state: &mut State) {
         let typed = !path.trim().is_empty();
         let button = Button::new("Open").min_size(egui::vec2(0.0, 26.0));
         if (ui.add_enabled(typed, button).clicked() || entered) && typed {
-            state
-                .outbox
-                .send(FileCommand::Open(PathBuf::from(path.trim())));
+            outbox.send(FileCommand::Open(PathBuf::from(path.trim())));
         }
         if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
-            state.outbox.send(FileCommand::AskOpen);
+            outbox.send(FileCommand::AskOpen);
         }
     });
 }
 
-fn compare(ui: &mut Ui, state: &mut State) {
+fn compare(ui: &mut Ui, outbox: &mut Outbox) {
     ui.add_space(2.0 * GRID);
     ui.horizontal(|ui| {
         let title = "Compare two sessions";
         if icon_button(ui, icons::ICON_COMPARE_ARROWS, title, true).clicked() {
-            state.outbox.send(CompareCommand::Show);
+            outbox.send(CompareCommand::Show);
         }
         muted(ui, "Has a pulley moved, or is it noise?");
     });
 }
 
-fn unsaved_sessions(ui: &mut Ui, state: &mut State) {
-    if state.model.unsaved_sessions.is_empty() {
+fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    if model.unsaved_sessions.is_empty() {
         return;
     }
     let warning = theme::of(ui).warning;
     ui.horizontal(|ui| {
         ui.label(icons::ICON_RESTORE.rich_text().size(18.0).color(warning));
         ui.label(
-            RichText::new("The program ended without saving. This is still there:")
+            RichText::new("Tautline was closed without saving. These sessions can be recovered:")
                 .font(theme::strong(13.0)),
         );
     });
-    let shown = if state.panels.start.shows_all {
+    let shown = if panel.shows_all {
         usize::MAX
     } else {
-        LEFT_BEHIND
+        UNSAVED_SHOWN
     };
-    for (place, left) in state.model.unsaved_sessions.iter().enumerate().take(shown) {
+    for (place, left) in model.unsaved_sessions.iter().enumerate().take(shown) {
         ui.horizontal(|ui| {
             let poses = match left.poses {
                 0 => "no poses".to_owned(),
@@ -128,19 +127,19 @@ fn unsaved_sessions(ui: &mut Ui, state: &mut State) {
                 &format!("{poses}, {}", readable(&left.when.to_string())),
             );
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let name = format!("Set aside {}", left.name);
-                let aside = ui.button("Set aside").on_hover_text(
+                let name = format!("Discard {}", left.name);
+                let discard = ui.button("Discard").on_hover_text(
                     "Moves the files to the folder \"discarded\"; nothing is deleted",
                 );
-                aside.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-                if aside.clicked() {
-                    state.outbox.send(FileCommand::SetAside(place));
+                discard.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                if discard.clicked() {
+                    outbox.send(FileCommand::Discard(place));
                 }
                 let name = format!("Recover {}", left.name);
                 let recover = ui.add_enabled(left.problem.is_none(), Button::new("Recover"));
                 recover.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                 if recover.clicked() {
-                    state.outbox.send(FileCommand::Recover(place));
+                    outbox.send(FileCommand::Recover(place));
                 }
             });
         });
@@ -148,30 +147,28 @@ fn unsaved_sessions(ui: &mut Ui, state: &mut State) {
             muted(ui, &problem.to_string());
         }
     }
-    let more = state.model.unsaved_sessions.len().saturating_sub(shown);
+    let more = model.unsaved_sessions.len().saturating_sub(shown);
     if more > 0 && ui.button(format!("Show {more} more")).clicked() {
-        state.panels.start.shows_all = true;
+        panel.shows_all = true;
     }
     ui.add_space(4.0 * GRID);
 }
 
-fn recent(ui: &mut Ui, state: &mut State) {
-    if state.model.preferences.recent().is_empty() {
+fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    if model.preferences.recent().is_empty() {
         return;
     }
     section(ui, "Recent sessions");
-    for recent in state.model.preferences.recent() {
+    for recent in model.preferences.recent() {
         let there = recent.exists();
         let hint = if there {
             readable(&recent.when.to_string())
         } else {
-            "the file is not there any more".into()
+            "the file no longer exists".into()
         };
         ui.horizontal(|ui| {
             if link(ui, &recent.name, there) {
-                state
-                    .outbox
-                    .send(FileCommand::Open(recent.path().to_owned()));
+                outbox.send(FileCommand::Open(recent.path().to_owned()));
             }
             muted(ui, &hint);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -183,9 +180,7 @@ fn recent(ui: &mut Ui, state: &mut State) {
                 )
                 .clicked()
                 {
-                    state
-                        .outbox
-                        .send(FileCommand::Forget(recent.path().to_owned()));
+                    outbox.send(FileCommand::Forget(recent.path().to_owned()));
                 }
                 let folder = recent
                     .path()
@@ -198,10 +193,8 @@ fn recent(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn sample_sessions(ui: &mut Ui, state: &mut State) {
-    let found = state
-        .panels
-        .start
+fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
+    let found = panel
         .samples
         .get_or_insert_with(|| samples::find(&samples::places()));
     if found.is_empty() {
@@ -211,7 +204,7 @@ fn sample_sessions(ui: &mut Ui, state: &mut State) {
     for sample in found.iter() {
         ui.horizontal(|ui| {
             if link(ui, &sample.title, true) {
-                state.outbox.send(FileCommand::Open(sample.session.clone()));
+                outbox.send(FileCommand::Open(sample.session.clone()));
             }
             let text = RichText::new(&sample.shows).color(theme::of(ui).muted);
             ui.add(egui::Label::new(text).truncate());

@@ -1,9 +1,12 @@
 //! Questions that have to be answered before the program goes on.
 
+use std::collections::BTreeSet;
+
 use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::state::State;
+use super::State;
+use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, ReportCommand, ReportDraft, RobotCommand};
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button, muted, primary, section};
@@ -18,20 +21,20 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     if state.model.dialogs.unconverged {
         unconverged(ui, state);
     }
-    if let Some(saving) = state.model.dialogs.report.take() {
-        report(ui, state, saving);
+    if let Some(draft) = state.model.dialogs.report.take() {
+        report(ui, state, draft);
     }
 }
 
 /// Where is the report to be saved?
-fn report(ui: &mut Ui, state: &mut State, mut saving: ReportDraft) {
-    let format = saving.format;
+fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
+    let format = draft.format;
     let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
         ui.set_width(520.0);
         heading(ui, &format!("Save the report as {}", format.title()));
         ui.horizontal(|ui| {
             let width = ui.available_width() - 120.0;
-            let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(width));
+            let field = ui.add(TextEdit::singleline(&mut draft.path).desired_width(width));
             field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the report"));
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
                 state.outbox.send(ReportCommand::Browse(format));
@@ -41,10 +44,10 @@ fn report(ui: &mut Ui, state: &mut State, mut saving: ReportDraft) {
         egui::ScrollArea::vertical()
             .max_height(height)
             .auto_shrink([false, true])
-            .show(ui, |ui| choice(ui, &mut saving.choice));
+            .show(ui, |ui| choice(ui, &mut draft.choice));
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
-            let path = saving.path.trim();
+            let path = draft.path.trim();
             if primary(ui, "Save report", !path.is_empty()).clicked() {
                 state.outbox.send(ReportCommand::Save(path.into()));
             }
@@ -56,7 +59,12 @@ fn report(ui: &mut Ui, state: &mut State, mut saving: ReportDraft) {
     if modal.should_close() {
         state.outbox.send(ReportCommand::Cancel);
     }
-    state.model.dialogs.report = Some(saving);
+    let options = &state.views.robot_3d.options;
+    draft.pinned = match options.callouts {
+        true => options.pinned.clone(),
+        false => BTreeSet::new(),
+    };
+    state.model.dialogs.report = Some(draft);
 }
 
 /// What of a report is wanted, and what stands at its head.
@@ -135,13 +143,15 @@ fn unconverged(ui: &mut Ui, state: &mut State) {
     let modal = Modal::new(Id::unique("unconverged values")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
         heading(ui, "Write these values?");
-        ui.label("The identification did not converge: its values can make the robot less exact.");
+        ui.label(
+            "The identification did not converge: its values can make the robot less accurate.",
+        );
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
             if primary(ui, "Do not write", true).clicked() {
                 state.outbox.send(RobotCommand::WriteUnconverged(false));
             }
-            if ui.button("Write all the same").clicked() {
+            if ui.button("Write anyway").clicked() {
                 state.outbox.send(RobotCommand::WriteUnconverged(true));
             }
         });
@@ -151,22 +161,22 @@ fn unconverged(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Draws what is left after the program broke down.
-pub fn broken(ui: &mut Ui, state: &mut State) {
-    let Some(caught_panic) = state.model.caught_panic.clone() else {
+/// Draws what is left of the window after an internal error.
+pub fn internal_error(ui: &mut Ui, model: &mut Model) {
+    let Some(caught_panic) = model.caught_panic.clone() else {
         return;
     };
-    let folder = state.model.folders.recovery();
+    let folder = model.folders.recovery();
     ui.painter()
         .rect_filled(ui.ctx().content_rect(), 0.0, theme::of(ui).panel);
     ui.vertical_centered(|ui| {
         ui.set_width(640.0_f32.min(ui.available_width() - 8.0 * GRID));
         ui.add_space(ui.available_height() * 0.2);
         ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
-            heading(ui, "Tautline has met an error of its own");
-            ui.label("The session is kept as it was. Nothing that was measured is lost. It is in the folder");
+            heading(ui, "Internal error");
+            ui.label("The session is unchanged and nothing that was measured is lost. A copy is in the folder");
             ui.label(RichText::new(folder.display().to_string()).font(theme::strong(13.0)));
-            ui.label("and is offered for recovery when the program is started again.");
+            ui.label("and is offered for recovery at the next start.");
             ui.add_space(2.0 * GRID);
             muted(ui, "Please report this:");
             ui.add(egui::Label::new(RichText::new(&caught_panic.what).small()).wrap().selectable(true));
@@ -175,10 +185,10 @@ pub fn broken(ui: &mut Ui, state: &mut State) {
                 if primary(ui, "Quit", true).clicked() {
                     ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
                 }
-                if ui.button("Go on").clicked() {
-                    state.model.caught_panic = None;
+                if ui.button("Continue").clicked() {
+                    model.caught_panic = None;
                 }
-                if ui.button("Copy the report").clicked() {
+                if ui.button("Copy the message").clicked() {
                     ui.ctx().copy_text(caught_panic.what.clone());
                 }
             });

@@ -33,17 +33,38 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         .show(ui, |ui| status::show(ui, state));
     match state.model.screen {
         Screen::Start => {
-            centre().show(ui, |ui| screens::start::show(ui, state));
+            let State {
+                model,
+                outbox,
+                panels,
+                ..
+            } = state;
+            centre().show(ui, |ui| {
+                screens::start::show(ui, model, &mut panels.start, outbox);
+            });
         }
         Screen::Compare => {
-            centre().show(ui, |ui| screens::compare::show(ui, state));
+            let State {
+                model,
+                outbox,
+                panels,
+                views,
+            } = state;
+            let memory = (&mut panels.compare, views);
+            centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
         }
         Screen::Phase(step) if ui.available_width() < COMPACT => compact(ui, state, step),
         Screen::Phase(step) => phase(ui, state, step),
     }
     palette::show(ui, state);
     log::show(ui, state);
-    screens::connect::show(ui, state);
+    let State {
+        model,
+        outbox,
+        panels,
+        ..
+    } = state;
+    screens::connect::show(ui, model, &mut panels.connect, outbox);
     dialogs::show(ui, state);
     save_as::show(ui, state);
 }

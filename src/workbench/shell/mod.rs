@@ -7,6 +7,7 @@ mod menu;
 mod observed;
 mod palette;
 mod rail;
+mod requests;
 mod save_as;
 mod sized;
 mod state;
@@ -15,12 +16,10 @@ mod top;
 
 pub use state::State;
 
-use crate::commands;
-use crate::model::caught_panic;
 use crate::model::command::{CompareCommand, FileCommand};
 use crate::model::phase::Screen;
-use crate::model::{OpenSession, Options};
-use crate::theme;
+use crate::model::{OpenSession, Options, caught_panic};
+use crate::{commands, theme};
 
 /// The workbench as eframe runs it.
 pub struct App {
@@ -38,8 +37,8 @@ impl App {
             observed::observe(&creation.egui_ctx, path.clone());
         }
         let mut state = State::new(&creation.egui_ctx, options);
-        commands::restore(&state);
-        commands::search(&mut state);
+        commands::restore(&state.model);
+        commands::find_unsaved(&mut state.model);
         if let Some(path) = state.model.options.path.clone() {
             state.outbox.send(FileCommand::Open(path));
         }
@@ -50,68 +49,65 @@ impl App {
 impl App {
     /// The window's own close button asks about unsaved changes, too.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
-        let unsaved = self
-            .state
-            .model
-            .open
-            .as_ref()
-            .is_some_and(OpenSession::is_unsaved);
-        let broken = self.state.model.caught_panic.is_some();
-        if unsaved && !broken && ctx.input(|input| input.viewport().close_requested()) {
+        let State { model, outbox, .. } = &mut self.state;
+        let is_unsaved = model.open.as_ref().is_some_and(OpenSession::is_unsaved);
+        let has_panicked = model.caught_panic.is_some();
+        if is_unsaved && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.state.outbox.send(FileCommand::Quit);
+            outbox.send(FileCommand::Quit);
         }
     }
-}
 
-impl App {
     /// A frame: what `show` draws, then the commands that were given. A panic in it leaves the session as it is, kept,
-    /// and is told by the next frame.
+    /// and is shown by the next frame.
     fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
         let state = &mut self.state;
         if state.model.caught_panic.is_some() {
-            dialogs::broken(ui, state);
+            dialogs::internal_error(ui, &mut state.model);
             return;
         }
         let done = caught_panic::guard(|| {
             show(ui, state);
             for command in state.outbox.take() {
-                commands::perform(state, command);
+                commands::perform(&mut state.model, command);
             }
+            requests::apply(state);
         });
-        state.model.caught_panic = done.err();
-        if state.model.caught_panic.is_some() {
+        let model = &mut state.model;
+        model.caught_panic = done.err();
+        if model.caught_panic.is_some() {
             ui.ctx().request_repaint();
         }
-        state.model.autosave.follow(state.model.open.as_ref());
-        if let Some(text) = state.model.session_lock.follow(state.model.open.as_ref()) {
-            state.model.messages.warning(text);
+        model.autosave.follow(model.open.as_ref());
+        if let Some(text) = model.session_lock.follow(model.open.as_ref()) {
+            model.messages.warning(text);
         }
     }
 }
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        for outcome in self.state.model.tasks.outcomes() {
-            let received = caught_panic::guard(|| commands::receive(&mut self.state, outcome));
-            self.state.model.caught_panic = received.err().or(self.state.model.caught_panic.take());
+        let State { model, outbox, .. } = &mut self.state;
+        for outcome in model.tasks.outcomes() {
+            let received = caught_panic::guard(|| commands::receive(model, outcome));
+            model.caught_panic = received.err().or(model.caught_panic.take());
         }
-        for kept in self.state.model.autosave.kept() {
-            commands::kept(&mut self.state, kept);
+        for event in model.autosave.events() {
+            commands::autosaved(model, event);
         }
-        for report in self.state.model.link.reports() {
-            commands::robot::reported(&mut self.state, report);
+        for event in model.link.events() {
+            commands::robot::receive(model, event);
         }
-        commands::robot::follow(&mut self.state);
-        self.ask_before_closing(ctx);
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        for file in dropped {
+        commands::robot::follow(model);
+        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
             let path = file.path().to_path_buf();
-            match self.state.model.screen {
-                Screen::Compare => self.state.outbox.send(CompareCommand::Drop(path)),
-                _ => self.state.outbox.send(FileCommand::Open(path)),
+            match model.screen {
+                Screen::Compare => outbox.send(CompareCommand::Drop(path)),
+                _ => outbox.send(FileCommand::Open(path)),
             }
         }
+        requests::apply(&mut self.state);
+        self.ask_before_closing(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {

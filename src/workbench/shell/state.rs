@@ -5,6 +5,7 @@ use crate::model::{Model, Options};
 use crate::screens::PanelStates;
 use crate::views::ViewStates;
 use crate::views::plots::Panes;
+use crate::views::report_picture::report_picture;
 
 /// Everything the window has.
 pub struct State {
@@ -22,7 +23,7 @@ impl State {
     /// The state at the start of the program.
     #[must_use]
     pub fn new(context: &egui::Context, options: Options) -> Self {
-        let model = Model::new(context, options);
+        let model = Model::new(context, options, report_picture);
         Self {
             views: ViewStates {
                 plots: Panes::of(&model.preferences.plots),

@@ -65,13 +65,13 @@ fn a_panic_in_a_frame_is_told_and_costs_nothing() {
     harness.state_mut().is_set = true;
     harness.run_ok();
     let place = Folders::below(folder.path()).recovery();
-    harness.get_by_label("Tautline has met an error of its own");
+    harness.get_by_label("Internal error");
     harness.get_by_label(&place.display().to_string());
     harness.get_by_label_contains("the cable tore");
 
-    harness.get_by_label("Go on").click();
+    harness.get_by_label("Continue").click();
     harness.run_ok();
-    let shown = harness.query_by_label("Tautline has met an error of its own");
+    let shown = harness.query_by_label("Internal error");
     assert!(shown.is_none(), "it goes on");
     rename(&mut harness, "after");
     let open = harness.state().app.state.model.open.as_ref();
@@ -111,9 +111,10 @@ fn a_panic_in_a_task_is_told_and_costs_nothing() {
             .display()
             .to_string(),
     );
-    harness.get_by_label("Go on").click_accesskit();
+    harness.get_by_label("Continue").click_accesskit();
     harness.run_ok();
-    harness.get_by_label_contains("Testing broke down; the session is untouched.");
+    harness
+        .get_by_label_contains("Testing failed with an internal error; the session is unchanged.");
     let state = &harness.state().app.state;
     assert!(
         state.model.caught_panic.is_none(),

@@ -23,49 +23,10 @@ const WORDS: f32 = 120.0;
 const APART: f32 = 3.0;
 
 /// What the time line remembers.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct TimelineState {
     /// When the present pose was reached, while poses are played (s).
-    playing: Option<f64>,
-    /// Whether the robot is drawn where it is now while something goes on, whatever is selected.
-    pub follows: bool,
-}
-
-impl Default for TimelineState {
-    fn default() -> Self {
-        Self {
-            playing: None,
-            follows: true,
-        }
-    }
-}
-
-impl TimelineState {
-    /// Begins or ends playing.
-    pub fn play(&mut self, plays: bool) {
-        // The next pose comes at once.
-        self.playing = plays.then_some(f64::NEG_INFINITY);
-    }
-
-    /// Whether poses are played.
-    #[must_use]
-    pub fn plays(&self) -> bool {
-        self.playing.is_some()
-    }
-}
-
-/// The pose that a step leads to.
-#[must_use]
-pub fn after(labels: &[i64], selected: Option<i64>, step: PoseStep) -> Option<i64> {
-    let last = labels.len().checked_sub(1)?;
-    let now = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
-    let wanted = match (step, now) {
-        (PoseStep::First, _) | (PoseStep::Next, None) => 0,
-        (PoseStep::Last, _) | (PoseStep::Previous, None) => last,
-        (PoseStep::Next, Some(now)) => (now + 1).min(last),
-        (PoseStep::Previous, Some(now)) => now.saturating_sub(1),
-    };
-    labels.get(wanted).copied()
+    reached_s: Option<f64>,
 }
 
 /// Draws the time line.
@@ -75,10 +36,10 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     };
     let labels = &open.session().measurements.labels;
     let selected = state.model.selection.pose;
-    let mut commands = play(ui, &mut state.views.timeline, labels, selected);
+    let plays = state.model.playback.plays;
+    let mut commands = play(ui, plays, &mut state.views.timeline, labels, selected);
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = GRID;
-        let plays = state.views.timeline.plays();
         for (icon, name, command) in [
             (
                 icons::ICON_SKIP_PREVIOUS,
@@ -106,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         let is_live = state.model.link.is_connected()
             && (state.model.link.is_busy() || state.model.link.watches);
         if is_live {
-            let follows = state.views.timeline.follows;
+            let follows = state.model.playback.follows;
             let live = ui.selectable_label(follows, "Now");
             if live
                 .on_hover_text("Shows the robot where it is now")
@@ -130,13 +91,17 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 /// Goes on to the next pose when it is time.
 fn play(
     ui: &Ui,
-    memory: &mut TimelineState,
+    plays: bool,
+    view: &mut TimelineState,
     labels: &[i64],
     selected: Option<i64>,
 ) -> Vec<ViewCommand> {
-    let Some(since) = memory.playing else {
+    if !plays {
+        view.reached_s = None;
         return Vec::new();
-    };
+    }
+    // The first pose comes at once.
+    let since = view.reached_s.unwrap_or(f64::NEG_INFINITY);
     let now = ui.input(|input| input.time);
     ui.ctx()
         .request_repaint_after(std::time::Duration::from_secs_f64(EACH_S));
@@ -144,10 +109,9 @@ fn play(
         return Vec::new();
     }
     if selected.is_some() && selected == labels.last().copied() && since.is_finite() {
-        memory.playing = None;
-        return Vec::new();
+        return vec![ViewCommand::Play(false)];
     }
-    memory.playing = Some(now);
+    view.reached_s = Some(now);
     let is_at_end = selected == labels.last().copied();
     let step = if is_at_end {
         PoseStep::First
@@ -262,27 +226,4 @@ fn keys(ui: &Ui, response: &Response, plays: bool) -> Vec<ViewCommand> {
         let asked = steps.into_iter().filter(|(key, _)| pressed(*key));
         asked.map(|(_, command)| command).collect()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steps_stay_on_the_line() {
-        let labels = [0, 5, 3];
-        for (selected, step, expected) in [
-            (None, PoseStep::Next, 0),
-            (None, PoseStep::Previous, 3),
-            (Some(5), PoseStep::Next, 3),
-            (Some(3), PoseStep::Next, 3),
-            (Some(0), PoseStep::Previous, 0),
-            (Some(5), PoseStep::First, 0),
-            (Some(5), PoseStep::Last, 3),
-            (Some(99), PoseStep::Next, 0),
-        ] {
-            assert_eq!(after(&labels, selected, step), Some(expected));
-        }
-        assert_eq!(after(&[], None, PoseStep::Next), None);
-    }
 }

@@ -1,12 +1,11 @@
 //! What is written to the controller, and how exactly the robot moves before and after.
 
-use tautline_link::adjusting::{Adjustment as Written, Difference, Holds, plan_adjustment};
+use tautline_link::adjusting::{Adjustment as Written, Holds};
 use tautline_link::verifying::{circle, cube_poses, line};
 use tautline_session::{Adjustment, CheckRow, NamedValue, Phase as LogPhase, Stage, Verification};
 
-use super::is_true_to_session;
-use crate::shell::State;
-pub use tautline_workflow::adjusting::title;
+use crate::model::Model;
+use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::clock;
 use tautline_workflow::wording::sentence;
@@ -14,62 +13,43 @@ use tautline_workflow::wording::sentence;
 /// Points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
 
-/// What the controller holds beside what was identified; empty without an identification that is up to date.
-#[must_use]
-pub fn differences(state: &State) -> Vec<Difference> {
-    let Some(open) = state.model.open.as_ref().filter(|d| d.fit_is_current()) else {
-        return Vec::new();
-    };
-    open.fit().map_or_else(Vec::new, |fit| {
-        plan_adjustment(
-            &state.model.link.parameters,
-            &fit.model,
-            Some(&fit.solution),
-        )
-    })
-}
-
-/// The last adjustment, if it can be taken back.
-#[must_use]
-pub fn revertible(state: &State) -> Option<&Adjustment> {
-    adjusting::revertible(state.model.open.as_ref()?.session())
-}
-
-pub(super) fn write(state: &mut State) {
-    let fit = state.model.open.as_ref().and_then(|open| open.fit());
+pub(super) fn write(model: &mut Model) {
+    let fit = model.open.as_ref().and_then(|open| open.fit());
     if fit.is_some_and(|fit| !fit.solution.converged()) {
-        state.model.dialogs.unconverged = true;
+        model.dialogs.unconverged = true;
         return;
     }
-    write_identified(state);
+    write_identified(model);
 }
 
-pub(super) fn write_unconverged(state: &mut State, wanted: bool) {
-    state.model.dialogs.unconverged = false;
+pub(super) fn write_unconverged(model: &mut Model, wanted: bool) {
+    model.dialogs.unconverged = false;
     if wanted {
-        write_identified(state);
+        write_identified(model);
     }
 }
 
-fn write_identified(state: &mut State) {
-    let values = adjusting::values_to_write(differences(state));
-    give(state, values, Purpose::Adjust);
+fn write_identified(model: &mut Model) {
+    let values = adjusting::values_to_write(model.differences());
+    give(model, values, Purpose::Adjust);
 }
 
-pub(super) fn roll_back(state: &mut State) {
-    let values = revertible(state).map_or_else(Vec::new, adjusting::former_values);
-    give(state, values, Purpose::RollBack);
+pub(super) fn roll_back(model: &mut Model) {
+    let values = model
+        .revertible()
+        .map_or_else(Vec::new, adjusting::former_values);
+    give(model, values, Purpose::RollBack);
 }
 
-fn give(state: &mut State, values: Vec<(String, f64)>, purpose: Purpose) {
-    if values.is_empty() || state.model.link.is_busy() || !state.model.link.is_armed() {
+fn give(model: &mut Model, values: Vec<(String, f64)>, purpose: Purpose) {
+    if values.is_empty() || model.link.is_busy() || !model.link.is_armed() {
         return;
     }
-    state.model.link.write(values, purpose);
+    model.link.write(values, purpose);
 }
 
 pub(super) fn written(
-    state: &mut State,
+    model: &mut Model,
     values: &[(String, f64)],
     purpose: Purpose,
     result: Result<Box<Written>, String>,
@@ -84,20 +64,20 @@ pub(super) fn written(
     let holds = adjustment.as_ref().map(|a| &a.holds);
     let outcome = adjusting::outcome(holds, purpose, &text);
     if holds == Some(&Holds::New) {
-        state.model.messages.info(&text);
+        model.messages.info(&text);
     } else {
-        state.model.messages.error(&text);
+        model.messages.error(&text);
     }
-    let known = &state.model.link.parameters;
+    let known = &model.link.parameters;
     let record = Adjustment {
         time: clock::now(),
-        operator: state.model.preferences.operator.clone(),
-        controller: state.model.link.identity.clone(),
+        operator: model.preferences.operator.clone(),
+        controller: model.link.identity.clone(),
         changes: adjustment.map_or_else(Vec::new, |a| adjusting::changes(known, &a.old, values)),
         outcome,
     };
-    let held = held(state);
-    if let Some(open) = &mut state.model.open {
+    let held = held(model);
+    if let Some(open) = &mut model.open {
         open.record(|session| {
             session.add_adjustment(record);
             if let Some(held) = held {
@@ -109,16 +89,16 @@ pub(super) fn written(
 }
 
 /// What the session's own simulated controller holds, to go on with it another time.
-fn held(state: &State) -> Option<Vec<NamedValue>> {
-    let parameters = &state.model.link.parameters;
-    (is_true_to_session(state) && !parameters.is_empty()).then(|| adjusting::held(parameters))
+fn held(model: &Model) -> Option<Vec<NamedValue>> {
+    let parameters = &model.link.parameters;
+    (model.is_true_to_session() && !parameters.is_empty()).then(|| adjusting::held(parameters))
 }
 
-pub(super) fn verify(state: &mut State, stage: Stage) {
-    let (Some(open), Some(connected)) = (&state.model.open, &state.model.link.connected) else {
+pub(super) fn verify(model: &mut Model, stage: Stage) {
+    let (Some(open), Some(connected)) = (&model.open, &model.link.connected) else {
         return;
     };
-    if state.model.link.is_busy() || !state.model.link.is_armed() {
+    if model.link.is_busy() || !model.link.is_armed() {
         return;
     }
     let robot = &open.session().robot;
@@ -129,38 +109,38 @@ pub(super) fn verify(state: &mut State, stage: Stage) {
         targets.extend(circle(robot, workspace, POINTS.0));
         targets.extend(line(robot, workspace, POINTS.1));
     }
-    state.model.link.verify(targets, stage);
+    model.link.verify(targets, stage);
 }
 
-pub(super) fn verified(state: &mut State, stage: Stage, result: Result<Vec<CheckRow>, String>) {
-    state.model.link.verifying = None;
+pub(super) fn verified(model: &mut Model, stage: Stage, result: Result<Vec<CheckRow>, String>) {
+    model.link.verifying = None;
     match result {
         Ok(rows) => {
-            let connected = state.model.link.connected.as_ref();
+            let connected = model.link.connected.as_ref();
             let typed = connected.is_some_and(|c| !c.rig.has_instrument());
             let instrument = match typed {
                 true => "typed by the operator",
                 false => "with the simulated tracker",
             };
-            add(state, stage, rows, instrument);
+            add(model, stage, rows, instrument);
         }
-        Err(error) => state.model.messages.warning(format!(
+        Err(error) => model.messages.warning(format!(
             "The verification has no result: {}.",
             error.trim_end_matches('.')
         )),
     }
 }
 
-pub(super) fn take_check(state: &mut State, stage: Stage) {
-    let open = state.model.open.as_ref();
+pub(super) fn take_check(model: &mut Model, stage: Stage) {
+    let open = model.open.as_ref();
     let rows = open.map_or_else(Vec::new, |d| d.session().phases.check.clone());
     if !rows.is_empty() {
-        add(state, stage, rows, "from the imported table");
+        add(model, stage, rows, "from the imported table");
     }
 }
 
-fn add(state: &mut State, stage: Stage, rows: Vec<CheckRow>, source: &str) {
-    let Some(open) = &mut state.model.open else {
+fn add(model: &mut Model, stage: Stage, rows: Vec<CheckRow>, source: &str) {
+    let Some(open) = &mut model.open else {
         return;
     };
     let text = format!("{}: {} measurements {source}.", title(stage), rows.len());
@@ -173,11 +153,11 @@ fn add(state: &mut State, stage: Stage, rows: Vec<CheckRow>, source: &str) {
         });
     });
     open.log(LogPhase::Accuracy, &text);
-    state.model.messages.info(sentence(&text));
+    model.messages.info(sentence(&text));
 }
 
-pub(super) fn reveal(state: &mut State) {
-    let Some(open) = &mut state.model.open else {
+pub(super) fn reveal(model: &mut Model) {
+    let Some(open) = &mut model.open else {
         return;
     };
     open.record(|session| {

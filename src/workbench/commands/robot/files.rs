@@ -5,33 +5,35 @@ use std::path::PathBuf;
 use tautline_link::export::{differences_csv, structured_text};
 use tautline_session::{write_check, write_plan, write_text};
 
-use super::adjust::differences;
-use crate::model::command::{Export, Outcome, RobotOutcome};
-use crate::shell::State;
+use crate::commands::{pick, write as write_file};
+use crate::model::Model;
+use crate::model::command::{Export, RobotCommand};
 
-pub(super) fn ask(state: &mut State, export: Export) {
-    state.model.tasks.start("File dialog", move |_| {
-        let dialog = rfd::FileDialog::new().set_file_name(export.file_name());
-        Outcome::Robot(RobotOutcome::Picked(export, dialog.save_file()))
-    });
+pub(super) fn ask(model: &mut Model, export: Export) {
+    pick(
+        model,
+        move || {
+            let dialog = rfd::FileDialog::new().set_file_name(export.file_name());
+            dialog.save_file()
+        },
+        move |path| RobotCommand::Export(export, path),
+    );
 }
 
-pub(super) fn write(state: &mut State, export: Export, path: PathBuf) {
-    let Some(text) = content(state, export) else {
-        state
-            .model
-            .messages
-            .warning("There is nothing to write yet.");
+pub(super) fn write(model: &mut Model, export: Export, path: PathBuf) {
+    let Some(text) = content(model, export) else {
+        model.messages.warning("There is nothing to write yet.");
         return;
     };
-    state.model.tasks.start("Writing a file", move |_| {
-        let result = write_text(&path, &text).map_err(|error| error.to_string());
-        Outcome::Robot(RobotOutcome::Exported(path, result))
+    write_file(model, "Writing a file", path, move |path| {
+        write_text(path, &text)
+            .map(|()| None)
+            .map_err(|error| error.to_string())
     });
 }
 
-fn content(state: &State, export: Export) -> Option<String> {
-    let open = state.model.open.as_ref()?;
+fn content(model: &Model, export: Export) -> Option<String> {
+    let open = model.open.as_ref()?;
     let session = open.session();
     let mut bytes = Vec::new();
     match export {
@@ -42,7 +44,7 @@ fn content(state: &State, export: Export) -> Option<String> {
             write_check(&mut bytes, &last.rows).ok()?;
         }
         Export::Differences => {
-            let lines = differences(state);
+            let lines = model.differences();
             return (!lines.is_empty()).then(|| differences_csv(&lines));
         }
         Export::StructuredText => {

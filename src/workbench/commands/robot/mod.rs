@@ -4,114 +4,101 @@ mod adjust;
 mod files;
 mod plan;
 mod run;
-mod setup;
 
 use tautline_link::ParameterInfo;
 use tautline_session::Phase as LogPhase;
 
-use crate::model::command::{RobotCommand, RobotOutcome};
-use crate::model::link::{Connected, DriverEvent};
-use crate::shell::State;
+use crate::commands::setup;
+use crate::model::command::RobotCommand;
+use crate::model::link::{Connected, DriverCommand, DriverEvent};
+use crate::model::messages::full_sentence;
+use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
 use tautline_workflow::controllers::{ConnectionSetup, Kind};
-use tautline_workflow::wording;
 
-pub use self::adjust::{differences, revertible};
-pub use self::run::{kept, not_kept, sentence};
+pub use self::plan::planned;
+pub use self::run::{autosave_failed, autosaved};
 
-pub(super) fn perform(state: &mut State, command: RobotCommand) {
+pub(super) fn perform(model: &mut Model, command: RobotCommand) {
     match command {
-        RobotCommand::Plan(poses) => plan::start(state, poses),
-        RobotCommand::Expect => plan::expect_stored(state),
-        RobotCommand::RemovePlanned(label) => plan::remove(state, label),
-        RobotCommand::AddCurrent => plan::add_current(state),
-        RobotCommand::Setup(setup) => setup::perform(state, setup),
-        RobotCommand::Connect => connect(state),
-        RobotCommand::TryNow => state.model.link.try_now(),
+        RobotCommand::Plan(poses) => plan::start(model, poses),
+        RobotCommand::Expect => plan::expect_stored(model),
+        RobotCommand::RemovePlanned(label) => plan::remove(model, label),
+        RobotCommand::AddCurrent => plan::add_current(model),
+        RobotCommand::Setup(setup) => setup::perform(model, setup),
+        RobotCommand::Connect => connect(model),
+        RobotCommand::TryNow => model.link.send(DriverCommand::TryNow),
         RobotCommand::LaserDistance(label, distance_m) => {
-            state.model.link.laser_distance(label, distance_m);
+            model
+                .link
+                .send(DriverCommand::LaserDistance(label, distance_m));
         }
-        RobotCommand::TypedPose(number, pose) => state.model.link.typed_pose(number, pose),
-        RobotCommand::Disconnect => state.model.link.disconnect(),
-        RobotCommand::Arm => state.model.link.arm(true),
-        RobotCommand::Disarm => state.model.link.arm(false),
-        RobotCommand::Watch(watches) => state.model.link.watch(watches),
-        RobotCommand::Speed(speed) => state.model.link.set_speed(speed),
-        RobotCommand::Start => run::start(state),
-        RobotCommand::Pause => state.model.link.pause(),
-        RobotCommand::Resume => state.model.link.resume(),
-        RobotCommand::Skip => state.model.link.skip(),
-        RobotCommand::Repeat(label) => run::repeat(state, label),
-        RobotCommand::Stop => state.model.link.abort(),
-        RobotCommand::KeepAgain => run::keep_again(state),
-        RobotCommand::Verify(stage) => adjust::verify(state, stage),
-        RobotCommand::TakeCheck(stage) => adjust::take_check(state, stage),
-        RobotCommand::ReadBack => state.model.link.read_back(),
-        RobotCommand::Write => adjust::write(state),
-        RobotCommand::WriteUnconverged(wanted) => adjust::write_unconverged(state, wanted),
-        RobotCommand::RollBack => adjust::roll_back(state),
-        RobotCommand::AskExport(export) => files::ask(state, export),
-        RobotCommand::Export(export, path) => files::write(state, export, path),
-        RobotCommand::Reveal => adjust::reveal(state),
+        RobotCommand::TypedPose(number, pose) => {
+            model.link.send(DriverCommand::TypedPose(number, pose));
+        }
+        RobotCommand::Disconnect => model.link.send(DriverCommand::Disconnect),
+        RobotCommand::Arm => model.link.send(DriverCommand::Arm),
+        RobotCommand::Disarm => model.link.send(DriverCommand::Disarm),
+        RobotCommand::Watch(watches) => model.link.watch(watches),
+        RobotCommand::Speed(speed) => model.link.set_speed(speed),
+        RobotCommand::Start => run::start(model),
+        RobotCommand::Pause => model.link.send(DriverCommand::Pause),
+        RobotCommand::Resume => model.link.send(DriverCommand::Resume),
+        RobotCommand::Skip => model.link.send(DriverCommand::Skip),
+        RobotCommand::Repeat(label) => run::repeat(model, label),
+        RobotCommand::Stop => model.link.send(DriverCommand::Abort),
+        RobotCommand::RetrySave => run::retry_save(model),
+        RobotCommand::Verify(stage) => adjust::verify(model, stage),
+        RobotCommand::TakeCheck(stage) => adjust::take_check(model, stage),
+        RobotCommand::ReadBack => model.link.send(DriverCommand::ReadParameters),
+        RobotCommand::Write => adjust::write(model),
+        RobotCommand::WriteUnconverged(wanted) => adjust::write_unconverged(model, wanted),
+        RobotCommand::RollBack => adjust::roll_back(model),
+        RobotCommand::AskExport(export) => files::ask(model, export),
+        RobotCommand::Export(export, path) => files::write(model, export, path),
+        RobotCommand::Reveal => adjust::reveal(model),
     }
 }
 
-pub(super) fn receive(state: &mut State, outcome: RobotOutcome) {
-    match outcome {
-        RobotOutcome::Planned { session_id, result } => plan::planned(state, session_id, result),
-        RobotOutcome::Expected { session_id, result } => plan::expected(state, session_id, result),
-        RobotOutcome::Setup(outcome) => setup::receive(state, outcome),
-        RobotOutcome::Picked(export, Some(path)) => files::write(state, export, path),
-        RobotOutcome::Picked(_, None) => state.model.messages.info("No file was chosen."),
-        RobotOutcome::Exported(path, Ok(())) => {
-            state
-                .model
-                .messages
-                .info(format!("Wrote {}.", path.display()));
-        }
-        RobotOutcome::Exported(_, Err(error)) => state.model.messages.error(error),
-    }
-}
-
-fn connect(state: &mut State) {
-    let Some(open) = &state.model.open else {
+fn connect(model: &mut Model) {
+    let Some(open) = &model.open else {
         return;
     };
-    if state.model.link.is_busy() {
+    if model.link.is_busy() {
         return;
     }
     let identified = open.fit().map_or(&[][..], |fit| &fit.model.effects);
     let session = open.session();
     let rig = ConnectionSetup::of(session, identified);
     if let (Kind::Recording, Some(recording)) = (rig.kind, &session.connection.recording) {
-        state.model.link.set_speed(recording.speed);
+        model.link.set_speed(recording.speed);
     }
-    state.model.link.connect(rig, open.id());
+    model.link.connect(rig, open.id());
 }
 
-/// Takes what the controller's thread has to tell.
-pub fn reported(state: &mut State, report: DriverEvent) {
-    match report {
+/// Takes an event of the controller's thread.
+pub fn receive(model: &mut Model, event: DriverEvent) {
+    match event {
         DriverEvent::Connected {
             identity,
             parameters,
             rig,
             session_id,
         } => {
-            state.model.link.connecting = false;
-            // The window that connects has done what it was opened for.
-            state.panels.connect.take_if(|draft| draft.connects);
-            state.model.messages.info(format!("Connected: {identity}."));
-            state.model.link.identity = identity;
-            state.model.link.connected = Some(Connected { session_id, rig });
-            state.model.link.take_parameters(parameters);
+            model.link.connecting = false;
+            // The connection dialog has done what it was opened for.
+            model.request(UiRequest::Connection(ConnectionRequest::Connected));
+            model.messages.info(format!("Connected: {identity}."));
+            model.link.identity = identity;
+            model.link.connected = Some(Connected { session_id, rig });
+            model.link.take_parameters(parameters);
         }
-        DriverEvent::Disconnected(why) => disconnected(state, why),
-        DriverEvent::Lost(why) => lost(state, &why),
-        DriverEvent::Regained(parameters) => regained(state, parameters),
-        DriverEvent::Refused(text) => refused(state, &text),
+        DriverEvent::Disconnected(why) => disconnected(model, why),
+        DriverEvent::Lost(why) => lost(model, &why),
+        DriverEvent::Regained(parameters) => regained(model, parameters),
+        DriverEvent::Refused(text) => refused(model, &text),
         DriverEvent::Parameters(parameters) => {
-            state.model.link.take_parameters(parameters);
-            state.model.messages.info("Read what the controller holds.");
+            model.link.take_parameters(parameters);
+            model.messages.info("Read what the controller holds.");
         }
         DriverEvent::Written {
             values,
@@ -119,43 +106,39 @@ pub fn reported(state: &mut State, report: DriverEvent) {
             result,
             holds,
         } => {
-            state.model.link.writing = false;
+            model.link.writing = false;
             if let Some(holds) = holds {
-                state.model.link.take_parameters(holds);
+                model.link.take_parameters(holds);
             }
-            adjust::written(state, &values, purpose, result);
+            adjust::written(model, &values, purpose, result);
         }
-        DriverEvent::Verified(stage, result) => adjust::verified(state, stage, result),
-        report => run::reported(state, report),
+        DriverEvent::Verified(stage, result) => adjust::verified(model, stage, result),
+        event => run::receive(model, event),
     }
 }
 
-/// Something was not done; the window that connects says so, too.
-fn refused(state: &mut State, text: &str) {
-    let text = format!("{}.", wording::sentence(text.trim_end_matches('.')));
-    if state.model.link.connecting
-        && let Some(draft) = &mut state.panels.connect
-    {
-        draft.refused = Some(text.clone());
-        draft.connects = false;
+/// Something was not done; the connection dialog says so, too.
+fn refused(model: &mut Model, text: &str) {
+    let text = full_sentence(text);
+    if std::mem::take(&mut model.link.connecting) {
+        let refuse = ConnectionRequest::Refuse(text.clone());
+        model.request(UiRequest::Connection(refuse));
     }
-    state.model.link.connecting = false;
-    state.model.messages.error(text);
+    model.messages.error(text);
 }
 
-fn lost(state: &mut State, why: &str) {
-    let armed = "The robot is not armed any more; the connection is made anew by itself.";
-    let why = wording::sentence(why.trim_end_matches('.'));
-    let text = format!("{why}. {armed}");
-    if let Some(open) = &mut state.model.open {
+fn lost(model: &mut Model, why: &str) {
+    let armed = "The robot is disarmed; Tautline reconnects by itself.";
+    let text = format!("{} {armed}", full_sentence(why));
+    if let Some(open) = &mut model.open {
         open.log(LogPhase::Poses, &text);
     }
-    state.model.messages.error(text);
+    model.messages.error(text);
 }
 
 /// The connection is there again: what the controller holds may be something else.
-fn regained(state: &mut State, parameters: Vec<ParameterInfo>) {
-    let before = &state.model.link.parameters;
+fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
+    let before = &model.link.parameters;
     let is_other = |now: &&ParameterInfo| {
         let held = before.iter().find(|held| held.name == now.name);
         held.is_none_or(|held| held.value != now.value)
@@ -163,50 +146,38 @@ fn regained(state: &mut State, parameters: Vec<ParameterInfo>) {
     let others = parameters.iter().filter(is_other).count();
     let holds = match others {
         0 => "It holds the values that it held before.".to_owned(),
-        1 => "Attention: one of its values is not what it was.".to_owned(),
-        many => format!("Attention: {many} of its values are not what they were."),
+        1 => "Attention: one of its values has changed.".to_owned(),
+        many => format!("Attention: {many} of its values have changed."),
     };
-    state.model.link.take_parameters(parameters);
-    let text = format!("The connection is there again. {holds} Arm the controller to go on.");
+    model.link.take_parameters(parameters);
+    let text = format!("Reconnected. {holds} Arm the controller to go on.");
     match others {
-        0 => state.model.messages.info(text),
-        _ => state.model.messages.warning(text),
+        0 => model.messages.info(text),
+        _ => model.messages.warning(text),
     }
 }
 
-fn disconnected(state: &mut State, why: Option<String>) {
-    state.model.link.forget();
-    state.views.robot_3d.live = None;
+fn disconnected(model: &mut Model, why: Option<String>) {
+    model.link.forget();
+    model.live_platform = None;
     match why {
-        Some(why) => state
-            .model
-            .messages
-            .error(format!("{}.", wording::sentence(&why))),
-        None => state
-            .model
-            .messages
-            .info("Disconnected from the controller."),
+        Some(why) => model.messages.error(full_sentence(&why)),
+        None => model.messages.info("Disconnected from the controller."),
     }
 }
 
-/// What has to be so before every frame: a connection ends with its document, and the robot is drawn where it is.
-pub fn follow(state: &mut State) {
-    let open = state.model.open.as_ref().map(|open| open.id());
-    if let Some(connected) = &state.model.link.connected
-        && Some(connected.session_id) != open
-    {
-        state.model.link.disconnect();
-        state.model.link.forget();
-        state.model.link.run = None;
-        state.model.link.pending = None;
-        state.views.robot_3d.live = None;
+/// What has to be so before every frame: a connection ends with its session, what is expected is of the present plan,
+/// and the robot is drawn where it is.
+pub fn follow(model: &mut Model) {
+    let session_id = model.open.as_ref().map(OpenSession::id);
+    let connected = model.link.connected.as_ref();
+    if connected.is_some_and(|connected| Some(connected.session_id) != session_id) {
+        model.link.send(DriverCommand::Disconnect);
+        model.link.forget();
+        model.link.run = None;
+        model.link.pending = None;
+        model.live_platform = None;
     }
-    run::draw(state);
-}
-
-/// Whether what is connected, if anything, is the simulated robot of the session.
-#[must_use]
-pub fn is_true_to_session(state: &State) -> bool {
-    let connected = state.model.link.connected.as_ref();
-    connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
+    model.check_outlook();
+    run::follow_platform(model);
 }

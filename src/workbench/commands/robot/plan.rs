@@ -4,63 +4,53 @@ use tautline_core::estimation::Control;
 use tautline_core::planning::PlanProgress;
 use tautline_session::{Phase as LogPhase, PlannedPose};
 
-use crate::model::OpenSession;
-use crate::model::command::{EXPECTING, Outcome, PLANNING, RobotOutcome};
+use crate::model::command::{EXPECTING, PLANNING, PlanOutcome, PlanOutlook};
 use crate::model::edit::Edit;
 use crate::model::tasks::TaskHandle;
-use crate::shell::State;
-use tautline_workflow::planning::{PlanSummary, SEED, evaluate_plan, plan_poses};
+use crate::model::{Model, OpenSession};
+use tautline_workflow::planning::{SEED, evaluate_plan, plan_poses};
 use tautline_workflow::wording;
 
-pub(super) fn start(state: &mut State, poses: usize) {
-    let Some(open) = &state.model.open else {
+pub(super) fn start(model: &mut Model, poses: usize) {
+    let Some(open) = &model.open else {
         return;
     };
-    if state.model.link.is_measuring() || state.model.tasks.runs(PLANNING) {
+    if model.link.is_measuring() || model.tasks.runs(PLANNING) {
         return;
     }
-    let (identity, session) = (open.id(), open.session().clone());
-    state.model.tasks.start(PLANNING, move |task| {
-        Outcome::Robot(RobotOutcome::Planned {
-            session_id: identity,
-            result: plan_poses(&session, (poses, SEED), &mut |p| tell(task, p, poses))
-                .map(Box::new),
-        })
+    let (session_id, session) = (open.id(), open.session().clone());
+    model.tasks.start(PLANNING, move |task| {
+        let result = plan_poses(&session, (poses, SEED), &mut |p| tell(task, p, poses));
+        let plan = result
+            .as_ref()
+            .map_or_else(|_| Vec::new(), |o| o.poses.clone());
+        PlanOutcome::Planned(Box::new(PlanOutlook {
+            session_id,
+            plan,
+            result,
+        }))
+        .into()
     });
 }
 
 /// Computes what to expect of the plan that the session has.
-pub(super) fn expect_stored(state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub(super) fn expect_stored(model: &mut Model) {
+    let Some(open) = &model.open else {
         return;
     };
-    if state.model.link.is_measuring()
-        || state.model.tasks.runs(PLANNING)
-        || state.model.tasks.runs(EXPECTING)
-    {
+    if model.link.is_measuring() || model.tasks.runs(PLANNING) || model.tasks.runs(EXPECTING) {
         return;
     }
-    let (identity, session) = (open.id(), open.session().clone());
-    state.model.tasks.start(EXPECTING, move |task| {
-        Outcome::Robot(RobotOutcome::Expected {
-            session_id: identity,
-            result: evaluate_plan(&session, &mut |p| tell(task, p, session.plan.len()))
-                .map(Box::new),
-        })
+    let (session_id, session) = (open.id(), open.session().clone());
+    model.tasks.start(EXPECTING, move |task| {
+        let result = evaluate_plan(&session, &mut |p| tell(task, p, session.plan.len()));
+        PlanOutcome::Expected(Box::new(PlanOutlook {
+            session_id,
+            plan: session.plan,
+            result,
+        }))
+        .into()
     });
-}
-
-/// Takes what to expect of a stored plan, if it still is the plan.
-pub(super) fn expected(state: &mut State, identity: u64, result: Result<Box<PlanSummary>, String>) {
-    let Some(open) = of_identity(state.model.open.as_mut(), identity) else {
-        return;
-    };
-    state.panels.measuring.outlook = match result {
-        Ok(outlook) if outlook.poses == open.session().plan => Ok(*outlook),
-        Ok(_) => return,
-        Err(error) => Err(error),
-    }
-    .into();
 }
 
 fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
@@ -77,43 +67,46 @@ fn tell(task: &TaskHandle, progress: &PlanProgress, poses: usize) -> Control {
             task.tell(Some(0.95), "exchanging poses for better ones");
         }
     }
-    if task.cancelled() {
-        Control::Cancel
-    } else {
-        Control::Continue
-    }
+    task.control()
 }
 
-pub(super) fn planned(state: &mut State, identity: u64, result: Result<Box<PlanSummary>, String>) {
-    let Some(open) = of_identity(state.model.open.as_mut(), identity) else {
-        return;
-    };
-    let outlook = match result {
-        Ok(outlook) => outlook,
-        Err(error) => {
-            state.model.messages.error(format!("No plan: {error}."));
+pub fn planned(model: &mut Model, outcome: PlanOutcome) {
+    let planned = match outcome {
+        PlanOutcome::Planned(planned) => planned,
+        PlanOutcome::Expected(expected) => {
+            // The plan may have changed meanwhile.
+            let open = model.open.as_ref();
+            if open
+                .is_some_and(|o| o.id() == expected.session_id && o.session().plan == expected.plan)
+            {
+                model.outlook = Some(*expected);
+            }
             return;
         }
     };
+    let is_same = |open: &&mut OpenSession| open.id() == planned.session_id;
+    let Some(open) = model.open.as_mut().filter(is_same) else {
+        return;
+    };
+    if let Err(error) = &planned.result {
+        model.messages.error(format!("No plan: {error}."));
+        return;
+    }
     // What was measured stays in the plan, so that the plan remains the list of all poses.
     let measured = open.session().measurements.labels.clone();
     let mut plan: Vec<PlannedPose> = open.session().plan.clone();
     plan.retain(|pose| measured.contains(&pose.label));
-    plan.extend(&outlook.poses);
-    let count = outlook.poses.iter().filter(|pose| pose.label != 0).count();
+    plan.extend(&planned.plan);
+    let count = planned.plan.iter().filter(|pose| pose.label != 0).count();
     let poses = wording::count(count, "pose");
     open.edit(Edit::SetPlan(plan, format!("plan {poses}")));
     open.log(LogPhase::Poses, format!("Planned {poses}."));
-    state.model.messages.info(format!("Planned {poses}."));
-    state.panels.measuring.outlook = Some(Ok(*outlook));
+    model.messages.info(format!("Planned {poses}."));
+    model.outlook = Some(*planned);
 }
 
-fn of_identity(open: Option<&mut OpenSession>, identity: u64) -> Option<&mut OpenSession> {
-    open.filter(|open| open.id() == identity)
-}
-
-pub(super) fn remove(state: &mut State, label: i64) {
-    let Some(open) = &mut state.model.open else {
+pub(super) fn remove(model: &mut Model, label: i64) {
+    let Some(open) = &mut model.open else {
         return;
     };
     let mut plan = open.session().plan.clone();
@@ -122,10 +115,10 @@ pub(super) fn remove(state: &mut State, label: i64) {
     open.edit(Edit::SetPlan(plan, text));
 }
 
-pub(super) fn add_current(state: &mut State) {
-    let live = state.model.link.live();
+pub(super) fn add_current(model: &mut Model) {
+    let live = model.link.live();
     let commanded = live.sample.and_then(|sample| sample.commanded);
-    let (Some(open), Some(pose)) = (&mut state.model.open, commanded) else {
+    let (Some(open), Some(pose)) = (&mut model.open, commanded) else {
         return;
     };
     let label = open.session().next_label();

@@ -4,26 +4,24 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::{MeasuredPose, Phase as LogPhase};
 
-use crate::model::OpenSession;
-use crate::model::link::{DriverEvent, Pending};
-use crate::shell::State;
-use crate::views::robot_3d::Live;
+use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
+use crate::model::{Model, OpenSession};
 use tautline_workflow::planning::missing;
-use tautline_workflow::wording::{self, count};
+use tautline_workflow::wording::count;
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
-fn model(open: &OpenSession) -> Robot {
+fn reference(open: &OpenSession) -> Robot {
     match open.fit().filter(|_| open.fit_is_current()) {
         Some(fit) => fit.model.clone(),
         None => open.session().robot.clone(),
     }
 }
 
-pub(super) fn start(state: &mut State) {
-    let Some(open) = &mut state.model.open else {
+pub(super) fn start(model: &mut Model) {
+    let Some(open) = &mut model.open else {
         return;
     };
-    if state.model.link.is_busy() || !state.model.link.is_armed() {
+    if model.link.is_busy() || !model.link.is_armed() {
         return;
     }
     let session = open.session();
@@ -39,17 +37,17 @@ pub(super) fn start(state: &mut State) {
         _ => format!("Measuring continued with {}.", count(missing, "pose")),
     };
     open.log(LogPhase::Poses, text);
-    let model = model(open);
-    state.model.link.measure(plan, measured, model);
+    let reference = reference(open);
+    model.link.measure(plan, measured, reference);
 }
 
-pub(super) fn repeat(state: &mut State, label: i64) {
-    let Some(open) = &mut state.model.open else {
+pub(super) fn repeat(model: &mut Model, label: i64) {
+    let Some(open) = &mut model.open else {
         return;
     };
-    if state.model.link.is_measuring() {
-        state.model.link.repeat(label);
-    } else if !state.model.link.is_busy() && state.model.link.is_armed() {
+    if model.link.is_measuring() {
+        model.link.repeat(label);
+    } else if !model.link.is_busy() && model.link.is_armed() {
         let session = open.session();
         let planned = session.plan.iter().find(|pose| pose.label == label);
         let row = session.measurements.labels.iter().position(|l| *l == label);
@@ -57,29 +55,28 @@ pub(super) fn repeat(state: &mut State, label: i64) {
         let Some(pose) = planned.map(|pose| pose.pose()).or(commanded) else {
             return;
         };
-        let model = model(open);
-        state
-            .model
+        let reference = reference(open);
+        model
             .link
-            .measure(vec![(label, pose)], Vec::new(), model);
+            .measure(vec![(label, pose)], Vec::new(), reference);
     }
     open.log(LogPhase::Poses, format!("Pose {label} is measured again."));
 }
 
-pub(super) fn reported(state: &mut State, report: DriverEvent) {
-    if let DriverEvent::Measured(pose, surprise) = report {
-        if let Some(run) = &mut state.model.link.run {
+pub(super) fn receive(model: &mut Model, event: DriverEvent) {
+    if let DriverEvent::Measured(pose, surprise) = event {
+        if let Some(run) = &mut model.link.run {
             let time_s = pose.readings.time_s.first().copied();
             run.measured(pose.label(), time_s.unwrap_or(f64::NAN));
             run.surprises.extend(surprise);
         }
-        measured(state, *pose);
+        measured(model, *pose);
         return;
     }
-    let Some(run) = &mut state.model.link.run else {
+    let Some(run) = &mut model.link.run else {
         return;
     };
-    match report {
+    match event {
         DriverEvent::Commanded(label) => {
             run.current = Some(label);
             run.paused = None;
@@ -88,17 +85,17 @@ pub(super) fn reported(state: &mut State, report: DriverEvent) {
         DriverEvent::Skipped(label) => {
             run.skipped.insert(label);
             run.paused = None;
-            log(state, format!("Pose {label} was left out."));
+            log(model, format!("Pose {label} was left out."));
         }
         DriverEvent::Paused(reason) => run.paused = Some(reason),
         DriverEvent::Resumed => run.paused = None,
-        DriverEvent::RunEnded(result) => ended(state, result),
+        DriverEvent::RunEnded(result) => ended(model, result),
         _ => {}
     }
 }
 
-fn ended(state: &mut State, result: Result<(), String>) {
-    let Some(run) = &mut state.model.link.run else {
+fn ended(model: &mut Model, result: Result<(), String>) {
+    let Some(run) = &mut model.link.run else {
         return;
     };
     let done = count(run.done(), "pose");
@@ -112,22 +109,22 @@ fn ended(state: &mut State, result: Result<(), String>) {
     run.current = None;
     run.paused = None;
     match result {
-        Ok(()) => state.model.messages.info(&text),
-        Err(_) => state.model.messages.warning(&text),
+        Ok(()) => model.messages.info(&text),
+        Err(_) => model.messages.warning(&text),
     }
     run.ended = Some(result);
-    log(state, text);
+    log(model, text);
 }
 
-fn log(state: &mut State, text: String) {
-    if let Some(open) = &mut state.model.open {
+fn log(model: &mut Model, text: String) {
+    if let Some(open) = &mut model.open {
         open.log(LogPhase::Poses, text);
     }
 }
 
-/// Hands a measured pose to the keeper.
-fn measured(state: &mut State, pose: MeasuredPose) {
-    let Some(open) = &mut state.model.open else {
+/// Hands a measured pose to the autosave.
+fn measured(model: &mut Model, pose: MeasuredPose) {
+    let Some(open) = &mut model.open else {
         return;
     };
     let session = open.session();
@@ -143,9 +140,9 @@ fn measured(state: &mut State, pose: MeasuredPose) {
             format!("Pose {} was measured.", pose.label()),
         );
     }
-    state.model.autosave.follow(state.model.open.as_ref());
-    state.model.autosave.measured(pose.clone());
-    state.model.link.pending = Some(Pending {
+    model.autosave.follow(model.open.as_ref());
+    model.autosave.measured(pose.clone());
+    model.link.pending = Some(Pending {
         label,
         pose,
         failed: false,
@@ -153,63 +150,52 @@ fn measured(state: &mut State, pose: MeasuredPose) {
 }
 
 /// A pose is on disk: it comes into the session, and the run may go on.
-pub fn kept(state: &mut State, label: i64) {
+pub fn autosaved(model: &mut Model, label: i64) {
     let is_it = |pending: &mut Pending| pending.pose.label() == label;
-    let Some(pending) = state.model.link.pending.take_if(is_it) else {
+    let Some(pending) = model.link.pending.take_if(is_it) else {
         return;
     };
-    let Some(open) = &mut state.model.open else {
+    let Some(open) = &mut model.open else {
         return;
     };
     if let Err(error) = open.append_pose(&pending.pose) {
-        state.model.messages.error(format!(
+        model.messages.error(format!(
             "Pose {} cannot be used: {error}.",
             pending.pose.label()
         ));
-        state.model.link.abort();
+        model.link.send(DriverCommand::Abort);
         return;
     }
-    state.model.link.stored(pending.label);
+    model.link.send(DriverCommand::Stored(pending.label));
 }
 
-/// A pose could not be kept: the run waits with it.
-pub fn not_kept(state: &mut State) {
-    if let Some(pending) = &mut state.model.link.pending {
+/// A pose could not be saved: the run waits with it.
+pub fn autosave_failed(model: &mut Model) {
+    if let Some(pending) = &mut model.link.pending {
         pending.failed = true;
     }
 }
 
-pub(super) fn keep_again(state: &mut State) {
-    if let Some(pending) = state
-        .model
-        .link
-        .pending
-        .as_mut()
-        .filter(|pending| pending.failed)
-    {
+pub(super) fn retry_save(model: &mut Model) {
+    if let Some(pending) = model.link.pending.as_mut().filter(|pending| pending.failed) {
         pending.failed = false;
-        state.model.autosave.measured(pending.pose.clone());
+        model.autosave.measured(pending.pose.clone());
     }
 }
 
-/// Draws the robot where it is while something goes on.
-pub(super) fn draw(state: &mut State) {
-    if !state.model.link.is_connected() {
+/// Where the platform is, while something goes on and the views follow it.
+pub(super) fn follow_platform(model: &mut Model) {
+    if !model.link.is_connected() {
         return;
     }
-    let drawn = &mut state.views.robot_3d.live;
-    let follows = &mut state.views.timeline.follows;
-    if !state.model.link.is_busy() && !state.model.link.watches {
-        *drawn = None;
-        *follows = true;
+    let is_idle = !model.link.is_busy() && !model.link.watches;
+    model.playback.follows |= is_idle;
+    if is_idle || !model.playback.follows {
+        model.live_platform = None;
         return;
     }
-    if !*follows {
-        *drawn = None;
-        return;
-    }
-    let live = state.model.link.live();
-    let (Some(pose), Some(open)) = (live.pose, &state.model.open) else {
+    let live = model.link.live();
+    let (Some(pose), Some(open)) = (live.pose, &model.open) else {
         return;
     };
     let forces = live.sample.map_or_else(Vec::new, |sample| sample.force_n);
@@ -218,14 +204,8 @@ pub(super) fn draw(state: &mut State) {
         let sensor = cable.force_sensor;
         sensor.map_or(f64::NAN, |sensor| sensor.tension_n(force))
     });
-    *drawn = Some(Live {
+    model.live_platform = Some(LivePlatform {
         pose,
         tensions_n: tensions_n.collect(),
     });
-}
-
-/// The reason of a pause as a sentence.
-#[must_use]
-pub fn sentence(reason: &str) -> String {
-    format!("{}.", wording::sentence(reason.trim_end_matches('.')))
 }

@@ -26,16 +26,11 @@ pub enum CompareCommand {
     Again,
 }
 
-/// What a task of the comparison came to.
+/// Two sessions were compared.
 #[derive(Debug)]
-pub enum CompareOutcome {
-    /// A file dialog was closed.
-    Picked(Side, Option<PathBuf>),
-    /// Two sessions were compared.
-    Compared {
-        /// Counts comparisons: an older one that comes late is dropped.
-        number: u64,
-        /// What differs, or one sentence.
-        result: Result<Box<Compared>, String>,
-    },
+pub struct CompareOutcome {
+    /// Counts comparisons: an older one that comes late is dropped.
+    pub number: u64,
+    /// What differs, or one sentence.
+    pub result: Result<Box<Compared>, String>,
 }

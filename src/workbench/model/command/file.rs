@@ -27,10 +27,10 @@ pub enum FileCommand {
     Quit,
     /// Answers what to do about unsaved changes.
     Answer(Answer),
-    /// Opens what a crash has left behind, by its place in the list.
+    /// Opens an unsaved session that was found, by its place in the list.
     Recover(usize),
-    /// Sets aside what a crash has left behind, by its place in the list.
-    SetAside(usize),
+    /// Discards an unsaved session that was found, by its place in the list.
+    Discard(usize),
     /// Takes a session from the list of recent ones.
     Forget(PathBuf),
 }
@@ -57,15 +57,6 @@ pub struct Opening {
     pub is_recovered: bool,
 }
 
-/// What a file dialog is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// To open what was picked.
-    Open,
-    /// To save at what was picked.
-    SaveAs,
-}
-
 /// What a task with files came to.
 #[derive(Debug)]
 pub enum FileOutcome {
@@ -84,17 +75,10 @@ pub enum FileOutcome {
     Saved {
         /// Its file.
         path: PathBuf,
-        /// Identity of the document and revision that was written.
+        /// Id of the session and the revision that was written.
         state: (u64, u64),
         /// Nothing, or one sentence.
         result: Result<(), String>,
-    },
-    /// A file dialog was closed.
-    Picked {
-        /// What it was for.
-        purpose: Purpose,
-        /// What was picked; `None` if the dialog was cancelled or is not available.
-        path: Option<PathBuf>,
     },
 }
 

@@ -14,21 +14,11 @@ pub enum ImportCommand {
     Read(Table, PathBuf),
 }
 
-/// What an import came to.
+/// A table that was read.
 #[derive(Debug)]
-pub enum ImportOutcome {
-    /// A file dialog was closed.
-    Picked {
-        /// The table it was for.
-        table: Table,
-        /// What was picked; `None` if the dialog was cancelled or is not available.
-        path: Option<PathBuf>,
-    },
-    /// A file was read.
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Its rows, or one sentence.
-        result: Result<Loaded<TableRows>, String>,
-    },
+pub struct ImportOutcome {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its rows, or one sentence.
+    pub result: Result<Loaded<TableRows>, String>,
 }

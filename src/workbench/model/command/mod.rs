@@ -12,19 +12,23 @@ mod setup;
 mod view;
 
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
-pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening, Purpose};
+pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening};
 pub use identification::{
     DIAGNOSING, DiagnosisResult, IDENTIFYING, IdentificationCommand, IdentificationOutcome,
 };
 pub use import::{ImportCommand, ImportOutcome};
-pub use plot::{Format, PlotCommand, PlotOutcome};
-pub use report::{ReportCommand, ReportDraft, ReportOutcome};
-pub use robot::{EXPECTING, Export, PLANNING, RobotCommand, RobotOutcome};
+pub use plot::{Format, PlotCommand};
+pub use report::{ReportCommand, ReportDraft};
+pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand};
 pub use setup::{CHECKING, Setup, SetupOutcome};
 pub use view::{PoseStep, ViewCommand};
 
+use std::path::PathBuf;
+
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
+use super::messages::Severity;
+use super::plot_preparation::Preparation;
 
 /// What is to be done.
 #[derive(Debug, Clone)]
@@ -51,6 +55,10 @@ pub enum Command {
     Report(ReportCommand),
     /// Two sessions side by side.
     Compare(CompareCommand),
+    /// Asks the tasks of this title to end.
+    CancelTask(&'static str),
+    /// Tells the operator something, such as what is wrong with what was typed.
+    Notify(Severity, String),
 }
 
 /// What a task came to.
@@ -58,23 +66,27 @@ pub enum Command {
 pub enum Outcome {
     /// Of a task with files.
     File(FileOutcome),
-    /// Of an import.
+    /// Of reading a table.
     Import(ImportOutcome),
     /// Of identification or diagnosis.
     Identification(IdentificationOutcome),
-    /// Of preparing or saving plots.
-    Plot(PlotOutcome),
-    /// Of planning, or of a file of phases 3 and 5.
-    Robot(RobotOutcome),
-    /// Of a task with the report.
-    Report(ReportOutcome),
+    /// Of computing what plots show.
+    Prepared(Box<Preparation>),
+    /// Of planning poses.
+    Plan(PlanOutcome),
+    /// Of looking symbols up or reading their names.
+    Setup(SetupOutcome),
     /// Of comparing two sessions.
     Compare(CompareOutcome),
-    /// The task broke down.
+    /// What to do with the file that was picked in a dialog; `None` if the dialog was cancelled or is not available.
+    Picked(Option<Box<Command>>),
+    /// A file was written, perhaps with a warning; or one sentence.
+    Written(Result<(PathBuf, Option<String>), String>),
+    /// The task panicked.
     Panicked {
         /// Its title.
         task: String,
-        /// What it said.
+        /// The panic.
         caught_panic: CaughtPanic,
     },
 }
@@ -101,10 +113,9 @@ from!(
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
     IdentificationOutcome => Outcome::Identification,
-    PlotOutcome => Outcome::Plot,
     RobotCommand => Command::Robot,
-    RobotOutcome => Outcome::Robot,
-    ReportOutcome => Outcome::Report,
+    PlanOutcome => Outcome::Plan,
+    SetupOutcome => Outcome::Setup,
     CompareOutcome => Outcome::Compare,
 );
 

@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use egui::Rect;
 
-use crate::model::plot_preparation::Preparation;
-
 /// Prepares and saves plots.
 #[derive(Debug, Clone)]
 pub enum PlotCommand {
@@ -13,21 +11,12 @@ pub enum PlotCommand {
     Prepare,
     /// Asks for a place to save a plot at.
     Ask(Format),
+    /// Puts the place that was picked into the form of the plot that is being saved.
+    SetPath(PathBuf),
     /// Saves a text at a place.
     SaveText(PathBuf, String),
     /// Saves a part of the window as a picture.
     SavePicture(PathBuf, Rect),
-}
-
-/// What preparing or saving a plot came to.
-#[derive(Debug)]
-pub enum PlotOutcome {
-    /// Of preparing.
-    Prepared(Box<Preparation>),
-    /// A file dialog was closed.
-    Picked(Option<PathBuf>),
-    /// Of saving.
-    Saved(Result<PathBuf, String>),
 }
 
 /// Format of a file.

@@ -1,5 +1,6 @@
 //! Writing the report.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use tautline_workflow::report::{ReportChoice, ReportFormat};
@@ -11,6 +12,8 @@ pub enum ReportCommand {
     AskSave(ReportFormat),
     /// Asks for it with a file dialog.
     Browse(ReportFormat),
+    /// Puts the place that was picked into the dialog.
+    SetPath(PathBuf),
     /// Does not save.
     Cancel,
     /// Saves at a place; the end of its name says in which format.
@@ -26,20 +29,6 @@ pub struct ReportDraft {
     pub path: String,
     /// What of it is wanted, and its head.
     pub choice: ReportChoice,
-}
-
-/// What a task with the report came to.
-#[derive(Debug)]
-pub enum ReportOutcome {
-    /// The dialog was closed.
-    Picked(Option<PathBuf>),
-    /// The report was written.
-    Saved {
-        /// Its file.
-        path: PathBuf,
-        /// Nothing, or one sentence.
-        result: Result<(), String>,
-        /// Why it has no picture of the robot, if so.
-        lack: Option<String>,
-    },
+    /// Pulleys whose coordinates the picture of the robot shows.
+    pub pinned: BTreeSet<usize>,
 }

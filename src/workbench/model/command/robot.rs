@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use tautline_session::{CheckPose, Stage};
+use tautline_session::{CheckPose, PlannedPose, Stage};
 
-use super::{Setup, SetupOutcome};
+use super::Setup;
+use crate::model::OpenSession;
 use tautline_workflow::planning::PlanSummary;
 
 /// Title of the task that plans.
@@ -24,11 +25,11 @@ pub enum RobotCommand {
     RemovePlanned(i64),
     /// Adds the pose that is commanded now to the plan.
     AddCurrent,
-    /// Opens the window that connects, or does what it says.
+    /// Opens the connection dialog, or does what it asks for.
     Setup(Setup),
     /// Connects to the controller of the session's settings.
     Connect,
-    /// Tries at once to make a lost connection anew.
+    /// Tries at once to reconnect.
     TryNow,
     /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
     LaserDistance(i64, Option<f64>),
@@ -56,8 +57,8 @@ pub enum RobotCommand {
     Repeat(i64),
     /// Ends whatever is going on and stops the platform.
     Stop,
-    /// Tries again to keep a measured pose that could not be kept.
-    KeepAgain,
+    /// Tries again to save a measured pose that could not be saved.
+    RetrySave,
     /// Measures test poses and paths with the external instrument.
     Verify(Stage),
     /// Takes the imported check as a run.
@@ -78,29 +79,37 @@ pub enum RobotCommand {
     Reveal,
 }
 
-/// What a task came to.
+/// What to expect of planned poses.
 #[derive(Debug)]
-pub enum RobotOutcome {
-    /// Of planning, for the document of this identity.
-    Planned {
-        /// Identity of the document.
-        session_id: u64,
-        /// The plan and what to expect of it, or one sentence.
-        result: Result<Box<PlanSummary>, String>,
-    },
-    /// Of looking at the plan of the document of this identity.
-    Expected {
-        /// Identity of the document.
-        session_id: u64,
-        /// What to expect of it, or one sentence.
-        result: Result<Box<PlanSummary>, String>,
-    },
-    /// Of the window that connects.
-    Setup(SetupOutcome),
-    /// A place for a file was picked, or not.
-    Picked(Export, Option<PathBuf>),
-    /// A file was written.
-    Exported(PathBuf, Result<(), String>),
+pub struct PlanOutlook {
+    /// Id of the session.
+    pub session_id: u64,
+    /// The poses; none where planning them failed.
+    pub plan: Vec<PlannedPose>,
+    /// What to expect of them, or one sentence.
+    pub result: Result<PlanSummary, String>,
+}
+
+impl PlanOutlook {
+    /// Whether the session still has this plan.
+    #[must_use]
+    pub fn is_of(&self, open: &OpenSession) -> bool {
+        let plan = &open.session().plan;
+        let has_plan = match &self.result {
+            Ok(outlook) => outlook.poses.iter().all(|pose| plan.contains(pose)),
+            Err(_) => self.plan == *plan,
+        };
+        has_plan && self.session_id == open.id()
+    }
+}
+
+/// What planning came to.
+#[derive(Debug)]
+pub enum PlanOutcome {
+    /// A new plan was made.
+    Planned(Box<PlanOutlook>),
+    /// The plan that was there already was looked at.
+    Expected(Box<PlanOutlook>),
 }
 
 /// What is written to a file.

@@ -3,20 +3,24 @@
 use std::path::PathBuf;
 
 use tautline_link::ads::SymbolCheck;
-use tautline_session::{AdsMapping, AdsPlace};
+use tautline_session::{AdsMapping, AdsPlace, Connection, LaserSettings};
 
 /// Title of looking symbols up.
 pub const CHECKING: &str = "Checking symbols";
 
-/// What the window that connects has done.
+/// What the connection dialog asks for.
 #[derive(Debug, Clone)]
 pub enum Setup {
     /// Opens it.
     Open,
     /// Closes it.
     Close,
+    /// Stores the settings in the session, and for the next one in the preferences.
+    Save(Box<(Connection, LaserSettings)>),
     /// Asks for the folder of a recording.
     PickRecording,
+    /// Takes the folder of a recording.
+    Recording(PathBuf),
     /// Looks the symbols of a mapping up at a controller.
     Check(Box<(AdsPlace, AdsMapping)>),
     /// Asks for a file with names of symbols.
@@ -32,14 +36,10 @@ pub enum Setup {
 /// What came of it.
 #[derive(Debug)]
 pub enum SetupOutcome {
-    /// The folder of a recording was picked, or not.
-    Recording(Option<PathBuf>),
     /// What the controller says of the symbols, or one sentence.
     Checked(Result<Vec<SymbolCheck>, String>),
     /// Names of symbols were read, or one sentence.
     Imported(Result<Box<AdsMapping>, String>),
     /// They were written, or one sentence.
     Exported(Result<PathBuf, String>),
-    /// No file was picked.
-    NoFile,
 }

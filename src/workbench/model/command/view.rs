@@ -1,6 +1,7 @@
 //! What the window shows.
 
 use egui::ThemePreference;
+use tautline_session::Plots;
 
 use crate::model::Selection;
 use crate::model::phase::Screen;
@@ -28,6 +29,8 @@ pub enum ViewCommand {
     Palette(bool),
     /// Shows or hides the log.
     Log(bool),
+    /// Keeps which plots are shown, and how they are arranged.
+    SetPlots(Plots),
 }
 
 /// From the selected pose to another.
@@ -41,4 +44,43 @@ pub enum PoseStep {
     Next,
     /// The last that was measured.
     Last,
+}
+
+impl PoseStep {
+    /// The pose that a step from the selected one leads to.
+    #[must_use]
+    pub fn from(self, labels: &[i64], selected: Option<i64>) -> Option<i64> {
+        let last = labels.len().checked_sub(1)?;
+        let now = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
+        let wanted = match (self, now) {
+            (Self::First, _) | (Self::Next, None) => 0,
+            (Self::Last, _) | (Self::Previous, None) => last,
+            (Self::Next, Some(now)) => (now + 1).min(last),
+            (Self::Previous, Some(now)) => now.saturating_sub(1),
+        };
+        labels.get(wanted).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_stay_on_the_line() {
+        let labels = [0, 5, 3];
+        for (selected, step, expected) in [
+            (None, PoseStep::Next, 0),
+            (None, PoseStep::Previous, 3),
+            (Some(5), PoseStep::Next, 3),
+            (Some(3), PoseStep::Next, 3),
+            (Some(0), PoseStep::Previous, 0),
+            (Some(5), PoseStep::First, 0),
+            (Some(5), PoseStep::Last, 3),
+            (Some(99), PoseStep::Next, 0),
+        ] {
+            assert_eq!(step.from(&labels, selected), Some(expected));
+        }
+        assert_eq!(PoseStep::Next.from(&[], None), None);
+    }
 }

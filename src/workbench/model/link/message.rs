@@ -14,20 +14,28 @@ use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::ConnectionSetup;
 
 /// What the thread is to do.
-pub(super) enum DriverCommand {
-    /// Connects, for the document of this identity.
+pub enum DriverCommand {
+    /// Connects, for the session of this id.
     Connect(Box<ConnectionSetup>, u64),
+    /// Ends the connection; a run ends with it.
     Disconnect,
+    /// Allows motion and writing.
     Arm,
+    /// Forbids motion and writing.
     Disarm,
     /// Whether readings are wanted while nothing else goes on.
     Watch(bool),
     /// Speed of a simulated robot's time.
     Speed(f64),
+    /// Begins a measuring run.
     Measure(Box<MeasuringRequest>),
+    /// The run waits.
     Pause,
+    /// The run goes on.
     Resume,
+    /// The run leaves out the pose under way.
     Skip,
+    /// The run measures the pose of this label again, next.
     Repeat(i64),
     /// Ends whatever is going on and stops the platform.
     Abort,
@@ -35,17 +43,21 @@ pub(super) enum DriverCommand {
     Stored(i64),
     /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
     LaserDistance(i64, Option<f64>),
+    /// Drives to targets for a verification.
     Verify(Vec<CheckTarget>, Stage),
-    /// The pose at the target of this number as the operator reads it.
+    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
     TypedPose(usize, CheckPose),
-    /// Tries at once to make a lost connection anew.
+    /// Tries at once to reconnect.
     TryNow,
-    Parameters,
+    /// Reads what the controller holds.
+    ReadParameters,
+    /// Writes values.
     Write(Vec<(String, f64)>, Purpose),
 }
 
 /// A measuring run.
-pub(super) struct MeasuringRequest {
+pub struct MeasuringRequest {
+    /// Labels and poses.
     pub plan: Vec<(i64, Pose)>,
     /// Labels of the plan that are measured already.
     pub measured: Vec<i64>,
@@ -75,7 +87,7 @@ pub enum DriverEvent {
         parameters: Vec<ParameterInfo>,
         /// What it is made of.
         rig: Box<ConnectionSetup>,
-        /// Identity of the document that it is for.
+        /// Id of the session that it is for.
         session_id: u64,
     },
     /// The connection has ended; why, if not by order.
@@ -188,4 +200,13 @@ pub struct Live {
     pub doing: Doing,
     /// Poses that are still to be measured.
     pub remaining: usize,
+}
+
+/// Where the platform is now and what its sensors say, while it is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LivePlatform {
+    /// Pose of the platform, as commanded or predicted.
+    pub pose: Pose,
+    /// Tension of each cable (N); empty or NaN where it is not known.
+    pub tensions_n: Vec<f64>,
 }

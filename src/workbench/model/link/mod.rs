@@ -1,4 +1,4 @@
-//! The controller as the window sees it: a thread owns it, orders go there, reports come back.
+//! The controller as the window sees it: a thread owns it, commands go there, events come back.
 //!
 //! The thread sleeps unless something goes on, and wakes the window at most 20 times a second.
 
@@ -18,31 +18,32 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_link::ParameterInfo;
 use tautline_link::verifying::CheckTarget;
-use tautline_session::{CheckPose, Stage};
+use tautline_session::Stage;
 
-use self::message::{DriverCommand, MeasuringRequest};
 use self::publisher::StatusPublisher;
 use self::worker::serve;
 use tautline_workflow::controllers::ConnectionSetup;
 
-pub use self::message::{Doing, DriverEvent, Live, Lost, Surprise};
+pub use self::message::{
+    Doing, DriverCommand, DriverEvent, Live, LivePlatform, Lost, MeasuringRequest, Surprise,
+};
 pub use self::run::{Pending, RunLog};
 use tautline_workflow::adjusting::Purpose;
 
 /// The connection as the window knows it.
 #[derive(Debug, Clone)]
 pub struct Connected {
-    /// Identity of the document that it belongs to.
+    /// Id of the session that it belongs to.
     pub session_id: u64,
     /// What it is made of.
     pub rig: Box<ConnectionSetup>,
 }
 
-/// The way to the controller.
+/// The connection to the controller.
 pub struct Link {
     context: egui::Context,
-    orders: Option<Sender<DriverCommand>>,
-    reports: Option<Receiver<DriverEvent>>,
+    commands: Option<Sender<DriverCommand>>,
+    events: Option<Receiver<DriverEvent>>,
     live: Arc<Mutex<Live>>,
     thread: Option<JoinHandle<()>>,
     speed: f64,
@@ -62,7 +63,7 @@ pub struct Link {
     pub verifying: Option<Stage>,
     /// Where the last verification drives to.
     pub targets: Vec<CheckTarget>,
-    /// Whether an answer to an order to connect is waited for.
+    /// Whether the answer to a command to connect is waited for.
     pub connecting: bool,
     /// Whether values are being written.
     pub writing: bool,
@@ -76,8 +77,8 @@ impl Link {
     pub fn new(context: egui::Context, speed: f64) -> Self {
         Self {
             context,
-            orders: None,
-            reports: None,
+            commands: None,
+            events: None,
             live: Arc::default(),
             thread: None,
             speed: if speed.is_finite() && speed > 0.0 {
@@ -99,10 +100,10 @@ impl Link {
         }
     }
 
-    /// Reports that arrived since the last call.
-    pub fn reports(&self) -> Vec<DriverEvent> {
-        let reports = self.reports.iter().flat_map(Receiver::try_iter);
-        reports.collect()
+    /// Events that arrived since the last call.
+    pub fn events(&self) -> Vec<DriverEvent> {
+        let events = self.events.iter().flat_map(Receiver::try_iter);
+        events.collect()
     }
 
     /// What the controller does at this moment.
@@ -161,20 +162,15 @@ impl Link {
     /// Changes that.
     pub fn set_speed(&mut self, speed: f64) {
         self.speed = speed;
-        self.tell(DriverCommand::Speed(speed));
+        self.send(DriverCommand::Speed(speed));
     }
 
-    /// Connects to what `rig` describes, for the document of this identity.
+    /// Connects to what `rig` describes, for the session of this id.
     pub fn connect(&mut self, rig: ConnectionSetup, session_id: u64) {
         self.start();
         self.connecting = true;
-        self.tell(DriverCommand::Connect(Box::new(rig), session_id));
-        self.tell(DriverCommand::Watch(self.watches));
-    }
-
-    /// Ends the connection; a run ends with it.
-    pub fn disconnect(&mut self) {
-        self.tell(DriverCommand::Disconnect);
+        self.send(DriverCommand::Connect(Box::new(rig), session_id));
+        self.send(DriverCommand::Watch(self.watches));
     }
 
     /// Forgets the connection once it has ended.
@@ -192,19 +188,10 @@ impl Link {
         self.parameters_version += 1;
     }
 
-    /// Allows or forbids motion and writing.
-    pub fn arm(&mut self, armed: bool) {
-        self.tell(if armed {
-            DriverCommand::Arm
-        } else {
-            DriverCommand::Disarm
-        });
-    }
-
     /// Whether readings are wanted while nothing goes on.
     pub fn watch(&mut self, watches: bool) {
         self.watches = watches;
-        self.tell(DriverCommand::Watch(watches));
+        self.send(DriverCommand::Watch(watches));
     }
 
     /// Measures the poses of a plan that are not measured yet; readings are compared with `model`.
@@ -216,26 +203,11 @@ impl Link {
         let mut run = RunLog::new(to_measure);
         run.warnings = before.map_or_else(Vec::new, |run| run.warnings);
         self.run = Some(run);
-        self.tell(DriverCommand::Measure(Box::new(MeasuringRequest {
+        self.send(DriverCommand::Measure(Box::new(MeasuringRequest {
             plan,
             measured,
             model,
         })));
-    }
-
-    /// The run waits.
-    pub fn pause(&mut self) {
-        self.tell(DriverCommand::Pause);
-    }
-
-    /// The run goes on.
-    pub fn resume(&mut self) {
-        self.tell(DriverCommand::Resume);
-    }
-
-    /// The run leaves out the pose under way.
-    pub fn skip(&mut self) {
-        self.tell(DriverCommand::Skip);
     }
 
     /// The run measures a pose again, next.
@@ -243,61 +215,31 @@ impl Link {
         if let Some(run) = &mut self.run {
             run.again(label);
         }
-        self.tell(DriverCommand::Repeat(label));
-    }
-
-    /// Ends whatever is going on and stops the platform.
-    pub fn abort(&mut self) {
-        self.tell(DriverCommand::Abort);
-    }
-
-    /// The pose of this label of the run is stored.
-    pub fn stored(&mut self, label: i64) {
-        self.tell(DriverCommand::Stored(label));
-    }
-
-    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
-    pub fn laser_distance(&mut self, label: i64, distance_m: Option<f64>) {
-        self.tell(DriverCommand::LaserDistance(label, distance_m));
+        self.send(DriverCommand::Repeat(label));
     }
 
     /// Verifies.
     pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
         self.verifying = Some(stage);
         self.targets.clone_from(&targets);
-        self.tell(DriverCommand::Verify(targets, stage));
-    }
-
-    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
-    pub fn typed_pose(&mut self, number: usize, pose: CheckPose) {
-        self.tell(DriverCommand::TypedPose(number, pose));
-    }
-
-    /// Tries at once to make a lost connection anew.
-    pub fn try_now(&mut self) {
-        self.tell(DriverCommand::TryNow);
-    }
-
-    /// Asks what the controller holds.
-    pub fn read_back(&mut self) {
-        self.tell(DriverCommand::Parameters);
+        self.send(DriverCommand::Verify(targets, stage));
     }
 
     /// Writes values.
     pub fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {
         self.writing = true;
-        self.tell(DriverCommand::Write(values, purpose));
+        self.send(DriverCommand::Write(values, purpose));
     }
 
     /// Starts the thread at the first connection.
     fn start(&mut self) {
-        if self.orders.is_some() {
+        if self.commands.is_some() {
             return;
         }
-        let (orders, receive) = mpsc::channel();
-        let (reports, arrived) = mpsc::channel();
-        let teller = StatusPublisher {
-            reports,
+        let (commands, receive) = mpsc::channel();
+        let (events, arrived) = mpsc::channel();
+        let publisher = StatusPublisher {
+            events,
             live: Arc::clone(&self.live),
             context: self.context.clone(),
             woken: None,
@@ -305,23 +247,24 @@ impl Link {
         let speed = self.speed;
         self.thread = thread::Builder::new()
             .name("controller".into())
-            .spawn(move || serve(&receive, teller, speed))
+            .spawn(move || serve(&receive, publisher, speed))
             .ok();
-        self.orders = Some(orders);
-        self.reports = Some(arrived);
+        self.commands = Some(commands);
+        self.events = Some(arrived);
     }
 
-    fn tell(&self, order: DriverCommand) {
-        if let Some(orders) = &self.orders {
+    /// Sends a command to the thread of the controller, once there is one.
+    pub fn send(&self, command: DriverCommand) {
+        if let Some(commands) = &self.commands {
             // The thread ends with the program only.
-            let _ = orders.send(order);
+            let _ = commands.send(command);
         }
     }
 }
 
 impl Drop for Link {
     fn drop(&mut self) {
-        self.orders = None;
+        self.commands = None;
         if let Some(thread) = self.thread.take() {
             // A thread that broke down has nothing to stop any more.
             let _ = thread.join();

@@ -1,4 +1,4 @@
-//! What the controller's thread tells the window.
+//! Publishes events and status of the controller's thread to the window.
 
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,18 +9,18 @@ use super::message::{DriverEvent, Live};
 /// Between two pictures of the window.
 pub(super) const PICTURE: Duration = Duration::from_millis(50);
 
-/// Tells the window; wakes it no more often than it can show.
+/// Publishes to the window, and wakes it no more often than it can draw.
 pub(super) struct StatusPublisher {
-    pub reports: Sender<DriverEvent>,
+    pub events: Sender<DriverEvent>,
     pub live: Arc<Mutex<Live>>,
     pub context: egui::Context,
     pub woken: Option<Instant>,
 }
 
 impl StatusPublisher {
-    pub fn report(&mut self, report: DriverEvent) {
+    pub fn report(&mut self, event: DriverEvent) {
         // Nobody listens any more when the program ends.
-        let _ = self.reports.send(report);
+        let _ = self.events.send(event);
         self.wake();
     }
 

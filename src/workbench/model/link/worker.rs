@@ -31,17 +31,17 @@ const COUNTDOWN: Duration = Duration::from_millis(250);
 const BY_OPERATOR: &str = "it was stopped by the operator";
 
 struct Worker {
-    tell: StatusPublisher,
+    publisher: StatusPublisher,
     connection: Option<Connection>,
     work: Work,
     watches: bool,
     speed: f64,
 }
 
-/// Serves orders until nobody gives any more; then the platform is stopped.
-pub(super) fn serve(orders: &Receiver<DriverCommand>, tell: StatusPublisher, speed: f64) {
+/// Carries out commands until nobody can send any more; then the platform is stopped.
+pub(super) fn serve(commands: &Receiver<DriverCommand>, publisher: StatusPublisher, speed: f64) {
     let mut worker = Worker {
-        tell,
+        publisher,
         connection: None,
         work: Work::None,
         watches: false,
@@ -54,18 +54,18 @@ pub(super) fn serve(orders: &Receiver<DriverCommand>, tell: StatusPublisher, spe
             worker.show(true);
         }
         was_busy = pause.is_some();
-        let order = match pause {
-            Some(pause) => match orders.recv_timeout(pause) {
-                Ok(order) => Some(order),
+        let command = match pause {
+            Some(pause) => match commands.recv_timeout(pause) {
+                Ok(command) => Some(command),
                 Err(RecvTimeoutError::Timeout) => None,
                 Err(RecvTimeoutError::Disconnected) => break,
             },
-            None => match orders.recv() {
-                Ok(order) => Some(order),
+            None => match commands.recv() {
+                Ok(command) => Some(command),
                 Err(_) => break,
             },
         };
-        let done = catch_unwind(AssertUnwindSafe(|| worker.step(order, was_busy)));
+        let done = catch_unwind(AssertUnwindSafe(|| worker.step(command, was_busy)));
         if done.is_err() {
             worker.end(Some(
                 "the part of the program that serves it broke down".to_owned(),
@@ -101,15 +101,15 @@ impl Worker {
     }
 
     /// Does one step; `goes_on`: something went on before.
-    fn step(&mut self, order: Option<DriverCommand>, goes_on: bool) {
-        let given = order.is_some();
+    fn step(&mut self, command: Option<DriverCommand>, goes_on: bool) {
+        let given = command.is_some();
         if let Some(connection) = &self.connection {
             connection
                 .clock
                 .follow_real_time(goes_on.then_some(LONGEST_STEP_S));
         }
-        if let Some(order) = order
-            && let Err(error) = self.perform(order)
+        if let Some(command) = command
+            && let Err(error) = self.perform(command)
         {
             self.refuse(&error);
         }
@@ -118,7 +118,8 @@ impl Worker {
     }
 
     fn refuse(&mut self, error: &LinkError) {
-        self.tell.report(DriverEvent::Refused(error.to_string()));
+        self.publisher
+            .report(DriverEvent::Refused(error.to_string()));
         if error.is_disconnection() {
             self.lose(error.to_string());
         }
@@ -148,9 +149,9 @@ impl Worker {
             Work::None => {}
         }
         for report in reports {
-            self.tell.report(report);
+            self.publisher.report(report);
         }
-        self.tell.report(DriverEvent::Lost(why));
+        self.publisher.report(DriverEvent::Lost(why));
     }
 
     /// Tries to make the lost connection anew, if that is due.
@@ -163,7 +164,7 @@ impl Worker {
         }
         match connection.controller.parameters() {
             Ok(parameters) => {
-                self.tell.report(DriverEvent::Regained(parameters));
+                self.publisher.report(DriverEvent::Regained(parameters));
                 self.settle();
                 self.show(true);
             }
@@ -180,7 +181,7 @@ impl Worker {
             return;
         };
         let holds = connection.controller.parameters().ok();
-        self.tell.report(DriverEvent::Written {
+        self.publisher.report(DriverEvent::Written {
             values: unsettled.new,
             purpose: unsettled.purpose,
             result: Ok(Box::new(adjustment)),
@@ -188,8 +189,8 @@ impl Worker {
         });
     }
 
-    fn perform(&mut self, order: DriverCommand) -> Result<(), LinkError> {
-        match order {
+    fn perform(&mut self, command: DriverCommand) -> Result<(), LinkError> {
+        match command {
             DriverCommand::Connect(rig, session_id) => self.connect(rig, session_id)?,
             DriverCommand::Disconnect => self.end(None),
             DriverCommand::Watch(watches) => self.watches = watches,
@@ -207,13 +208,13 @@ impl Worker {
     }
 
     /// What needs a connection.
-    fn control(&mut self, order: DriverCommand) -> Result<(), LinkError> {
+    fn control(&mut self, command: DriverCommand) -> Result<(), LinkError> {
         let Some(connection) = self.connection.as_mut() else {
             // What concerns a run that has ended with its connection needs no answer.
             return Ok(());
         };
         let controller = &mut connection.controller;
-        match order {
+        match command {
             DriverCommand::Arm => {
                 controller.arm()?;
                 self.settle();
@@ -222,11 +223,11 @@ impl Worker {
             DriverCommand::Abort => {
                 let stopped = controller.stop();
                 let report = self.work.abort(BY_OPERATOR);
-                report.into_iter().for_each(|r| self.tell.report(r));
+                report.into_iter().for_each(|r| self.publisher.report(r));
                 stopped?;
             }
-            DriverCommand::Measure(order) => {
-                self.work = Work::Measuring(Box::new(connection.measuring(*order)));
+            DriverCommand::Measure(command) => {
+                self.work = Work::Measuring(Box::new(connection.measuring(*command)));
             }
             DriverCommand::Verify(targets, stage) => self.verify(targets, stage),
             DriverCommand::TypedPose(number, pose) => {
@@ -237,15 +238,15 @@ impl Worker {
                 }
             }
             DriverCommand::TryNow => connection.try_now(),
-            DriverCommand::Parameters => {
+            DriverCommand::ReadParameters => {
                 let parameters = controller.parameters()?;
-                self.tell.report(DriverEvent::Parameters(parameters));
+                self.publisher.report(DriverEvent::Parameters(parameters));
             }
             DriverCommand::Write(values, purpose) => self.write(values, purpose),
             DriverCommand::Pause => self.work.measuring(|m| m.run.pause()),
             DriverCommand::Resume => {
                 self.work.measuring(|m| m.run.resume());
-                self.tell.report(DriverEvent::Resumed);
+                self.publisher.report(DriverEvent::Resumed);
             }
             DriverCommand::Skip => self.work.measuring(|m| m.run.skip()),
             DriverCommand::Repeat(label) => self.work.measuring(|m| {
@@ -269,7 +270,7 @@ impl Worker {
         let had_another = self.close(BY_OPERATOR);
         let made = self.make(rig, session_id);
         if made.is_err() && had_another {
-            self.tell.report(DriverEvent::Disconnected(None));
+            self.publisher.report(DriverEvent::Disconnected(None));
         }
         made
     }
@@ -284,7 +285,7 @@ impl Worker {
         let parameters = connection.controller.parameters()?;
         let identity = connection.controller.identity();
         self.connection = Some(connection);
-        self.tell.report(DriverEvent::Connected {
+        self.publisher.report(DriverEvent::Connected {
             identity,
             parameters,
             rig,
@@ -297,14 +298,14 @@ impl Worker {
     fn end(&mut self, why: Option<String>) {
         if self.close(why.as_deref().unwrap_or(BY_OPERATOR)) {
             self.show(true);
-            self.tell.report(DriverEvent::Disconnected(why));
+            self.publisher.report(DriverEvent::Disconnected(why));
         }
     }
 
     /// Stops the platform and ends the connection; whether there was one. What goes on ends with the reason `why`.
     fn close(&mut self, why: &str) -> bool {
         let ended = self.work.abort(why);
-        ended.into_iter().for_each(|r| self.tell.report(r));
+        ended.into_iter().for_each(|r| self.publisher.report(r));
         let connection = self.connection.take();
         connection.is_some_and(|mut connection| {
             // The connection ends either way, and a lost connection stops the drives.
@@ -328,7 +329,9 @@ impl Worker {
                 let run = Verifying::new(targets, stage, has_instrument);
                 self.work = Work::Verifying(Box::new(run));
             }
-            Err(text) => self.tell.report(DriverEvent::Verified(stage, Err(text))),
+            Err(text) => self
+                .publisher
+                .report(DriverEvent::Verified(stage, Err(text))),
         }
     }
 
@@ -340,7 +343,7 @@ impl Worker {
             let text = "this is a recording, in which nothing can be changed";
             Err(LinkError::Refused(text.to_owned()))
         } else {
-            write(connection, &mut self.tell, &values)
+            write(connection, &mut self.publisher, &values)
         };
         if let Ok(adjustment) = &written
             && adjustment.holds == Holds::Unknown
@@ -352,7 +355,7 @@ impl Worker {
             });
         }
         let holds = connection.controller.parameters().ok();
-        self.tell.report(DriverEvent::Written {
+        self.publisher.report(DriverEvent::Written {
             values,
             purpose,
             result: written.map(Box::new).map_err(|error| error.to_string()),
@@ -372,7 +375,7 @@ impl Worker {
         // What is wrong with a reading nobody waits for shows in the state.
         let reports = match &mut self.work {
             Work::None => {
-                if listens || self.watches && self.tell.is_due() {
+                if listens || self.watches && self.publisher.is_due() {
                     let _ = controller.sample();
                 }
                 Vec::new()
@@ -392,7 +395,7 @@ impl Worker {
             self.work = Work::None;
         }
         for report in reports {
-            self.tell.report(report);
+            self.publisher.report(report);
         }
         if is_newly_lost {
             self.lose("the connection to the controller is lost".to_owned());
@@ -401,7 +404,7 @@ impl Worker {
 
     /// Puts what is going on where the window finds it; `changed`: at once.
     fn show(&mut self, changed: bool) {
-        if !changed && !self.tell.is_due() && self.work.needs_ticks() {
+        if !changed && !self.publisher.is_due() && self.work.needs_ticks() {
             return;
         }
         let live = match &mut self.connection {
@@ -424,8 +427,8 @@ impl Worker {
         };
         // Listening to a controller that stands still wakes nobody.
         let is_new = |shown: &Live| shown.state != live.state || live.lost.is_some();
-        if changed || self.is_busy() || self.tell.shows(is_new) {
-            self.tell.put(live);
+        if changed || self.is_busy() || self.publisher.shows(is_new) {
+            self.publisher.put(live);
         }
     }
 }
@@ -433,7 +436,7 @@ impl Worker {
 /// Writes values; where the connection breaks it is made anew, and what was armed for that is disarmed again.
 fn write(
     connection: &mut Connection,
-    tell: &mut StatusPublisher,
+    publisher: &mut StatusPublisher,
     values: &[(String, f64)],
 ) -> Result<Adjustment, LinkError> {
     let why = "the connection was lost while values were written";
@@ -445,7 +448,7 @@ fn write(
                 why: why.to_owned(),
                 due: Instant::now() + pause,
             };
-            tell.put(Live {
+            publisher.put(Live {
                 lost: Some(lost),
                 ..Live::default()
             });

@@ -15,7 +15,6 @@ use tautline_link::adjusting::Difference;
 
 use self::figures::Figures;
 use super::measuring::{Next, controller, step_button};
-use crate::commands::robot::{self, revertible};
 use crate::model::Memo;
 use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
@@ -82,7 +81,7 @@ fn differences(state: &mut State) -> Arc<Vec<Difference>> {
     );
     let mut memo = std::mem::take(&mut state.panels.adjustment.differences);
     let found = memo
-        .get(key, || Arc::new(robot::differences(state)))
+        .get(key, || Arc::new(state.model.differences()))
         .clone();
     state.panels.adjustment.differences = memo;
     found
@@ -216,7 +215,7 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
         if step_button(ui, text, is_next, ready && changes > 0) {
             state.outbox.send(RobotCommand::Write);
         }
-        let back = revertible(state).is_some();
+        let back = state.model.revertible().is_some();
         if icon_button(ui, icons::ICON_UNDO, "Roll back", ready && back).clicked() {
             state.outbox.send(RobotCommand::RollBack);
         }

@@ -5,35 +5,37 @@ use std::path::PathBuf;
 use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
 
-use crate::model::command::{CompareCommand, ViewCommand};
+use super::PanelState;
+use crate::model::Model;
+use crate::model::command::{CompareCommand, Outbox, ViewCommand};
 use crate::model::comparison::{Side, Source};
 use crate::model::phase::{Phase, Screen};
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button};
-use tautline_workflow::samples;
+use tautline_workflow::samples::{self, Sample};
 
 /// Height of a row and width of the name before it (points).
 const ROW: f32 = 7.0 * GRID;
 const NAME: f32 = 5.0 * GRID;
 
 /// Draws the part.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         heading(ui, "Compare two sessions");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                let back = match state.model.open {
+                let back = match model.open {
                     Some(_) => Screen::Phase(Phase::Identification),
                     None => Screen::Start,
                 };
-                state.outbox.send(ViewCommand::Go(back));
+                outbox.send(ViewCommand::Go(back));
             }
             let is_any = Side::ALL
                 .iter()
-                .any(|side| state.panels.compare.source(*side).is_some());
+                .any(|side| model.comparison.source(*side).is_some());
             if icon_button(ui, icons::ICON_SWAP_VERT, "Swap A and B", is_any).clicked() {
-                state.outbox.send(CompareCommand::Swap);
+                panel.paths.swap(0, 1);
+                outbox.send(CompareCommand::Swap);
             }
         });
     });
@@ -41,30 +43,43 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ui.add_space(GRID);
         let size = vec2(ui.available_width(), ROW);
         let layout = Layout::left_to_right(Align::Center);
-        ui.allocate_ui_with_layout(size, layout, |ui| row(ui, state, side));
+        ui.allocate_ui_with_layout(size, layout, |ui| row(ui, model, panel, side, outbox));
     }
 }
 
-fn row(ui: &mut Ui, state: &mut State, side: Side) {
+fn row(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &mut Outbox) {
     let name = RichText::new(side.name()).font(theme::strong(16.0));
     let colour = theme::of(ui).accent;
     let label = Label::new(name.color(colour));
     ui.add_sized(vec2(NAME, ROW), label);
-    match state.panels.compare.source(side).cloned() {
-        Some(source) => chosen(ui, state, side, &source),
-        None => choose(ui, state, side),
+    match model.comparison.source(side) {
+        Some(source) => {
+            let path = &mut panel.paths[side as usize];
+            chosen(ui, model, path, (side, source), outbox);
+        }
+        None => choose(ui, model, panel, side, outbox),
     }
 }
 
-fn chosen(ui: &mut Ui, state: &mut State, side: Side, source: &Source) {
+fn chosen(
+    ui: &mut Ui,
+    model: &Model,
+    path: &mut String,
+    (side, source): (Side, &Source),
+    outbox: &mut Outbox,
+) {
     if named(ui.button("Change"), &format!("Change {}", side.name())).clicked() {
-        state.outbox.send(CompareCommand::Clear(side));
+        // The path stays to be changed.
+        if let Source::File(chosen) = source {
+            *path = chosen.display().to_string();
+        }
+        outbox.send(CompareCommand::Clear(side));
     }
-    let known = match &state.panels.compare.result {
+    let known = match model.comparison.result() {
         Some(Ok(compared)) => Some(&compared.runs[side as usize].name),
         _ => None,
     };
-    let open = state.model.open.as_ref().map(|open| open.session());
+    let open = model.open.as_ref().map(|open| open.session());
     let (name, place) = match source {
         Source::Open => (
             known.or(open.map(|session| &session.name)).cloned(),
@@ -79,9 +94,9 @@ fn chosen(ui: &mut Ui, state: &mut State, side: Side, source: &Source) {
     ui.add(Label::new(place).truncate());
 }
 
-fn choose(ui: &mut Ui, state: &mut State, side: Side) {
+fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &mut Outbox) {
     let name = side.name();
-    let path = &mut state.panels.compare.paths[side as usize];
+    let path = &mut panel.paths[side as usize];
     let field = TextEdit::singleline(path)
         .hint_text("Path of a session or a dataset folder, or drop it on the window")
         .desired_width((ui.available_width() - 420.0).clamp(160.0, 560.0));
@@ -91,31 +106,35 @@ fn choose(ui: &mut Ui, state: &mut State, side: Side) {
     let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     let typed = !path.trim().is_empty();
     let take = named(
-        ui.add_enabled(typed, Button::new("Take")),
-        &format!("Take {name}"),
+        ui.add_enabled(typed, Button::new("Use")),
+        &format!("Use {name}"),
     );
     if (take.clicked() || entered) && typed {
         let source = Source::File(PathBuf::from(path.trim()));
-        state.outbox.send(CompareCommand::Choose(side, source));
+        outbox.send(CompareCommand::Choose(side, source));
     }
     let browse = icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true);
     if named(browse, &format!("Browse for {name}")).clicked() {
-        state.outbox.send(CompareCommand::Ask(side));
+        outbox.send(CompareCommand::Ask(side));
     }
-    let menu = ui.menu_button("Known sessions", |ui| known(ui, state, side));
+    let menu = ui.menu_button("Known sessions", |ui| {
+        known(ui, model, &mut panel.samples, side, outbox);
+    });
     named(menu.response, &format!("Known sessions for {name}"));
 }
 
 /// The open session, recent ones and samples.
-fn known(ui: &mut Ui, state: &mut State, side: Side) {
-    let memory = &mut state.panels.compare;
-    let samples = memory
-        .samples
-        .get_or_insert_with(|| samples::find(&samples::places()));
-    let recent = state.model.preferences.recent().iter();
+fn known(
+    ui: &mut Ui,
+    model: &Model,
+    samples: &mut Option<Vec<Sample>>,
+    side: Side,
+    outbox: &mut Outbox,
+) {
+    let samples = samples.get_or_insert_with(|| samples::find(&samples::places()));
+    let recent = model.preferences.recent().iter();
     let recent = recent.filter(|recent| recent.exists());
-    let open = state
-        .model
+    let open = model
         .open
         .iter()
         .map(|open| (open.session().name.clone(), "open", Source::Open));
@@ -138,7 +157,7 @@ fn known(ui: &mut Ui, state: &mut State, side: Side) {
         };
         let button = Button::new(&name).shortcut_text(kind);
         if ui.add(button).on_hover_text(place).clicked() {
-            state.outbox.send(CompareCommand::Choose(side, source));
+            outbox.send(CompareCommand::Choose(side, source));
             ui.close();
         }
     }

@@ -4,15 +4,14 @@ use egui::Ui;
 use egui_material_icons::icons;
 use tautline_core::comparison::{Comparison, PulleyDifference, Test};
 
-use crate::model::Selection;
-use crate::model::command::ViewCommand;
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::{Model, Selection};
 use crate::screens::desk::decimals_for;
-use crate::shell::State;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 
 /// Draws the part.
-pub fn show(ui: &mut Ui, state: &mut State, compared: &Comparison) {
+pub fn show(ui: &mut Ui, model: &Model, compared: &Comparison, outbox: &mut Outbox) {
     section(ui, "Pulleys, B less A");
     let columns = [
         Column::words("Cable"),
@@ -28,13 +27,13 @@ pub fn show(ui: &mut Ui, state: &mut State, compared: &Comparison) {
     let rows: Vec<Vec<Cell>> = pulleys
         .map(|(index, pulley)| row(ui, index, pulley, decimals))
         .collect();
-    let touched = table(ui, &columns, &rows, state.model.selection.cable);
+    let touched = table(ui, &columns, &rows, model.selection.cable);
     if let Some(cable) = touched.clicked {
         let selection = Selection {
             cable: Some(cable),
-            ..state.model.selection
+            ..model.selection
         };
-        state.outbox.send(ViewCommand::Select(selection));
+        outbox.send(ViewCommand::Select(selection));
     }
     muted(
         ui,

@@ -1,4 +1,4 @@
-//! The window that connects: which controller, where it is, its symbols, the laser.
+//! The connection dialog: which controller, where it is, its symbols, the laser.
 
 mod draft;
 mod entry;
@@ -9,15 +9,14 @@ mod test_line;
 
 use egui::{Grid, Id, Modal, ScrollArea, Ui};
 use egui_material_icons::icons;
-use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings, LastConnection};
+use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings};
 
 use self::draft::{Field, Part, Present, Problems};
 use self::field::line;
 use self::symbols::SymbolRows;
-use crate::model::command::{CHECKING, RobotCommand, Setup};
-use crate::model::edit::Edit;
-use crate::shell::State;
-use crate::theme::GRID;
+use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup};
+use crate::model::{ConnectionRequest, Model};
+use crate::theme::{self, GRID};
 use crate::widgets::{TabOf, Verdict, heading, icon_button, muted, primary, tab_row, verdict};
 
 pub use draft::Draft;
@@ -27,13 +26,47 @@ const WIDTH: f32 = 920.0;
 /// Height around what scrolls (points).
 const AROUND: f32 = 210.0;
 
-/// Draws the window while it is open.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(mut draft) = state.panels.connect.take() else {
+/// Does what a command wants of the dialog.
+pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model: &Model) {
+    let Some(open) = &model.open else {
         return;
     };
-    let open = state.model.open.as_ref();
-    let Some(present) = open
+    match (request, dialog.as_mut()) {
+        (ConnectionRequest::Open, _) => {
+            let draft = Draft::of(
+                open.session(),
+                open.id(),
+                &model.preferences.last_connection,
+            );
+            *dialog = Some(Box::new(draft));
+        }
+        (ConnectionRequest::Close, _) => *dialog = None,
+        (ConnectionRequest::Connected, _) => drop(dialog.take_if(|draft| draft.connects)),
+        (ConnectionRequest::Refuse(text), Some(draft)) => {
+            draft.refused = Some(text);
+            draft.connects = false;
+        }
+        (ConnectionRequest::SetFolder(folder), Some(draft)) => {
+            draft.folder = folder.display().to_string();
+        }
+        (ConnectionRequest::ShowChecked(checked), Some(draft)) => {
+            draft.symbols.checked = Some(checked);
+        }
+        (ConnectionRequest::UseSymbols(mapping), Some(draft)) => {
+            draft.use_symbols(&mapping, &open.session().robot);
+        }
+        (_, None) => {}
+    }
+}
+
+/// Draws the dialog while it is open.
+pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox: &mut Outbox) {
+    let Some(mut draft) = dialog.take() else {
+        return;
+    };
+    let Some(present) = model
+        .open
+        .as_ref()
         .filter(|open| open.id() == draft.session_id)
         .map(|open| Present::of(open.session()))
     else {
@@ -52,12 +85,14 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             .id_salt(draft.part.title())
             .auto_shrink([false, false])
             .max_height(height)
-            .show(ui, |ui| part(ui, state, &mut draft, (&present, &problems)));
+            .show(ui, |ui| {
+                part(ui, model, &mut draft, (&present, &problems), outbox);
+            });
         ui.add_space(GRID);
-        open = footer(ui, state, &mut draft, settings, &present);
+        open = footer(ui, model, &mut draft, settings, outbox);
     });
     if open && !modal.should_close() {
-        state.panels.connect = Some(draft);
+        *dialog = Some(draft);
     }
 }
 
@@ -78,15 +113,16 @@ fn tabs(ui: &mut Ui, draft: &mut Draft) {
 
 fn part(
     ui: &mut Ui,
-    state: &mut State,
+    model: &Model,
     draft: &mut Draft,
     (present, problems): (&Present, &Problems),
+    outbox: &mut Outbox,
 ) {
     match draft.part {
-        Part::Controller => controller(ui, state, draft, (present, problems)),
-        Part::Symbols => symbols(ui, state, draft, (present, problems)),
+        Part::Controller => controller(ui, draft, (present, problems), outbox),
+        Part::Symbols => symbols(ui, model, draft, (present, problems), outbox),
         Part::Laser => {
-            let busy = state.model.link.is_connected() || state.model.link.connecting;
+            let busy = model.link.is_connected() || model.link.connecting;
             draft.laser.show(ui, problems, busy);
         }
     }
@@ -94,9 +130,9 @@ fn part(
 
 fn controller(
     ui: &mut Ui,
-    state: &mut State,
     draft: &mut Draft,
     (present, problems): (&Present, &Problems),
+    outbox: &mut Outbox,
 ) {
     for (kind, text) in [
         (ControllerKind::Simulated, "Simulated robot"),
@@ -141,7 +177,7 @@ fn controller(
                 );
             });
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
-                state.outbox.send(RobotCommand::Setup(Setup::PickRecording));
+                outbox.send(RobotCommand::Setup(Setup::PickRecording));
             }
         }
         ControllerKind::Ads => {
@@ -156,7 +192,7 @@ fn controller(
                         Field::NetId,
                     ),
                     ("AMS port", "851", &mut draft.ams_port, Field::AmsPort),
-                    ("Longest wait (s)", "1", &mut draft.timeout, Field::Timeout),
+                    ("Timeout (s)", "1", &mut draft.timeout, Field::Timeout),
                 ] {
                     line(ui, (name, hint), text, problems.of(field));
                 }
@@ -171,29 +207,30 @@ fn controller(
 }
 
 fn wrapped(ui: &mut Ui, text: &str) {
-    let colour = crate::theme::of(ui).muted;
+    let colour = theme::of(ui).muted;
     let text = egui::RichText::new(text).color(colour);
     ui.add(egui::Label::new(text).wrap());
 }
 
 fn symbols(
     ui: &mut Ui,
-    state: &mut State,
+    model: &Model,
     draft: &mut Draft,
     (present, problems): (&Present, &Problems),
+    outbox: &mut Outbox,
 ) {
     let robot = &present.robot;
     let was_own = draft.own;
-    ui.radio_value(&mut draft.own, false, "The names of the sample program");
-    ui.radio_value(&mut draft.own, true, "Names of one's own");
+    ui.radio_value(&mut draft.own, false, "Names of the sample program");
+    ui.radio_value(&mut draft.own, true, "Custom names");
     if was_own && !draft.own {
         draft.symbols = SymbolRows::of(&AdsMapping::default_for(robot), robot);
     }
     let mut unused = Problems::default();
     let place = draft.place(&mut unused);
     let mapping = draft.symbols.mapping(robot, &mut unused);
-    let checking = state.model.tasks.runs(CHECKING);
-    let free = !state.model.link.is_connected() && !state.model.link.connecting && !checking;
+    let checking = model.tasks.runs(CHECKING);
+    let free = !model.link.is_connected() && !model.link.connecting && !checking;
     ui.horizontal_wrapped(|ui| {
         let can = free && place.is_some() && mapping.is_some();
         let check = icon_button(ui, icons::ICON_FACT_CHECK, "Check symbols", can);
@@ -201,20 +238,18 @@ fn symbols(
             .on_hover_text(
                 "Connects, looks every symbol up and ends the connection; nothing is written",
             )
-            .on_disabled_hover_text(
-                "Needs a host and a Net ID, names without mistakes, and no connection",
-            );
+            .on_disabled_hover_text("Needs a host and a Net ID, valid names, and no connection");
         if let (true, Some(place), Some(mapping)) = (check.clicked(), &place, &mapping) {
-            let order = Setup::Check(Box::new((place.clone(), mapping.clone())));
-            state.outbox.send(RobotCommand::Setup(order));
+            let setup = Setup::Check(Box::new((place.clone(), mapping.clone())));
+            outbox.send(RobotCommand::Setup(setup));
         }
         if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import names…", true).clicked() {
-            state.outbox.send(RobotCommand::Setup(Setup::AskImport));
+            outbox.send(RobotCommand::Setup(Setup::AskImport));
         }
         let export = icon_button(ui, icons::ICON_DOWNLOAD, "Export names…", mapping.is_some());
         if let (true, Some(mapping)) = (export.clicked(), mapping) {
-            let order = Setup::AskExport(Box::new(mapping));
-            state.outbox.send(RobotCommand::Setup(order));
+            let setup = Setup::AskExport(Box::new(mapping));
+            outbox.send(RobotCommand::Setup(setup));
         }
         if checking {
             ui.spinner();
@@ -237,14 +272,14 @@ fn symbols(
 /// Why it cannot connect, and its buttons; whether it stays open.
 fn footer(
     ui: &mut Ui,
-    state: &mut State,
+    model: &Model,
     draft: &mut Draft,
     settings: Result<(Connection, LaserSettings), Problems>,
-    present: &Present,
+    outbox: &mut Outbox,
 ) -> bool {
-    let busy = state.model.link.is_busy();
+    let busy = model.link.is_busy();
     let why = match &settings {
-        _ if state.model.link.connecting => Some("Connecting…".to_owned()),
+        _ if model.link.connecting => Some("Connecting…".to_owned()),
         _ if busy => {
             Some("A run is under way: end it before another controller is connected.".to_owned())
         }
@@ -258,24 +293,21 @@ fn footer(
         (Some(text), _) => verdict(ui, Verdict::Neutral, text),
         (None, Some(text)) => verdict(ui, Verdict::Bad, text),
         (None, None) => {
-            muted(ui, "The settings are kept in the session.");
+            muted(ui, "The settings are saved in the session.");
         }
     }
     let mut open = true;
     ui.horizontal(|ui| {
         let connect = primary(ui, "Connect", why.is_none()).clicked();
-        let keep = ui.add_enabled(
-            settings.is_ok() && !busy,
-            egui::Button::new("Keep settings"),
-        );
-        let keep = keep.clicked();
-        if let (true, Ok((connection, laser))) = (connect || keep, settings) {
-            keep_settings(state, present, connection, laser);
+        let save = egui::Button::new("Save settings");
+        let save = ui.add_enabled(settings.is_ok() && !busy, save).clicked();
+        if let (true, Ok(settings)) = (connect || save, settings) {
+            outbox.send(RobotCommand::Setup(Setup::Save(Box::new(settings))));
             draft.refused = None;
             if connect {
                 draft.connects = true;
                 draft.laser.release();
-                state.outbox.send(RobotCommand::Connect);
+                outbox.send(RobotCommand::Connect);
             }
             open = connect;
         }
@@ -284,26 +316,4 @@ fn footer(
         }
     });
     open
-}
-
-/// Stores the settings in the session, and for the next one in the preferences.
-fn keep_settings(
-    state: &mut State,
-    present: &Present,
-    connection: Connection,
-    laser: LaserSettings,
-) {
-    let reached = LastConnection {
-        place: connection.place.clone(),
-        laser: laser.clone(),
-    };
-    if !connection.is_empty() && state.model.preferences.last_connection != reached {
-        state
-            .model
-            .change_preferences(|preferences| preferences.last_connection = reached);
-    }
-    if connection != present.connection || laser != present.laser {
-        let settings = Box::new((connection, laser));
-        state.outbox.send(Edit::SetConnection(settings));
-    }
 }

@@ -101,7 +101,7 @@ fn plot(
             }
         });
     }
-    let Some(figure) = panel.memory.figures.get(&open) else {
+    let Some(figure) = panel.run.figures.get(&open) else {
         return;
     };
     let name = format!("Residuals along {}", found[open].variable.name());

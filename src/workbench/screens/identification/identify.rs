@@ -50,7 +50,6 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.button("Identify again").clicked()
     };
     if clicked {
-        panel.memory.before = None;
         panel.outbox.send(IdentificationCommand::Identify);
     }
 }
@@ -72,7 +71,7 @@ fn method(ui: &mut Ui, panel: &mut Panel<'_>) {
 
 /// The residuals as they shrink.
 fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let missed = panel.memory.live.missed();
+    let missed = panel.run.progress.missed();
     ui.horizontal(|ui| {
         ui.spinner();
         let text = match missed.last() {

@@ -11,18 +11,15 @@ mod results;
 mod rows;
 mod suspects;
 
-use std::collections::BTreeMap;
-
 use egui::Ui;
 
 use crate::model::command::Outbox;
-use crate::model::fit_progress::{Before, FitProgress};
+use crate::model::fit_progress::IdentificationState;
 use crate::model::open_session::Stored;
 use crate::model::tasks::Tasks;
 use crate::model::{Memo, OpenSession, Selection};
 use crate::shell::State;
 use crate::widgets::{Verdict, heading, muted, verdict};
-use tautline_workflow::plot::figure::Figure;
 
 /// The two halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,33 +38,20 @@ pub struct PanelState {
     pub half: Half,
     /// Whether the table shows every coordinate.
     show_axes: bool,
-    /// The running identification.
-    pub live: FitProgress,
-    /// The model before the last change.
-    pub before: Option<Before>,
-    /// Plots of the dependences that the last diagnosis found.
-    figures: BTreeMap<usize, Figure>,
     /// Which of them is open.
-    open: Option<usize>,
+    pub open: Option<usize>,
     /// Whether it is said in full what the data cannot show.
     show_invisible: bool,
     /// Causes of the diagnosis that the session keeps from before, by document and number of results.
     stored: Memo<(u64, usize), Vec<String>>,
 }
 
-impl PanelState {
-    /// Takes the plots of a new diagnosis.
-    pub fn examined(&mut self, figures: BTreeMap<usize, Figure>) {
-        self.figures = figures;
-        self.open = Some(0);
-        self.before = None;
-    }
-}
-
 /// What the parts of the panel see and change.
 struct Panel<'a> {
     open: &'a OpenSession,
     tasks: &'a Tasks,
+    /// What accompanies the identification.
+    run: &'a IdentificationState,
     selection: Selection,
     outbox: &'a mut Outbox,
     memory: &'a mut PanelState,
@@ -90,6 +74,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     let panel = &mut Panel {
         open,
         tasks: &state.model.tasks,
+        run: &state.model.identification,
         selection: state.model.selection,
         outbox: &mut state.outbox,
         memory: &mut state.panels.identification,

@@ -75,7 +75,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         muted(ui, "The standard deviations hold only if it did.");
     }
     if let Some(missed) = fit.residual_ratio() {
-        let before = panel.memory.before.as_ref();
+        let before = panel.run.before.as_ref();
         let text = format!(
             "The readings are missed by {} times their noise.",
             ratio(missed)

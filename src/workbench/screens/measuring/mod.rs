@@ -20,7 +20,6 @@ use crate::model::phase::{Phase, Screen};
 use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
-use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::planning::missing;
 
 /// What the panel remembers.
@@ -30,9 +29,7 @@ pub struct PanelState {
     poses: usize,
     /// Standard deviation of the entry points that is good enough (mm).
     target_mm: f64,
-    /// What to expect of the plan, once it was asked, or why that cannot be said.
-    pub outlook: Option<Result<PlanSummary, String>>,
-    /// The plan of which it was asked, and of which document.
+    /// The plan of which it was asked what to expect, and the id of its session.
     asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, of a document and its revision.
     rows: Memo<(u64, u64), Vec<poses::Row>>,
@@ -49,7 +46,6 @@ impl Default for PanelState {
         Self {
             poses: 25,
             target_mm: 1.0,
-            outlook: None,
             asked: None,
             rows: Memo::default(),
             scrolled_to: None,
@@ -147,20 +143,6 @@ fn show_planned(state: &mut State) {
         .filter(|pose| !measured.contains(&pose.label))
         .map(PlannedPose::pose)
         .collect();
-    // What is expected is of the plan that was made; another plan has other poses.
-    let is_of = |outlook: &PlanSummary| outlook.poses.iter().all(|p| session.plan.contains(p));
-    let memory = &mut state.panels.measuring;
-    let asked = memory.asked.as_ref();
-    let is_known = match &memory.outlook {
-        Some(Ok(outlook)) => is_of(outlook),
-        Some(Err(_)) | None => {
-            asked.is_some_and(|(of, plan)| *of == open.id() && *plan == session.plan)
-        }
-    };
-    if !is_known {
-        memory.outlook = None;
-        memory.asked = None;
-    }
 }
 
 /// Has it computed, once, what to expect of a plan that was not made in this run of the program.
@@ -168,12 +150,14 @@ fn ask(state: &mut State) {
     let Some(open) = &state.model.open else {
         return;
     };
-    let memory = &mut state.panels.measuring;
-    let is_busy = state.model.link.is_busy() || state.model.tasks.runs(PLANNING);
+    let panel = &mut state.panels.measuring;
     let plan = &open.session().plan;
+    let was_asked = panel.asked.as_ref();
+    let was_asked = was_asked.is_some_and(|(of, asked)| *of == open.id() && asked == plan);
+    let is_busy = state.model.link.is_busy() || state.model.tasks.runs(PLANNING);
     let has_poses = plan.iter().any(|pose| pose.label != 0);
-    if memory.outlook.is_none() && memory.asked.is_none() && has_poses && !is_busy {
-        memory.asked = Some((open.id(), plan.clone()));
+    if state.model.outlook.is_none() && !was_asked && has_poses && !is_busy {
+        panel.asked = Some((open.id(), plan.clone()));
         state.outbox.send(RobotCommand::Expect);
     }
 }

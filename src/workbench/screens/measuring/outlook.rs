@@ -3,7 +3,6 @@
 use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::Indices;
 
-use super::PanelState;
 use crate::model::command::EXPECTING;
 use crate::shell::State;
 use crate::widgets::{Verdict, muted, value, verdict};
@@ -25,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         }
         return;
     }
-    let outlook = match &remembered.outlook {
+    let outlook = match state.model.outlook.as_ref().map(|outlook| &outlook.result) {
         Some(Ok(outlook)) => outlook,
         Some(Err(why)) => {
             let text = format!("What this plan will tell cannot be said beforehand: {why}.");
@@ -57,10 +56,8 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     };
     verdict(ui, kind, &words);
     target(ui, &mut remembered.target_mm);
-    enough(ui, remembered, done);
-    if let Some(Ok(outlook)) = &remembered.outlook {
-        CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
-    }
+    enough(ui, outlook, remembered.target_mm, done);
+    CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
 }
 
 fn words(outlook: &PlanSummary) -> String {
@@ -89,17 +86,14 @@ fn target(ui: &mut Ui, target_mm: &mut f64) {
 }
 
 /// Once the target is reached one may stop.
-fn enough(ui: &mut Ui, remembered: &PanelState, done: usize) {
-    let Some(Ok(outlook)) = &remembered.outlook else {
-        return;
-    };
+fn enough(ui: &mut Ui, outlook: &PlanSummary, target_mm: f64, done: usize) {
     let sd_m = outlook.after_m.get(done).copied().flatten();
     let all = outlook.after_m.len().saturating_sub(1);
     if let Some(sd_mm) = sd_m
         .map(|sd_m| sd_m * 1e3)
         .filter(|_| done > 0 && done < all)
     {
-        if sd_mm <= remembered.target_mm {
+        if sd_mm <= target_mm {
             let text = format!(
                 "Good enough: after {done} poses the pulleys are known to {sd_mm:.2} mm. One may stop here."
             );

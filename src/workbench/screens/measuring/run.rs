@@ -4,10 +4,10 @@ use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
 use egui_material_icons::icons;
 
 use super::{Next, asking, readings, step_button};
-use crate::commands::robot::sentence;
 use crate::model::Selection;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::model::link::{Doing, RunLog};
+use crate::model::messages::full_sentence;
 use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
@@ -109,7 +109,7 @@ fn buttons(ui: &mut Ui, state: &mut State) {
         } else {
             Verdict::Doubtful
         };
-        verdict(ui, kind, &sentence(&format!("Waiting: {reason}")));
+        verdict(ui, kind, &full_sentence(&format!("Waiting: {reason}")));
         if reason.contains("laser") {
             muted(
                 ui,
@@ -186,7 +186,7 @@ fn pending(ui: &mut Ui, state: &mut State) {
     );
     verdict(ui, Verdict::Bad, &text);
     if ui.button("Try to keep it again").clicked() {
-        state.outbox.send(RobotCommand::KeepAgain);
+        state.outbox.send(RobotCommand::RetrySave);
     }
 }
 
@@ -195,7 +195,7 @@ fn outcome(ui: &mut Ui, run: &RunLog) {
         let text = format!(
             "The run ended after {}: {} What is measured is kept; measuring can be continued.",
             count(run.done(), "pose"),
-            sentence(why)
+            full_sentence(why)
         );
         verdict(ui, Verdict::Doubtful, &text);
     }

@@ -35,6 +35,7 @@ use scene::{MeasuredPoses, Scene, Shown, Subject};
 use toolbar::Aim;
 
 use crate::model::command::ViewCommand;
+use crate::model::link::LivePlatform;
 use crate::model::{OpenSession, Selection};
 use crate::shell::State;
 use crate::theme::GRID;
@@ -44,20 +45,11 @@ use tautline_workflow::identification::Identification;
 /// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;
 
-/// Where the platform is now and what its sensors say, while it is measured.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Live {
-    /// Pose of the platform, as commanded or predicted.
-    pub pose: Pose,
-    /// Tension of each cable (N); empty or NaN where it is not known.
-    pub tensions_n: Vec<f64>,
-}
-
 /// What the view remembers.
 #[derive(Default)]
 pub struct Robot3d {
-    /// Where the platform is now; set while measuring, it comes before the selected pose.
-    pub live: Option<Live>,
+    /// Where the platform is now; while it is known it comes before the selected pose.
+    live: Option<LivePlatform>,
     /// Poses that are planned.
     pub planned: Vec<Pose>,
     /// What is drawn and how.
@@ -85,7 +77,7 @@ struct SceneKey {
     robot: Robot,
     fit: Option<Arc<Identification>>,
     selection: Selection,
-    live: Option<Live>,
+    live: Option<LivePlatform>,
     planned: Vec<Pose>,
 }
 
@@ -287,6 +279,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         return;
     };
     let view = &mut state.views.robot_3d;
+    if view.live != state.model.live_platform {
+        view.live.clone_from(&state.model.live_platform);
+    }
     let scene = view.scene_of(open, state.model.selection);
     if let Some(selection) = view.show(ui, &scene, state.model.selection, &mut state.views.hovered)
     {

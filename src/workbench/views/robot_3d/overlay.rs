@@ -2,11 +2,10 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::callout;
 use super::drawing::{CableColour, Options, tension_colour, tension_range};
 use super::picking::{OnScreen, Picture};
 use super::scene::{Besides, round_length};
-use super::words;
+use super::{callout, words};
 use crate::model::Selection;
 use crate::theme::{self, GRID, Palette};
 

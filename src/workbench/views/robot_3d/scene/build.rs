@@ -15,7 +15,8 @@ use super::{
     Shown, cable, platform,
 };
 use crate::model::Selection;
-use crate::views::robot_3d::{Live, camera};
+use crate::model::link::LivePlatform;
+use crate::views::robot_3d::camera;
 use tautline_workflow::identification::Identification;
 
 /// What is looked at.
@@ -30,7 +31,7 @@ pub struct Subject<'a> {
     /// The pose that is shown, and the cable whose residuals the poses show.
     pub selection: Selection,
     /// Where the platform is now, while it is measured; comes before the selected pose.
-    pub live: Option<&'a Live>,
+    pub live: Option<&'a LivePlatform>,
     /// Poses that are planned.
     pub planned: &'a [Pose],
 }

@@ -1,0 +1,135 @@
+//! The connection dialog: its settings, its files, and looking symbols up.
+
+use std::sync::Arc;
+
+use tautline_link::SystemClock;
+use tautline_link::ads::{AdsAddress, AdsOptions, check_symbols};
+use tautline_session::{
+    AdsMapping, AdsPlace, Connection, LaserSettings, LastConnection, read_versioned,
+    write_versioned,
+};
+
+use super::pick;
+use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
+use crate::model::edit::Edit;
+use crate::model::{ConnectionRequest, Model, UiRequest};
+
+fn start(model: &mut Model, title: &str, work: impl FnOnce() -> SetupOutcome + Send + 'static) {
+    model.tasks.start(title, move |_| work().into());
+}
+
+fn ask(model: &mut Model, request: ConnectionRequest) {
+    model.request(UiRequest::Connection(request));
+}
+
+pub(super) fn perform(model: &mut Model, setup: Setup) {
+    match setup {
+        Setup::Open => ask(model, ConnectionRequest::Open),
+        Setup::Close => ask(model, ConnectionRequest::Close),
+        Setup::Save(settings) => save(model, settings),
+        Setup::PickRecording => pick(
+            model,
+            || rfd::FileDialog::new().pick_folder(),
+            |folder| RobotCommand::Setup(Setup::Recording(folder)),
+        ),
+        Setup::Recording(folder) => ask(model, ConnectionRequest::SetFolder(folder)),
+        Setup::Check(what) => check(model, *what),
+        Setup::AskImport => pick(
+            model,
+            || {
+                let dialog = rfd::FileDialog::new().add_filter("Names of symbols", &["json"]);
+                dialog.pick_file()
+            },
+            |path| RobotCommand::Setup(Setup::Import(path)),
+        ),
+        Setup::Import(path) => start(model, "Reading names of symbols", move || {
+            let read = read_versioned::<AdsMapping>(&path);
+            let read = read.map(|read| Box::new(read.value));
+            SetupOutcome::Imported(read.map_err(|error| error.to_string()))
+        }),
+        Setup::AskExport(mapping) => pick(
+            model,
+            || {
+                let dialog = rfd::FileDialog::new().set_file_name("symbols.json");
+                dialog.save_file()
+            },
+            |path| RobotCommand::Setup(Setup::Export(path, mapping)),
+        ),
+        Setup::Export(path, mapping) => start(model, "Writing names of symbols", move || {
+            let written = write_versioned(&path, &*mapping).map(|()| path);
+            SetupOutcome::Exported(written.map_err(|error| error.to_string()))
+        }),
+    }
+}
+
+fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    let (connection, laser) = &*settings;
+    let is_new = {
+        let session = open.session();
+        session.connection != *connection || session.laser_source != *laser
+    };
+    let reached = LastConnection {
+        place: connection.place.clone(),
+        laser: laser.clone(),
+    };
+    if !connection.is_empty() && model.preferences.last_connection != reached {
+        model.change_preferences(|preferences| preferences.last_connection = reached);
+    }
+    if is_new {
+        super::perform(model, Edit::SetConnection(settings).into());
+    }
+}
+
+fn check(model: &mut Model, (place, mapping): (AdsPlace, AdsMapping)) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    // A controller takes one connection of this program only.
+    if model.link.is_connected() || model.link.connecting || model.tasks.runs(CHECKING) {
+        return;
+    }
+    let robot = open.session().robot.clone();
+    start(model, CHECKING, move || {
+        let address = AdsAddress {
+            host: place.host,
+            port: place.port,
+            net_id: place.net_id,
+            ams_port: place.ams_port,
+        };
+        let options = AdsOptions {
+            timeout_s: place.timeout_s,
+            ..AdsOptions::default()
+        };
+        let clock = Arc::new(SystemClock::start());
+        let checked = check_symbols(&address, &mapping, &robot, &options, clock);
+        SetupOutcome::Checked(checked.map_err(|error| error.to_string()))
+    });
+}
+
+pub(super) fn receive(model: &mut Model, outcome: SetupOutcome) {
+    match outcome {
+        SetupOutcome::Checked(checked) => ask(model, ConnectionRequest::ShowChecked(checked)),
+        SetupOutcome::Imported(Ok(mapping)) => {
+            let Some(open) = &model.open else {
+                return;
+            };
+            match mapping.check(&open.session().robot) {
+                Ok(()) => ask(model, ConnectionRequest::UseSymbols(mapping)),
+                Err(error) => model.messages.error(format!(
+                    "The names do not fit this robot: {}: {}.",
+                    error.pointer, error.message
+                )),
+            }
+        }
+        SetupOutcome::Exported(Ok(path)) => {
+            model.messages.info(format!("Saved {}.", path.display()));
+        }
+        SetupOutcome::Imported(Err(error)) | SetupOutcome::Exported(Err(error)) => {
+            ask(model, ConnectionRequest::Refuse(error.clone()));
+            model.messages.error(error);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! What commands want of panels and views.
+
+use std::path::PathBuf;
+
+use tautline_link::ads::SymbolCheck;
+use tautline_session::AdsMapping;
+
+use super::plot_preparation::Preparation;
+use tautline_workflow::precalibration::Table;
+
+/// What a command changes of panels and views. They belong to the shell, which carries it out after the commands of a
+/// frame.
+#[derive(Debug)]
+pub enum UiRequest {
+    /// Shows the part of a panel that has this table.
+    ShowTable(Table),
+    /// Shows the geometry in the panel of the identification.
+    ShowGeometry,
+    /// Shows the model doctor in the panel of the identification.
+    ShowDoctor,
+    /// Opens the first of the dependences that a diagnosis found.
+    ShowFirstDiscrepancy,
+    /// Gives plots what was computed for them.
+    TakePreparation(Box<Preparation>),
+    /// Puts a path into the form of the plot that is being saved.
+    SetPlotPath(PathBuf),
+    /// Concerns the connection dialog.
+    Connection(ConnectionRequest),
+}
+
+/// What a command changes of the connection dialog.
+#[derive(Debug)]
+pub enum ConnectionRequest {
+    /// Opens it.
+    Open,
+    /// Closes it.
+    Close,
+    /// Closes it if it waits for the connection that was made.
+    Connected,
+    /// Shows why something was refused.
+    Refuse(String),
+    /// Fills in the folder of a recording.
+    SetFolder(PathBuf),
+    /// Shows what the controller says of the symbols.
+    ShowChecked(Result<Vec<SymbolCheck>, String>),
+    /// Fills in names of symbols.
+    UseSymbols(Box<AdsMapping>),
+}

@@ -1,0 +1,30 @@
+//! What commands want of panels and views.
+
+use super::State;
+use crate::model::UiRequest;
+use crate::screens::identification::Half;
+use crate::screens::{connect, precalibration};
+use tautline_workflow::precalibration::Table;
+
+/// Carries out what commands have asked for since the last call.
+pub fn apply(state: &mut State) {
+    for request in state.model.take_requests() {
+        let (panels, plots) = (&mut state.panels, &mut state.views.plots);
+        match request {
+            UiRequest::ShowTable(table) => match table {
+                Table::Winch => panels.precalibration.part = precalibration::Part::Winches,
+                Table::Force => panels.precalibration.part = precalibration::Part::ForceSensors,
+                Table::Home => panels.precalibration.part = precalibration::Part::Home,
+                Table::Elongation => panels.modeling.show_elongation(),
+            },
+            UiRequest::ShowGeometry => panels.identification.half = Half::Geometry,
+            UiRequest::ShowDoctor => panels.identification.half = Half::Doctor,
+            UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),
+            UiRequest::TakePreparation(preparation) => plots.prepared(&preparation),
+            UiRequest::SetPlotPath(path) => plots.picked(&path),
+            UiRequest::Connection(request) => {
+                connect::apply(&mut panels.connect, request, &state.model);
+            }
+        }
+    }
+}
