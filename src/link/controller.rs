@@ -1,72 +1,23 @@
-//! What every controller can do, whatever it is connected by.
+//! The interface of every controller and instrument.
 
 use tautline_core::geometry::Pose;
 use tautline_session::CheckPose;
 
+use crate::error::LinkError;
 use crate::parameters::ParameterInfo;
-
-/// Why a controller did not do or tell what was asked: one sentence for the operator.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LinkError {
-    /// There is no connection, or it broke.
-    #[error("the connection to the controller is lost: {0}")]
-    Disconnected(String),
-    /// No answer in time.
-    #[error("the controller did not answer within {0:.1} s")]
-    Timeout(f64),
-    /// Arming is missing.
-    #[error("the controller is not armed: arm it before it may move or change values")]
-    NotArmed,
-    /// The controller is not able to at present.
-    #[error("the controller refused: {0}")]
-    Refused(String),
-    /// The controller reports a fault.
-    #[error("the controller reports a fault: {0}")]
-    Fault(String),
-    /// A pose or tension outside the limits.
-    #[error("outside the limits: {0}")]
-    Limit(String),
-    /// No parameter of this name.
-    #[error("the controller has no parameter \"{0}\"")]
-    UnknownParameter(String),
-    /// A value that no parameter can have.
-    #[error("parameter \"{name}\" cannot be {value}: {reason}")]
-    InvalidValue {
-        /// Name of the parameter.
-        name: String,
-        /// The value.
-        value: f64,
-        /// Why not.
-        reason: String,
-    },
-    /// A laser distance sensor of its own cannot be used.
-    #[error("the laser distance sensor: {0}")]
-    Laser(String),
-    /// A controller or run cannot be set up.
-    #[error("{0}")]
-    Setup(String),
-}
-
-impl LinkError {
-    /// Whether the connection has to be made anew.
-    #[must_use]
-    pub fn is_disconnection(&self) -> bool {
-        matches!(self, Self::Disconnected(_))
-    }
-}
 
 /// What a controller is doing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Activity {
     /// No connection.
     Disconnected,
-    /// Connected; it does not tell whether it moves.
+    /// Connected; it does not report whether it moves.
     Connected,
-    /// The platform is on its way.
+    /// The platform moves.
     Moving,
-    /// The drives have reached what was commanded. The platform may still swing.
+    /// The drives have reached the commanded pose. The platform may still swing.
     Still,
-    /// It stopped by itself; the text says why.
+    /// It stopped on its own; the text says why.
     Fault(String),
 }
 
@@ -75,11 +26,11 @@ pub enum Activity {
 pub struct ControllerState {
     /// What it is doing.
     pub activity: Activity,
-    /// Whether it may move and change values; ends with the connection.
+    /// Whether it may move and change values, until the connection ends.
     pub armed: bool,
 }
 
-/// Everything a controller reads at one moment.
+/// All readings of one moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     /// Time by the controller's clock (s).
@@ -88,7 +39,7 @@ pub struct Sample {
     pub revolutions: Vec<f64>,
     /// Raw readings of the force sensors (N), per cable; empty without sensors.
     pub force_n: Vec<f64>,
-    /// Laser distance (m); `None` without a laser or where it has no return.
+    /// Laser distance (m); `None` without a laser or without a return.
     pub laser_m: Option<f64>,
     /// Temperature (degrees Celsius).
     pub temperature_c: Option<f64>,
@@ -110,7 +61,7 @@ pub trait Controller: Send {
     /// Connects, unless it is connected. The controller is disarmed after that.
     ///
     /// # Errors
-    /// If there is no connection to be had.
+    /// If the controller cannot be connected.
     fn connect(&mut self) -> Result<(), LinkError>;
 
     /// Disarms and ends the connection.
@@ -134,13 +85,13 @@ pub trait Controller: Send {
     /// If the connection is lost or the controller does not answer.
     fn sample(&mut self) -> Result<Sample, LinkError>;
 
-    /// Starts the way to the home reference platform, where the encoders are zeroed.
+    /// Starts to move to the home reference platform, where the encoders are zeroed.
     ///
     /// # Errors
     /// If not armed, the connection is lost or the controller refuses.
     fn home(&mut self) -> Result<(), LinkError>;
 
-    /// Starts the way to a pose.
+    /// Starts to move to a pose.
     ///
     /// # Errors
     /// If not armed, the connection is lost or the controller refuses the pose.
@@ -171,8 +122,8 @@ pub trait Controller: Send {
     /// If not armed, moving, the connection is lost, there is no such parameter or it cannot have the value.
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError>;
 
-    /// Why there is no laser distance at present, where more is known than that there is none.
-    fn laser_trouble(&self) -> Option<String> {
+    /// Why there is no laser distance at present, where the reason is known.
+    fn laser_problem(&self) -> Option<String> {
         None
     }
 }
@@ -187,49 +138,4 @@ pub trait Instrument: Send {
     /// # Errors
     /// If it does not see the platform or does not answer.
     fn measure(&mut self) -> Result<CheckPose, LinkError>;
-}
-
-impl<C: Controller + ?Sized> Controller for Box<C> {
-    fn identity(&self) -> String {
-        (**self).identity()
-    }
-    fn connect(&mut self) -> Result<(), LinkError> {
-        (**self).connect()
-    }
-    fn disconnect(&mut self) {
-        (**self).disconnect();
-    }
-    fn state(&self) -> ControllerState {
-        (**self).state()
-    }
-    fn arm(&mut self) -> Result<(), LinkError> {
-        (**self).arm()
-    }
-    fn disarm(&mut self) {
-        (**self).disarm();
-    }
-    fn sample(&mut self) -> Result<Sample, LinkError> {
-        (**self).sample()
-    }
-    fn home(&mut self) -> Result<(), LinkError> {
-        (**self).home()
-    }
-    fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
-        (**self).command(pose)
-    }
-    fn stop(&mut self) -> Result<(), LinkError> {
-        (**self).stop()
-    }
-    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
-        (**self).parameters()
-    }
-    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
-        (**self).read(names)
-    }
-    fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
-        (**self).write(values)
-    }
-    fn laser_trouble(&self) -> Option<String> {
-        (**self).laser_trouble()
-    }
 }

@@ -1,14 +1,16 @@
-//! Controllers and instruments: what is told to a robot and what is read from it.
+//! Controllers and instruments: commands to a robot and readings from it.
 //!
-//! Everything here is driven by its caller: nothing draws, and nothing waits but for the answer of a real controller,
-//! for a bounded time. Time comes from the samples of a controller and from the caller. What a device sends when it
-//! likes is read by a thread of its own, which a connection starts and ends.
+//! Everything here is driven by its caller. Nothing draws, and the only thing that blocks is the wait for the answer of
+//! a real controller, for a bounded time. Time comes from the samples of a controller and from the caller. A device that
+//! sends unasked is read by a thread of its own, which a connection starts and ends.
 
 pub mod adjusting;
 pub mod ads;
 pub mod clock;
 pub mod controller;
+pub mod error;
 pub mod export;
+pub mod guarded;
 pub mod laser;
 pub mod limits;
 pub mod measuring;
@@ -16,15 +18,15 @@ pub mod parameters;
 pub mod reconnecting;
 pub mod replay;
 pub mod simulated;
-pub mod station;
 #[cfg(test)]
 mod testing;
 pub mod verifying;
 
 pub use clock::{Clock, ManualClock, SystemClock};
-pub use controller::{Activity, Controller, ControllerState, Instrument, LinkError, Sample};
+pub use controller::{Activity, Controller, ControllerState, Instrument, Sample};
+pub use error::LinkError;
+pub use guarded::GuardedController;
 pub use laser::LaserSource;
 pub use limits::Limits;
 pub use parameters::ParameterInfo;
 pub use replay::ReplayController;
-pub use station::Station;

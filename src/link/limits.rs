@@ -4,7 +4,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{TensionRange, Workspace};
 
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// A reading may exceed the limit of the tension by this many of its standard deviations: that is noise.
 const NOISE: f64 = 6.0;

@@ -1,4 +1,4 @@
-//! Names, units and values of what a controller knows of its robot.
+//! Names, units and values of the parameters that a controller has of its robot.
 //!
 //! | name | what |
 //! |---|---|
@@ -17,7 +17,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use tautline_core::effect::{self, EffectSetting};
 use tautline_core::robot::Robot;
 
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// One parameter and its value.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,7 +86,20 @@ pub(crate) fn effect_name(setting: &EffectSetting, parameter: &str) -> String {
     format!("effect.{}{dot}{targets}.{parameter}", setting.effect)
 }
 
-/// What the name of an effect's parameter says.
+/// Values of named parameters from a list.
+pub(crate) fn values_of(
+    parameters: &[ParameterInfo],
+    names: &[String],
+) -> Result<Vec<f64>, LinkError> {
+    let value = |name: &String| {
+        let known = parameters.iter().find(|p| p.name == *name);
+        let unknown = || LinkError::UnknownParameter(name.clone());
+        known.map(|p| p.value).ok_or_else(unknown)
+    };
+    names.iter().map(value).collect()
+}
+
+/// The parts of the name of an effect's parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EffectName<'a> {
     /// Identifier of the effect.
@@ -98,7 +111,7 @@ pub struct EffectName<'a> {
 }
 
 impl<'a> EffectName<'a> {
-    /// Reads a name; `None` if it is not that of an effect's parameter.
+    /// Parses a name; `None` if it is not that of an effect's parameter.
     #[must_use]
     pub fn read(name: &'a str) -> Option<Self> {
         // A cable's name may contain dots, an identifier and a parameter's name do not.
@@ -150,7 +163,7 @@ pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), Li
     Ok(())
 }
 
-/// Where the value of a parameter is kept.
+/// The value of a parameter in a robot.
 enum Place<'r> {
     Number(&'r mut f64),
     NotNegative(&'r mut f64),

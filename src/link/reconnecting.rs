@@ -1,13 +1,14 @@
-//! Making a lost connection anew, with pauses that grow. Nothing here waits: the caller ticks.
+//! Reconnecting with growing pauses. Nothing here waits: the caller ticks.
 
-use crate::controller::{Activity, Controller, LinkError};
+use crate::controller::{Activity, Controller};
+use crate::error::LinkError;
 
 /// Pauses between attempts to connect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackOff {
     /// Before the second attempt (s).
     pub first_s: f64,
-    /// Each pause is the former times this.
+    /// Ratio of each pause to the one before.
     pub factor: f64,
     /// Longest pause (s).
     pub longest_s: f64,
@@ -24,7 +25,7 @@ impl Default for BackOff {
 }
 
 impl BackOff {
-    /// The pause after so many attempts that failed (s); none before the first.
+    /// The pause after `failed` failed attempts (s); none before the first.
     #[must_use]
     pub fn pause_s(&self, failed: u32) -> f64 {
         if failed == 0 {
@@ -95,33 +96,33 @@ impl Reconnect {
     }
 }
 
-/// What a caller does to bring a controller back while values are being written.
+/// How a caller restores a lost connection while values are being written.
 pub trait ReconnectPolicy {
     /// Connects and arms the controller again.
     ///
     /// # Errors
-    /// If that was given up.
-    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError>;
+    /// If it was given up.
+    fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError>;
 
-    /// Lets so much time pass that what was sent over the lost connection has arrived, or never will.
+    /// Waits until nothing that was sent over the lost connection can still arrive.
     fn pause(&mut self);
 }
 
-/// Attempts with growing pauses, between which the caller's `wait` is called with the pause (s).
+/// Attempts with growing pauses; `wait` is called with each pause (s).
 #[derive(Debug)]
 pub struct Attempts<W> {
     /// Pauses.
     pub back_off: BackOff,
-    /// Most attempts to connect each time.
+    /// Most attempts to connect.
     pub attempts: u32,
-    /// Time after which nothing arrives any more that was sent over a lost connection (s).
+    /// Time after which nothing that was sent over a lost connection can arrive (s).
     pub late_s: f64,
-    /// Lets so many seconds pass.
+    /// Waits so many seconds.
     pub wait: W,
 }
 
 impl<W: FnMut(f64)> ReconnectPolicy for Attempts<W> {
-    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+    fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         let mut last = LinkError::Disconnected("no attempt was allowed".to_owned());
         for failed in 0..self.attempts {
             (self.wait)(self.back_off.pause_s(failed));

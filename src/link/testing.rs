@@ -13,7 +13,7 @@ use crate::clock::{Clock, ManualClock};
 use crate::controller::Controller;
 use crate::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun};
 use crate::simulated::{SimulatedRobot, SimulatedSetup};
-use crate::{Limits, Station};
+use crate::{GuardedController, Limits};
 
 pub(crate) fn preset(name: &str) -> Preset {
     presets::find(name).unwrap()
@@ -27,16 +27,16 @@ pub(crate) fn limits(preset: &Preset) -> Limits {
     }
 }
 
-/// An armed robot in its station, and its clock.
+/// An armed robot behind its limits, and its clock.
 pub(crate) fn armed(
     preset: &Preset,
     change: impl FnOnce(&mut SimulatedSetup),
-) -> (Station<SimulatedRobot>, ManualClock) {
+) -> (GuardedController<SimulatedRobot>, ManualClock) {
     let mut setup = SimulatedSetup::of_preset(preset, 4);
     change(&mut setup);
     let clock = ManualClock::default();
     let robot = SimulatedRobot::new(setup, Arc::new(clock.clone())).unwrap();
-    let mut robot = Station::new(robot, limits(preset));
+    let mut robot = GuardedController::new(Box::new(robot), limits(preset));
     robot.connect().unwrap();
     robot.arm().unwrap();
     (robot, clock)

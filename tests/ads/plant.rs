@@ -15,7 +15,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::presets::{self, Preset};
 use tautline_link::ads::{AdsController, AdsOptions};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup, SimulatedTracker};
-use tautline_link::{Activity, Controller, Limits, ManualClock, Station, SystemClock};
+use tautline_link::{Activity, Controller, GuardedController, Limits, ManualClock, SystemClock};
 
 use super::server::{Orders, Server, Written};
 use super::symbols::{Place, Style, TURNS, declarations, global, mapping, places};
@@ -108,7 +108,7 @@ impl Plant {
     /// # Panics
     /// If the mapping does not fit.
     #[must_use]
-    pub fn client(&self) -> Station<AdsController> {
+    pub fn client(&self) -> GuardedController<AdsController> {
         self.client_with(AdsOptions {
             // A machine that runs many tests at once is slow; the tests of slowness set their own.
             timeout_s: 20.0,
@@ -122,7 +122,7 @@ impl Plant {
     /// # Panics
     /// If the mapping does not fit.
     #[must_use]
-    pub fn client_with(&self, options: AdsOptions) -> Station<AdsController> {
+    pub fn client_with(&self, options: AdsOptions) -> GuardedController<AdsController> {
         let mapping = mapping(&self.preset.robot, self.style);
         let controller = AdsController::new(
             self.server.address(),
@@ -136,7 +136,7 @@ impl Plant {
             workspace: self.preset.workspace,
             tension: self.preset.tension,
         };
-        Station::new(controller.expect("a mapping that fits"), limits)
+        GuardedController::new(Box::new(controller.expect("a mapping that fits")), limits)
     }
 
     /// A connected and armed client.
@@ -144,7 +144,7 @@ impl Plant {
     /// # Panics
     /// If the controller refuses.
     #[must_use]
-    pub fn armed(&self) -> Station<AdsController> {
+    pub fn armed(&self) -> GuardedController<AdsController> {
         let mut client = self.client();
         client.connect().expect("connected");
         client.arm().expect("armed");

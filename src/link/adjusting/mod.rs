@@ -1,22 +1,24 @@
 //! Writing identified values to a controller, so that it holds either all old or all new ones.
 //!
-//! There is no transaction in a controller. So the old values are read first, the new ones are written and read back,
-//! and if any did not arrive the old ones are written and read back. Where the connection breaks meanwhile, it is made
-//! anew and what the controller holds is settled: all new, all old, or the old ones are brought back.
+//! Controllers have no transactions. So the old values are read first, the new ones are written and read back, and if
+//! any does not read back as written, the old ones are restored and read back. If the connection breaks, it is
+//! re-established and the values are read again: either all are new, or all are old, or the old ones are restored.
 
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::robot::Robot;
 
-use crate::controller::{Controller, LinkError};
+use crate::controller::Controller;
+use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, parameters_of};
 use crate::reconnecting::ReconnectPolicy;
 
-/// A value has arrived if it differs by less than this (m, rad, 1): rounding to single precision is arriving.
-const ARRIVED: f64 = 1e-9;
-/// See above, relative to the value.
-const ARRIVED_RELATIVE: f64 = 2e-7;
-/// So often a connection may break while values are settled.
-const SETTLINGS: usize = 8;
+/// The controller holds a value if the difference is below this (m, rad, 1), so that rounding to single precision is
+/// allowed.
+const TOLERANCE: f64 = 1e-9;
+/// The same relative to the value.
+const RELATIVE_TOLERANCE: f64 = 2e-7;
+/// Most attempts to find out what the controller holds after the connection broke.
+const MAX_ATTEMPTS: usize = 8;
 
 /// One parameter at the controller and as identified.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,9 +27,9 @@ pub struct Difference {
     pub name: String,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
-    /// What the controller holds; `None`: it has no such parameter, so the value cannot be written.
+    /// Value in the controller; `None` if it has no such parameter, so that the value cannot be written.
     pub controller: Option<f64>,
-    /// What was identified.
+    /// Identified value.
     pub identified: f64,
     /// Identified less controller.
     pub difference: Option<f64>,
@@ -36,15 +38,15 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Whether the controller holds another value and can be given this one.
+    /// Whether the controller holds another value that can be overwritten.
     #[must_use]
     pub fn is_writable_change(&self) -> bool {
         self.controller
-            .is_some_and(|held| !arrived(held, self.identified))
+            .is_some_and(|held| !is_held(held, self.identified))
     }
 }
 
-/// Every parameter of the identified model beside what the controller holds.
+/// Compares every parameter of the identified model with the value in the controller.
 #[must_use]
 pub fn plan_adjustment(
     controller: &[ParameterInfo],
@@ -122,7 +124,7 @@ pub enum Holds {
     Old,
     /// Some of both: these parameters do not have their old value.
     Mixed(Vec<String>),
-    /// It cannot be told, because the controller no longer answers.
+    /// Unknown, because the controller no longer answers.
     Unknown,
 }
 
@@ -134,7 +136,7 @@ const OLD_VALUES: &str =
 pub struct Adjustment {
     /// What the controller holds now.
     pub holds: Holds,
-    /// What the controller held before, to write back by hand or with [`write_adjustment`].
+    /// The values before, to be restored by hand or with [`write_adjustment`].
     pub old: Vec<(String, f64)>,
     /// What went wrong, where something did.
     pub problem: Option<String>,
@@ -142,7 +144,7 @@ pub struct Adjustment {
     pub advice: String,
 }
 
-/// Writes new values and makes sure that they arrived, or brings back the old ones.
+/// Writes new values and reads them back, or restores the old ones.
 ///
 /// # Errors
 /// If nothing was written: the controller is not armed or the old values cannot be read.
@@ -156,7 +158,7 @@ pub fn write_adjustment(
     let names: Vec<String> = new.iter().map(|(name, _)| name.clone()).collect();
     let held = controller.read(&names)?;
     if held.len() != names.len() {
-        let text = "it told fewer values than were asked for";
+        let text = "it returned fewer values than requested";
         return Err(LinkError::Refused(text.to_owned()));
     }
     let old: Vec<(String, f64)> = names.into_iter().zip(held).collect();
@@ -170,7 +172,7 @@ pub fn write_adjustment(
             });
         }
         Ok(wrong) => format!(
-            "These values did not arrive as written: {}.",
+            "These values do not read back as written: {}.",
             wrong.join(", ")
         ),
         Err(error) => format!("Writing stopped: {error}."),
@@ -178,8 +180,8 @@ pub fn write_adjustment(
     Ok(roll_back(controller, old, problem))
 }
 
-/// As [`write_adjustment`]; where the connection breaks, it is made anew and [`settle_adjustment`] settles what the
-/// controller holds, until it is the same twice: what was sent before may still arrive late.
+/// As [`write_adjustment`]; if the connection breaks, it is re-established and [`settle_adjustment`] is repeated until two
+/// results agree, because what was sent before may still arrive late.
 ///
 /// # Errors
 /// As those of [`write_adjustment`]: nothing was written.
@@ -193,10 +195,10 @@ pub fn write_adjustment_reconnecting(
         return Ok(written);
     }
     let mut last = None;
-    for _ in 0..SETTLINGS {
-        if let Err(error) = policy.bring_back(controller) {
+    for _ in 0..MAX_ATTEMPTS {
+        if let Err(error) = policy.restore(controller) {
             let problem = written.problem.unwrap_or_default();
-            let problem = format!("{problem} The connection could not be made anew: {error}.");
+            let problem = format!("{problem} Reconnecting failed: {error}.");
             return Ok(Adjustment {
                 problem: Some(problem.trim().to_owned()),
                 ..written
@@ -216,8 +218,8 @@ pub fn write_adjustment_reconnecting(
     Ok(written)
 }
 
-/// Settles what a controller holds after the connection was lost while `new` values were written over `old` ones: all
-/// new and all old values are left as they are, of a mixture the old ones are written. That needs arming.
+/// Finds out what a controller holds after the connection was lost while `new` values replaced `old` ones. If all are new
+/// or all are old, nothing is changed; in a mixture the old ones are restored, for which the controller has to be armed.
 ///
 /// # Errors
 /// If the values cannot be read.
@@ -243,7 +245,7 @@ pub fn settle_adjustment(
     Ok(roll_back(controller, old.to_vec(), problem))
 }
 
-/// Brings back the old values.
+/// Restores the old values.
 fn roll_back(
     controller: &mut dyn Controller,
     old: Vec<(String, f64)>,
@@ -258,7 +260,7 @@ fn roll_back(
             );
             (Holds::Mixed(wrong), advice)
         }
-        Err(error) => what_is_left(controller, &old, &error),
+        Err(error) => after_failed_rollback(controller, &old, &error),
     };
     Adjustment {
         holds,
@@ -268,8 +270,8 @@ fn roll_back(
     }
 }
 
-/// What can be told when the old values could not be written: reading may still work.
-fn what_is_left(
+/// What the controller holds when the old values could not be written: reading may still work.
+fn after_failed_rollback(
     controller: &mut dyn Controller,
     old: &[(String, f64)],
     error: &LinkError,
@@ -310,12 +312,12 @@ fn differing(
     let held = controller.read(&names)?;
     let held = held.into_iter().map(Some).chain(std::iter::repeat(None));
     let pairs = values.iter().zip(held);
-    let wrong = pairs.filter(|((_, value), held)| !held.is_some_and(|held| arrived(held, *value)));
+    let wrong = pairs.filter(|((_, value), held)| !held.is_some_and(|held| is_held(held, *value)));
     Ok(wrong.map(|((name, _), _)| name.clone()).collect())
 }
 
-fn arrived(held: f64, value: f64) -> bool {
-    (held - value).abs() <= ARRIVED + ARRIVED_RELATIVE * value.abs()
+fn is_held(held: f64, value: f64) -> bool {
+    (held - value).abs() <= TOLERANCE + RELATIVE_TOLERANCE * value.abs()
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@ use super::*;
 use crate::reconnecting::{Attempts, BackOff};
 use crate::simulated::{Fault, SimulatedRobot};
 use crate::testing::{armed, identified, measured, preset};
-use crate::{ManualClock, Station};
+use crate::{GuardedController, ManualClock};
 
-fn robot(faults: Vec<Fault>) -> (Station<SimulatedRobot>, ManualClock) {
+fn robot(faults: Vec<Fault>) -> (GuardedController<SimulatedRobot>, ManualClock) {
     let (mut robot, clock) = armed(&preset("mini"), |_| ());
     robot.inner_mut().set_faults(faults);
     (robot, clock)
@@ -17,14 +17,14 @@ fn new_values() -> Vec<(String, f64)> {
     names.into_iter().zip([-0.49, -0.37, -0.45]).collect()
 }
 
-fn held(robot: &mut Station<SimulatedRobot>) -> Vec<f64> {
+fn held(robot: &mut GuardedController<SimulatedRobot>) -> Vec<f64> {
     let names: Vec<String> = new_values().into_iter().map(|(name, _)| name).collect();
     robot.read(&names).unwrap()
 }
 
 const OLD: [f64; 3] = [-0.5, -0.378, -0.4415];
 
-fn attempt(faults: Vec<Fault>) -> (Adjustment, Station<SimulatedRobot>) {
+fn attempt(faults: Vec<Fault>) -> (Adjustment, GuardedController<SimulatedRobot>) {
     let (mut robot, _) = robot(faults);
     let adjustment = write_adjustment(&mut robot, &new_values()).unwrap();
     let old: Vec<f64> = adjustment.old.iter().map(|(_, value)| *value).collect();
@@ -160,19 +160,14 @@ fn a_controller_that_does_not_come_back_is_told_so() {
     let (mut robot, _) = robot(vec![Fault::WriteDisconnects { after: 1 }]);
     struct Never;
     impl ReconnectPolicy for Never {
-        fn bring_back(&mut self, _: &mut dyn Controller) -> Result<(), LinkError> {
+        fn restore(&mut self, _: &mut dyn Controller) -> Result<(), LinkError> {
             Err(LinkError::Timeout(1.0))
         }
         fn pause(&mut self) {}
     }
     let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut Never).unwrap();
     assert_eq!(adjustment.holds, Holds::Unknown);
-    assert!(
-        adjustment
-            .problem
-            .unwrap()
-            .contains("could not be made anew")
-    );
+    assert!(adjustment.problem.unwrap().contains("Reconnecting failed"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// Port on which routers listen.
 const TCP_PORT: u16 = 48898;

@@ -1,4 +1,4 @@
-//! The controller as everything else knows it.
+//! The ADS controller behind the trait [`Controller`].
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,15 +9,16 @@ use tautline_session::AdsMapping;
 
 use super::address::AdsAddress;
 use super::layout::{CommandSlots, Layout, Slot};
-use super::live::{Failure, Live};
 use super::options::AdsOptions;
 use super::pose::numbers_of;
-use super::reading::{Status, sample_of, status_of};
+use super::program::{Failure, Program};
+use super::sample::{Status, sample_of, status_of};
 use crate::clock::Clock;
-use crate::controller::{Activity, Controller, ControllerState, LinkError, Sample};
+use crate::controller::{Activity, Controller, ControllerState, Sample};
+use crate::error::LinkError;
 use crate::parameters::ParameterInfo;
 
-/// How often it is asked whether the program runs (s).
+/// Time between two checks whether the program runs (s).
 const STATE_EVERY_S: f64 = 1.0;
 
 const HOME: f64 = 1.0;
@@ -40,19 +41,19 @@ pub struct AdsController {
     known: HashMap<String, usize>,
     options: AdsOptions,
     clock: Arc<dyn Clock>,
-    live: Option<Live>,
+    program: Option<Program>,
     armed: bool,
     status: Status,
     number: u32,
     pending: Option<Pending>,
-    /// What we hold against it: shown as a fault until it is armed anew.
-    complaint: Option<String>,
+    /// A fault that was noticed on our side, shown until it is armed again.
+    own_fault: Option<String>,
     watchdog: u32,
     state_asked_s: f64,
 }
 
 impl AdsController {
-    /// A controller that is not connected. By the clock, which has to be a real one, a late answer is told from a lost
+    /// A controller that is not connected. The clock, which has to be a real one, tells a late answer from a lost
     /// connection.
     ///
     /// # Errors
@@ -74,33 +75,33 @@ impl AdsController {
             known,
             options,
             clock,
-            live: None,
+            program: None,
             armed: false,
             status: Status::default(),
             number: 0,
             pending: None,
-            complaint: None,
+            own_fault: None,
             watchdog: 0,
             state_asked_s: f64::NEG_INFINITY,
         })
     }
 
-    /// How it is spoken to.
+    /// Its options.
     #[must_use]
     pub fn options(&self) -> &AdsOptions {
         &self.options
     }
 
-    /// Does something with the connection; a lost one ends here, and arming with it.
+    /// Does something with the program; a lost connection is dropped, which also disarms.
     fn with<T>(
         &mut self,
-        action: impl FnOnce(&mut Live, &Layout) -> Result<T, Failure>,
+        action: impl FnOnce(&mut Program, &Layout) -> Result<T, Failure>,
     ) -> Result<T, LinkError> {
-        let Some(live) = &mut self.live else {
+        let Some(program) = &mut self.program else {
             let text = "it is not connected";
             return Err(LinkError::Disconnected(text.to_owned()));
         };
-        action(live, &self.layout).map_err(|failure| match failure {
+        action(program, &self.layout).map_err(|failure| match failure {
             Failure::Refused(error) => error,
             Failure::Lost(error) => {
                 self.forget();
@@ -110,31 +111,31 @@ impl AdsController {
     }
 
     fn forget(&mut self) {
-        self.live = None;
+        self.program = None;
         self.armed = false;
         self.pending = None;
         self.status = Status::default();
     }
 
-    /// Readings and status of this moment.
-    fn listen(&mut self) -> Result<Sample, LinkError> {
+    /// Reads the readings and the state.
+    fn poll(&mut self) -> Result<Sample, LinkError> {
         let now_s = self.clock.now_s();
         if now_s - self.state_asked_s >= STATE_EVERY_S {
             self.state_asked_s = now_s;
-            if let Some(text) = self.with(|live, _| live.running())? {
-                self.complaint = Some(text.clone());
+            if let Some(text) = self.with(|program, _| program.problem())? {
+                self.own_fault = Some(text.clone());
                 return Err(LinkError::Refused(text));
             }
         }
-        let (sample, status) = self.with(|live, layout| {
-            let raw = live.read(0..layout.sampled)?;
+        let (sample, status) = self.with(|program, layout| {
+            let raw = program.read(0..layout.sampled)?;
             Ok((
                 sample_of(&raw, &layout.readings),
                 status_of(&raw, &layout.status),
             ))
         })?;
         self.status = status;
-        self.follow_command();
+        self.check_acknowledgement();
         Ok(Sample {
             time_s: if self.layout.readings.time.is_some() {
                 sample.time_s
@@ -145,33 +146,32 @@ impl AdsController {
         })
     }
 
-    /// Whether the controller still obeys. Where it does not, nothing is done of what is told: a command that is under
-    /// way must not pass for one that has ended.
-    fn heed_release(&mut self) {
+    /// Disarms if the controller has revoked the release: a command in progress must not count as completed.
+    fn check_release(&mut self) {
         if self.armed && !self.status.released {
             self.armed = false;
             self.pending = None;
-            let text = "it has taken back the release, by its switch or because no samples were counted: arm it again";
-            self.complaint = Some(text.to_owned());
+            let text = "it revoked the release, by its switch or because its watchdog saw no samples: arm it again";
+            self.own_fault = Some(text.to_owned());
         }
     }
 
-    /// Whether the controller has taken the last command.
-    fn follow_command(&mut self) {
+    /// Checks whether the controller has acknowledged the last command.
+    fn check_acknowledgement(&mut self) {
         let Some(pending) = self.pending else { return };
         if self.status.acknowledged == pending.number {
             self.pending = None;
         } else if self.clock.now_s() - pending.since_s > self.options.acknowledge_s {
             self.pending = None;
-            self.complaint = Some(format!(
-                "it did not take command {} within {:.1} s",
+            self.own_fault = Some(format!(
+                "it did not acknowledge command {} within {:.1} s",
                 pending.number, self.options.acknowledge_s
             ));
         }
     }
 
     fn fault(&self) -> Option<&String> {
-        self.status.fault.as_ref().or(self.complaint.as_ref())
+        self.status.fault.as_ref().or(self.own_fault.as_ref())
     }
 
     fn moves(&self) -> bool {
@@ -179,7 +179,7 @@ impl AdsController {
     }
 
     fn check_armed(&self) -> Result<(), LinkError> {
-        if self.live.is_none() {
+        if self.program.is_none() {
             let text = "it is not connected";
             return Err(LinkError::Disconnected(text.to_owned()));
         }
@@ -192,17 +192,17 @@ impl AdsController {
         }
     }
 
-    /// Tells what to do: target and kind first, the number in a request of its own.
-    fn tell(&mut self, kind: f64, target: Option<&Pose>) -> Result<(), LinkError> {
+    /// Sends a command: target and kind first, the number in a request of its own.
+    fn send(&mut self, kind: f64, target: Option<&Pose>) -> Result<(), LinkError> {
         let number = self.number.wrapping_add(1);
-        self.with(|live, layout| {
+        self.with(|program, layout| {
             let command = command_of(layout)?;
             let slots = command.target.slots.iter().copied();
             let numbers = target.map(|pose| numbers_of(pose, &command.target.written));
             let mut values: Vec<(Slot, f64)> = slots.zip(numbers.into_iter().flatten()).collect();
             values.push((command.kind, kind));
-            live.write(&values)?;
-            live.write_at_once(&[(command.number, f64::from(number))])
+            program.write(&values)?;
+            program.write_at_once(&[(command.number, f64::from(number))])
         })?;
         self.number = number;
         self.pending = Some(Pending {
@@ -212,25 +212,25 @@ impl AdsController {
         Ok(())
     }
 
-    /// The number of the last command, which the controller has taken.
+    /// The number of the last command, which the controller has to have acknowledged.
     fn last_number(&mut self) -> Result<u32, LinkError> {
-        self.with(|live, layout| {
+        self.with(|program, layout| {
             let Some(command) = &layout.command else {
                 return Ok(0);
             };
             let (number, taken) = (command.number, command.acknowledged);
-            let raw = live.read([number.symbol, taken.symbol].into_iter())?;
+            let raw = program.read([number.symbol, taken.symbol].into_iter())?;
             let (number, taken) = (raw.number(number), raw.number(taken));
             if number != taken {
                 return Err(Failure::Refused(LinkError::Refused(format!(
-                    "command {number} waits, the last one taken is {taken}: does its program treat commands?"
+                    "command {number} is pending, the last one acknowledged is {taken}: does its program handle commands?"
                 ))));
             }
             Ok(number as u32)
         })
     }
 
-    /// The places of named parameters with their scales.
+    /// The elements of named parameters with their scales.
     fn places(&self, names: &[String]) -> Result<Vec<(Slot, f64)>, LinkError> {
         let place = |name: &String| {
             let parameter = self
@@ -244,8 +244,8 @@ impl AdsController {
     }
 
     fn release(&mut self, on: bool) -> Result<(), LinkError> {
-        self.with(|live, layout| match layout.status.release {
-            Some(slot) => live.write(&[(slot, f64::from(u8::from(on)))]),
+        self.with(|program, layout| match layout.status.release {
+            Some(slot) => program.write(&[(slot, f64::from(u8::from(on)))]),
             None => Ok(()),
         })
     }
@@ -253,15 +253,15 @@ impl AdsController {
     fn count_sample(&mut self) -> Result<(), LinkError> {
         let next = self.watchdog.wrapping_add(1);
         self.watchdog = next;
-        self.with(|live, layout| match layout.watchdog {
-            Some(slot) => live.write_at_once(&[(slot, f64::from(next))]),
+        self.with(|program, layout| match layout.watchdog {
+            Some(slot) => program.write_at_once(&[(slot, f64::from(next))]),
             None => Ok(()),
         })
     }
 }
 
 fn command_of(layout: &Layout) -> Result<&CommandSlots, Failure> {
-    let text = "no symbols for commands are known, so it can only be read";
+    let text = "the mapping has no symbols for commands, so it can only be read";
     let missing = || Failure::Refused(LinkError::Refused(text.to_owned()));
     layout.command.as_ref().ok_or_else(missing)
 }
@@ -272,16 +272,16 @@ impl Controller for AdsController {
     }
 
     fn connect(&mut self) -> Result<(), LinkError> {
-        if self.live.is_some() {
+        if self.program.is_some() {
             return Ok(());
         }
         self.forget();
-        self.complaint = None;
+        self.own_fault = None;
         let clock = Arc::clone(&self.clock);
-        let live = Live::connect(&self.address, &self.layout, &self.options, clock)?;
-        self.live = Some(live);
+        let program = Program::connect(&self.address, &self.layout, &self.options, clock)?;
+        self.program = Some(program);
         self.state_asked_s = self.clock.now_s();
-        self.listen().map(drop).inspect_err(|_| self.forget())
+        self.poll().map(drop).inspect_err(|_| self.forget())
     }
 
     fn disconnect(&mut self) {
@@ -291,7 +291,7 @@ impl Controller for AdsController {
 
     fn state(&self) -> ControllerState {
         let activity = match self.fault() {
-            _ if self.live.is_none() => Activity::Disconnected,
+            _ if self.program.is_none() => Activity::Disconnected,
             Some(text) => Activity::Fault(text.clone()),
             None if self.moves() => Activity::Moving,
             None if self.status.moving.is_none() => Activity::Connected,
@@ -305,8 +305,8 @@ impl Controller for AdsController {
 
     fn arm(&mut self) -> Result<(), LinkError> {
         self.state_asked_s = f64::NEG_INFINITY;
-        self.complaint = None;
-        self.listen()?;
+        self.own_fault = None;
+        self.poll()?;
         if let Some(text) = self.fault() {
             return Err(LinkError::Fault(text.clone()));
         }
@@ -321,17 +321,17 @@ impl Controller for AdsController {
         if !self.armed {
             return;
         }
-        // Whatever fails here ends the connection or is the controller's own fault; it is disarmed on our side anyway.
+        // A failure here ends the connection or is the controller's own fault; it is disarmed on our side in any case.
         if self.layout.command.is_some() && self.moves() {
-            let _ = self.tell(STOP, None);
+            let _ = self.send(STOP, None);
         }
         let _ = self.release(false);
         self.armed = false;
     }
 
     fn sample(&mut self) -> Result<Sample, LinkError> {
-        let sample = self.listen()?;
-        self.heed_release();
+        let sample = self.poll()?;
+        self.check_release();
         if self.armed {
             self.count_sample()?;
         }
@@ -340,25 +340,26 @@ impl Controller for AdsController {
 
     fn home(&mut self) -> Result<(), LinkError> {
         self.check_armed()?;
-        self.tell(HOME, None)
+        self.send(HOME, None)
     }
 
     fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
         self.check_armed()?;
-        self.tell(MOVE, Some(pose))
+        self.send(MOVE, Some(pose))
     }
 
-    /// Stops the platform. Where the controller was not armed nothing is written: it moves by another's order.
+    /// Stops the platform. Nothing is written if the controller is not armed: it moves at the command of another program.
     fn stop(&mut self) -> Result<(), LinkError> {
         if self.armed {
-            return self.tell(STOP, None);
+            return self.send(STOP, None);
         }
-        if self.live.is_none() {
+        if self.program.is_none() {
             let text = "it is not connected";
             return Err(LinkError::Disconnected(text.to_owned()));
         }
         if self.moves() {
-            let text = "it is not armed here, so it is told nothing: stop it where it was started";
+            let text =
+                "it is not armed here and moves at the command of another program: stop it there";
             return Err(LinkError::Refused(text.to_owned()));
         }
         Ok(())
@@ -384,8 +385,8 @@ impl Controller for AdsController {
 
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
         let places = self.places(names)?;
-        self.with(|live, _| {
-            let raw = live.read(places.iter().map(|(slot, _)| slot.symbol))?;
+        self.with(|program, _| {
+            let raw = program.read(places.iter().map(|(slot, _)| slot.symbol))?;
             let values = places.iter().map(|(slot, scale)| raw.number(*slot) * scale);
             Ok(values.collect())
         })
@@ -410,7 +411,7 @@ impl Controller for AdsController {
         let raw: Vec<(Slot, f64)> = raw
             .map(|((slot, scale), (_, value))| (*slot, value / scale))
             .collect();
-        self.with(|live, _| live.write(&raw))
+        self.with(|program, _| program.write(&raw))
     }
 }
 

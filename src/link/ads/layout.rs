@@ -1,4 +1,4 @@
-//! What a mapping means for one robot: which element of which symbol is what.
+//! The symbols of a mapping for one robot: which element of which symbol holds which quantity.
 
 use tautline_core::effect;
 use tautline_core::robot::Robot;
@@ -7,8 +7,8 @@ use tautline_session::{
     name_of_cable,
 };
 
-use super::symbols::Expected;
-use crate::controller::LinkError;
+use super::symbols::{Count, Expected, Symbol};
+use crate::error::LinkError;
 use crate::parameters::{EffectName, parameters_of};
 
 /// A symbol that the controller has to have.
@@ -16,15 +16,15 @@ use crate::parameters::{EffectName, parameters_of};
 pub(super) struct Wanted {
     pub name: String,
     pub expected: Expected,
-    /// Elements that it has to have: so many exactly, or more than so many.
+    /// Number of its elements.
     pub count: Count,
 }
 
-/// How many elements a symbol has to have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Count {
-    Exactly(usize),
-    AtLeast(usize),
+impl Wanted {
+    /// What is wrong with the type of a symbol.
+    pub fn problem(&self, symbol: &Symbol) -> Option<String> {
+        symbol.problem(self.expected, self.count)
+    }
 }
 
 /// One number: an element of a symbol.
@@ -68,7 +68,7 @@ pub(super) struct ParameterSlot {
     pub scale: f64,
 }
 
-/// What is read at every sample of the robot.
+/// Readings of every sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ReadingSlots {
     pub revolutions: Channel,
@@ -82,7 +82,7 @@ pub(super) struct ReadingSlots {
     pub pose: Option<PoseSlots>,
 }
 
-/// What is read at every sample of the controller itself.
+/// State of the controller, read at every sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StatusSlots {
     pub moving: Option<Slot>,
@@ -97,7 +97,7 @@ pub(super) struct StatusSlots {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub wanted: Vec<Wanted>,
-    /// The first so many symbols are read at every sample.
+    /// Number of symbols, the first ones, that are read at every sample.
     pub sampled: usize,
     pub readings: ReadingSlots,
     pub status: StatusSlots,
@@ -109,21 +109,21 @@ pub(super) struct Layout {
 impl Layout {
     pub fn of(mapping: &AdsMapping, robot: &Robot) -> Result<Self, LinkError> {
         let checked = mapping.check(robot);
-        checked.map_err(|e| LinkError::Setup(format!("the names of the symbols: {e}")))?;
-        let mut wants = Wants(Vec::new());
-        let readings = wants.readings(&mapping.readings, robot);
-        let status = wants.status(mapping);
-        let sampled = wants.0.len();
+        checked.map_err(|e| LinkError::Setup(format!("the symbols: {e}")))?;
+        let mut symbols = Symbols(Vec::new());
+        let readings = symbols.readings(&mapping.readings, robot);
+        let status = symbols.status(mapping);
+        let sampled = symbols.0.len();
         let command = mapping.command.as_ref().map(|command| CommandSlots {
-            target: wants.pose(&command.target),
-            kind: wants.single(&command.kind, Expected::Integer),
-            number: wants.single(&command.number, Expected::Counter),
-            acknowledged: wants.single(&command.acknowledged, Expected::Counter),
+            target: symbols.pose(&command.target),
+            kind: symbols.single(&command.kind, Expected::Integer),
+            number: symbols.single(&command.number, Expected::Counter),
+            acknowledged: symbols.single(&command.acknowledged, Expected::Counter),
         });
-        let watchdog = wants.optional(&mapping.watchdog, Expected::Counter);
-        let parameters = wants.parameters(&mapping.parameters, robot)?;
+        let watchdog = symbols.optional(&mapping.watchdog, Expected::Counter);
+        let parameters = symbols.parameters(&mapping.parameters, robot)?;
         Ok(Self {
-            wanted: wants.0,
+            wanted: symbols.0,
             sampled,
             readings,
             status,
@@ -134,9 +134,10 @@ impl Layout {
     }
 }
 
-struct Wants(Vec<Wanted>);
+/// Collects the symbols.
+struct Symbols(Vec<Wanted>);
 
-impl Wants {
+impl Symbols {
     /// Index of a symbol, wanted once however often it is named.
     fn want(&mut self, name: &str, expected: Expected, count: Count) -> usize {
         let known = |w: &Wanted| w.name == name && w.expected == expected && w.count == count;
@@ -195,7 +196,7 @@ impl Wants {
         }
     }
 
-    /// So many numbers: an array of just that length, or a symbol for each.
+    /// `count` numbers: an array of exactly that length, or one symbol each.
     fn listed(&mut self, names: &AdsNames, count: usize) -> Vec<Slot> {
         match names {
             AdsNames::One(name) => {

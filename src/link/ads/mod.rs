@@ -1,27 +1,27 @@
-//! A controller that speaks ADS, the protocol of Beckhoff's.
+//! Controllers that speak ADS, Beckhoff's protocol.
 //!
-//! Which symbol is what says a [`tautline_session::AdsMapping`]; how controller and program deal with each other says
-//! `docs/ADS.md`. No request is sent but by a call from outside, and each waits at most as long as
-//! [`AdsOptions::timeout_s`]; the library under it has one thread for each connection, which takes the answers.
-//! Nothing is written before [`crate::Controller::arm`].
+//! A [`tautline_session::AdsMapping`] says which symbol holds what; `docs/ADS.md` describes the handshake between this
+//! program and that of the controller. Requests are sent only by calls from outside, and each waits at most
+//! [`AdsOptions::timeout_s`]; the library below has one thread per connection, which receives the answers. Nothing is
+//! written before [`crate::Controller::arm`].
 //!
-//! Readings are asked for, not subscribed to: one request has all readings of one moment, while notifications of
-//! several symbols come one by one, pile up where nobody takes them, and end in a failure of the library's thread when
-//! the connection is dropped amid one.
+//! Readings are polled, because one request returns all readings of one moment. Notifications of several symbols arrive
+//! one by one, queue up where nobody takes them, and make the library's thread fail when the connection is dropped
+//! while one arrives.
 
 mod address;
-mod check;
+mod client;
 mod controller;
 mod layout;
-mod line;
-mod live;
 mod options;
 mod pose;
 mod probe;
-mod reading;
+mod program;
+mod sample;
 mod symbols;
 
 pub use address::AdsAddress;
-pub use check::{SymbolCheck, SymbolFound, check_symbols};
 pub use controller::AdsController;
 pub use options::AdsOptions;
+pub use program::check_symbols;
+pub use symbols::{SymbolCheck, SymbolFound};

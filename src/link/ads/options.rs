@@ -1,18 +1,18 @@
-//! How a controller is spoken to.
+//! Options of ADS connections.
 
 use crate::reconnecting::BackOff;
 
-/// How a controller is spoken to.
+/// Options of an ADS connection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdsOptions {
-    /// Longest wait for a connection or an answer (s).
+    /// Timeout of a connection or an answer (s).
     pub timeout_s: f64,
-    /// Longest time in which a command has to be acknowledged (s).
+    /// Timeout of the acknowledgement of a command (s).
     pub acknowledge_s: f64,
     /// The AMS Net ID by which this computer presents itself, as the controller's route names it; absent: the address
     /// of its network card with 1.1 after it.
     pub own_net_id: Option<[u8; 6]>,
-    /// How a lost connection is made anew; see [`crate::reconnecting`].
+    /// Pauses between attempts to reconnect; see [`crate::reconnecting`].
     pub back_off: BackOff,
 }
 

@@ -1,4 +1,4 @@
-//! Poses as a controller writes them.
+//! Poses in the notation of a controller.
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use tautline_core::geometry::Pose;

@@ -1,8 +1,7 @@
-//! Whether ADS is spoken at an address at all.
+//! Checks that a server speaks ADS at all.
 //!
-//! The library trusts every answer: what another kind of server says, a login banner for instance, would make it take
-//! memory for hundreds of megabytes or fail in its own thread. So one question is asked by hand first, on a connection
-//! of its own.
+//! The library trusts every answer: what another kind of server sends, such as a login banner, would make it allocate
+//! hundreds of megabytes or fail in its own thread. So one request is sent by hand first, on a connection of its own.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpStream};
@@ -10,7 +9,7 @@ use std::time::Duration;
 
 use ads::{AmsAddr, AmsNetId};
 
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// The AMS port of this computer.
 pub(super) const OWN_PORT: u16 = 58913;
@@ -31,7 +30,7 @@ pub(super) fn probe(
     match answer {
         Ok(true) => Ok(()),
         Ok(false) => Err(LinkError::Disconnected(format!(
-            "what answers at {place} does not speak ADS"
+            "the server at {place} does not speak ADS"
         ))),
         Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
             Err(LinkError::Timeout(timeout.as_secs_f64()))
@@ -42,11 +41,11 @@ pub(super) fn probe(
                 ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::BrokenPipe
             ) =>
         {
-            let text = "it closed the connection (does it have a route to this computer?)";
+            let text = "it closed the connection (does it have an ADS route to this computer?)";
             Err(LinkError::Disconnected(text.to_owned()))
         }
         Err(error) => Err(LinkError::Disconnected(format!(
-            "{place} cannot be reached: {error}"
+            "{place} cannot be reached ({error})"
         ))),
     }
 }
@@ -80,7 +79,7 @@ fn ask(
         socket.read_exact(&mut frame)?;
         match u16::from_le_bytes([low, high]) {
             0 => return Ok(is_answer(&frame)),
-            // Notes of a router, which may come at any time.
+            // Messages of a router, which may arrive at any time.
             1 | 0x1000..=0x1002 => {}
             _ => return Ok(false),
         }
@@ -165,7 +164,7 @@ mod tests {
     #[test]
     fn whoever_hangs_up_may_lack_a_route() {
         let told = found(&[0, 0, 32], true);
-        assert!(told.contains("a route to this computer"), "{told}");
+        assert!(told.contains("an ADS route to this computer"), "{told}");
     }
 
     #[test]

@@ -1,6 +1,71 @@
-//! Symbols of the controller: where they are, their types, and the numbers in their bytes.
+//! Symbols of a controller: their addresses, their types and the numbers in their bytes.
 
-use crate::controller::LinkError;
+use ads::index;
+
+/// More bytes than any symbol that is used has, so that a wrong answer cannot fill the memory.
+const LARGEST: usize = 1 << 20;
+
+/// A symbol of a mapping and what the controller says about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SymbolCheck {
+    /// Its name, that of one cable where there is one for each.
+    pub name: String,
+    /// What the controller says.
+    pub found: SymbolFound,
+}
+
+/// What a controller says about a symbol.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SymbolFound {
+    /// It exists and can be used.
+    Good {
+        /// Its type as the controller calls it.
+        type_name: String,
+        /// Its size (bytes).
+        bytes: usize,
+    },
+    /// It does not exist; the controller's answer.
+    Missing(String),
+    /// It exists but cannot be used.
+    Wrong {
+        /// Its type as the controller calls it.
+        type_name: String,
+        /// Its size (bytes).
+        bytes: usize,
+        /// What is wrong with the type.
+        why: String,
+    },
+}
+
+/// The address of bytes in the controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Place {
+    pub group: u32,
+    pub offset: u32,
+    pub size: usize,
+}
+
+impl Place {
+    /// The version of the symbols, which changes with the program, so that no address is used in another program.
+    pub const VERSION: Self = Self {
+        group: index::GET_SYMVERSION,
+        offset: 0,
+        size: 1,
+    };
+
+    /// As requests carry it.
+    pub fn head(&self) -> [[u8; 4]; 3] {
+        let size = u32::try_from(self.size).unwrap_or(u32::MAX);
+        [self.group, self.offset, size].map(u32::to_le_bytes)
+    }
+}
+
+/// How many elements a symbol has to have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Count {
+    Exactly(usize),
+    AtLeast(usize),
+}
 
 /// An elementary type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,8 +88,8 @@ pub(super) enum Elementary {
 }
 
 impl Elementary {
-    /// By the name of the type, arrays by that of their elements; by the number of the base type where the name is
-    /// that of an alias.
+    /// By the name of the type (for arrays, that of the elements), or by the number of the base type where the name is an
+    /// alias.
     fn of(type_name: &str, base: u32) -> Self {
         let upper = type_name.to_ascii_uppercase();
         let element = upper.rsplit(" OF ").next().unwrap_or_default().trim();
@@ -76,7 +141,7 @@ pub(super) enum Expected {
     Integer,
     /// An integer or a truth value.
     Code,
-    /// A counter that goes round at 2^32.
+    /// A counter that wraps at 2^32.
     Counter,
     /// Any number.
     Number,
@@ -122,7 +187,7 @@ pub(super) struct Symbol {
 }
 
 impl Symbol {
-    /// Reads the entry of a symbol: seven numbers of 32 bits, two of 16, the lengths of three texts and these.
+    /// Parses the entry of a symbol: numbers of 32 bits, the lengths of three texts (16 bits each), and the texts.
     pub fn parse(name: &str, entry: &[u8]) -> Option<Self> {
         let word = |at: usize| Some(u32::from_le_bytes(entry.get(at..at + 4)?.try_into().ok()?));
         let half = |at: usize| Some(u16::from_le_bytes(entry.get(at..at + 2)?.try_into().ok()?));
@@ -148,27 +213,50 @@ impl Symbol {
         }
     }
 
-    /// Whether it is what it has to be.
-    pub fn check(&self, expected: Expected) -> Result<(), LinkError> {
-        if expected.allows(self.kind) && self.count() > 0 {
-            return Ok(());
+    /// What is wrong with its type, to be read after the name of the type.
+    pub fn problem(&self, expected: Expected, count: Count) -> Option<String> {
+        let has = self.count();
+        if !expected.allows(self.kind) || has == 0 {
+            return Some(format!("expected {}", expected.describe()));
         }
-        Err(LinkError::Setup(format!(
-            "the controller's symbol {} is of type {}, expected {}",
-            self.name,
-            self.type_name,
-            expected.describe()
-        )))
+        match count {
+            Count::Exactly(count) if has != count => {
+                Some(format!("which has {has} values, expected {count}"))
+            }
+            Count::AtLeast(count) if has < count => {
+                Some(format!("which has {has} values, expected at least {count}"))
+            }
+            _ if self.size > LARGEST => {
+                let size = self.size;
+                Some(format!(
+                    "which has {size} bytes, expected at most {LARGEST}"
+                ))
+            }
+            _ => None,
+        }
     }
 
-    /// Where an element is: its offset and bytes.
-    pub fn place(&self, element: usize) -> Option<(u32, usize)> {
+    /// Where all its bytes are.
+    pub fn place(&self) -> Place {
+        Place {
+            group: self.group,
+            offset: self.offset,
+            size: self.size,
+        }
+    }
+
+    /// Where the bytes of an element are.
+    pub fn element_place(&self, element: usize) -> Option<Place> {
         let size = self.kind.size();
         let offset = u32::try_from(element.checked_mul(size)?).ok()?;
-        (element < self.count()).then_some((self.offset.checked_add(offset)?, size))
+        (element < self.count()).then_some(Place {
+            group: self.group,
+            offset: self.offset.checked_add(offset)?,
+            size,
+        })
     }
 
-    /// The number in an element of the symbol's bytes; not a number where there are too few.
+    /// The number in an element of the symbol's bytes; NaN where there are too few bytes.
     pub fn number(&self, bytes: &[u8], element: usize) -> f64 {
         let size = self.kind.size();
         let at = element.saturating_mul(size);
@@ -259,16 +347,20 @@ mod tests {
     fn entries_of_symbols_are_read() {
         let array = Symbol::parse("G.x", &entry("ARRAY [1..8, 1..3] OF LREAL", 65, 192)).unwrap();
         assert_eq!((array.kind, array.count()), (Elementary::F64, 24));
-        assert_eq!(array.place(23), Some((16 + 184, 8)));
-        assert_eq!(array.place(24), None);
+        let last = array.element_place(23).unwrap();
+        assert_eq!((last.offset, last.size), (16 + 184, 8));
+        assert_eq!(array.element_place(24), None);
+        assert_eq!(array.problem(Expected::Number, Count::Exactly(24)), None);
+        let short = array.problem(Expected::Number, Count::AtLeast(25)).unwrap();
+        assert_eq!(short, "which has 24 values, expected at least 25");
         let list = Symbol::parse("G.x", &entry("E_State", 2, 2)).unwrap();
-        list.check(Expected::Code).unwrap();
+        assert_eq!(list.problem(Expected::Code, Count::Exactly(1)), None);
         let text = Symbol::parse("G.x", &entry("STRING(80)", 30, 81)).unwrap();
         assert_eq!((text.kind, text.count()), (Elementary::Text, 1));
-        let told = text.check(Expected::Flag).unwrap_err().to_string();
-        assert!(told.contains("G.x is of type STRING(80), expected BOOL"));
+        let problem = text.problem(Expected::Flag, Count::Exactly(1));
+        assert_eq!(problem.as_deref(), Some("expected BOOL"));
         let other = Symbol::parse("G.x", &entry("ST_Winch", 65, 40)).unwrap();
-        assert!(other.check(Expected::Number).is_err());
+        assert!(other.problem(Expected::Number, Count::Exactly(1)).is_some());
         let whole = entry("LREAL", 5, 8);
         for length in 0..30 {
             assert_eq!(Symbol::parse("G.x", &whole[..length]), None);

@@ -1,46 +1,46 @@
-//! What a device says, line by line: a distance, no return, or nothing that we understand.
+//! Lines of text from a device, parsed as a distance, no return, or invalid.
 
 use regex::Regex;
 use tautline_session::LineLaserSettings;
 
 use super::LONGEST_M;
 
-/// Longest line that is looked at (bytes).
+/// Longest valid line (bytes).
 const LONGEST_LINE: usize = 256;
-/// Letters of a line that a message shows.
+/// Most characters of a line in a message.
 const SHOWN: usize = 40;
 
-/// What a line says.
+/// The meaning of a line.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Said {
+pub(super) enum LineContent {
     /// A distance (m).
     Distance(f64),
-    /// There is no return.
+    /// The sensor has no return.
     NoReturn,
-    /// Why it is no distance.
-    Garbage(String),
+    /// Neither; the text says why.
+    Invalid(String),
 }
 
-/// Lines out of bytes as they come; the memory that it takes is bounded.
+/// Splits bytes into lines in bounded memory.
 ///
-/// The first line is left out, for its beginning may have been missed.
+/// The first line is dropped, because its beginning may be missing.
 #[derive(Debug, Default)]
-pub(super) struct Lines {
+pub(super) struct LineSplitter {
     line: Vec<u8>,
-    /// Whether the line under way has its beginning.
+    /// Whether the beginning of the present line was received.
     whole: bool,
     too_long: bool,
 }
 
-impl Lines {
-    /// The line under way is not waited for any more.
-    pub fn give_up(&mut self) {
+impl LineSplitter {
+    /// Drops an incomplete line.
+    pub fn reset(&mut self) {
         if !self.line.is_empty() || self.too_long {
             *self = Self::default();
         }
     }
 
-    /// Takes bytes and hands out the lines that they end; too long ones as `None`.
+    /// Adds bytes and passes on the lines that they complete; too long ones as `None`.
     pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(Option<&[u8]>)) {
         for byte in bytes {
             if matches!(byte, b'\n' | b'\r') {
@@ -61,14 +61,14 @@ impl Lines {
     }
 }
 
-/// Understands lines.
-pub(super) struct Reader {
+/// Parses lines by the settings of a device.
+pub(super) struct LineParser {
     settings: LineLaserSettings,
     expression: Regex,
 }
 
-impl Reader {
-    /// A reader; the error says what is wrong with the pattern.
+impl LineParser {
+    /// A parser; the error says what is wrong with the pattern.
     pub fn new(settings: &LineLaserSettings) -> Result<Self, String> {
         Ok(Self {
             expression: settings.expression()?,
@@ -76,17 +76,17 @@ impl Reader {
         })
     }
 
-    /// What a line says; `None` where it says nothing: it is blank or the echo of our command.
-    pub fn read(&self, line: Option<&[u8]>) -> Option<Said> {
+    /// The meaning of a line; `None` if it is blank or the echo of our command.
+    pub fn parse(&self, line: Option<&[u8]>) -> Option<LineContent> {
         let Some(line) = line else {
-            let text = format!("it sent a line of more than {LONGEST_LINE} letters");
-            return Some(Said::Garbage(text));
+            let text = format!("it sent a line of more than {LONGEST_LINE} characters");
+            return Some(LineContent::Invalid(text));
         };
         let printable = |byte: &u8| *byte == b'\t' || (b' '..=b'~').contains(byte);
         let text = std::str::from_utf8(line).ok();
         let Some(text) = text.filter(|_| line.iter().all(printable)) else {
-            let text = "it sent bytes that are no plain text: are its baud and parity those of the settings?";
-            return Some(Said::Garbage(text.to_owned()));
+            let text = "it sent bytes that are not plain text: do baud rate and parity match the settings?";
+            return Some(LineContent::Invalid(text.to_owned()));
         };
         let text = text.trim();
         let command = self.settings.command.as_deref().map(str::trim);
@@ -95,29 +95,29 @@ impl Reader {
         }
         let mut no_return = self.settings.no_return.iter();
         if no_return.any(|mark| text.contains(mark.as_str())) {
-            return Some(Said::NoReturn);
+            return Some(LineContent::NoReturn);
         }
         Some(self.distance(text))
     }
 
-    fn distance(&self, text: &str) -> Said {
+    fn distance(&self, text: &str) -> LineContent {
         let shown: String = text.chars().take(SHOWN).collect();
-        let garbage = |what: &str| Said::Garbage(format!("it sent {shown:?}, {what}"));
+        let garbage = |what: &str| LineContent::Invalid(format!("it sent {shown:?}, {what}"));
         let Some(found) = self.expression.captures(text) else {
-            return garbage("which is no distance by its settings");
+            return garbage("which is not a distance by the settings");
         };
         let number = found.name("distance").map(|number| number.as_str());
         let Some(number) = number.and_then(|number| number.parse::<f64>().ok()) else {
-            return garbage("in which the distance is no number");
+            return garbage("in which the distance is not a number");
         };
         let unit = self.settings.unit;
         let said = found.name("unit").map(|unit| unit.as_str());
         if said.is_some_and(|said| said != unit.name()) {
-            return garbage(&format!("its unit is {} by its settings", unit.name()));
+            return garbage(&format!("but the unit is {} by the settings", unit.name()));
         }
         let distance_m = number * self.settings.scale * unit.metres() + self.settings.offset_m;
         if (0.0..=LONGEST_M).contains(&distance_m) {
-            Said::Distance(distance_m)
+            LineContent::Distance(distance_m)
         } else {
             let text = format!("expected a distance from 0 m to {LONGEST_M:.0} m");
             garbage(&text)
@@ -131,16 +131,16 @@ mod tests {
 
     use super::*;
 
-    fn reader(query: &str) -> Reader {
+    fn reader(query: &str) -> LineParser {
         let settings = format!("tcp:host:1{query}").parse();
         let Ok(LaserSettings::Line(line)) = settings else {
             panic!("{settings:?}");
         };
-        Reader::new(&line).unwrap()
+        LineParser::new(&line).unwrap()
     }
 
-    fn said(reader: &Reader, text: &str) -> Option<Said> {
-        reader.read(Some(text.as_bytes()))
+    fn said(reader: &LineParser, text: &str) -> Option<LineContent> {
+        reader.parse(Some(text.as_bytes()))
     }
 
     #[test]
@@ -154,20 +154,23 @@ mod tests {
             "512.5;1",
         ] {
             let read = said(&plain, text);
-            assert_eq!(read, Some(Said::Distance(0.5125)), "{text}");
+            assert_eq!(read, Some(LineContent::Distance(0.5125)), "{text}");
         }
-        assert_eq!(said(&plain, "E255"), Some(Said::NoReturn));
+        assert_eq!(said(&plain, "E255"), Some(LineContent::NoReturn));
         assert_eq!(said(&plain, "  "), None);
         for text in [
             "E15", "12,5", "1.2.3", "0x12", "12abc", "-3", "NaN", "inf", "1e9", "5.1 m", "--12",
             "1-2", "µ 3", "3\u{0}", "ready",
         ] {
             let read = said(&plain, text);
-            assert!(matches!(read, Some(Said::Garbage(_))), "{text}: {read:?}");
+            assert!(
+                matches!(read, Some(LineContent::Invalid(_))),
+                "{text}: {read:?}"
+            );
         }
-        let read = plain.read(Some(&[0xff, b'1']));
-        assert!(matches!(read, Some(Said::Garbage(text)) if text.contains("baud")));
-        assert!(matches!(plain.read(None), Some(Said::Garbage(_))));
+        let read = plain.parse(Some(&[0xff, b'1']));
+        assert!(matches!(read, Some(LineContent::Invalid(text)) if text.contains("baud")));
+        assert!(matches!(plain.parse(None), Some(LineContent::Invalid(_))));
     }
 
     #[test]
@@ -175,27 +178,36 @@ mod tests {
         let dimetix = reader(
             r"?pattern=^g0g\+(?<distance>\d{8})$&scale=0.1&offset_m=0.05&no_return=g0@E&command=s0g%0D%0A",
         );
-        let Some(Said::Distance(read)) = said(&dimetix, "g0g+00012345") else {
+        let Some(LineContent::Distance(read)) = said(&dimetix, "g0g+00012345") else {
             panic!("no distance");
         };
         assert!((read - 1.2845).abs() < 1e-12);
-        assert_eq!(said(&dimetix, "g0@E255"), Some(Said::NoReturn));
+        assert_eq!(said(&dimetix, "g0@E255"), Some(LineContent::NoReturn));
         assert_eq!(said(&dimetix, "s0g"), None);
         for text in ["g0g+0001234", "0g+00012345", "00012345"] {
-            assert!(matches!(said(&dimetix, text), Some(Said::Garbage(_))));
+            assert!(matches!(
+                said(&dimetix, text),
+                Some(LineContent::Invalid(_))
+            ));
         }
         let letters = reader("?pattern=(?<distance>.*)");
-        assert!(matches!(said(&letters, "NaN"), Some(Said::Garbage(_))));
-        assert!(matches!(said(&letters, "abc"), Some(Said::Garbage(_))));
+        assert!(matches!(
+            said(&letters, "NaN"),
+            Some(LineContent::Invalid(_))
+        ));
+        assert!(matches!(
+            said(&letters, "abc"),
+            Some(LineContent::Invalid(_))
+        ));
         let metres = reader("?unit=m");
-        assert_eq!(said(&metres, "1.5"), Some(Said::Distance(1.5)));
+        assert_eq!(said(&metres, "1.5"), Some(LineContent::Distance(1.5)));
         let micrometres = reader("?unit=um");
         let read = said(&micrometres, "250000 um");
-        assert_eq!(read, Some(Said::Distance(0.25)));
+        assert_eq!(read, Some(LineContent::Distance(0.25)));
     }
 
     fn lines(chunks: &[&[u8]]) -> Vec<Option<String>> {
-        let mut lines = Lines::default();
+        let mut lines = LineSplitter::default();
         let mut found = Vec::new();
         for chunk in chunks {
             lines.take(chunk, |line| {
@@ -216,10 +228,10 @@ mod tests {
         let long = vec![b'7'; 100_000];
         assert_eq!(lines(&[b"\n", &long, b"\n8\n"]), [None, text("8")]);
         assert_eq!(lines(&[&long, b"\n8\n"]), [text("8")]);
-        let mut given_up = Lines::default();
+        let mut given_up = LineSplitter::default();
         let mut found = Vec::new();
         given_up.take(b"\n12", |_| found.push(0));
-        given_up.give_up();
+        given_up.reset();
         given_up.take(b"34\n56\n", |line| found.push(line.map_or(0, <[u8]>::len)));
         assert_eq!(found, [2]);
     }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{LONGEST_M, LaserReading, LaserSource};
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// A laser whose distance the operator types; clones share it.
 ///
@@ -81,12 +81,12 @@ impl LaserSource for ManualLaser {
     }
 
     fn connect(&mut self) -> Result<(), LinkError> {
-        self.leave();
+        self.discard_reading();
         Ok(())
     }
 
     fn disconnect(&mut self) {
-        self.leave();
+        self.discard_reading();
     }
 
     fn latest(&self) -> Option<LaserReading> {
@@ -94,15 +94,15 @@ impl LaserSource for ManualLaser {
     }
 
     /// A typed value does not age: it is gone when the platform leaves.
-    fn fresh_s(&self) -> f64 {
+    fn max_age_s(&self) -> f64 {
         f64::INFINITY
     }
 
-    fn leave(&mut self) {
+    fn discard_reading(&mut self) {
         *self.asked() = None;
     }
 
-    fn trouble(&self) -> Option<String> {
+    fn problem(&self) -> Option<String> {
         let missing = self.latest().is_none();
         missing.then(|| "no distance was typed".to_owned())
     }
@@ -133,8 +133,8 @@ mod tests {
         assert_eq!(window.wanted(), None);
         window.answer(3, None).unwrap();
         assert_eq!((laser.distance_m(), laser.is_answered(3)), (None, true));
-        laser.leave();
+        laser.discard_reading();
         assert!(!laser.is_answered(3) && window.answer(3, Some(0.5)).is_err());
-        assert!(laser.trouble().is_some());
+        assert!(laser.problem().is_some());
     }
 }

@@ -1,7 +1,7 @@
-//! Laser distance sensors beside the controller.
+//! External laser distance sensors.
 //!
-//! A [`LaserSource`] has the distance from another device than the controller: a [`crate::Station`] puts it into
-//! the samples.
+//! A [`LaserSource`] gets the distance from another device than the controller; a [`crate::GuardedController`] puts it
+//! into the samples.
 
 mod line;
 mod lines;
@@ -13,14 +13,13 @@ use std::sync::Arc;
 use tautline_session::LaserSettings;
 
 use crate::clock::Clock;
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 pub use line::LineLaser;
 pub use manual::ManualLaser;
 pub use port::serial_ports;
-pub use tautline_session::LaserSettings as LaserChoice;
 
-/// Longest distance that is believed (m).
+/// Longest plausible distance (m).
 const LONGEST_M: f64 = 1000.0;
 
 /// A distance, and how old it is.
@@ -40,7 +39,7 @@ pub trait LaserSource: Send {
     /// Connects, unless it is connected.
     ///
     /// # Errors
-    /// If there is no connection to be had.
+    /// If the device cannot be connected.
     fn connect(&mut self) -> Result<(), LinkError>;
 
     /// Ends the connection.
@@ -50,55 +49,54 @@ pub trait LaserSource: Send {
     fn latest(&self) -> Option<LaserReading>;
 
     /// Age from which a reading is not used any more (s).
-    fn fresh_s(&self) -> f64;
+    fn max_age_s(&self) -> f64;
 
-    /// The platform is sent elsewhere: what was read belongs to the place before.
-    fn leave(&mut self);
+    /// The platform leaves: the latest reading belongs to the place before.
+    fn discard_reading(&mut self);
 
-    /// What is wrong with the device, in one sentence.
-    fn trouble(&self) -> Option<String>;
+    /// Why there is no distance, as one sentence.
+    fn problem(&self) -> Option<String>;
 
     /// The distance (m), where it is fresh, a number, and not negative.
     fn distance_m(&self) -> Option<f64> {
         let reading = self.latest()?;
-        let fresh = (0.0..=self.fresh_s()).contains(&reading.age_s);
+        let fresh = (0.0..=self.max_age_s()).contains(&reading.age_s);
         let distance_m = reading.distance_m.filter(|_| fresh)?;
         (distance_m.is_finite() && distance_m >= 0.0).then_some(distance_m)
     }
 }
 
-/// The laser that settings ask for, not connected; `None` where it is the controller's own.
-#[must_use]
-pub fn chosen(choice: &LaserChoice, clock: Arc<dyn Clock>) -> Option<Chosen> {
-    match choice {
-        LaserSettings::Controller => None,
-        LaserSettings::Manual => Some(Chosen::Manual(ManualLaser::default())),
-        LaserSettings::Line(line) => {
-            let laser = LineLaser::new(line.clone(), clock);
-            Some(Chosen::Line(Box::new(laser)))
-        }
-    }
-}
-
-/// A laser beside the controller.
-pub enum Chosen {
+/// A laser that does not belong to the controller.
+pub enum ExternalLaser {
     /// The operator types the distance: hand a clone to [`crate::measuring::MeasuringRun::asking`].
     Manual(ManualLaser),
     /// A device sends it.
     Line(Box<LineLaser>),
 }
 
-impl Chosen {
-    /// The laser to which the operator answers.
+impl ExternalLaser {
+    /// The laser of these settings, not connected; `None` where it is the controller's own.
     #[must_use]
-    pub fn asked(&self) -> Option<ManualLaser> {
+    pub fn of(settings: &LaserSettings, clock: Arc<dyn Clock>) -> Option<Self> {
+        match settings {
+            LaserSettings::Controller => None,
+            LaserSettings::Manual => Some(Self::Manual(ManualLaser::default())),
+            LaserSettings::Line(line) => {
+                Some(Self::Line(Box::new(LineLaser::new(line.clone(), clock))))
+            }
+        }
+    }
+
+    /// The laser whose distance the operator types.
+    #[must_use]
+    pub fn manual(&self) -> Option<ManualLaser> {
         match self {
             Self::Manual(laser) => Some(laser.clone()),
             Self::Line(_) => None,
         }
     }
 
-    /// For [`crate::Station::with_laser`].
+    /// For [`crate::GuardedController::with_laser`].
     #[must_use]
     pub fn into_source(self) -> Box<dyn LaserSource> {
         match self {

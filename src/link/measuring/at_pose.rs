@@ -100,7 +100,7 @@ impl MeasuringRun {
         }
     }
 
-    pub(super) fn collect(&mut self, sample: Sample, laser_trouble: Option<String>) {
+    pub(super) fn collect(&mut self, sample: Sample, laser_problem: Option<String>) {
         if self.settle_anew(&sample) {
             return;
         }
@@ -113,12 +113,12 @@ impl MeasuringRun {
             of: self.options.samples,
         });
         if self.samples.len() >= self.options.samples {
-            self.accept(laser_trouble);
+            self.accept(laser_problem);
         }
     }
 
     /// Checks the mean of the samples, and hands it to the caller unless it cannot be used.
-    fn accept(&mut self, laser_trouble: Option<String>) {
+    fn accept(&mut self, laser_problem: Option<String>) {
         let Some((label, pose)) = self.current else {
             return;
         };
@@ -130,7 +130,7 @@ impl MeasuringRun {
             at: &measured.readings,
             label,
             samples: &self.samples,
-            laser_trouble,
+            laser_problem,
         };
         let warnings = checks.all(self.journey.as_ref(), expected.as_ref());
         let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());

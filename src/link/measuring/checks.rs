@@ -115,7 +115,7 @@ pub(super) struct Checks<'a> {
     /// What the means are of.
     pub samples: &'a [Sample],
     /// Why there is no laser distance, where that is known.
-    pub laser_trouble: Option<String>,
+    pub laser_problem: Option<String>,
 }
 
 impl Checks<'_> {
@@ -165,7 +165,7 @@ impl Checks<'_> {
         if self.at.laser_at(0).is_nan() && self.robot.laser.is_some() {
             let usual =
                 "the laser has no return: is something in the beam, or the target out of reach?";
-            let text = match &self.laser_trouble {
+            let text = match &self.laser_problem {
                 Some(known) => format!("there is no laser distance, {known}"),
                 None => usual.to_owned(),
             };

@@ -25,7 +25,8 @@ pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
 
-use crate::controller::{Activity, Controller, LinkError, Sample};
+use crate::controller::{Activity, Controller, Sample};
+use crate::error::LinkError;
 use crate::laser::ManualLaser;
 use channels::Channels;
 use checks::Journey;
@@ -350,7 +351,7 @@ impl MeasuringRun {
                 self.approach(sample, moving);
             }
             Stage::Asking => self.wait_for_answer(&sample),
-            Stage::Sampling => self.collect(sample, controller.laser_trouble()),
+            Stage::Sampling => self.collect(sample, controller.laser_problem()),
             Stage::Storing | Stage::Ended => {}
         }
     }

@@ -15,8 +15,9 @@ use tautline_core::geometry::Pose;
 use tautline_core::measurement::Dataset;
 
 use crate::clock::Clock;
-use crate::controller::{Activity, Controller, ControllerState, LinkError, Sample};
-use crate::parameters::{ParameterInfo, parameters_of};
+use crate::controller::{Activity, Controller, ControllerState, Sample};
+use crate::error::LinkError;
+use crate::parameters::{ParameterInfo, parameters_of, values_of};
 use recording::Recording;
 
 /// Time for a way where the recording has no time stamps (s).
@@ -211,12 +212,7 @@ impl Controller for ReplayController {
 
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
         self.check_connected()?;
-        let value = |name: &String| {
-            let known = self.parameters.iter().find(|p| p.name == *name);
-            let unknown = || LinkError::UnknownParameter(name.clone());
-            known.map(|p| p.value).ok_or_else(unknown)
-        };
-        names.iter().map(value).collect()
+        values_of(&self.parameters, names)
     }
 
     fn write(&mut self, _: &[(String, f64)]) -> Result<(), LinkError> {

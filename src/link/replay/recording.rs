@@ -3,7 +3,8 @@
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Dataset, Grid, Measurements};
 
-use crate::controller::{LinkError, Sample};
+use crate::controller::Sample;
+use crate::error::LinkError;
 
 /// A commanded pose is a recorded one up to this distance (m) and rotation (rad).
 const SAME_M: f64 = 1e-4;

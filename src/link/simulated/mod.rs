@@ -31,8 +31,9 @@ pub use setup::SimulatedSetup;
 pub use tracker::SimulatedTracker;
 
 use crate::clock::Clock;
-use crate::controller::{Activity, Controller, ControllerState, LinkError, Sample};
-use crate::parameters::{ParameterInfo, parameters_of, set_parameter};
+use crate::controller::{Activity, Controller, ControllerState, Sample};
+use crate::error::LinkError;
+use crate::parameters::{ParameterInfo, parameters_of, set_parameter, values_of};
 use motion::{Motion, Pace, Place};
 use readings::{Noise, row_of, sample_of};
 
@@ -445,12 +446,7 @@ impl Controller for SimulatedRobot {
 
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
         self.check_connected()?;
-        let value = |name: &String| {
-            let known = self.parameters.iter().find(|p| p.name == *name);
-            let unknown = || LinkError::UnknownParameter(name.clone());
-            known.map(|p| p.value).ok_or_else(unknown)
-        };
-        names.iter().map(value).collect()
+        values_of(&self.parameters, names)
     }
 
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {

@@ -6,7 +6,7 @@ use tautline_core::simulation::{
     SimulationOptions, TensionRange, TrueGeometry, Workspace, true_robot,
 };
 
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// Fastest platform by default (m/s).
 const FASTEST_M_S: f64 = 2.0;

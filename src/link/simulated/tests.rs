@@ -41,7 +41,7 @@ fn everything_can_go_to_another_thread() {
     sendable::<SimulatedTracker>();
     sendable::<crate::measuring::MeasuringRun>();
     sendable::<crate::verifying::VerifyingRun>();
-    sendable::<crate::Station<Box<dyn Controller>>>();
+    sendable::<crate::GuardedController<dyn Controller>>();
 }
 
 #[test]

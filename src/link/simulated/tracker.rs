@@ -9,7 +9,8 @@ use tautline_core::geometry::Twist;
 use tautline_session::CheckPose;
 
 use super::Shared;
-use crate::controller::{Instrument, LinkError};
+use crate::controller::Instrument;
+use crate::error::LinkError;
 
 /// Measures the true pose with noise.
 pub struct SimulatedTracker {

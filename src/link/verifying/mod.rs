@@ -14,7 +14,8 @@ use tautline_session::{CheckPose, CheckRow};
 pub use targets::{CheckTarget, circle, cube_edges_m, cube_poses, line};
 pub use typed::TypedInstrument;
 
-use crate::controller::{Activity, Controller, Instrument, LinkError, Sample};
+use crate::controller::{Activity, Controller, Instrument, Sample};
+use crate::error::LinkError;
 
 /// How to verify.
 #[derive(Debug, Clone, PartialEq)]

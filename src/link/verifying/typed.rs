@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tautline_session::CheckPose;
 
-use crate::controller::{Instrument, LinkError};
+use crate::controller::Instrument;
+use crate::error::LinkError;
 
 /// An instrument whose readings the operator types; clones share them.
 ///

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use tautline_core::robot::Robot;
 use tautline_link::ads::AdsController;
-use tautline_link::laser::{self, ManualLaser};
+use tautline_link::laser::{ExternalLaser, ManualLaser};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
-use tautline_link::{Controller, Instrument, LinkError, ReplayController, Station, SystemClock};
+use tautline_link::{
+    Controller, GuardedController, Instrument, LinkError, ReplayController, SystemClock,
+};
 use tautline_session::{ReadError, read_dataset};
 
 use super::clock::SimulationClock;
@@ -19,7 +21,7 @@ const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 /// A controller with what belongs to its connection; not connected yet.
 pub struct Opened {
     /// The controller, behind its limits.
-    pub controller: Station<Box<dyn Controller>>,
+    pub controller: GuardedController<dyn Controller>,
     /// The laser whose distances the operator types.
     pub manual_laser: Option<ManualLaser>,
     /// The external instrument that observes a simulated robot.
@@ -65,11 +67,11 @@ impl ConnectionSetup {
                 (Box::new(ads?) as Box<dyn Controller>, None)
             }
         };
-        let laser = laser::chosen(&self.laser, Arc::new(SystemClock::start()));
-        let manual_laser = laser.as_ref().and_then(laser::Chosen::asked);
+        let laser = ExternalLaser::of(&self.laser, Arc::new(SystemClock::start()));
+        let manual_laser = laser.as_ref().and_then(ExternalLaser::manual);
         Ok(Opened {
-            controller: Station::new(controller, self.limits.clone())
-                .with_laser(laser.map(laser::Chosen::into_source)),
+            controller: GuardedController::new(controller, self.limits.clone())
+                .with_laser(laser.map(ExternalLaser::into_source)),
             manual_laser,
             instrument,
             clock,

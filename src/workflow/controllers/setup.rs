@@ -7,9 +7,8 @@ use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::Limits;
 use tautline_link::ads::{AdsAddress, AdsOptions};
-use tautline_link::laser::LaserChoice;
 use tautline_link::simulated::SimulatedSetup;
-use tautline_session::{AdsMapping, ControllerKind, Session};
+use tautline_session::{AdsMapping, ControllerKind, LaserSettings, Session};
 
 use super::choice::ControllerChoice;
 
@@ -55,7 +54,7 @@ pub struct ConnectionSetup {
     /// File in which a simulated controller saves its values while they are written.
     pub(super) values_file: Option<PathBuf>,
     pub(super) limits: Limits,
-    pub(super) laser: LaserChoice,
+    pub(super) laser: LaserSettings,
 }
 
 /// The controller itself.

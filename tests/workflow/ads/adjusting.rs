@@ -147,7 +147,7 @@ fn a_missing_controller_leaves_an_interrupted_adjustment_open() {
         .expect("an attempt");
     assert_eq!(adjustment.holds, Holds::Unknown);
     let problem = adjustment.problem.expect("a problem");
-    assert!(problem.contains("could not be made anew"), "{problem}");
+    assert!(problem.contains("Reconnecting failed"), "{problem}");
     plant.server.order(json!({"state": 5}));
     client.connect().expect("connected again");
     let settled = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
@@ -162,12 +162,12 @@ fn a_missing_controller_leaves_an_interrupted_adjustment_open() {
 struct Restarting<'p>(&'p Plant, usize);
 
 impl ReconnectPolicy for Restarting<'_> {
-    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+    fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         if self.1 == 0 {
             self.0.server.order(json!({"restart": 0.1}));
         }
         self.1 += 1;
-        policy().bring_back(controller)
+        policy().restore(controller)
     }
 
     fn pause(&mut self) {}

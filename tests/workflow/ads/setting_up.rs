@@ -142,7 +142,7 @@ fn a_command_that_waits_or_a_fault_prevents_arming() {
     plant.server.order(json!({"set": {
         global("number"): [7], global("fault"): [3], global("fault_text"): ["drive 4 is hot"]}}));
     let told = client.arm().expect_err("a fault").to_string();
-    assert!(told.contains("drive 4 is hot (number 3)"), "{told}");
+    assert!(told.contains("drive 4 is hot (code 3)"), "{told}");
     assert!(!client.state().armed);
     assert_eq!(plant.server.count("write"), 0);
 }
@@ -193,7 +193,7 @@ fn an_unacknowledged_command_becomes_a_fault() {
     let Activity::Fault(told) = client.state().activity else {
         panic!("no fault");
     };
-    assert!(told.contains("did not take command 8"), "{told}");
+    assert!(told.contains("did not acknowledge command 8"), "{told}");
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn a_withdrawn_release_disarms() {
         panic!("no fault");
     };
     assert!(
-        told.contains("taken back the release") && !state.armed,
+        told.contains("revoked the release") && !state.armed,
         "{told}"
     );
     assert!(client.home().is_err());

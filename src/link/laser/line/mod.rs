@@ -8,69 +8,69 @@ use std::time::{Duration, Instant};
 
 use tautline_session::LineLaserSettings;
 
-use super::lines::{Lines, Reader, Said};
+use super::lines::{LineContent, LineParser, LineSplitter};
 use super::port::{self, Port};
 use super::{LaserReading, LaserSource};
 use crate::clock::Clock;
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
-/// First wait before a lost connection is made anew, and the longest, to which it doubles.
-const WAITS: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(8)];
+/// First pause before a lost connection is re-established, and the longest, to which it doubles.
+const RECONNECT_PAUSES: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(8)];
 /// Shortest time between two commands that ask for a reading.
 const BETWEEN_COMMANDS: Duration = Duration::from_millis(20);
-/// Time after which an answer or the rest of a line is not waited for any more.
+/// Timeout of an answer and of the rest of a line.
 const ANSWER: Duration = Duration::from_secs(1);
-/// Bytes that are read at once.
+/// Most bytes that are read at once.
 const CHUNK: usize = 512;
 
-/// What the thread leaves for others.
+/// What the thread has received.
 #[derive(Debug, Default)]
-struct Heard {
+struct Received {
     /// Time (s) and distance (m) of the latest reading.
     reading: Option<(f64, Option<f64>)>,
-    /// What was wrong last.
+    /// Why the latest line was no distance, or why the connection is lost.
     trouble: Option<String>,
-    /// The last line as it came, what cannot be printed replaced.
+    /// The latest line, with unprintable characters replaced.
     line: Option<String>,
 }
 
 #[derive(Clone)]
 struct Shared {
-    heard: Arc<Mutex<Heard>>,
+    received: Arc<Mutex<Received>>,
     clock: Arc<dyn Clock>,
 }
 
 impl Shared {
-    fn heard(&self) -> MutexGuard<'_, Heard> {
-        self.heard.lock().unwrap_or_else(PoisonError::into_inner)
+    fn received(&self) -> MutexGuard<'_, Received> {
+        self.received.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn lose(&self, why: String) {
-        *self.heard() = Heard {
+    fn connection_lost(&self, why: String) {
+        *self.received() = Received {
             reading: None,
             trouble: Some(why),
             line: None,
         };
     }
 
-    /// A line that is no distance takes the latest reading away: it may have been a fault of the sensor.
-    fn hear(&self, said: Said) {
-        let mut heard = self.heard();
+    /// An invalid line also removes the latest reading: the sensor may be at fault.
+    fn receive(&self, said: LineContent) {
+        let mut received = self.received();
         let now_s = self.clock.now_s();
         match said {
-            Said::Distance(distance_m) => heard.reading = Some((now_s, Some(distance_m))),
-            Said::NoReturn => heard.reading = Some((now_s, None)),
-            Said::Garbage(why) => {
-                heard.reading = None;
-                heard.trouble = Some(why);
+            LineContent::Distance(distance_m) => received.reading = Some((now_s, Some(distance_m))),
+            LineContent::NoReturn => received.reading = Some((now_s, None)),
+            LineContent::Invalid(why) => {
+                received.reading = None;
+                received.trouble = Some(why);
                 return;
             }
         }
-        heard.trouble = None;
+        received.trouble = None;
     }
 }
 
-/// A laser that sends lines of text. While it is connected a thread reads them, and makes a lost connection anew.
+/// A laser that sends lines of text. While it is connected, a thread reads them and re-establishes a lost connection.
 pub struct LineLaser {
     settings: LineLaserSettings,
     shared: Shared,
@@ -79,21 +79,21 @@ pub struct LineLaser {
 }
 
 impl LineLaser {
-    /// A laser, not connected; ages of readings are by the clock.
+    /// A laser, not connected; the clock gives the age of readings.
     #[must_use]
     pub fn new(settings: LineLaserSettings, clock: Arc<dyn Clock>) -> Self {
-        let heard = Arc::default();
+        let received = Arc::default();
         Self {
             settings,
-            shared: Shared { heard, clock },
+            shared: Shared { received, clock },
             running: None,
         }
     }
 
-    /// The last line as it came, to find the right settings with; `None` before the first and of a lost connection.
+    /// The latest line, shown to find the right settings; `None` before the first one and without a connection.
     #[must_use]
     pub fn line(&self) -> Option<String> {
-        self.shared.heard().line.clone()
+        self.shared.received().line.clone()
     }
 }
 
@@ -112,18 +112,18 @@ impl LaserSource for LineLaser {
         if self.running.is_some() {
             return Ok(());
         }
-        let reader = Reader::new(&self.settings).map_err(LinkError::Laser)?;
+        let parser = LineParser::new(&self.settings).map_err(LinkError::Laser)?;
         let opened = port::open(&self.settings.port).map_err(LinkError::Laser)?;
-        *self.shared.heard() = Heard::default();
+        *self.shared.received() = Received::default();
         let (end, ends) = mpsc::channel();
-        let listener = Listener {
+        let reader_thread = LineReader {
             settings: self.settings.clone(),
-            reader,
+            parser,
             shared: self.shared.clone(),
             ends,
         };
         let thread = thread::Builder::new().name("laser".into());
-        let thread = thread.spawn(move || listener.listen(opened));
+        let thread = thread.spawn(move || reader_thread.run(opened));
         let thread = thread.map_err(|error| LinkError::Laser(error.to_string()))?;
         self.running = Some((end, thread));
         Ok(())
@@ -132,29 +132,29 @@ impl LaserSource for LineLaser {
     fn disconnect(&mut self) {
         if let Some((end, thread)) = self.running.take() {
             drop(end);
-            // A thread that broke down has ended, too.
+            // A thread that panicked has ended, too.
             let _ = thread.join();
         }
-        *self.shared.heard() = Heard::default();
+        *self.shared.received() = Received::default();
     }
 
     fn latest(&self) -> Option<LaserReading> {
-        let (read_s, distance_m) = self.shared.heard().reading?;
+        let (read_s, distance_m) = self.shared.received().reading?;
         Some(LaserReading {
             age_s: self.shared.clock.now_s() - read_s,
             distance_m,
         })
     }
 
-    fn fresh_s(&self) -> f64 {
+    fn max_age_s(&self) -> f64 {
         self.settings.fresh_s
     }
 
-    fn leave(&mut self) {
-        self.shared.heard().reading = None;
+    fn discard_reading(&mut self) {
+        self.shared.received().reading = None;
     }
 
-    fn trouble(&self) -> Option<String> {
+    fn problem(&self) -> Option<String> {
         let name = port::name(&self.settings.port);
         if self.running.is_none() {
             return Some(format!("the laser at {name} is not connected"));
@@ -163,9 +163,9 @@ impl LaserSource for LineLaser {
         match latest {
             Some(LaserReading { distance_m, .. }) => distance_m
                 .is_none()
-                .then(|| format!("the laser at {name} says that it has no return")),
+                .then(|| format!("the laser at {name} reports no return")),
             None => {
-                let known = self.shared.heard().trouble.clone();
+                let known = self.shared.received().trouble.clone();
                 let known = known.unwrap_or_else(|| "it sends nothing".to_owned());
                 Some(format!("the laser at {name}: {known}"))
             }
@@ -173,55 +173,55 @@ impl LaserSource for LineLaser {
     }
 }
 
-/// The thread that reads.
-struct Listener {
+/// The thread that reads lines.
+struct LineReader {
     settings: LineLaserSettings,
-    reader: Reader,
+    parser: LineParser,
     shared: Shared,
     ends: Receiver<()>,
 }
 
-impl Listener {
-    /// Reads until it shall end.
-    fn listen(self, first: Box<dyn Port>) {
+impl LineReader {
+    /// Reads until it is asked to stop.
+    fn run(self, first: Box<dyn Port>) {
         let mut opened = Ok(first);
-        let mut wait = WAITS[0];
+        let mut wait = RECONNECT_PAUSES[0];
         loop {
             let lost = match opened {
                 Ok(port) => {
-                    let (lost, any) = self.converse(port);
+                    let (lost, any) = self.communicate(port);
                     if any {
-                        wait = WAITS[0];
+                        wait = RECONNECT_PAUSES[0];
                     }
                     lost
                 }
                 Err(why) => Some(why),
             };
             let Some(why) = lost else { return };
-            self.shared.lose(why);
-            if self.shall_end(wait) {
+            self.shared.connection_lost(why);
+            if self.should_stop(wait) {
                 return;
             }
-            wait = (2 * wait).min(WAITS[1]);
+            wait = (2 * wait).min(RECONNECT_PAUSES[1]);
             opened = port::open(&self.settings.port);
         }
     }
 
-    /// Waits; whether it shall end.
-    fn shall_end(&self, wait: Duration) -> bool {
+    /// Waits; whether it is asked to stop.
+    fn should_stop(&self, wait: Duration) -> bool {
         self.ends.recv_timeout(wait) != Err(RecvTimeoutError::Timeout)
     }
 
-    /// Reads from a port until that is lost, and says why, or shall end; and whether it ever sent a line.
-    fn converse(&self, mut port: Box<dyn Port>) -> (Option<String>, bool) {
-        let mut lines = Lines::default();
+    /// Reads from a port until it is lost (and why) or the thread is asked to stop; and whether a line ever arrived.
+    fn communicate(&self, mut port: Box<dyn Port>) -> (Option<String>, bool) {
+        let mut lines = LineSplitter::default();
         let mut chunk = [0; CHUNK];
         let mut any = false;
         let mut spoke = Instant::now();
         let mut asks = true;
         loop {
             if asks && let Some(command) = &self.settings.command {
-                if self.shall_end(BETWEEN_COMMANDS) {
+                if self.should_stop(BETWEEN_COMMANDS) {
                     return (None, any);
                 }
                 let written = port.write_all(command.as_bytes());
@@ -231,18 +231,18 @@ impl Listener {
                 spoke = Instant::now();
                 asks = false;
             }
-            if self.shall_end(Duration::ZERO) {
+            if self.should_stop(Duration::ZERO) {
                 return (None, any);
             }
             match port.read(&mut chunk) {
-                Ok(0) => return (Some("the other side ended the connection".to_owned()), any),
+                Ok(0) => return (Some("the other side closed the connection".to_owned()), any),
                 Ok(count) => {
                     let bytes = chunk.get(..count).unwrap_or_default();
                     lines.take(bytes, |line| {
                         any = true;
-                        self.shared.heard().line = line.map(printable);
-                        if let Some(said) = self.reader.read(line) {
-                            self.shared.hear(said);
+                        self.shared.received().line = line.map(printable);
+                        if let Some(said) = self.parser.parse(line) {
+                            self.shared.receive(said);
                             asks = true;
                         }
                     });
@@ -250,7 +250,7 @@ impl Listener {
                 }
                 Err(error) if is_wait(&error) => {
                     if spoke.elapsed() > ANSWER {
-                        lines.give_up();
+                        lines.reset();
                         asks = true;
                         spoke = Instant::now();
                     }
@@ -276,7 +276,7 @@ fn is_wait(error: &io::Error) -> bool {
 }
 
 fn lost(error: &io::Error) -> String {
-    format!("the connection broke: {error}")
+    format!("the connection is lost ({error})")
 }
 
 #[cfg(test)]

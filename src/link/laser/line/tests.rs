@@ -17,14 +17,14 @@ fn laser(text: &str) -> (LineLaser, ManualClock) {
     (LineLaser::new(line, Arc::new(clock.clone())), clock)
 }
 
-/// A laser connected to a listener, and the device's end.
+/// A laser connected to a reader_thread, and the device's end.
 fn over_tcp(query: &str) -> (LineLaser, ManualClock, TcpStream, TcpListener) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap();
+    let reader_thread = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = reader_thread.local_addr().unwrap();
     let (mut laser, clock) = laser(&format!("tcp:{address}{query}"));
     laser.connect().unwrap();
-    let (device, _) = listener.accept().unwrap();
-    (laser, clock, device, listener)
+    let (device, _) = reader_thread.accept().unwrap();
+    (laser, clock, device, reader_thread)
 }
 
 /// Waits until something is so. It fails after long only, so that a busy machine does not.
@@ -46,22 +46,22 @@ fn shows(laser: &LineLaser, distance_m: f64) {
 }
 
 fn troubled(laser: &LineLaser, words: &str) {
-    until(|| laser.trouble().filter(|text| text.contains(words)));
+    until(|| laser.problem().filter(|text| text.contains(words)));
     assert_eq!(laser.distance_m(), None);
 }
 
 #[test]
 fn lines_over_the_network_are_distances() {
-    let (mut laser, clock, mut device, _listener) = over_tcp("?no_return=E255");
+    let (mut laser, clock, mut device, _reader_thread) = over_tcp("?no_return=E255");
     assert!(
         laser
-            .trouble()
+            .problem()
             .is_some_and(|text| text.contains("sends nothing"))
     );
     // The beginning of the first line may have been missed.
     device.write_all(b"12.5\r\n512.5\r\n").unwrap();
     shows(&laser, 0.5125);
-    assert_eq!(laser.trouble(), None);
+    assert_eq!(laser.problem(), None);
     device.write_all(b"E255\r\n").unwrap();
     troubled(&laser, "no return");
     device.write_all(b"0.25e3\n").unwrap();
@@ -72,22 +72,22 @@ fn lines_over_the_network_are_distances() {
     assert_eq!(laser.distance_m(), None);
     device.write_all(b"300\n").unwrap();
     shows(&laser, 0.3);
-    laser.leave();
+    laser.discard_reading();
     assert_eq!(laser.latest(), None);
     laser.disconnect();
     assert!(
         laser
-            .trouble()
+            .problem()
             .is_some_and(|text| text.contains("not connected"))
     );
 }
 
 #[test]
 fn garbage_is_never_a_distance() {
-    let (laser, _, mut device, _listener) = over_tcp("");
+    let (laser, _, mut device, _reader_thread) = over_tcp("");
     let long = [b'7'; 5000];
     let rubbish: [(&[u8], &str); 5] = [
-        (b"\xff\xfe1\x00\n", "no plain text"),
+        (b"\xff\xfe1\x00\n", "not plain text"),
         (b"E17\n", "\"E17\""),
         (b"12,5\n", "\"12,5\""),
         (b"5 m\n", "unit is mm"),
@@ -112,22 +112,22 @@ fn garbage_is_never_a_distance() {
 
 #[test]
 fn a_lost_connection_is_made_anew() {
-    let (laser, _, mut device, listener) = over_tcp("");
+    let (laser, _, mut device, reader_thread) = over_tcp("");
     device.write_all(b"\n100\n20").unwrap();
     shows(&laser, 0.1);
     drop(device);
-    troubled(&laser, "ended the connection");
-    let (mut device, _) = listener.accept().unwrap();
+    troubled(&laser, "closed the connection");
+    let (mut device, _) = reader_thread.accept().unwrap();
     // What remained of the line before does not become part of the next.
     device.write_all(b"0\n300\n").unwrap();
     shows(&laser, 0.3);
-    drop((device, listener));
+    drop((device, reader_thread));
     troubled(&laser, "cannot be opened");
 }
 
 #[test]
 fn readings_are_asked_for_with_a_command() {
-    let (laser, _, mut device, _listener) = over_tcp("?command=D%0D&unit=m");
+    let (laser, _, mut device, _reader_thread) = over_tcp("?command=D%0D&unit=m");
     let mut asked = [0; 2];
     // It answers what it was asked, with an echo.
     for answer in ["D\r0.1\r\n", "D\r0.2\r\n", "D\r0.3\r\n"] {
@@ -142,9 +142,9 @@ fn readings_are_asked_for_with_a_command() {
 
 #[test]
 fn where_nothing_is_there_is_no_connection() {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap();
-    drop(listener);
+    let reader_thread = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = reader_thread.local_addr().unwrap();
+    drop(reader_thread);
     for text in [
         format!("tcp:{address}"),
         "serial:/dev/no-such-port".to_owned(),

@@ -5,8 +5,8 @@ use tautline_core::robot::presets::Preset;
 
 use super::*;
 use crate::clock::{Clock, ManualClock};
+use crate::guarded::GuardedController;
 use crate::simulated::{Fault, SimulatedRobot};
-use crate::station::Station;
 use crate::testing::{armed, preset, run_of};
 
 const ROBOTS: [&str; 3] = ["mini", "suspended", "planar"];
@@ -186,9 +186,10 @@ struct Said {
 
 /// Drives a run; faults begin once the pose labelled `begin` is stored.
 fn said(preset: &Preset, (seed, poses): (u64, usize), fault: Option<(i64, MakeFault)>) -> Said {
-    let (mut robot, clock): (Station<SimulatedRobot>, ManualClock) = armed(preset, |setup| {
-        *setup = crate::simulated::SimulatedSetup::of_preset(preset, seed);
-    });
+    let (mut robot, clock): (GuardedController<SimulatedRobot>, ManualClock) =
+        armed(preset, |setup| {
+            *setup = crate::simulated::SimulatedSetup::of_preset(preset, seed);
+        });
     let mut run = run_of(preset, poses, seed);
     let mut said = Said::default();
     for _ in 0..1_000_000 {

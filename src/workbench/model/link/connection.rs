@@ -7,7 +7,9 @@ use tautline_link::adjusting::{Adjustment, Holds, settle_adjustment};
 use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::reconnecting::{Attempts, BackOff, Reconnect, ReconnectPolicy, Reconnected};
-use tautline_link::{Activity, Controller, ControllerState, Instrument, LinkError, Station};
+use tautline_link::{
+    Activity, Controller, ControllerState, GuardedController, Instrument, LinkError,
+};
 
 use super::message::{Doing, Lost, MeasuringRequest};
 use super::pose_tracker::PoseTracker;
@@ -26,7 +28,7 @@ const DISARMED: Duration = Duration::from_millis(500);
 
 /// A controller with what belongs to its connection.
 pub(super) struct Connection {
-    pub controller: Station<Box<dyn Controller>>,
+    pub controller: GuardedController<dyn Controller>,
     /// The laser to which the operator answers.
     pub asked: Option<ManualLaser>,
     pub instrument: Option<Box<dyn Instrument>>,
@@ -184,7 +186,7 @@ pub(super) struct BringBack<W> {
 }
 
 impl<W: FnMut(f64)> ReconnectPolicy for BringBack<W> {
-    fn bring_back(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
+    fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         self.was_lost = true;
         let mut attempts = Attempts {
             back_off: BackOff::default(),
@@ -192,7 +194,7 @@ impl<W: FnMut(f64)> ReconnectPolicy for BringBack<W> {
             late_s: LATE_S,
             wait: &mut self.wait,
         };
-        attempts.bring_back(controller)
+        attempts.restore(controller)
     }
 
     fn pause(&mut self) {

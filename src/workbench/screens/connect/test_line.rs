@@ -92,7 +92,7 @@ fn listen(
             Err(error) => Some(Err(error.to_string())),
             Ok(()) => match laser.distance_m() {
                 Some(distance_m) => Some(Ok(distance_m)),
-                None => laser.trouble().map(Err),
+                None => laser.problem().map(Err),
             },
         };
         let line = laser.line();

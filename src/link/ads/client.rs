@@ -1,7 +1,7 @@
 //! One connection: requests and answers, in as few frames as possible.
 //!
-//! The answers are taken apart here, not by the library, because that trusts the lengths in them. Whoever gets a
-//! [`Trouble::Lost`] drops the line: a late answer must never be taken for that of a later question.
+//! The answers are parsed here and not by the library, because that trusts the lengths in them. After a
+//! [`RequestError::Lost`] the client has to be dropped: a late answer must never be taken for that of a later request.
 
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::sync::Arc;
@@ -13,9 +13,9 @@ use ads::{AmsAddr, AmsNetId, Client, Timeouts, index};
 use super::address::AdsAddress;
 use super::options::AdsOptions;
 use super::probe::{OWN_PORT, probe};
-use super::symbols::Symbol;
+use super::symbols::{Place, Symbol};
 use crate::clock::Clock;
-use crate::controller::LinkError;
+use crate::error::LinkError;
 
 /// Most parts of one request; controllers allow 500.
 const PARTS: usize = 256;
@@ -26,33 +26,11 @@ const ENTRY: usize = 8192;
 /// The ADS state in which the program runs.
 const RUN: u16 = 5;
 
-/// Where bytes are.
+/// An error code of the controller: one part was refused, the connection is still good.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Place {
-    pub group: u32,
-    pub offset: u32,
-    pub size: usize,
-}
+pub(super) struct AdsCode(pub u32);
 
-impl Place {
-    /// Number that changes with the program, so that a place is never read of another program.
-    pub const VERSION: Self = Self {
-        group: index::GET_SYMVERSION,
-        offset: 0,
-        size: 1,
-    };
-
-    fn head(&self) -> [[u8; 4]; 3] {
-        let size = u32::try_from(self.size).unwrap_or(u32::MAX);
-        [self.group, self.offset, size].map(u32::to_le_bytes)
-    }
-}
-
-/// An error code of the controller: one part was refused, the connection is well.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Code(pub u32);
-
-impl Code {
+impl AdsCode {
     /// What it means, in words.
     pub fn explain(self) -> String {
         let known = ads::errors::ADS_ERRORS
@@ -68,18 +46,19 @@ impl Code {
     }
 }
 
-/// Why there is no answer.
+/// Why a request failed.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Trouble {
-    /// The connection is of no more use.
+pub(super) enum RequestError {
+    /// The connection cannot be used any more.
     Lost(LinkError),
     /// The controller refused.
-    Refused(Code),
+    Refused(AdsCode),
 }
 
-type Answer<T> = Result<T, Trouble>;
+type Answer<T> = Result<T, RequestError>;
 
-pub(super) struct Line {
+/// A connection to a controller.
+pub(super) struct AdsClient {
     client: Client,
     target: AmsAddr,
     timeout_s: f64,
@@ -88,7 +67,7 @@ pub(super) struct Line {
     sums: bool,
 }
 
-impl Line {
+impl AdsClient {
     pub fn open(
         address: &AdsAddress,
         options: &AdsOptions,
@@ -97,15 +76,14 @@ impl Line {
         let timeout = Duration::try_from_secs_f64(options.timeout_s)
             .ok()
             .filter(|timeout| !timeout.is_zero())
-            .ok_or_else(|| {
-                LinkError::Setup("the longest wait for an answer is not a positive time".to_owned())
-            })?;
+            .ok_or_else(|| LinkError::Setup("the timeout is not a positive time".to_owned()))?;
         let source = match options.own_net_id {
             None => Source::Auto,
             Some(id) => Source::Addr(AmsAddr::new(AmsNetId(id), OWN_PORT)),
         };
         let target = AmsAddr::new(AmsNetId(address.net_id), address.ams_port);
-        let mut last = LinkError::Disconnected(format!("no computer is called {:?}", address.host));
+        let mut last =
+            LinkError::Disconnected(format!("the host {:?} has no address", address.host));
         for place in places_of(address)? {
             let opened = probe(place, target, options.own_net_id, timeout).and_then(|()| {
                 Client::new(place, Timeouts::new(timeout), source)
@@ -127,20 +105,21 @@ impl Line {
         Err(last)
     }
 
-    /// Asks, and says what a failure means.
-    fn ask<T>(&self, question: impl FnOnce(Device<'_>) -> ads::Result<T>) -> Answer<T> {
+    /// Sends a request and says what a failure means.
+    fn ask<T>(&self, request: impl FnOnce(Device<'_>) -> ads::Result<T>) -> Answer<T> {
         let asked_s = self.clock.now_s();
-        question(self.client.device(self.target)).map_err(|error| match error {
-            ads::Error::Ads(_, _, code) => Trouble::Refused(Code(code)),
+        request(self.client.device(self.target)).map_err(|error| match error {
+            ads::Error::Ads(_, _, code) => RequestError::Refused(AdsCode(code)),
             ads::Error::Io(_, error) => {
-                // The library calls it a timeout, too, when the other side has closed the connection.
+                // The library reports a timeout also when the other side has closed the connection.
                 let waited_s = self.clock.now_s() - asked_s;
                 let late = error.kind() == std::io::ErrorKind::TimedOut
                     || error.kind() == std::io::ErrorKind::WouldBlock;
-                Trouble::Lost(if late && waited_s >= 0.9 * self.timeout_s {
+                RequestError::Lost(if late && waited_s >= 0.9 * self.timeout_s {
                     LinkError::Timeout(self.timeout_s)
                 } else {
-                    let text = "it closed the connection (does it have a route to this computer?)";
+                    let text =
+                        "it closed the connection (does it have an ADS route to this computer?)";
                     LinkError::Disconnected(text.to_owned())
                 })
             }
@@ -175,7 +154,7 @@ impl Line {
     }
 
     /// Reads places: the bytes of each, or why it was refused.
-    pub fn read(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, Code>>> {
+    pub fn read(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let mut all = Vec::with_capacity(places.len());
         for part in batches(places, |place| place.size) {
             let answers = match self.sums {
@@ -183,7 +162,7 @@ impl Line {
                 false => self.read_singly(part),
             };
             all.extend(match answers {
-                Err(Trouble::Refused(code)) if self.sums && code.is_unknown_request() => {
+                Err(RequestError::Refused(code)) if self.sums && code.is_unknown_request() => {
                     self.sums = false;
                     self.read_singly(part)?
                 }
@@ -193,7 +172,7 @@ impl Line {
         Ok(all)
     }
 
-    fn read_together(&self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, Code>>> {
+    fn read_together(&self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let heads: Vec<u8> = (places.iter().flat_map(|p| p.head().concat())).collect();
         let sizes: usize = places.iter().map(|place| place.size).sum();
         let mut answer = vec![0; 8 * places.len() + sizes];
@@ -204,22 +183,22 @@ impl Line {
         split(answer, places).ok_or_else(|| broken("an answer has another length than its parts"))
     }
 
-    fn read_singly(&self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, Code>>> {
+    fn read_singly(&self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let read = |place: &Place| {
             let mut bytes = vec![0; place.size];
             let asked = self.ask(|device| device.read(place.group, place.offset, &mut bytes));
             match asked {
                 Ok(length) if length == place.size => Ok(Ok(bytes)),
                 Ok(_) => Err(broken("an answer is shorter than what was asked for")),
-                Err(Trouble::Refused(code)) => Ok(Err(code)),
+                Err(RequestError::Refused(code)) => Ok(Err(code)),
                 Err(lost) => Err(lost),
             }
         };
         places.iter().map(read).collect()
     }
 
-    /// Writes places in their order, and ends after the batch of the first that was refused: its index is told.
-    pub fn write(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (Trouble, usize)> {
+    /// Writes places in their order and stops after the batch of the first that is refused, whose index is returned.
+    pub fn write(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         let mut done = 0;
         for part in batches(values, |(place, _)| place.size) {
             let written = match self.sums {
@@ -227,7 +206,7 @@ impl Line {
                 false => self.write_singly(part),
             };
             match written {
-                Err((Trouble::Refused(code), _))
+                Err((RequestError::Refused(code), _))
                     if self.sums && code.is_unknown_request() && !self.knows_sums() =>
                 {
                     self.sums = false;
@@ -235,7 +214,7 @@ impl Line {
                 }
                 written => written,
             }
-            .map_err(|(trouble, index)| (trouble, done + index))?;
+            .map_err(|(error, index)| (error, done + index))?;
             done += part.len();
         }
         Ok(())
@@ -246,7 +225,7 @@ impl Line {
         self.read_together(&[Place::VERSION]).is_ok()
     }
 
-    fn write_together(&self, values: &[(Place, Vec<u8>)]) -> Result<(), (Trouble, usize)> {
+    fn write_together(&self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         let heads = values.iter().flat_map(|(place, _)| place.head().concat());
         let bytes = values.iter().flat_map(|(_, bytes)| bytes.iter().copied());
         let request: Vec<u8> = heads.chain(bytes).collect();
@@ -254,44 +233,47 @@ impl Line {
         let count = u32::try_from(values.len()).unwrap_or(u32::MAX);
         let asked =
             self.ask(|device| device.write_read(index::SUMUP_WRITE, count, &request, &mut answer));
-        let length = asked.map_err(|trouble| (trouble, 0))?;
+        let length = asked.map_err(|error| (error, 0))?;
         if length != answer.len() {
             return Err((broken("an answer has another length than its parts"), 0));
         }
         let codes = answer.chunks_exact(4).map(word);
         match codes.enumerate().find(|(_, code)| *code != 0) {
-            Some((index, code)) => Err((Trouble::Refused(Code(code)), index)),
+            Some((index, code)) => Err((RequestError::Refused(AdsCode(code)), index)),
             None => Ok(()),
         }
     }
 
-    fn write_singly(&self, values: &[(Place, Vec<u8>)]) -> Result<(), (Trouble, usize)> {
+    fn write_singly(&self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         for (index, (place, bytes)) in values.iter().enumerate() {
             self.ask(|device| device.write(place.group, place.offset, bytes))
-                .map_err(|trouble| (trouble, index))?;
+                .map_err(|error| (error, index))?;
         }
         Ok(())
     }
 }
 
-fn broken(what: &str) -> Trouble {
-    Trouble::Lost(LinkError::Disconnected(format!(
-        "its answer cannot be understood: {what}"
+fn broken(what: &str) -> RequestError {
+    RequestError::Lost(LinkError::Disconnected(format!(
+        "its answer is invalid: {what}"
     )))
 }
 
 fn places_of(address: &AdsAddress) -> Result<Vec<SocketAddr>, LinkError> {
     let found = (address.host.as_str(), address.port).to_socket_addrs();
     let found = found.map_err(|error| {
-        LinkError::Disconnected(format!("the host {:?} is not known: {error}", address.host))
+        LinkError::Disconnected(format!(
+            "the host {:?} cannot be found ({error})",
+            address.host
+        ))
     })?;
     Ok(found.collect())
 }
 
 fn unreachable(place: SocketAddr, error: &ads::Error) -> String {
     match error {
-        ads::Error::Io(_, error) => format!("{place} cannot be reached: {error}"),
-        error => format!("{place} cannot be reached: {error}"),
+        ads::Error::Io(_, error) => format!("{place} cannot be reached ({error})"),
+        error => format!("{place} cannot be reached ({error})"),
     }
 }
 
@@ -317,9 +299,9 @@ fn batches<T>(list: &[T], size: impl Fn(&T) -> usize) -> Vec<&[T]> {
     parts
 }
 
-/// The parts of an answer: an error and a length for each, then the bytes, those of a refused part filled up or left
-/// out, as the controller likes.
-fn split(answer: &[u8], places: &[Place]) -> Option<Vec<Result<Vec<u8>, Code>>> {
+/// The parts of an answer: an error and a length for each, then the bytes. Controllers either pad or leave out the bytes
+/// of a refused part.
+fn split(answer: &[u8], places: &[Place]) -> Option<Vec<Result<Vec<u8>, AdsCode>>> {
     let (heads, mut rest) = answer.split_at_checked(8 * places.len())?;
     let heads: Vec<(u32, usize)> = heads
         .chunks_exact(8)
@@ -334,7 +316,7 @@ fn split(answer: &[u8], places: &[Place]) -> Option<Vec<Result<Vec<u8>, Code>>> 
         parts.push(match error {
             0 if length == place.size => Ok(bytes.to_vec()),
             0 => return None,
-            code => Err(Code(code)),
+            code => Err(AdsCode(code)),
         });
     }
     rest.is_empty().then_some(parts)
@@ -362,7 +344,7 @@ mod tests {
     #[test]
     fn answers_are_split_whether_refused_parts_are_filled_up_or_not() {
         let heads = [(0, 4), (0x710, 0), (0, 1)];
-        let expected = Some(vec![Ok(vec![1, 2, 3, 4]), Err(Code(0x710)), Ok(vec![9])]);
+        let expected = Some(vec![Ok(vec![1, 2, 3, 4]), Err(AdsCode(0x710)), Ok(vec![9])]);
         let filled = answer(&heads, &[1, 2, 3, 4, 0, 0, 9]);
         assert_eq!(split(&filled, &places()), expected);
         let left_out = answer(&heads, &[1, 2, 3, 4, 9]);
@@ -394,7 +376,13 @@ mod tests {
 
     #[test]
     fn codes_are_told_with_their_meaning() {
-        assert_eq!(Code(0x710).explain(), "Symbol not found (ADS error 0x710)");
-        assert_eq!(Code(0x9999).explain(), "unknown error (ADS error 0x9999)");
+        assert_eq!(
+            AdsCode(0x710).explain(),
+            "Symbol not found (ADS error 0x710)"
+        );
+        assert_eq!(
+            AdsCode(0x9999).explain(),
+            "unknown error (ADS error 0x9999)"
+        );
     }
 }

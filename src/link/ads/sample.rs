@@ -1,33 +1,33 @@
-//! What the bytes of a sample say of the robot and of the controller.
+//! Symbol values to readings and to the state of the controller.
 
 use super::layout::{Channel, ReadingSlots, StatusSlots};
-use super::live::Raw;
 use super::pose::pose_of;
+use super::program::SymbolValues;
 use crate::controller::Sample;
 
-/// What the controller told of itself last.
+/// State of the controller when it was last read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Status {
     pub moving: Option<bool>,
     pub fault: Option<String>,
     pub acknowledged: u32,
-    /// Whether motion and writing are still allowed, where that is told.
+    /// Whether motion and writing are still allowed; true where there is no such symbol.
     pub released: bool,
 }
 
-fn values(raw: &Raw<'_>, channel: &Channel) -> Vec<f64> {
+fn values(raw: &SymbolValues<'_>, channel: &Channel) -> Vec<f64> {
     let slots = channel.slots.iter();
     slots
         .map(|slot| raw.number(*slot) * channel.scale + channel.offset)
         .collect()
 }
 
-fn value(raw: &Raw<'_>, channel: &Option<Channel>) -> Option<f64> {
+fn value(raw: &SymbolValues<'_>, channel: &Option<Channel>) -> Option<f64> {
     values(raw, channel.as_ref()?).first().copied()
 }
 
-/// The readings; the time is 0 where the controller does not tell it.
-pub(super) fn sample_of(raw: &Raw<'_>, slots: &ReadingSlots) -> Sample {
+/// The readings; the time is 0 where the controller has none.
+pub(super) fn sample_of(raw: &SymbolValues<'_>, slots: &ReadingSlots) -> Sample {
     let list = |channel: &Option<Channel>| channel.as_ref().map(|c| values(raw, c));
     let laser_valid = slots.laser_valid.is_none_or(|slot| raw.number(slot) == 1.0);
     Sample {
@@ -45,13 +45,13 @@ pub(super) fn sample_of(raw: &Raw<'_>, slots: &ReadingSlots) -> Sample {
     }
 }
 
-pub(super) fn status_of(raw: &Raw<'_>, slots: &StatusSlots) -> Status {
+pub(super) fn status_of(raw: &SymbolValues<'_>, slots: &StatusSlots) -> Status {
     let fault = slots.fault.map(|slot| raw.number(slot));
     let fault = fault.filter(|code| *code != 0.0).map(|code| {
         let text = slots.fault_text.map(|slot| raw.text(slot));
         match text.filter(|text| !text.trim().is_empty()) {
-            Some(text) => format!("{} (number {code})", text.trim()),
-            None => format!("number {code}"),
+            Some(text) => format!("{} (code {code})", text.trim()),
+            None => format!("code {code}"),
         }
     });
     Status {

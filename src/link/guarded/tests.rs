@@ -45,7 +45,7 @@ struct Bad {
 }
 
 impl Bad {
-    fn station(preset: &Preset) -> Station<Self> {
+    fn station(preset: &Preset) -> GuardedController<Self> {
         let cables = preset.robot.cable_count();
         let sample = Sample {
             time_s: 0.0,
@@ -65,7 +65,7 @@ impl Bad {
             loses: false,
             heard: Vec::new(),
         };
-        Station::new(bad, limits(preset))
+        GuardedController::new(Box::new(bad), limits(preset))
     }
 
     fn hear(&mut self, what: &'static str) -> Result<(), LinkError> {
@@ -124,7 +124,10 @@ impl Controller for Bad {
 }
 
 /// What nothing but an armed station lets through.
-fn moves_and_writes(station: &mut Station<Bad>, pose: &Pose) -> [Result<(), LinkError>; 3] {
+fn moves_and_writes(
+    station: &mut GuardedController<Bad>,
+    pose: &Pose,
+) -> [Result<(), LinkError>; 3] {
     let values = [("laser.target_plane.offset_m".to_owned(), 0.5)];
     [
         station.home(),
@@ -162,7 +165,7 @@ fn a_connection_that_comes_back_by_itself_is_not_armed() {
     let preset = preset("mini");
     let pose = preset.workspace.centre;
     // It shows in the state, or in an answer.
-    let losses: [fn(&mut Station<Bad>); 4] = [
+    let losses: [fn(&mut GuardedController<Bad>); 4] = [
         |station| {
             station.inner.activity = Activity::Disconnected;
             assert!(!station.state().armed);
@@ -183,7 +186,7 @@ fn a_connection_that_comes_back_by_itself_is_not_armed() {
             station.sample().unwrap();
             station.inner.sample.time_s = 1.0;
             let told = station.sample().unwrap_err().to_string();
-            assert!(told.contains("its clock went back"), "{told}");
+            assert!(told.contains("its clock ran backwards"), "{told}");
             station.sample().unwrap();
             station.inner.armed = true;
         },
@@ -285,13 +288,13 @@ impl LaserSource for Shown {
     fn latest(&self) -> Option<LaserReading> {
         *self.reading.lock().unwrap()
     }
-    fn fresh_s(&self) -> f64 {
+    fn max_age_s(&self) -> f64 {
         1.0
     }
-    fn leave(&mut self) {
+    fn discard_reading(&mut self) {
         *self.reading.lock().unwrap() = None;
     }
-    fn trouble(&self) -> Option<String> {
+    fn problem(&self) -> Option<String> {
         Some("it blinks".to_owned())
     }
 }
@@ -321,9 +324,9 @@ fn a_laser_beside_the_controller_stands_in_for_its_own() {
         set(age_s, distance_m);
         assert_eq!(station.sample().unwrap().laser_m, None);
     }
-    assert_eq!(station.laser_trouble(), Some("it blinks".to_owned()));
+    assert_eq!(station.laser_problem(), Some("it blinks".to_owned()));
     station.arm().unwrap();
-    for way in [Controller::home, |s: &mut Station<Bad>| {
+    for way in [Controller::home, |s: &mut GuardedController<Bad>| {
         let centre = s.limits().workspace.centre;
         s.command(&centre)
     }] {

@@ -1,10 +1,10 @@
-//! A controller as the rest of the program uses it: with our own rules about it, whatever the controller itself allows.
+//! A controller as the rest of the program uses it: with rules of our own, whatever the controller itself allows.
 //!
-//! * No pose outside the limits is commanded, and a cable that pulls too hard stops the motion.
+//! * No pose outside the limits is commanded, and an overloaded cable stops the motion.
 //! * Nothing moves and nothing is written unless it was armed here, in this connection: a controller that lost its
-//!   connection and found it again by itself is not armed, even where it says so.
+//!   connection and re-established it by itself is not armed, even if it reports that it is.
 //! * Readings have the channels that the robot has.
-//! * A laser beside the controller stands in for the controller's own.
+//! * An external laser replaces the controller's own.
 
 #[cfg(test)]
 mod tests;
@@ -13,27 +13,28 @@ use std::cell::Cell;
 
 use tautline_core::geometry::Pose;
 
-use crate::controller::{Activity, Controller, ControllerState, LinkError, Sample};
+use crate::controller::{Activity, Controller, ControllerState, Sample};
+use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
 use crate::parameters::ParameterInfo;
 
-/// A controller with our own limits, the laser beside it and what was read last.
-pub struct Station<C> {
-    inner: C,
+/// A controller behind our own limits, with the external laser and the latest sample.
+pub struct GuardedController<C: ?Sized> {
+    inner: Box<C>,
     limits: Limits,
     laser: Option<Box<dyn LaserSource>>,
     last: Option<Sample>,
-    /// Whether a cable pulled too hard when last sampled: said once, so that the operator can still see and move.
+    /// Whether a cable was overloaded in the latest sample: reported once, so that the operator can still see and move.
     overloaded: bool,
-    /// Whether it was armed here and no end of the connection was seen since, not even by asking for the state.
+    /// Whether it was armed here and the connection was not seen to end since, not even by reading the state.
     armed: Cell<bool>,
 }
 
-impl<C: Controller> Station<C> {
-    /// A station around a controller.
+impl<C: Controller + ?Sized> GuardedController<C> {
+    /// A guard around a controller.
     #[must_use]
-    pub fn new(inner: C, limits: Limits) -> Self {
+    pub fn new(inner: Box<C>, limits: Limits) -> Self {
         Self {
             inner,
             limits,
@@ -44,7 +45,7 @@ impl<C: Controller> Station<C> {
         }
     }
 
-    /// The same station with a laser whose distance stands in for that of the controller.
+    /// The same controller with an external laser whose distance replaces its own.
     #[must_use]
     pub fn with_laser(mut self, laser: Option<Box<dyn LaserSource>>) -> Self {
         self.laser = laser;
@@ -57,13 +58,13 @@ impl<C: Controller> Station<C> {
         &self.limits
     }
 
-    /// The laser beside the controller.
+    /// The external laser.
     #[must_use]
     pub fn laser(&self) -> Option<&dyn LaserSource> {
         self.laser.as_deref()
     }
 
-    /// What was read last in this connection.
+    /// The latest sample of this connection.
     #[must_use]
     pub fn last(&self) -> Option<&Sample> {
         self.last.as_ref()
@@ -74,7 +75,7 @@ impl<C: Controller> Station<C> {
         &mut self.inner
     }
 
-    /// What an answer says about the connection: arming ends with it.
+    /// Passes an answer on; a lost connection disarms.
     fn noted<T>(&self, answer: Result<T, LinkError>) -> Result<T, LinkError> {
         if answer.as_ref().is_err_and(LinkError::is_disconnection) {
             self.armed.set(false);
@@ -82,7 +83,7 @@ impl<C: Controller> Station<C> {
         answer
     }
 
-    /// Whether it may move and change values; a controller that believes so alone is disarmed.
+    /// Whether it may move and change values; a controller that is armed on its own side only is disarmed.
     fn check_armed(&mut self) -> Result<(), LinkError> {
         let inner = self.inner.state();
         let state = self.state();
@@ -102,16 +103,16 @@ impl<C: Controller> Station<C> {
         }
     }
 
-    /// Ends what belongs to a connection.
+    /// Resets what belongs to a connection.
     fn forget(&mut self) {
         self.armed.set(false);
         self.last = None;
         self.overloaded = false;
     }
 
-    fn leave(&mut self) {
+    fn discard_reading(&mut self) {
         if let Some(laser) = &mut self.laser {
-            laser.leave();
+            laser.discard_reading();
         }
     }
 
@@ -123,7 +124,7 @@ impl<C: Controller> Station<C> {
             return Err(LinkError::Refused(text));
         }
         let swivels = sample.swivel_rad.as_ref().map_or(cables, Vec::len);
-        // No forces at all are those of a robot without sensors.
+        // A robot without force sensors has no forces at all.
         let forces = Some(sample.force_n.len()).filter(|count| *count > 0);
         for (what, count) in [
             ("revolutions", sample.revolutions.len()),
@@ -131,7 +132,7 @@ impl<C: Controller> Station<C> {
             ("swivel angles", swivels),
         ] {
             if count != cables {
-                let text = format!("it told {count} {what} of a robot with {cables} cables");
+                let text = format!("it sent {count} {what} for a robot with {cables} cables");
                 return Err(LinkError::Refused(text));
             }
         }
@@ -139,12 +140,12 @@ impl<C: Controller> Station<C> {
     }
 }
 
-impl<C: Controller> Controller for Station<C> {
+impl<C: Controller + ?Sized> Controller for GuardedController<C> {
     fn identity(&self) -> String {
         self.inner.identity()
     }
 
-    /// As that of the controller; where there is a laser beside it, both are connected or none.
+    /// Connects the controller and the external laser, both or neither.
     fn connect(&mut self) -> Result<(), LinkError> {
         self.forget();
         self.inner.connect()?;
@@ -198,8 +199,8 @@ impl<C: Controller> Controller for Station<C> {
         self.inner.disarm();
     }
 
-    /// As that of the controller, unless its clock went back: then it is disarmed. Where a cable begins to pull too hard the platform is stopped and the
-    /// error returned, once.
+    /// The controller's sample with the external laser. A clock that runs backwards disarms the controller; a cable that
+    /// becomes overloaded stops the platform and is an error once.
     fn sample(&mut self) -> Result<Sample, LinkError> {
         let sample = self.inner.sample();
         let mut sample = self.noted(sample)?;
@@ -207,12 +208,12 @@ impl<C: Controller> Controller for Station<C> {
         if let Some(laser) = &self.laser {
             sample.laser_m = laser.distance_m();
         }
-        // A clock that goes back is that of a controller which was started anew.
+        // A clock that runs backwards belongs to a controller that was restarted.
         let back = (self.last.as_ref()).is_some_and(|last| sample.time_s < last.time_s);
         self.last = Some(sample.clone());
         if back {
             self.disarm();
-            let text = "its clock went back, so it was started anew: arm it again";
+            let text = "its clock ran backwards, so it was restarted: arm it again";
             return Err(LinkError::Refused(text.to_owned()));
         }
         let checked = self.limits.check_forces(&sample.force_n);
@@ -226,17 +227,17 @@ impl<C: Controller> Controller for Station<C> {
 
     fn home(&mut self) -> Result<(), LinkError> {
         self.check_armed()?;
-        self.leave();
-        let told = self.inner.home();
-        self.noted(told)
+        self.discard_reading();
+        let answer = self.inner.home();
+        self.noted(answer)
     }
 
     fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
         self.check_armed()?;
         self.limits.check_pose(pose)?;
-        self.leave();
-        let told = self.inner.command(pose);
-        self.noted(told)
+        self.discard_reading();
+        let answer = self.inner.command(pose);
+        self.noted(answer)
     }
 
     fn stop(&mut self) -> Result<(), LinkError> {
@@ -245,13 +246,13 @@ impl<C: Controller> Controller for Station<C> {
     }
 
     fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
-        let told = self.inner.parameters();
-        self.noted(told)
+        let answer = self.inner.parameters();
+        self.noted(answer)
     }
 
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
-        let told = self.inner.read(names);
-        self.noted(told)
+        let answer = self.inner.read(names);
+        self.noted(answer)
     }
 
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
@@ -267,10 +268,10 @@ impl<C: Controller> Controller for Station<C> {
         self.noted(written)
     }
 
-    fn laser_trouble(&self) -> Option<String> {
+    fn laser_problem(&self) -> Option<String> {
         match &self.laser {
-            Some(laser) => laser.trouble(),
-            None => self.inner.laser_trouble(),
+            Some(laser) => laser.problem(),
+            None => self.inner.laser_problem(),
         }
     }
 }

@@ -1,0 +1,51 @@
+//! Errors of controllers and instruments.
+
+/// Why a controller or instrument did not do what was asked, as one sentence for the operator.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LinkError {
+    /// There is no connection, or it broke.
+    #[error("the connection to the controller is lost: {0}")]
+    Disconnected(String),
+    /// No answer in time.
+    #[error("the controller did not answer within {0:.1} s")]
+    Timeout(f64),
+    /// The controller is not armed.
+    #[error("the controller is not armed: arm it before it may move or change values")]
+    NotArmed,
+    /// The controller cannot do it at present.
+    #[error("the controller refused: {0}")]
+    Refused(String),
+    /// The controller reports a fault.
+    #[error("the controller reports a fault: {0}")]
+    Fault(String),
+    /// A pose or tension outside the limits.
+    #[error("outside the limits: {0}")]
+    Limit(String),
+    /// No parameter of this name.
+    #[error("the controller has no parameter \"{0}\"")]
+    UnknownParameter(String),
+    /// A value that no parameter can have.
+    #[error("parameter \"{name}\" cannot be {value}: {reason}")]
+    InvalidValue {
+        /// Name of the parameter.
+        name: String,
+        /// The value.
+        value: f64,
+        /// Why not.
+        reason: String,
+    },
+    /// A laser distance sensor of its own cannot be used.
+    #[error("the laser distance sensor: {0}")]
+    Laser(String),
+    /// A controller or run cannot be set up.
+    #[error("{0}")]
+    Setup(String),
+}
+
+impl LinkError {
+    /// Whether the connection has to be established again.
+    #[must_use]
+    pub fn is_disconnection(&self) -> bool {
+        matches!(self, Self::Disconnected(_))
+    }
+}
