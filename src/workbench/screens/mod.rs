@@ -3,7 +3,7 @@
 pub mod adjustment;
 pub mod compare;
 pub mod connect;
-mod desk;
+mod bench_panel;
 pub mod identification;
 pub mod measuring;
 pub mod modeling;

@@ -32,6 +32,50 @@ pub struct RowField {
     pub expects: &'static str,
 }
 
+impl RowField {
+    /// A column of numbers, of which any is possible.
+    #[must_use]
+    pub const fn new(title: &'static str, unit: &'static str, decimals: usize) -> Self {
+        Self {
+            title,
+            unit,
+            per_si: 1.0,
+            decimals,
+            optional: false,
+            accepts: f64::is_finite,
+            expects: "a number",
+        }
+    }
+
+    /// A column of lengths in millimetres.
+    #[must_use]
+    pub const fn millimetres(title: &'static str, decimals: usize) -> Self {
+        Self {
+            per_si: 1e3,
+            ..Self::new(title, "mm", decimals)
+        }
+    }
+
+    /// The same for certain values only (SI units), which are described in words.
+    #[must_use]
+    pub const fn accepting(self, accepts: fn(f64) -> bool, expects: &'static str) -> Self {
+        Self {
+            accepts,
+            expects,
+            ..self
+        }
+    }
+
+    /// The same with cells that may be empty.
+    #[must_use]
+    pub const fn optional(self) -> Self {
+        Self {
+            optional: true,
+            ..self
+        }
+    }
+}
+
 /// What the operator did.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RowsEdit {
@@ -43,6 +87,39 @@ pub enum RowsEdit {
     Remove(usize),
     /// Typed something that cannot be understood; one sentence.
     Wrong(String),
+}
+
+impl RowsEdit {
+    /// Makes the edit in a list, of which the editor shows the items that `is_shown`. What does not make an item, because a
+    /// number is missing, is left out.
+    pub fn apply<T>(
+        self,
+        list: &mut Vec<T>,
+        is_shown: impl Fn(&T) -> bool,
+        numbers: impl Fn(&T) -> Numbers,
+        item: impl Fn(Numbers) -> Option<T>,
+    ) {
+        let place = |row: usize| (0..list.len()).filter(|k| is_shown(&list[*k])).nth(row);
+        match self {
+            Self::Set(row, column, value) => {
+                let changed = place(row).and_then(|k| {
+                    let mut numbers = numbers(&list[k]);
+                    numbers[column] = value;
+                    Some((k, item(numbers)?))
+                });
+                if let Some((k, changed)) = changed {
+                    list[k] = changed;
+                }
+            }
+            Self::Add(rows) => list.extend(rows.into_iter().filter_map(item)),
+            Self::Remove(row) => {
+                if let Some(k) = place(row) {
+                    list.remove(k);
+                }
+            }
+            Self::Wrong(_) => {}
+        }
+    }
 }
 
 /// The rows of an editor.
@@ -279,33 +356,11 @@ mod tests {
     use super::*;
 
     const FIELDS: [RowField; 3] = [
-        RowField {
-            title: "Revolutions",
-            unit: "",
-            per_si: 1.0,
-            decimals: 3,
-            optional: false,
-            accepts: f64::is_finite,
-            expects: "a number",
-        },
-        RowField {
-            title: "Length",
-            unit: "mm",
-            per_si: 1e3,
-            decimals: 3,
-            optional: false,
-            accepts: |value| value.abs() <= 1e3,
-            expects: "at most 1 km",
-        },
-        RowField {
-            title: "Tension",
-            unit: "N",
-            per_si: 1.0,
-            decimals: 1,
-            optional: true,
-            accepts: |value| value >= 0.0,
-            expects: "0 or more",
-        },
+        RowField::new("Revolutions", "", 3),
+        RowField::millimetres("Length", 3).accepting(|value| value.abs() <= 1e3, "at most 1 km"),
+        RowField::new("Tension", "N", 1)
+            .accepting(|value| value >= 0.0, "0 or more")
+            .optional(),
     ];
 
     #[test]

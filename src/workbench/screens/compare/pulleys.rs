@@ -6,7 +6,7 @@ use tautline_core::comparison::{Comparison, PulleyDifference, Test};
 
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Model, Selection};
-use crate::screens::desk::decimals_for;
+use crate::screens::bench_panel::decimals_for;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 

@@ -4,8 +4,7 @@ use egui::Ui;
 use tautline_core::cable::ElongationSurface;
 use tautline_session::{ElongationPoint, PhaseData};
 
-use crate::screens::desk::{Desk, or_dash};
-use crate::screens::precalibration::Typed;
+use crate::screens::bench_panel::{Bench, TableInput, or_dash};
 use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{
@@ -16,33 +15,15 @@ use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Po
 use tautline_workflow::precalibration::{ElongationFit, Table};
 
 const FIELDS: [RowField; 3] = [
-    RowField {
-        title: "Length",
-        unit: "mm",
-        per_si: 1e3,
-        decimals: 1,
-        optional: false,
-        accepts: |value| value > 0.0 && value <= 1e3,
-        expects: "more than 0 and at most 1 km",
-    },
-    RowField {
-        title: "Tension",
-        unit: "N",
-        per_si: 1.0,
-        decimals: 2,
-        optional: false,
-        accepts: |value| value >= 0.0,
-        expects: "a tension of 0 or more",
-    },
-    RowField {
-        title: "Elongation",
-        unit: "mm",
-        per_si: 1e3,
-        decimals: 4,
-        optional: false,
-        accepts: |value| value.abs() < 1e3,
-        expects: "less than the length of the cable",
-    },
+    RowField::millimetres("Length", 1).accepting(
+        |value| value > 0.0 && value <= 1e3,
+        "more than 0 and at most 1 km",
+    ),
+    RowField::new("Tension", "N", 2).accepting(|value| value >= 0.0, "a tension of 0 or more"),
+    RowField::millimetres("Elongation", 4).accepting(
+        |value| value.abs() < 1e3,
+        "less than the length of the cable",
+    ),
 ];
 
 /// Colours of the slices, one for each length at which the surface is drawn.
@@ -53,12 +34,12 @@ const NEAR: f64 = 0.02;
 const STEPS: usize = 32;
 
 /// Draws the part.
-pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
-    desk.import(ui, Table::Elongation, &mut typed.path);
-    let calibration = desk.calibration;
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
+    bench.import(ui, Table::Elongation, &mut input.path);
+    let calibration = bench.calibration;
     match &calibration.elongation {
         None => {
-            let now = now(desk);
+            let now = now(bench);
             muted(
                 ui,
                 &format!(
@@ -70,20 +51,20 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
         Some(Ok(fit)) => {
             judge(ui, fit);
             degrees(ui, fit);
-            let now = now(desk);
+            let now = now(bench);
             muted(ui, &format!("At present {now}."));
             let proposal = &calibration.with_elongation;
-            desk.propose(ui, proposal, "Use this surface", "use measured elongation");
-            slices(ui, desk, &fit.choice.surface);
-            residuals(ui, desk, fit);
+            bench.propose(ui, proposal, "Use this surface", "use measured elongation");
+            slices(ui, bench, &fit.choice.surface);
+            residuals(ui, bench, fit);
         }
     }
-    points(ui, desk, typed);
+    points(ui, bench, input);
 }
 
 /// What the robot has, in words.
-fn now(desk: &Desk<'_>) -> String {
-    let cables = desk.robot().cables.iter().map(|cable| &cable.cable);
+fn now(bench: &Bench<'_>) -> String {
+    let cables = bench.robot().cables.iter().map(|cable| &cable.cable);
     let surfaces = cables.clone().filter_map(|c| c.elongation_surface.as_ref());
     if let Some(surface) = surfaces.clone().next() {
         let (degree, count) = (surface.degree, surfaces.count());
@@ -161,12 +142,12 @@ fn degrees(ui: &mut Ui, fit: &ElongationFit) {
     );
 }
 
-fn slices(ui: &mut Ui, desk: &Desk<'_>, surface: &ElongationSurface) {
+fn slices(ui: &mut Ui, bench: &Bench<'_>, surface: &ElongationSurface) {
     section(ui, "Slices at four measured lengths");
     let spread = |k: usize, count: usize, centre: f64, scale: f64| {
         centre + scale * (2.0 * k as f64 / (count - 1) as f64 - 1.0)
     };
-    let points = &desk.session().phases.elongation;
+    let points = &bench.session().phases.elongation;
     let (mut series, mut curves) = (Vec::new(), Vec::new());
     for (slice, ink) in INKS.into_iter().enumerate() {
         let wanted = spread(
@@ -204,13 +185,13 @@ fn slices(ui: &mut Ui, desk: &Desk<'_>, surface: &ElongationSurface) {
         ..Figure::default()
     };
     let name = "Slices of the elongation surface";
-    small::show(ui, name, &figure, 200.0, desk.selection);
+    small::show(ui, name, &figure, 200.0, bench.selection);
 }
 
-fn residuals(ui: &mut Ui, desk: &Desk<'_>, fit: &ElongationFit) {
+fn residuals(ui: &mut Ui, bench: &Bench<'_>, fit: &ElongationFit) {
     section(ui, "Residuals");
     let surface = &fit.choice.surface;
-    let points = desk.session().phases.elongation.iter();
+    let points = bench.session().phases.elongation.iter();
     let points = points
         .zip(&fit.residuals_m)
         .map(|(point, residual)| Point::new(point.tension_n, residual * 1e3));
@@ -238,7 +219,7 @@ fn residuals(ui: &mut Ui, desk: &Desk<'_>, fit: &ElongationFit) {
         "Residuals of the elongation",
         &figure,
         152.0,
-        desk.selection,
+        bench.selection,
     );
     muted(
         ui,
@@ -246,14 +227,11 @@ fn residuals(ui: &mut Ui, desk: &Desk<'_>, fit: &ElongationFit) {
     );
 }
 
-fn points(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
+fn points(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     section(ui, "Measured points");
-    let points = &desk.session().phases.elongation;
-    let numbers: Vec<Numbers> = points
-        .iter()
-        .map(|p| [Some(p.length_m), Some(p.tension_n), Some(p.elongation_m)])
-        .collect();
-    let fit = desk.calibration.elongation.as_ref();
+    let points = &bench.session().phases.elongation;
+    let numbers: Vec<Numbers> = points.iter().map(numbers).collect();
+    let fit = bench.calibration.elongation.as_ref();
     let fit = fit.and_then(|fit| fit.as_ref().ok());
     let remarks: Vec<String> = fit
         .iter()
@@ -267,33 +245,22 @@ fn points(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
         remarks: ("Residual", "mm"),
         remark: &remarks,
     };
-    if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
-        desk.edit_rows("point", edit, change);
+    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
+        bench.edit_rows("point", edit, change);
     }
 }
 
+fn numbers(point: &ElongationPoint) -> Numbers {
+    [point.length_m, point.tension_n, point.elongation_m].map(Some)
+}
+
 fn change(phases: &mut PhaseData, edit: RowsEdit) {
-    let points = &mut phases.elongation;
-    match edit {
-        RowsEdit::Set(row, column, Some(value)) => {
-            if let Some(point) = points.get_mut(row) {
-                match column {
-                    0 => point.length_m = value,
-                    1 => point.tension_n = value,
-                    _ => point.elongation_m = value,
-                }
-            }
-        }
-        RowsEdit::Add(rows) => points.extend(rows.into_iter().filter_map(|row| {
-            Some(ElongationPoint {
-                length_m: row[0]?,
-                tension_n: row[1]?,
-                elongation_m: row[2]?,
-            })
-        })),
-        RowsEdit::Remove(row) if row < points.len() => {
-            points.remove(row);
-        }
-        _ => {}
-    }
+    let point = |[length_m, tension_n, elongation_m]: Numbers| {
+        Some(ElongationPoint {
+            length_m: length_m?,
+            tension_n: tension_n?,
+            elongation_m: elongation_m?,
+        })
+    };
+    edit.apply(&mut phases.elongation, |_| true, numbers, point);
 }

@@ -8,7 +8,7 @@ use tautline_core::kinematics::{
 use tautline_core::robot::Robot;
 
 use super::pose;
-use crate::screens::desk::{Desk, or_dash};
+use crate::screens::bench_panel::{Bench, or_dash};
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{Cell, Column, Verdict, muted, table, verdict};
 
@@ -18,15 +18,15 @@ const BAR: f32 = 3.0 * GRID;
 const LEAST: f32 = 3.0;
 
 /// Draws the part.
-pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
-    let Some(shown) = pose::shown(desk) else {
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let Some(shown) = pose::shown(bench) else {
         muted(
             ui,
             "Select a pose to see where the length of its cables goes: this robot has no home pose.",
         );
         return;
     };
-    let shares = match shares(desk.robot(), &shown.pose, shown.tensions_n.as_deref()) {
+    let shares = match shares(bench.robot(), &shown.pose, shown.tensions_n.as_deref()) {
         Ok(shares) => shares,
         Err(error) => return verdict(ui, Verdict::Bad, &format!("{error}.")),
     };
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
     legend(ui);
     let longest = shares.iter().map(total).fold(1e-9, f64::max);
     for (cable, share) in shares.iter().enumerate() {
-        bar(ui, desk, cable, share, longest);
+        bar(ui, bench, cable, share, longest);
     }
     muted(
         ui,
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
     for reason in reasons(&shares) {
         verdict(ui, Verdict::Neutral, &format!("{reason}."));
     }
-    numbers(ui, desk, &shares);
+    numbers(ui, bench, &shares);
 }
 
 /// The length of a cable, part by part.
@@ -164,18 +164,18 @@ fn legend(ui: &mut Ui) {
     });
 }
 
-fn bar(ui: &mut Ui, desk: &mut Desk<'_>, cable: usize, share: &Share, longest: f64) {
+fn bar(ui: &mut Ui, bench: &mut Bench<'_>, cable: usize, share: &Share, longest: f64) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), BAR + 2.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    let title = desk.cable_name(cable);
+    let title = bench.cable_name(cable);
     let words: Vec<String> = parts(share)
         .iter()
         .map(|(name, metres)| format!("{} {:.3} mm", name.to_lowercase(), metres * 1e3))
         .collect();
     let text = format!("{title}: {}", words.join(", "));
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
-    let selected = desk.selection.cable == Some(cable);
+    let selected = bench.selection.cable == Some(cable);
     if selected || response.hovered() || response.has_focus() {
         ui.painter().rect_filled(rect, 2.0, palette.raised);
     }
@@ -199,11 +199,11 @@ fn bar(ui: &mut Ui, desk: &mut Desk<'_>, cable: usize, share: &Share, longest: f
         x += wide;
     }
     if response.on_hover_text(words.join("\n")).clicked() {
-        desk.select_cable(cable);
+        bench.select_cable(cable);
     }
 }
 
-fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[Share]) {
+fn numbers(ui: &mut Ui, bench: &mut Bench<'_>, shares: &[Share]) {
     let columns = [
         Column::words("Cable"),
         Column::number("Free span", "mm"),
@@ -218,7 +218,7 @@ fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[Share]) {
         .map(|(cable, share)| {
             let load = share.under_load.as_ref().ok();
             vec![
-                desk.cable_cell(ui, cable),
+                bench.cable_cell(ui, cable),
                 Cell::new(format!("{:.1}", share.free_m * 1e3)),
                 Cell::new(format!("{:.2}", share.wrapped_m * 1e3)),
                 or_dash(load.map(|load| load.elastic_m * 1e3), 3),
@@ -227,9 +227,9 @@ fn numbers(ui: &mut Ui, desk: &mut Desk<'_>, shares: &[Share]) {
             ]
         })
         .collect();
-    let chosen = desk.selection.cable;
+    let chosen = bench.selection.cable;
     if let Some(cable) = table(ui, &columns, &rows, chosen).clicked {
-        desk.select_cable(cable);
+        bench.select_cable(cable);
     }
 }
 

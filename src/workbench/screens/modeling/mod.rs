@@ -6,16 +6,13 @@ mod pose;
 mod pulley_picture;
 mod pulleys;
 
-use std::sync::Arc;
-
 use egui::Ui;
 
-use super::desk::Desk;
-use super::precalibration::Typed;
+use super::bench_panel::{Bench, TableInput};
 use crate::model::phase::{PhaseStatus, Progress};
-use crate::model::phase_status;
-use crate::shell::State;
-use crate::widgets::{heading, muted, parts};
+use crate::model::command::Outbox;
+use crate::model::{Model, phase_status};
+use crate::widgets::parts;
 
 /// Part of the phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -30,7 +27,7 @@ enum Part {
 #[derive(Debug, Default)]
 pub struct PanelState {
     part: Part,
-    elongation: Typed,
+    elongation: TableInput,
 }
 
 impl PanelState {
@@ -41,38 +38,22 @@ impl PanelState {
 }
 
 /// Draws the panel.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    heading(ui, "Modeling");
-    let Some(open) = &state.model.open else {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let purpose = "The cable between drum and platform.";
+    let Some(mut bench) = Bench::begin(ui, "Modeling", purpose, model, outbox) else {
         return;
     };
-    let calibration = Arc::clone(open.calibration());
-    muted(ui, "What happens to a cable between drum and platform.");
-    let remembered = &mut state.panels.modeling;
+    let lengths = PhaseStatus::new(Progress::Done, "span, wrap, elongation, sag");
+    let open = bench.open;
     let rows = [
-        (
-            Part::Elongation,
-            "Elongation",
-            phase_status::elongation(open),
-        ),
+        (Part::Elongation, "Elongation", phase_status::elongation(open)),
         (Part::Pulleys, "Pulleys", phase_status::pulleys(open)),
-        (
-            Part::Lengths,
-            "Cable lengths",
-            PhaseStatus::new(Progress::Done, "span, wrap, elongation, sag"),
-        ),
+        (Part::Lengths, "Cable lengths", lengths),
     ];
-    parts(ui, rows, &mut remembered.part);
-    let mut desk = Desk {
-        open,
-        calibration: &calibration,
-        selection: state.model.selection,
-        outbox: &mut state.outbox,
-        messages: &mut state.model.messages,
-    };
-    match remembered.part {
-        Part::Elongation => elongation::show(ui, &mut desk, &mut remembered.elongation),
-        Part::Pulleys => pulleys::show(ui, &mut desk),
-        Part::Lengths => lengths::show(ui, &mut desk),
+    parts(ui, rows, &mut panel.part);
+    match panel.part {
+        Part::Elongation => elongation::show(ui, &mut bench, &mut panel.elongation),
+        Part::Pulleys => pulleys::show(ui, &mut bench),
+        Part::Lengths => lengths::show(ui, &mut bench),
     }
 }

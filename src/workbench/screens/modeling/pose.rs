@@ -2,7 +2,7 @@
 
 use tautline_core::geometry::Pose;
 
-use crate::screens::desk::Desk;
+use crate::screens::bench_panel::Bench;
 
 /// A pose with what is known there.
 pub struct Shown {
@@ -16,39 +16,39 @@ pub struct Shown {
 
 /// The selected pose as it was identified or else commanded; home if none is selected or its place is
 /// not known.
-pub fn shown(desk: &Desk<'_>) -> Option<Shown> {
-    let measurements = &desk.session().measurements;
+pub fn shown(bench: &Bench<'_>) -> Option<Shown> {
+    let measurements = &bench.session().measurements;
     let row = |label: i64| measurements.labels.iter().position(|l| *l == label);
-    if let Some(label) = desk.selection.pose
+    if let Some(label) = bench.selection.pose
         && let Some(row) = row(label)
         && let Some(pose) =
-            identified(desk, label).or_else(|| measurements.commanded.get(row).copied().flatten())
+            identified(bench, label).or_else(|| measurements.commanded.get(row).copied().flatten())
     {
         return Some(Shown {
             name: format!("pose {label}"),
             pose,
-            tensions_n: tensions(desk, row),
+            tensions_n: tensions(bench, row),
         });
     }
-    let home = desk.robot().home.as_ref()?;
+    let home = bench.robot().home.as_ref()?;
     Some(Shown {
         name: "home".to_owned(),
         pose: home.pose(),
-        tensions_n: measurements.home_row().and_then(|row| tensions(desk, row)),
+        tensions_n: measurements.home_row().and_then(|row| tensions(bench, row)),
     })
 }
 
-fn identified(desk: &Desk<'_>, label: i64) -> Option<Pose> {
-    let fit = desk.open.fit()?;
+fn identified(bench: &Bench<'_>, label: i64) -> Option<Pose> {
+    let fit = bench.open.fit()?;
     let labels = &fit.dataset.measurements.labels;
     let poses = fit.solution.poses.iter();
     let found = poses.filter(|(row, _)| labels.get(*row) == Some(&label));
     found.map(|(_, pose)| *pose).next()
 }
 
-fn tensions(desk: &Desk<'_>, row: usize) -> Option<Vec<f64>> {
-    let force = &desk.session().measurements.force_n;
-    let cables = desk.robot().cables.iter().enumerate();
+fn tensions(bench: &Bench<'_>, row: usize) -> Option<Vec<f64>> {
+    let force = &bench.session().measurements.force_n;
+    let cables = bench.robot().cables.iter().enumerate();
     let tensions = cables.map(|(k, cable)| {
         let reading = force.get(row, k);
         let tension = cable.force_sensor.as_ref()?.tension_n(reading);

@@ -7,21 +7,21 @@ use tautline_core::robot::Robot;
 
 use super::{pose, pulley_picture};
 use crate::model::edit::Edit;
-use crate::screens::desk::{Desk, or_dash};
+use crate::screens::bench_panel::{Bench, or_dash};
 use crate::widgets::{
     Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,
 };
 
 /// Draws the part.
-pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
-    let chosen = desk.selection.cable;
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let chosen = bench.selection.cable;
     let chosen = chosen
-        .filter(|cable| *cable < desk.robot().cable_count())
+        .filter(|cable| *cable < bench.robot().cable_count())
         .unwrap_or(0);
-    let shown = pose::shown(desk);
+    let shown = pose::shown(bench);
     let states = shown
         .as_ref()
-        .map(|shown| inverse_kinematics(desk.robot(), &shown.pose));
+        .map(|shown| inverse_kinematics(bench.robot(), &shown.pose));
     match (&shown, &states) {
         (Some(shown), Some(Ok(_))) => {
             let name = &shown.name;
@@ -39,15 +39,15 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>) {
         }
     }
     let states = states.and_then(Result::ok);
-    overview(ui, desk, chosen, states.as_deref());
-    section(ui, &format!("Pulley of {}", desk.cable_name(chosen)));
-    fields(ui, desk, chosen);
+    overview(ui, bench, chosen, states.as_deref());
+    section(ui, &format!("Pulley of {}", bench.cable_name(chosen)));
+    fields(ui, bench, chosen);
     if let Some(state) = states.as_ref().and_then(|states| states.get(chosen)) {
-        pulley_picture::show(ui, desk.robot(), chosen, state);
+        pulley_picture::show(ui, bench.robot(), chosen, state);
     }
 }
 
-fn overview(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, states: Option<&[CableState]>) {
+fn overview(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, states: Option<&[CableState]>) {
     let columns = [
         Column::words("Cable"),
         Column::number("Radius", "mm"),
@@ -55,7 +55,7 @@ fn overview(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, states: Option<&[Ca
         Column::number("Wrap", "°"),
         Column::number("Swivel", "°"),
     ];
-    let cables = desk.robot().cables.iter().enumerate();
+    let cables = bench.robot().cables.iter().enumerate();
     let rows: Vec<Vec<Cell>> = cables
         .map(|(k, cable)| {
             let state = states.and_then(|states| states.get(k));
@@ -63,7 +63,7 @@ fn overview(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, states: Option<&[Ca
             let wrap = state.map(|state| state.wrap_rad.to_degrees());
             let swivel = state.and_then(|state| state.swivel_rad);
             vec![
-                desk.cable_cell(ui, k),
+                bench.cable_cell(ui, k),
                 Cell::new(format!("{:.2}", cable.pulley.radius_m * 1e3)),
                 Cell::new(format!("{x:.2}, {y:.2}, {z:.2}")),
                 or_dash(wrap, 1),
@@ -72,12 +72,12 @@ fn overview(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, states: Option<&[Ca
         })
         .collect();
     if let Some(cable) = table(ui, &columns, &rows, Some(chosen)).clicked {
-        desk.select_cable(cable);
+        bench.select_cable(cable);
     }
 }
 
-fn fields(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
-    let Some(cable) = desk.robot().cables.get(chosen) else {
+fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
+    let Some(cable) = bench.robot().cables.get(chosen) else {
         return;
     };
     let pulley = cable.pulley;
@@ -93,7 +93,7 @@ fn fields(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
         };
         let entered = number(ui, &field);
         let what = format!("change pulley radius of {}", cable.name);
-        change(desk, entered, what, |robot, value| {
+        change(bench, entered, what, |robot, value| {
             if value < 0.0 {
                 return Err(format!(
                     "Pulley radius: found {value} mm, expected 0 for an eyelet or more."
@@ -121,7 +121,7 @@ fn fields(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
             };
             let entered = number(ui, &field);
             let what = format!("change swivel axis of {}", cable.name);
-            change(desk, entered, what, |robot, value| turn(robot, chosen, k, value));
+            change(bench, entered, what, |robot, value| turn(robot, chosen, k, value));
         }
     });
 }
@@ -142,23 +142,23 @@ fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Resul
 
 /// Does what was entered, or tells why not.
 fn change(
-    desk: &mut Desk<'_>,
+    bench: &mut Bench<'_>,
     entered: Option<Entered>,
     what: String,
     change: impl FnOnce(&mut Robot, f64) -> Result<(), String>,
 ) {
     let value = match entered {
         Some(Entered::Value(value)) => value,
-        Some(Entered::Wrong(message)) => return desk.messages.error(message),
+        Some(Entered::Wrong(message)) => return bench.refuse(message),
         Some(Entered::Nothing) | None => return,
     };
-    let mut robot = desk.robot().clone();
+    let mut robot = bench.robot().clone();
     let changed = change(&mut robot, value).and_then(|()| {
         let checked = robot.check();
         checked.map_err(|error| format!("This value makes no possible robot: {error}."))
     });
     match changed {
-        Ok(()) => desk.outbox.send(Edit::SetRobot(Box::new(robot), what)),
-        Err(message) => desk.messages.error(message),
+        Ok(()) => bench.outbox.send(Edit::SetRobot(Box::new(robot), what)),
+        Err(message) => bench.refuse(message),
     }
 }

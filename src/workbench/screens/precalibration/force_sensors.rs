@@ -1,33 +1,16 @@
 //! Force sensors: gain and bias.
 
-use egui::Ui;
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, ForceSensorCalibration};
+use tautline_core::robot::Cable;
 use tautline_session::{ForcePair, PhaseData};
 
-use super::pairs::{ByPairs, Pair, Quality, Words};
-use crate::screens::desk::{Desk, decimals_for, or_dash};
-use crate::widgets::{Cell, Column, Numbers, RowField, section, table};
-use tautline_workflow::precalibration::{Calibration, PerCable, Table};
+use super::pairs::{ByPairs, Fitted, Pair, Quality, Words};
+use crate::widgets::{Numbers, RowField};
+use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
 const FIELDS: [RowField; 2] = [
-    RowField {
-        title: "Reading",
-        unit: "N",
-        per_si: 1.0,
-        decimals: 3,
-        optional: false,
-        accepts: f64::is_finite,
-        expects: "a number",
-    },
-    RowField {
-        title: "Load",
-        unit: "N",
-        per_si: 1.0,
-        decimals: 3,
-        optional: false,
-        accepts: |value| value >= 0.0,
-        expects: "a load of 0 or more",
-    },
+    RowField::new("Reading", "N", 3),
+    RowField::new("Load", "N", 3).accepting(|value| value >= 0.0, "a load of 0 or more"),
 ];
 
 /// The force sensors.
@@ -45,6 +28,8 @@ impl ByPairs for ForceSensors {
         advice: "Look for a wrong pair, a cable that rubs, or a sensor that is overloaded.",
         along: ("Load", "N"),
         fields: &FIELDS,
+        values_title: "Gain and bias",
+        values: &[("Current gain", ""), ("Current bias", "N")],
         unit: ("N", 1.0),
         limit: FORCE_RESIDUAL_LIMIT_N,
         decimals: 2,
@@ -75,8 +60,26 @@ impl ByPairs for ForceSensors {
         pair.load_n
     }
 
-    fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
-        values(ui, desk);
+    fn values(fit: &ForceSensorCalibration, cable: &Cable) -> Vec<Fitted> {
+        let sensor = cable.force_sensor;
+        vec![
+            Fitted {
+                current: sensor.map(|sensor| sensor.tension_gain),
+                value: fit.gain,
+                sd: fit.gain_sd,
+                decimals: [2, 3],
+            },
+            Fitted {
+                current: sensor.map(|sensor| sensor.bias_n),
+                value: fit.bias_n,
+                sd: fit.bias_sd_n,
+                decimals: [1, 2],
+            },
+        ]
+    }
+
+    fn proposal(calibration: &Calibration) -> &Proposal {
+        &calibration.with_force_sensors
     }
 }
 
@@ -96,41 +99,4 @@ impl Pair for ForcePair {
             load_n: load_n?,
         })
     }
-}
-
-fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
-    section(ui, "Reading for each newton, and without load");
-    let columns = [
-        Column::words("Sensor"),
-        Column::number("Gain now", ""),
-        Column::number("Measured", ""),
-        Column::number("±", ""),
-        Column::number("Bias now", "N"),
-        Column::number("Measured", "N"),
-        Column::number("±", "N"),
-    ];
-    let calibration = desk.calibration;
-    let rows: Vec<Vec<Cell>> = calibration
-        .force_sensors
-        .iter()
-        .filter_map(|PerCable { cable, fit }| {
-            let fit = fit.as_ref().ok()?;
-            let now = desk.robot().cables.get(*cable)?.force_sensor;
-            let gain = decimals_for(fit.gain_sd, 2, 3);
-            let bias = decimals_for(fit.bias_sd_n, 1, 2);
-            Some(vec![
-                desk.cable_cell(ui, *cable),
-                or_dash(now.map(|sensor| sensor.tension_gain), gain),
-                Cell::new(format!("{:.gain$}", fit.gain)),
-                Cell::new(format!("{:.gain$}", fit.gain_sd)),
-                or_dash(now.map(|sensor| sensor.bias_n), bias),
-                Cell::new(format!("{:.bias$}", fit.bias_n)),
-                Cell::new(format!("{:.bias$}", fit.bias_sd_n)),
-            ])
-        })
-        .collect();
-    table(ui, &columns, &rows, None);
-    let proposal = &calibration.with_force_sensors;
-    let what = "use measured force sensors";
-    desk.propose(ui, proposal, "Use these values", what);
 }

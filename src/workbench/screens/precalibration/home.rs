@@ -6,27 +6,22 @@ use tautline_core::instrument::HomeMeasurement;
 use tautline_core::robot::HomePlatform;
 use tautline_session::{HomeReading, PhaseData};
 
-use super::{Typed, home_picture};
-use crate::screens::desk::{Desk, decimals_for, or_dash};
+use super::home_picture;
+use crate::screens::bench_panel::{Bench, TableInput, decimals_for, or_dash};
 use crate::theme;
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
 use tautline_workflow::precalibration::Table;
 
-const SENSOR: RowField = RowField {
-    title: "Sensor",
-    unit: "",
-    per_si: 1.0,
-    decimals: 0,
-    optional: false,
-    accepts: |value| value.fract() == 0.0 && (1.0..=6.0).contains(&value),
-    expects: "a sensor from 1 to 6",
-};
+const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
+    |value| value.fract() == 0.0 && (1.0..=6.0).contains(&value),
+    "a sensor from 1 to 6",
+);
 
 /// Draws the part.
-pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
-    let Some(platform) = &desk.robot().home_platform else {
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
+    let Some(platform) = &bench.robot().home_platform else {
         verdict(
             ui,
             Verdict::Neutral,
@@ -34,24 +29,24 @@ pub fn show(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
         );
         return;
     };
-    desk.import(ui, Table::Home, &mut typed.path);
-    let calibration = desk.calibration;
+    bench.import(ui, Table::Home, &mut input.path);
+    let calibration = bench.calibration;
     match &calibration.home {
         None => muted_help(ui),
         Some(Err(message)) => verdict(ui, Verdict::Bad, &format!("{message}.")),
         Some(Ok(measured)) => {
             judge(ui, platform, measured);
-            pose(ui, desk, measured);
+            pose(ui, bench, measured);
             let proposal = &calibration.with_home;
-            desk.propose(ui, proposal, "Use this pose", "use measured home pose");
+            bench.propose(ui, proposal, "Use this pose", "use measured home pose");
         }
     }
     section(ui, "The six sensors");
-    home_picture::show(ui, desk, platform);
+    home_picture::show(ui, bench, platform);
     if let Some(Ok(measured)) = &calibration.home {
         sensors(ui, measured);
     }
-    readings(ui, desk, platform, typed);
+    readings(ui, bench, platform, input);
 }
 
 fn muted_help(ui: &mut Ui) {
@@ -93,7 +88,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
     }
 }
 
-fn pose(ui: &mut Ui, desk: &Desk<'_>, measured: &HomeMeasurement) {
+fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     let columns = [
         Column::words("Home pose"),
         Column::number("In the robot", ""),
@@ -101,7 +96,7 @@ fn pose(ui: &mut Ui, desk: &Desk<'_>, measured: &HomeMeasurement) {
         Column::number("±", ""),
         Column::number("Repeatability", ""),
     ];
-    let now = desk.robot().home.map(|home| coordinates(&home.pose()));
+    let now = bench.robot().home.map(|home| coordinates(&home.pose()));
     let new = coordinates(&measured.fix.platform_in_base);
     let sd: Vec<f64> = measured
         .fix
@@ -178,29 +173,17 @@ fn sensors(ui: &mut Ui, measured: &HomeMeasurement) {
 fn reading_field(platform: &HomePlatform) -> RowField {
     let in_volts = platform.sensors.iter().any(|sensor| sensor.curve.is_some());
     let in_metres = platform.sensors.iter().any(|sensor| sensor.curve.is_none());
-    let (unit, per_si) = match (in_volts, in_metres) {
-        (true, true) => ("V or m", 1.0),
-        (true, false) => ("V", 1.0),
-        _ => ("mm", 1e3),
-    };
-    RowField {
-        title: "Reading",
-        unit,
-        per_si,
-        decimals: if per_si > 1.0 { 3 } else { 4 },
-        optional: false,
-        accepts: f64::is_finite,
-        expects: "a number",
+    match (in_volts, in_metres) {
+        (true, true) => RowField::new("Reading", "V or m", 4),
+        (true, false) => RowField::new("Reading", "V", 4),
+        _ => RowField::millimetres("Reading", 3),
     }
 }
 
-fn readings(ui: &mut Ui, desk: &mut Desk<'_>, platform: &HomePlatform, typed: &mut Typed) {
+fn readings(ui: &mut Ui, bench: &mut Bench<'_>, platform: &HomePlatform, input: &mut TableInput) {
     section(ui, "Readings");
-    let list = &desk.session().phases.home;
-    let numbers: Vec<Numbers> = list
-        .iter()
-        .map(|row| [Some(row.sensor as f64 + 1.0), Some(row.reading), None])
-        .collect();
+    let list = &bench.session().phases.home;
+    let numbers: Vec<Numbers> = list.iter().map(numbers).collect();
     let editor = Rows {
         noun: "Reading",
         fields: &[SENSOR, reading_field(platform)],
@@ -208,29 +191,20 @@ fn readings(ui: &mut Ui, desk: &mut Desk<'_>, platform: &HomePlatform, typed: &m
         remarks: ("", ""),
         remark: &[],
     };
-    if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
-        desk.edit_rows("reading", edit, change);
+    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
+        bench.edit_rows("reading", edit, change);
     }
 }
 
+fn numbers(reading: &HomeReading) -> Numbers {
+    [Some(reading.sensor as f64 + 1.0), Some(reading.reading), None]
+}
+
 fn change(phases: &mut PhaseData, edit: RowsEdit) {
-    let list = &mut phases.home;
-    let sensor = |number: f64| number as usize - 1;
-    match edit {
-        RowsEdit::Set(row, column, Some(value)) => match (list.get_mut(row), column) {
-            (Some(reading), 0) => reading.sensor = sensor(value),
-            (Some(reading), _) => reading.reading = value,
-            (None, _) => {}
-        },
-        RowsEdit::Add(rows) => list.extend(rows.into_iter().filter_map(|row| {
-            Some(HomeReading {
-                sensor: sensor(row[0]?),
-                reading: row[1]?,
-            })
-        })),
-        RowsEdit::Remove(row) if row < list.len() => {
-            list.remove(row);
-        }
-        _ => {}
-    }
+    edit.apply(&mut phases.home, |_| true, numbers, |[sensor, reading, _]| {
+        Some(HomeReading {
+            sensor: sensor? as usize - 1,
+            reading: reading?,
+        })
+    });
 }

@@ -6,7 +6,7 @@ use egui::{
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::{HomePlatform, HomeSensor, Plane};
 
-use crate::screens::desk::Desk;
+use crate::screens::bench_panel::Bench;
 use crate::theme::{self, GRID};
 use tautline_workflow::precalibration::home_start_in_reference;
 
@@ -26,16 +26,16 @@ struct Scene {
 
 /// Draws the sensors, their beams, the planes of the platform and its frame, at the pose measured or
 /// else at home.
-pub fn show(ui: &mut Ui, desk: &Desk<'_>, platform: &HomePlatform) {
+pub fn show(ui: &mut Ui, bench: &Bench<'_>, platform: &HomePlatform) {
     let size = Vec2::new(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let name = "Picture of the six sensors";
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
     let palette = theme::of(ui);
     ui.painter().rect_filled(rect, 4.0, palette.ground);
-    let measured = desk.calibration.home.as_ref().and_then(|r| r.as_ref().ok());
+    let measured = bench.calibration.home.as_ref().and_then(|r| r.as_ref().ok());
     let pose = measured.map_or_else(
-        || home_start_in_reference(desk.robot(), platform),
+        || home_start_in_reference(bench.robot(), platform),
         |home| home.fix.platform_in_reference,
     );
     let scene = Scene::new(platform, pose);

@@ -6,16 +6,14 @@ mod home_picture;
 mod pairs;
 mod winches;
 
-use std::sync::Arc;
-
 use egui::Ui;
 
 use self::force_sensors::ForceSensors;
 use self::winches::Winches;
-use super::desk::Desk;
-use crate::model::phase_status;
-use crate::shell::State;
-use crate::widgets::{heading, muted, parts};
+use super::bench_panel::{Bench, TableInput};
+use crate::model::command::Outbox;
+use crate::model::{Model, phase_status};
+use crate::widgets::parts;
 
 /// Part of the phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -29,64 +27,34 @@ pub enum Part {
     Home,
 }
 
-/// What is typed for a part.
-#[derive(Debug, Default)]
-pub struct Typed {
-    /// Path of its table.
-    pub path: String,
-    /// Rows to add.
-    pub rows: String,
-}
-
 /// What the panel remembers.
 #[derive(Debug, Default)]
 pub struct PanelState {
     /// The part that is shown.
     pub part: Part,
-    winches: Typed,
-    force_sensors: Typed,
-    home: Typed,
+    winches: TableInput,
+    force_sensors: TableInput,
+    home: TableInput,
 }
 
 /// Draws the panel.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    heading(ui, "Pre-calibration");
-    let Some(open) = &state.model.open else {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let purpose = "Without measurements, nominal values are used.";
+    let Some(mut bench) = Bench::begin(ui, "Pre-calibration", purpose, model, outbox) else {
         return;
     };
-    let calibration = Arc::clone(open.calibration());
-    muted(ui, "Parts without a table keep the values of the drawing.");
-    let remembered = &mut state.panels.precalibration;
+    let of = bench.calibration;
     let rows = [
-        (
-            Part::Winches,
-            "Winches",
-            phase_status::winches(&calibration),
-        ),
-        (
-            Part::ForceSensors,
-            "Force sensors",
-            phase_status::force_sensors(&calibration),
-        ),
-        (
-            Part::Home,
-            "Home platform",
-            phase_status::home(&calibration),
-        ),
+        (Part::Winches, "Winches", phase_status::winches(of)),
+        (Part::ForceSensors, "Force sensors", phase_status::force_sensors(of)),
+        (Part::Home, "Home platform", phase_status::home(of)),
     ];
-    parts(ui, rows, &mut remembered.part);
-    let mut desk = Desk {
-        open,
-        calibration: &calibration,
-        selection: state.model.selection,
-        outbox: &mut state.outbox,
-        messages: &mut state.model.messages,
-    };
-    match remembered.part {
-        Part::Winches => pairs::show::<Winches>(ui, &mut desk, &mut remembered.winches),
+    parts(ui, rows, &mut panel.part);
+    match panel.part {
+        Part::Winches => pairs::show::<Winches>(ui, &mut bench, &mut panel.winches),
         Part::ForceSensors => {
-            pairs::show::<ForceSensors>(ui, &mut desk, &mut remembered.force_sensors);
+            pairs::show::<ForceSensors>(ui, &mut bench, &mut panel.force_sensors);
         }
-        Part::Home => home::show(ui, &mut desk, &mut remembered.home),
+        Part::Home => home::show(ui, &mut bench, &mut panel.home),
     }
 }

@@ -1,15 +1,17 @@
 //! What is calibrated cable by cable with pairs of a known and a read value: winches and force sensors.
 
 use egui::Ui;
+use tautline_core::robot::Cable;
 use tautline_session::PhaseData;
 
-use super::Typed;
-use crate::screens::desk::{Desk, Residuals, or_dash, verdict_cell};
+use crate::screens::bench_panel::{
+    Bench, Residuals, TableInput, decimals_for, or_dash, verdict_cell,
+};
 use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
 use tautline_workflow::plot::figure::{Axis, Point};
-use tautline_workflow::precalibration::{Calibration, PerCable, Table};
+use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
 /// A pair of a table.
 pub trait Pair: Sized {
@@ -36,6 +38,19 @@ pub struct Quality<'a> {
     pub residuals: &'a [f64],
 }
 
+/// A fitted value of a cable beside that of the robot, in the unit that people read.
+#[derive(Debug, Clone, Copy)]
+pub struct Fitted {
+    /// What the robot has.
+    pub current: Option<f64>,
+    /// What was fitted, with its standard deviation.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// Least and most decimals.
+    pub decimals: [usize; 2],
+}
+
 /// What is written about a kind of instruments.
 #[derive(Debug, Clone, Copy)]
 pub struct Words {
@@ -53,6 +68,10 @@ pub struct Words {
     pub along: (&'static str, &'static str),
     /// Columns of the pairs.
     pub fields: &'static [RowField],
+    /// Title of the table of fitted values.
+    pub values_title: &'static str,
+    /// Name and unit of each fitted value.
+    pub values: &'static [(&'static str, &'static str)],
     /// Unit of the residuals that people read, and how many of it are one SI unit.
     pub unit: (&'static str, f64),
     /// Largest residual that passes, in that unit.
@@ -85,28 +104,31 @@ pub trait ByPairs {
     /// Along what the residual of a pair is drawn.
     fn place(pair: &Self::Pair) -> f64;
 
-    /// Draws the fitted values, and the step that puts them into the robot.
-    fn values(ui: &mut Ui, desk: &mut Desk<'_>);
+    /// The fitted values of a cable, in the order of [`Words::values`].
+    fn values(fit: &Self::Fit, cable: &Cable) -> Vec<Fitted>;
+
+    /// The robot with these values.
+    fn proposal(calibration: &Calibration) -> &Proposal;
 }
 
 /// Draws the part.
-pub fn show<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, typed: &mut Typed) {
-    desk.import(ui, I::WORDS.table, &mut typed.path);
-    let fits = I::fits(desk.calibration);
-    let chosen = desk.chosen_cable(fits, |fit| I::quality(fit).passed);
+pub fn show<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
+    bench.import(ui, I::WORDS.table, &mut input.path);
+    let fits = I::fits(bench.calibration);
+    let chosen = bench.chosen_cable(fits, |fit| I::quality(fit).passed);
     if fits.is_empty() {
         muted(ui, I::WORDS.instruction);
     } else {
-        judge::<I>(ui, desk);
-        table_of_fits::<I>(ui, desk, chosen);
-        residuals::<I>(ui, desk);
-        I::values(ui, desk);
+        judge::<I>(ui, bench);
+        table_of_fits::<I>(ui, bench, chosen);
+        residuals::<I>(ui, bench);
+        values::<I>(ui, bench);
     }
-    pairs::<I>(ui, desk, chosen, typed);
+    pairs::<I>(ui, bench, chosen, input);
 }
 
-fn judge<I: ByPairs>(ui: &mut Ui, desk: &Desk<'_>) {
-    let fits = I::fits(desk.calibration);
+fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
+    let fits = I::fits(bench.calibration);
     let words = I::WORDS;
     let (limit, unit, decimals) = (words.limit, words.unit.0, words.decimals);
     let passed = |one: &&PerCable<I::Fit>| {
@@ -122,7 +144,7 @@ fn judge<I: ByPairs>(ui: &mut Ui, desk: &Desk<'_>) {
     for PerCable { cable, fit } in fits {
         match fit.as_ref().map(I::quality) {
             Ok(quality) if !quality.passed => {
-                let (name, worst) = (desk.cable_name(*cable), quality.largest);
+                let (name, worst) = (bench.cable_name(*cable), quality.largest);
                 let text = format!(
                     "{name} is {worst:.decimals$} {unit} off at its worst pair, more than {limit} {unit}. {}",
                     words.advice
@@ -135,7 +157,7 @@ fn judge<I: ByPairs>(ui: &mut Ui, desk: &Desk<'_>) {
     }
 }
 
-fn table_of_fits<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
+fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     let unit = I::WORDS.unit.0;
     let columns = [
         Column::words(I::WORDS.one),
@@ -144,15 +166,15 @@ fn table_of_fits<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
         Column::number("Largest residual", unit),
         Column::words("Verdict"),
     ];
-    let fits = I::fits(desk.calibration);
+    let fits = I::fits(bench.calibration);
     let rows: Vec<Vec<Cell>> = fits
         .iter()
         .map(|PerCable { cable, fit }| {
-            let pairs = I::pairs(&desk.session().phases).iter();
+            let pairs = I::pairs(&bench.session().phases).iter();
             let count = pairs.filter(|pair| pair.cable() == *cable).count();
             let quality = fit.as_ref().ok().map(I::quality);
             vec![
-                desk.cable_cell(ui, *cable),
+                bench.cable_cell(ui, *cable),
                 Cell::new(count.to_string()),
                 or_dash(quality.map(|quality| quality.spread), 3),
                 or_dash(quality.map(|quality| quality.largest), 3),
@@ -163,14 +185,14 @@ fn table_of_fits<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize) {
     let selected = fits.iter().position(|one| one.cable == chosen);
     let touched = table(ui, &columns, &rows, selected);
     if let Some(row) = touched.clicked.and_then(|row| fits.get(row)) {
-        desk.select_cable(row.cable);
+        bench.select_cable(row.cable);
     }
 }
 
-fn residuals<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>) {
+fn residuals<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
     let (unit, per_si) = I::WORDS.unit;
     let of_cable = |one: &PerCable<I::Fit>| {
-        let pairs = I::pairs(&desk.session().phases).iter();
+        let pairs = I::pairs(&bench.session().phases).iter();
         let pairs = pairs.filter(|pair| pair.cable() == one.cable);
         let points = pairs.zip(I::quality(one.fit.as_ref().ok()?).residuals);
         let points = points.map(|(pair, residual)| Point::new(I::place(pair), residual * per_si));
@@ -182,23 +204,59 @@ fn residuals<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>) {
         x: Axis::new(label, along),
         unit,
         limit: I::WORDS.limit,
-        points: I::fits(desk.calibration)
+        points: I::fits(bench.calibration)
             .iter()
             .filter_map(of_cable)
             .collect(),
     };
-    desk.residuals(ui, plot);
+    bench.residuals(ui, plot);
 }
 
-fn pairs<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, typed: &mut Typed) {
-    section(ui, &format!("Pairs of {}", desk.cable_name(chosen)));
-    desk.choose_cable(ui, chosen);
-    let pairs = I::pairs(&desk.session().phases).iter();
+/// The fitted values beside those of the robot, and the step that puts them into it.
+fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let words = I::WORDS;
+    section(ui, words.values_title);
+    let mut columns = vec![Column::words(words.one)];
+    for (name, unit) in words.values {
+        columns.push(Column::number(name, unit));
+        columns.extend(["Measured", "±"].map(|title| Column::number(title, unit)));
+    }
+    // More columns than these would not fit.
+    let shows_change = words.values.len() == 1;
+    if shows_change {
+        columns.push(Column::number("Change", words.values[0].1));
+    }
+    let row = |PerCable { cable, fit }: &PerCable<I::Fit>| {
+        let mut cells = vec![bench.cable_cell(ui, *cable)];
+        let of_robot = bench.robot().cables.get(*cable)?;
+        for fitted in I::values(fit.as_ref().ok()?, of_robot) {
+            let Fitted { current, value, sd, .. } = fitted;
+            let [least, most] = fitted.decimals;
+            let digits = decimals_for(sd, least, most);
+            cells.push(or_dash(current, digits));
+            cells.extend([value, sd].map(|number| Cell::new(format!("{number:.digits$}"))));
+            if let Some(current) = current.filter(|_| shows_change) {
+                cells.push(Cell::new(format!("{:+.digits$}", value - current)));
+            }
+        }
+        Some(cells)
+    };
+    let rows: Vec<Vec<Cell>> = I::fits(bench.calibration).iter().filter_map(row).collect();
+    table(ui, &columns, &rows, None);
+    let what = format!("apply measured {}", words.several);
+    let proposal = I::proposal(bench.calibration);
+    bench.propose(ui, proposal, "Apply values", &what);
+}
+
+fn pairs<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &mut TableInput) {
+    section(ui, &format!("Pairs of {}", bench.cable_name(chosen)));
+    bench.choose_cable(ui, chosen);
+    let pairs = I::pairs(&bench.session().phases).iter();
     let pairs: Vec<Numbers> = pairs
         .filter(|pair| pair.cable() == chosen)
         .map(Pair::numbers)
         .collect();
-    let mut fits = I::fits(desk.calibration).iter();
+    let mut fits = I::fits(bench.calibration).iter();
     let fit = fits.find(|one| one.cable == chosen);
     let residuals = fit.and_then(|one| one.fit.as_ref().ok()).map(I::quality);
     let (unit, per_si) = I::WORDS.unit;
@@ -215,38 +273,17 @@ fn pairs<I: ByPairs>(ui: &mut Ui, desk: &mut Desk<'_>, chosen: usize, typed: &mu
         remarks: ("Residual", unit),
         remark: &remarks,
     };
-    if let Some(edit) = rows(ui, &editor, &mut typed.rows) {
-        desk.edit_rows("pair", edit, |phases, edit| {
+    if let Some(edit) = rows(ui, &editor, &mut input.rows) {
+        bench.edit_rows("pair", edit, |phases, edit| {
             change(I::pairs_mut(phases), chosen, edit);
         });
     }
 }
 
-/// Changes the pairs of a cable, whose rows are counted without those of the others.
+/// Changes the pairs of a cable.
 fn change<P: Pair>(pairs: &mut Vec<P>, cable: usize, edit: RowsEdit) {
-    let mut places = (0..pairs.len()).filter(|k| pairs[*k].cable() == cable);
-    match edit {
-        RowsEdit::Set(row, column, value) => {
-            let Some(pair) = places.nth(row).and_then(|k| pairs.get_mut(k)) else {
-                return;
-            };
-            let mut numbers = pair.numbers();
-            numbers[column] = value;
-            if let Some(changed) = P::of(cable, numbers) {
-                *pair = changed;
-            }
-        }
-        RowsEdit::Add(rows) => {
-            let rows = rows.into_iter();
-            pairs.extend(rows.filter_map(|numbers| P::of(cable, numbers)));
-        }
-        RowsEdit::Remove(row) => {
-            if let Some(k) = places.nth(row) {
-                pairs.remove(k);
-            }
-        }
-        RowsEdit::Wrong(_) => {}
-    }
+    let is_shown = |pair: &P| pair.cable() == cable;
+    edit.apply(pairs, is_shown, P::numbers, |numbers| P::of(cable, numbers));
 }
 
 #[cfg(test)]

@@ -1,42 +1,17 @@
 //! Winches: cable per motor revolution.
 
-use egui::Ui;
 use tautline_core::instrument::{WINCH_RESIDUAL_LIMIT_M, WinchCalibration};
+use tautline_core::robot::Cable;
 use tautline_session::{PhaseData, WinchPair};
 
-use super::pairs::{ByPairs, Pair, Quality, Words};
-use crate::screens::desk::{Desk, decimals_for};
-use crate::widgets::{Cell, Column, Numbers, RowField, section, table};
-use tautline_workflow::precalibration::{Calibration, PerCable, Table};
+use super::pairs::{ByPairs, Fitted, Pair, Quality, Words};
+use crate::widgets::{Numbers, RowField};
+use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
 const FIELDS: [RowField; 3] = [
-    RowField {
-        title: "Revolutions",
-        unit: "",
-        per_si: 1.0,
-        decimals: 4,
-        optional: false,
-        accepts: f64::is_finite,
-        expects: "a number",
-    },
-    RowField {
-        title: "Length",
-        unit: "mm",
-        per_si: 1e3,
-        decimals: 3,
-        optional: false,
-        accepts: |value| value.abs() <= 1e3,
-        expects: "at most 1 km",
-    },
-    RowField {
-        title: "Tension",
-        unit: "N",
-        per_si: 1.0,
-        decimals: 1,
-        optional: true,
-        accepts: f64::is_finite,
-        expects: "a number",
-    },
+    RowField::new("Revolutions", "", 4),
+    RowField::millimetres("Length", 3).accepting(|value| value.abs() <= 1e3, "at most 1 km"),
+    RowField::new("Tension", "N", 1).optional(),
 ];
 
 /// The winches.
@@ -54,6 +29,8 @@ impl ByPairs for Winches {
         advice: "Look for a wrong pair, backlash or a drum that is not round.",
         along: ("Revolutions", ""),
         fields: &FIELDS,
+        values_title: "Cable per motor revolution",
+        values: &[("Current", "mm")],
         unit: ("mm", 1e3),
         limit: WINCH_RESIDUAL_LIMIT_M * 1e3,
         decimals: 3,
@@ -84,8 +61,17 @@ impl ByPairs for Winches {
         pair.revolutions
     }
 
-    fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
-        values(ui, desk);
+    fn values(fit: &WinchCalibration, cable: &Cable) -> Vec<Fitted> {
+        vec![Fitted {
+            current: Some(cable.winch.cable_per_revolution_m() * 1e3),
+            value: fit.cable_per_revolution_m * 1e3,
+            sd: fit.cable_per_revolution_sd_m * 1e3,
+            decimals: [2, 4],
+        }]
+    }
+
+    fn proposal(calibration: &Calibration) -> &Proposal {
+        &calibration.with_winches
     }
 }
 
@@ -106,38 +92,4 @@ impl Pair for WinchPair {
             tension_n,
         })
     }
-}
-
-fn values(ui: &mut Ui, desk: &mut Desk<'_>) {
-    section(ui, "Cable per motor revolution");
-    let columns = [
-        Column::words("Winch"),
-        Column::number("In the robot", "mm"),
-        Column::number("Measured", "mm"),
-        Column::number("±", "mm"),
-        Column::number("Change", "mm"),
-    ];
-    let calibration = desk.calibration;
-    let rows: Vec<Vec<Cell>> = calibration
-        .winches
-        .iter()
-        .filter_map(|PerCable { cable, fit }| {
-            let fit = fit.as_ref().ok()?;
-            let winch = &desk.robot().cables.get(*cable)?.winch;
-            let old = winch.cable_per_revolution_m() * 1e3;
-            let new = fit.cable_per_revolution_m * 1e3;
-            let sd = fit.cable_per_revolution_sd_m * 1e3;
-            let digits = decimals_for(sd, 2, 4);
-            Some(vec![
-                desk.cable_cell(ui, *cable),
-                Cell::new(format!("{old:.digits$}")),
-                Cell::new(format!("{new:.digits$}")),
-                Cell::new(format!("{sd:.digits$}")),
-                Cell::new(format!("{:+.digits$}", new - old)),
-            ])
-        })
-        .collect();
-    table(ui, &columns, &rows, None);
-    let proposal = &calibration.with_winches;
-    desk.propose(ui, proposal, "Use these values", "use measured winches");
 }

@@ -1,32 +1,42 @@
-//! What the panels of phases 1 and 2 work with, and what they have in common.
+//! What the panels of phases 1 and 2 have in common: tables that are imported or typed, fits per cable, and the step that
+//! puts fitted values into the robot.
 
 use egui::Ui;
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_session::{PhaseData, Session};
 
-use crate::model::command::{ImportCommand, Outbox, ViewCommand};
+use crate::model::command::{Command, ImportCommand, Outbox, ViewCommand};
 use crate::model::edit::Edit;
-use crate::model::messages::Messages;
-use crate::model::{OpenSession, Selection};
+use crate::model::messages::Severity;
+use crate::model::{Model, OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
-use crate::widgets::{Cell, Import, RowsEdit, Verdict, import_row, muted, primary, verdict};
+use crate::widgets::{
+    Cell, Import, RowsEdit, Verdict, heading, import_row, muted, primary, verdict,
+};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 
-/// The open session with what its tables tell, and where commands go.
-pub struct Desk<'a> {
+/// What is typed for a table.
+#[derive(Debug, Default)]
+pub struct TableInput {
+    /// Path of its file.
+    pub path: String,
+    /// Rows to add.
+    pub rows: String,
+}
+
+/// The open session with the calibration from its tables, and where commands go.
+pub struct Bench<'a> {
     /// The open session.
     pub open: &'a OpenSession,
-    /// What its tables tell.
+    /// The fits of its tables.
     pub calibration: &'a Calibration,
     /// What is selected.
     pub selection: Selection,
     /// Commands of this frame.
     pub outbox: &'a mut Outbox,
-    /// For sentences about wrong input.
-    pub messages: &'a mut Messages,
 }
 
 /// Residuals of what was measured cable by cable, with the band that they should stay in.
@@ -43,7 +53,31 @@ pub struct Residuals<'a> {
     pub points: Vec<(usize, Vec<Point>)>,
 }
 
-impl<'a> Desk<'a> {
+impl<'a> Bench<'a> {
+    /// Draws title and purpose of a panel; `None` if no session is open.
+    pub fn begin(
+        ui: &mut Ui,
+        title: &str,
+        purpose: &str,
+        model: &'a Model,
+        outbox: &'a mut Outbox,
+    ) -> Option<Self> {
+        heading(ui, title);
+        muted(ui, purpose);
+        let open = model.open.as_ref()?;
+        Some(Self {
+            open,
+            calibration: open.calibration(),
+            selection: model.selection,
+            outbox,
+        })
+    }
+
+    /// Tells the operator what is wrong with an input.
+    pub fn refuse(&mut self, message: String) {
+        self.outbox.send(Command::Notify(Severity::Error, message));
+    }
+
     /// The session.
     pub fn session(&self) -> &'a Session {
         self.open.session()
@@ -63,15 +97,7 @@ impl<'a> Desk<'a> {
         }
     }
 
-    /// Changes the tables; `what` names the change in the undo menu.
-    pub fn edit(&mut self, what: impl Into<String>, change: impl FnOnce(&mut PhaseData)) {
-        let mut phases = self.session().phases.clone();
-        change(&mut phases);
-        self.outbox
-            .send(Edit::SetPhases(Box::new(phases), what.into()));
-    }
-
-    /// Tells wrong input, and changes the tables otherwise.
+    /// Changes the tables, or tells what is wrong with the input.
     pub fn edit_rows(
         &mut self,
         noun: &str,
@@ -79,16 +105,15 @@ impl<'a> Desk<'a> {
         change: impl FnOnce(&mut PhaseData, RowsEdit),
     ) {
         let what = match &edit {
-            RowsEdit::Wrong(message) => {
-                self.messages.error(message.clone());
-                return;
-            }
+            RowsEdit::Wrong(message) => return self.refuse(message.clone()),
             RowsEdit::Set(row, ..) => format!("change {noun} {}", row + 1),
             RowsEdit::Add(rows) if rows.len() == 1 => format!("add {noun}"),
             RowsEdit::Add(rows) => format!("add {} {noun}s", rows.len()),
             RowsEdit::Remove(row) => format!("remove {noun} {}", row + 1),
         };
-        self.edit(what, |phases| change(phases, edit));
+        let mut phases = self.session().phases.clone();
+        change(&mut phases, edit);
+        self.outbox.send(Edit::SetPhases(Box::new(phases), what));
     }
 
     /// Draws the step that puts fitted values into the robot; `what` names it in the undo menu.
