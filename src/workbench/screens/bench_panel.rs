@@ -160,11 +160,8 @@ impl<'a> Bench<'a> {
 
     /// Selects a cable everywhere.
     pub fn select_cable(&mut self, cable: usize) {
-        let selection = Selection {
-            cable: Some(cable),
-            ..self.selection
-        };
-        self.outbox.send(ViewCommand::Select(selection));
+        self.outbox
+            .send(ViewCommand::Select(self.selection.with_cable(cable)));
     }
 
     /// The selected cable, else the first whose fit fails, else the first that was measured.

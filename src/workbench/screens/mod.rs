@@ -1,9 +1,9 @@
 //! The screens: a panel for each phase, the start screen, the comparison.
 
 pub mod adjustment;
+mod bench_panel;
 pub mod compare;
 pub mod connect;
-mod bench_panel;
 pub mod identification;
 pub mod measuring;
 pub mod modeling;

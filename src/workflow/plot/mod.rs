@@ -52,6 +52,24 @@ impl Selection {
         }
     }
 
+    /// The same with another cable.
+    #[must_use]
+    pub fn with_cable(self, index: usize) -> Self {
+        Self {
+            cable: Some(index),
+            ..self
+        }
+    }
+
+    /// The same with another pose.
+    #[must_use]
+    pub fn with_pose(self, label: i64) -> Self {
+        Self {
+            pose: Some(label),
+            ..self
+        }
+    }
+
     /// Whether nothing is selected.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -9,8 +9,8 @@ mod pulleys;
 use egui::Ui;
 
 use super::bench_panel::{Bench, TableInput};
-use crate::model::phase::{PhaseStatus, Progress};
 use crate::model::command::Outbox;
+use crate::model::phase::{PhaseStatus, Progress};
 use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
@@ -46,7 +46,11 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let lengths = PhaseStatus::new(Progress::Done, "span, wrap, elongation, sag");
     let open = bench.open;
     let rows = [
-        (Part::Elongation, "Elongation", phase_status::elongation(open)),
+        (
+            Part::Elongation,
+            "Elongation",
+            phase_status::elongation(open),
+        ),
         (Part::Pulleys, "Pulleys", phase_status::pulleys(open)),
         (Part::Lengths, "Cable lengths", lengths),
     ];

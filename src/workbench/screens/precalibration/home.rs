@@ -197,14 +197,23 @@ fn readings(ui: &mut Ui, bench: &mut Bench<'_>, platform: &HomePlatform, input: 
 }
 
 fn numbers(reading: &HomeReading) -> Numbers {
-    [Some(reading.sensor as f64 + 1.0), Some(reading.reading), None]
+    [
+        Some(reading.sensor as f64 + 1.0),
+        Some(reading.reading),
+        None,
+    ]
 }
 
 fn change(phases: &mut PhaseData, edit: RowsEdit) {
-    edit.apply(&mut phases.home, |_| true, numbers, |[sensor, reading, _]| {
-        Some(HomeReading {
-            sensor: sensor? as usize - 1,
-            reading: reading?,
-        })
-    });
+    edit.apply(
+        &mut phases.home,
+        |_| true,
+        numbers,
+        |[sensor, reading, _]| {
+            Some(HomeReading {
+                sensor: sensor? as usize - 1,
+                reading: reading?,
+            })
+        },
+    );
 }

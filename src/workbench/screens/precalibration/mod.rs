@@ -46,7 +46,11 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let of = bench.calibration;
     let rows = [
         (Part::Winches, "Winches", phase_status::winches(of)),
-        (Part::ForceSensors, "Force sensors", phase_status::force_sensors(of)),
+        (
+            Part::ForceSensors,
+            "Force sensors",
+            phase_status::force_sensors(of),
+        ),
         (Part::Home, "Home platform", phase_status::home(of)),
     ];
     parts(ui, rows, &mut panel.part);

@@ -230,7 +230,9 @@ fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
         let mut cells = vec![bench.cable_cell(ui, *cable)];
         let of_robot = bench.robot().cables.get(*cable)?;
         for fitted in I::values(fit.as_ref().ok()?, of_robot) {
-            let Fitted { current, value, sd, .. } = fitted;
+            let Fitted {
+                current, value, sd, ..
+            } = fitted;
             let [least, most] = fitted.decimals;
             let digits = decimals_for(sd, least, most);
             cells.push(or_dash(current, digits));

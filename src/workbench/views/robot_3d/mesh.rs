@@ -57,6 +57,16 @@ fn across(axis: &Vec3) -> [Vec3; 2] {
     [first, axis.cross(&first)]
 }
 
+/// For each segment of a circle about `axis`, unit vectors from its centre to both ends.
+fn spokes(axis: &Vec3) -> impl Iterator<Item = [Vec3; 2]> + use<> {
+    let [x, y] = across(axis);
+    let spoke = move |k: usize| {
+        let (sin, cos) = (TAU * k as f64 / SEGMENTS as f64).sin_cos();
+        x * cos + y * sin
+    };
+    (0..SEGMENTS).map(move |k| [spoke(k), spoke(k + 1)])
+}
+
 impl Triangles {
     fn corner(&mut self, position: &Vec3, normal: &Vec3, colour: [f32; 4]) {
         self.positions.push(single(position));
@@ -105,17 +115,11 @@ impl Triangles {
 
     /// A pulley at its size.
     pub fn wheel(&mut self, wheel: &Wheel, colour: [f32; 4]) {
-        let [x, y] = across(&wheel.normal);
-        let spoke = |k: usize| {
-            let (sin, cos) = (TAU * k as f64 / SEGMENTS as f64).sin_cos();
-            x * cos + y * sin
-        };
         for (k, [r0, h0]) in PROFILE.iter().enumerate() {
             let [r1, h1] = PROFILE[(k + 1) % PROFILE.len()];
             // Across the edge of the profile, outwards.
             let slope = Vec3::new(h1 - h0, r0 - r1, 0.0).normalize();
-            for segment in 0..SEGMENTS {
-                let spokes = [spoke(segment), spoke(segment + 1)];
+            for spokes in spokes(&wheel.normal) {
                 let at = |spoke: &Vec3, r: f64, h: f64| {
                     wheel.centre + (spoke * r + wheel.normal * h) * wheel.radius_m
                 };
@@ -163,15 +167,9 @@ impl Triangles {
 
     /// A cone with its tip at `tip`, opening against `direction` (unit vector).
     pub fn cone(&mut self, tip: &Vec3, direction: &Vec3, length_m: f64, colour: [f32; 4]) {
-        let [x, y] = across(direction);
         let base = tip - direction * length_m;
         let radius = 0.32 * length_m;
-        for segment in 0..SEGMENTS {
-            let spoke = |k: usize| {
-                let (sin, cos) = (TAU * k as f64 / SEGMENTS as f64).sin_cos();
-                x * cos + y * sin
-            };
-            let (a, b) = (spoke(segment), spoke(segment + 1));
+        for [a, b] in spokes(direction) {
             let normal = |spoke: &Vec3| (spoke + direction * 0.32).normalize();
             self.corner(tip, &normal(&(a + b)), colour);
             self.corner(&(base + a * radius), &normal(&a), colour);
@@ -184,8 +182,7 @@ impl Triangles {
 
     /// A disc.
     pub fn disc(&mut self, centre: &Vec3, normal: &Vec3, radius_m: f64, colour: [f32; 4]) {
-        let rim = circle(centre, normal, radius_m);
-        for [a, b] in rim {
+        for [a, b] in circle(centre, normal, radius_m) {
             for corner in [centre, &a, &b] {
                 self.corner(corner, normal, colour);
             }
@@ -196,12 +193,10 @@ impl Triangles {
 /// Sides of a circle about `centre` (m).
 #[must_use]
 pub fn circle(centre: &Vec3, normal: &Vec3, radius_m: f64) -> Vec<[Vec3; 2]> {
-    let [x, y] = across(normal);
-    let at = |k: usize| {
-        let (sin, cos) = (TAU * k as f64 / SEGMENTS as f64).sin_cos();
-        centre + (x * cos + y * sin) * radius_m
-    };
-    (0..SEGMENTS).map(|k| [at(k), at(k + 1)]).collect()
+    let sides = spokes(normal);
+    sides
+        .map(|ends| ends.map(|spoke| centre + spoke * radius_m))
+        .collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use tautline_core::geometry::Vec3;
 use tautline_core::robot::Robot;
 
+use super::{bounds, corners};
 use crate::views::robot_3d::camera::Directions;
 
 /// The floor with a grid.
@@ -39,14 +40,13 @@ impl FrameBox {
     #[must_use]
     pub fn of(robot: &Robot, directions: &Directions) -> Self {
         let local = directions.transpose();
-        let entries = robot.cables.iter();
-        let entries = entries.map(|cable| local * Vec3::from(cable.pulley.entry_point_m));
-        let infinite = Vec3::repeat(f64::INFINITY);
-        let (mut low, mut high) = entries.fold((infinite, -infinite), |(low, high), p| {
-            (low.inf(&p), high.sup(&p))
-        });
-        if !(low.iter().all(|v| v.is_finite()) && high.iter().all(|v| v.is_finite())) {
-            (low, high) = (Vec3::repeat(-0.5), Vec3::repeat(0.5));
+        let cables = robot.cables.iter();
+        let entries: Vec<Vec3> = cables
+            .map(|cable| local * Vec3::from(cable.pulley.entry_point_m))
+            .collect();
+        let [mut low, mut high] = bounds(entries.iter());
+        if !low.iter().chain(&high).all(|v| v.is_finite()) {
+            [low, high] = [-0.5, 0.5].map(Vec3::repeat);
         }
         let extent = high - low;
         let member_m = (MEMBER * extent.norm()).max(1e-3);
@@ -84,19 +84,6 @@ fn floor_height(robot: &Robot, directions: &Directions) -> Option<f64> {
     let plane = robot.laser?.target_plane;
     let along = Vec3::from(plane.normal).dot(&directions.column(2));
     (along.abs() > 0.999).then(|| plane.offset_m / along)
-}
-
-fn corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
-    std::array::from_fn(|k| {
-        let pick = |axis: usize| {
-            if k >> axis & 1 == 0 {
-                low[axis]
-            } else {
-                high[axis]
-            }
-        };
-        Vec3::new(pick(0), pick(1), pick(2))
-    })
 }
 
 /// The edges of the box; those without length or twice in the same place only once.

@@ -4,6 +4,8 @@ use std::ops::Deref;
 
 use tautline_core::geometry::Vec3;
 
+use super::bounds;
+
 /// A measured pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPose {
@@ -24,14 +26,10 @@ pub struct MeasuredPoses {
 }
 
 impl MeasuredPoses {
-    /// These.
+    /// The measured poses with their bounds.
     #[must_use]
     pub fn new(poses: Vec<MeasuredPose>) -> Self {
-        let infinite = Vec3::repeat(f64::INFINITY);
-        let positions = poses.iter().map(|pose| &pose.position);
-        let bounds = positions.fold([infinite, -infinite], |[low, high], p| {
-            [low.inf(p), high.sup(p)]
-        });
+        let bounds = bounds(poses.iter().map(|pose| &pose.position));
         Self { poses, bounds }
     }
 }

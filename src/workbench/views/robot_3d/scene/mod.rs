@@ -27,7 +27,20 @@ const WELL_SEEN: f64 = 0.1;
 /// Exaggerations that are chosen by themselves.
 const EXAGGERATIONS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
-/// A pulley as it stands at a pose.
+/// Least and greatest coordinates of points (m); infinite and reversed if there are none.
+fn bounds<'a>(points: impl Iterator<Item = &'a Vec3>) -> [Vec3; 2] {
+    let infinite = Vec3::repeat(f64::INFINITY);
+    points.fold([infinite, -infinite], |[low, high], p| {
+        [low.inf(p), high.sup(p)]
+    })
+}
+
+/// Corners of a box; bit k of the index chooses the upper end along axis k.
+fn corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
+    std::array::from_fn(|k| Vec3::from_fn(|axis, _| [low, high][k >> axis & 1][axis]))
+}
+
+/// A pulley at a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheel {
     /// Where the cable reaches it (m).

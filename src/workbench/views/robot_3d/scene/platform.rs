@@ -3,7 +3,7 @@
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 
-use super::LaserView;
+use super::{LaserView, bounds, corners};
 
 /// A box around the anchors, in the platform frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,12 +18,10 @@ impl PlatformBox {
     /// The box around the anchors of `robot` in a frame of diagonal `size_m`; thin ones get a thickness to be seen.
     #[must_use]
     pub fn of(robot: &Robot, size_m: f64) -> Self {
-        let infinite = Vec3::repeat(f64::INFINITY);
-        let anchors = robot.cables.iter().map(|c| Vec3::from(c.platform_anchor_m));
-        let (low, high) = anchors.fold((infinite, -infinite), |(low, high), p| {
-            (low.inf(&p), high.sup(&p))
-        });
-        if !(low.iter().all(|v| v.is_finite()) && high.iter().all(|v| v.is_finite())) {
+        let cables = robot.cables.iter();
+        let anchors: Vec<Vec3> = cables.map(|c| c.platform_anchor_m.into()).collect();
+        let [low, high] = bounds(anchors.iter());
+        if !low.iter().chain(&high).all(|v| v.is_finite()) {
             let half = Vec3::repeat(0.01 * size_m);
             return Self {
                 low: -half,
@@ -42,16 +40,7 @@ impl PlatformBox {
     /// Its corners in the base frame (m); bit k of the index chooses the upper end along axis k.
     #[must_use]
     pub fn corners(&self, pose: &Pose) -> [Vec3; 8] {
-        std::array::from_fn(|k| {
-            let pick = |axis: usize| {
-                if k >> axis & 1 == 0 {
-                    self.low[axis]
-                } else {
-                    self.high[axis]
-                }
-            };
-            pose.transform(&Vec3::new(pick(0), pick(1), pick(2)))
-        })
+        corners(&self.low, &self.high).map(|corner| pose.transform(&corner))
     }
 }
 
