@@ -6,7 +6,8 @@ use egui_kittest::kittest::Queryable;
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
-use tautline_session::{Session, Timestamp};
+use tautline_session::{PlannedPose, Session, Timestamp};
+use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
@@ -174,7 +175,8 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
         pose,
         tensions_n: vec![25.0; 8],
     });
-    state.views.robot_3d.planned = vec![pose];
+    let plan = vec![PlannedPose::new(9, &pose)];
+    state.outbox.send(Edit::SetPlan(plan, "plan".into()));
     harness.run_ok();
     assert_eq!(scene(&harness).shown, Shown::Live);
     assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));

@@ -12,8 +12,9 @@ pub mod start;
 
 use egui::{ScrollArea, Ui};
 
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::phase::Phase;
-use crate::shell::State;
 
 /// What the screens remember.
 #[derive(Debug, Default)]
@@ -39,17 +40,25 @@ pub struct PanelStates {
 }
 
 /// Draws the panel of a phase.
-pub fn phase(ui: &mut Ui, state: &mut State, phase: Phase) {
-    ScrollArea::vertical()
-        .id_salt(phase)
-        .auto_shrink(false)
-        .show(ui, |ui| match phase {
-            Phase::Precalibration => precalibration::show(ui, state),
-            Phase::Modeling => modeling::show(ui, state),
-            Phase::Measuring => measuring::show(ui, state),
-            Phase::Identification => identification::show(ui, state),
-            Phase::Adjustment => adjustment::show(ui, state),
-        });
+pub fn phase(
+    ui: &mut Ui,
+    model: &Model,
+    panels: &mut PanelStates,
+    outbox: &mut Outbox,
+    phase: Phase,
+) {
+    let area = ScrollArea::vertical().id_salt(phase).auto_shrink(false);
+    area.show(ui, |ui| match phase {
+        Phase::Precalibration => {
+            precalibration::show(ui, model, &mut panels.precalibration, outbox);
+        }
+        Phase::Modeling => modeling::show(ui, model, &mut panels.modeling, outbox),
+        Phase::Measuring => measuring::show(ui, model, &mut panels.measuring, outbox),
+        Phase::Identification => {
+            identification::show(ui, model, &mut panels.identification, outbox);
+        }
+        Phase::Adjustment => adjustment::show(ui, model, &mut panels.adjustment, outbox),
+    });
 }
 
 /// Part of a phase's screen.

@@ -82,7 +82,7 @@ fn phase(ui: &mut Ui, state: &mut State, step: Phase) {
         range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
     };
     let panel = Panel::right("phase").frame(side);
-    let dragged = sized(ui, panel, (width, 0), |ui| screens::phase(ui, state, step));
+    let dragged = sized(ui, panel, (width, 0), |ui| panel_of(ui, state, step));
     if let Some(width) = dragged {
         state
             .model
@@ -95,14 +95,14 @@ fn phase(ui: &mut Ui, state: &mut State, step: Phase) {
         wanted: layout.plots_height.map_or(usual, |height| height as f32),
         range: Rangef::new(140.0, (0.7 * height).max(150.0)),
     };
-    let plots = Panel::bottom("plots").frame(side);
-    let dragged = sized(ui, plots, (size, 1), |ui| views::plots::show(ui, state));
+    let area = Panel::bottom("plots").frame(side);
+    let dragged = sized(ui, area, (size, 1), |ui| plots(ui, state));
     if let Some(height) = dragged {
         state
             .model
             .change_preferences(|p| p.layout.plots_height = Some(f64::from(height)));
     }
-    views::robot(ui, state);
+    robot(ui, state);
 }
 
 /// One part at a time, where the window has no room for all of them.
@@ -123,9 +123,9 @@ fn compact(ui: &mut Ui, state: &mut State, step: Phase) {
     CentralPanel::no_frame()
         .frame(side)
         .show(ui, |ui| match state.panels.part {
-            Part::Panel => screens::phase(ui, state, step),
-            Part::Robot => views::robot(ui, state),
-            Part::Plots => views::plots::show(ui, state),
+            Part::Panel => panel_of(ui, state, step),
+            Part::Robot => robot(ui, state),
+            Part::Plots => plots(ui, state),
         });
 }
 
@@ -133,4 +133,16 @@ fn side(ui: &Ui) -> Frame {
     Frame::new()
         .fill(theme::of(ui).panel)
         .inner_margin(Margin::same(3 * GRID as i8))
+}
+
+fn panel_of(ui: &mut Ui, state: &mut State, step: Phase) {
+    screens::phase(ui, &state.model, &mut state.panels, &mut state.outbox, step);
+}
+
+fn robot(ui: &mut Ui, state: &mut State) {
+    views::robot(ui, &state.model, &mut state.views, &mut state.outbox);
+}
+
+fn plots(ui: &mut Ui, state: &mut State) {
+    views::plots::show(ui, &state.model, &mut state.views, &mut state.outbox);
 }

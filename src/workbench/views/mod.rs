@@ -8,8 +8,8 @@ pub mod timeline;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
-use crate::model::Selection;
-use crate::shell::State;
+use crate::model::command::Outbox;
+use crate::model::{Model, Selection};
 use crate::theme::{self, GRID};
 
 /// What the views remember.
@@ -36,10 +36,9 @@ impl ViewStates {
 }
 
 /// Draws the robot in 3D, and below it the time line of what was measured.
-pub fn robot(ui: &mut Ui, state: &mut State) {
+pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
     let palette = theme::of(ui);
-    let measured = state
-        .model
+    let measured = model
         .open
         .as_ref()
         .is_some_and(|open| !open.session().measurements.is_empty());
@@ -51,9 +50,9 @@ pub fn robot(ui: &mut Ui, state: &mut State) {
             .frame(frame)
             .resizable(false)
             .exact_size(timeline::HEIGHT)
-            .show(ui, |ui| timeline::show(ui, state));
+            .show(ui, |ui| timeline::show(ui, model, views, outbox));
     }
     CentralPanel::no_frame()
         .frame(Frame::new().fill(palette.ground))
-        .show(ui, |ui| robot_3d::show(ui, state));
+        .show(ui, |ui| robot_3d::show(ui, model, views, outbox));
 }

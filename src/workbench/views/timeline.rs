@@ -5,10 +5,10 @@ use egui::{
 };
 use egui_material_icons::icons;
 
+use super::ViewStates;
 use super::robot_3d::scene::Scene;
-use crate::model::command::{PoseStep, ViewCommand};
-use crate::model::{OpenSession, Selection};
-use crate::shell::State;
+use crate::model::command::{Outbox, PoseStep, ViewCommand};
+use crate::model::{Model, OpenSession, Selection};
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{icon_only, muted};
 use tautline_workflow::wording::count;
@@ -30,14 +30,14 @@ pub struct TimelineState {
 }
 
 /// Draws the time line.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         return;
     };
     let labels = &open.session().measurements.labels;
-    let selected = state.model.selection.pose;
-    let plays = state.model.playback.plays;
-    let mut commands = play(ui, plays, &mut state.views.timeline, labels, selected);
+    let selected = model.selection.pose;
+    let plays = model.playback.plays;
+    let mut commands = play(ui, plays, &mut views.timeline, labels, selected);
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = GRID;
         for (icon, name, command) in [
@@ -64,10 +64,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 commands.push(command);
             }
         }
-        let is_live = state.model.link.is_connected()
-            && (state.model.link.is_busy() || state.model.link.watches);
+        let is_live = model.link.is_connected() && (model.link.is_busy() || model.link.watches);
         if is_live {
-            let follows = state.model.playback.follows;
+            let follows = model.playback.follows;
             let live = ui.selectable_label(follows, "Now");
             if live
                 .on_hover_text("Shows the robot where it is now")
@@ -76,15 +75,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 commands.push(ViewCommand::Follow(!follows));
             }
         }
-        let scene = state.views.robot_3d.scene().map(AsRef::as_ref);
-        let selection = state.model.selection;
+        let scene = views.robot_3d.scene().map(AsRef::as_ref);
+        let selection = model.selection;
         commands.extend(track(ui, (open, scene), selection, plays));
         let place = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
         ui.add_space(GRID);
         muted(ui, &words(labels, place));
     });
     for command in commands {
-        state.outbox.send(command);
+        outbox.send(command);
     }
 }
 

@@ -49,6 +49,7 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::RetrySave => run::retry_save(model),
         RobotCommand::Verify(stage) => adjust::verify(model, stage),
         RobotCommand::TakeCheck(stage) => adjust::take_check(model, stage),
+        RobotCommand::SetOperator(name) => model.change_preferences(|p| p.operator = name),
         RobotCommand::ReadBack => model.link.send(DriverCommand::ReadParameters),
         RobotCommand::Write => adjust::write(model),
         RobotCommand::WriteUnconverged(wanted) => adjust::write_unconverged(model, wanted),

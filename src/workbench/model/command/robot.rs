@@ -63,6 +63,8 @@ pub enum RobotCommand {
     Verify(Stage),
     /// Takes the imported check as a run.
     TakeCheck(Stage),
+    /// Keeps the name of the operator, who is responsible for what is written.
+    SetOperator(String),
     /// Reads what the controller holds.
     ReadBack,
     /// Writes the identified values to the controller; asks first where the identification did not converge.

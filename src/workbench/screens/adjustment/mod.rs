@@ -16,9 +16,10 @@ use tautline_link::adjusting::Difference;
 use self::figures::Figures;
 use super::measuring::{Next, controller, step_button};
 use crate::model::Memo;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
-use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
@@ -41,58 +42,50 @@ pub struct PanelState {
 }
 
 /// Draws the panel.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Adjustment");
     muted(
         ui,
         "The identified values are written to the controller; an external instrument shows what that changes.",
     );
-    let current = state
-        .model
-        .open
-        .as_ref()
-        .is_some_and(|d| d.fit_is_current());
+    let current = model.open.as_ref().is_some_and(|d| d.fit_is_current());
     if !current {
-        missing(ui, state);
+        missing(ui, model, outbox);
     }
-    let next = next(state, current);
-    controller::show(ui, state, next);
-    let differences = differences(state);
+    let next = next(model, current);
+    controller::show(ui, model, outbox, next);
+    let differences = differences(model, panel);
     if current {
-        doubt(ui, state);
-        compare(ui, state, &differences);
-        write(ui, state, next, &differences);
+        doubt(ui, model, outbox);
+        compare(ui, model, panel, outbox, &differences);
+        write(ui, model, panel, outbox, next, &differences);
     }
-    record::show(ui, state);
-    verification::show(ui, state);
-    reveal::show(ui, state);
+    record::show(ui, model);
+    verification::show(ui, model, panel, outbox);
+    reveal::show(ui, model, outbox);
 }
 
 /// What the controller lacks; computed again only after a change.
-fn differences(state: &mut State) -> Arc<Vec<Difference>> {
-    let Some(open) = &state.model.open else {
+fn differences(model: &Model, panel: &mut PanelState) -> Arc<Vec<Difference>> {
+    let Some(open) = &model.open else {
         return Arc::default();
     };
     let key = (
         open.id(),
         open.revision(),
         open.fit().map(|fit| Arc::as_ptr(fit) as usize),
-        state.model.link.parameters_version,
+        model.link.parameters_version,
     );
-    let mut memo = std::mem::take(&mut state.panels.adjustment.differences);
-    let found = memo
-        .get(key, || Arc::new(state.model.differences()))
-        .clone();
-    state.panels.adjustment.differences = memo;
-    found
+    let computed = || Arc::new(model.differences());
+    Arc::clone(panel.differences.get(key, computed))
 }
 
-fn next(state: &State, current: bool) -> Next {
-    if !current || state.model.link.is_busy() {
+fn next(model: &Model, current: bool) -> Next {
+    if !current || model.link.is_busy() {
         Next::Nothing
-    } else if !state.model.link.is_connected() {
+    } else if !model.link.is_connected() {
         Next::Connect
-    } else if !state.model.link.is_armed() {
+    } else if !model.link.is_armed() {
         Next::Arm
     } else {
         Next::Start
@@ -100,8 +93,8 @@ fn next(state: &State, current: bool) -> Next {
 }
 
 /// Warns of values from a model that misses the readings: they can make the robot worse.
-fn doubt(ui: &mut Ui, state: &mut State) {
-    let fit = state.model.open.as_ref().and_then(|open| open.fit());
+fn doubt(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let fit = model.open.as_ref().and_then(|open| open.fit());
     let explains = |p: f64| FitVerdict::of(Some(p)) != FitVerdict::Inadequate;
     if fit
         .and_then(|fit| fit.solution.p_value())
@@ -113,16 +106,14 @@ fn doubt(ui: &mut Ui, state: &mut State) {
                 model gets wrong.";
     verdict(ui, Verdict::Doubtful, text);
     if ui.button("Go to the model doctor").clicked() {
-        state.outbox.send(IdentificationCommand::Diagnose);
-        state
-            .outbox
-            .send(ViewCommand::Go(Screen::Phase(Phase::Identification)));
+        outbox.send(IdentificationCommand::Diagnose);
+        outbox.send(ViewCommand::Go(Screen::Phase(Phase::Identification)));
     }
 }
 
 /// Says what is missing and where to get it.
-fn missing(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+fn missing(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         return;
     };
     let (text, step) = if open.session().measurements.is_empty() {
@@ -144,83 +135,92 @@ fn missing(ui: &mut Ui, state: &mut State) {
     verdict(ui, Verdict::Neutral, text);
     let button = format!("Go to {}", step.title().to_lowercase());
     if ui.button(button).clicked() {
-        state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
+        outbox.send(ViewCommand::Go(Screen::Phase(step)));
     }
 }
 
-fn compare(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
+fn compare(
+    ui: &mut Ui,
+    model: &Model,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    differences: &[Difference],
+) {
     section(ui, "Controller and identified model");
-    if !state.model.link.is_connected() {
+    if !model.link.is_connected() {
         muted(
             ui,
             "Connect the controller to see what it holds beside what was identified.",
         );
     }
-    table::show(ui, state, differences);
+    table::show(ui, model, panel, outbox, differences);
     let unknown = differences
         .iter()
         .any(|line| line.name.starts_with("effect.") && line.controller.is_none());
-    if unknown && state.model.link.is_connected() {
+    if unknown && model.link.is_connected() {
         muted(
             ui,
             "The controller has no parameters for some effects: their values cannot be written.",
         );
     }
-    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
+    let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
     let simulated = matches!(kind, Some(Kind::OfSession | Kind::OfDescription));
-    if unknown && state.model.link.is_connected() && simulated {
-        let free = !state.model.link.is_busy();
+    if unknown && model.link.is_connected() && simulated {
+        let free = !model.link.is_busy();
         let text = "Give the simulated controller these parameters";
         let button = ui.add_enabled(free, egui::Button::new(text));
         if button
             .on_hover_text("Connects it again; it has to be armed again then")
             .clicked()
         {
-            state.outbox.send(RobotCommand::Connect);
+            outbox.send(RobotCommand::Connect);
         }
     }
     ui.horizontal_wrapped(|ui| {
-        let connected = state.model.link.is_connected() && !state.model.link.is_busy();
+        let connected = model.link.is_connected() && !model.link.is_busy();
         if icon_button(ui, icons::ICON_SYNC, "Read back", connected).clicked() {
-            state.outbox.send(RobotCommand::ReadBack);
+            outbox.send(RobotCommand::ReadBack);
         }
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export table…", true).clicked() {
-            state
-                .outbox
-                .send(RobotCommand::AskExport(Export::Differences));
+            outbox.send(RobotCommand::AskExport(Export::Differences));
         }
         let text = icon_button(ui, icons::ICON_CODE, "Export for TwinCAT…", true);
         let text = text.on_hover_text("A block of constants in Structured Text (IEC 61131-3)");
         if text.clicked() {
-            state
-                .outbox
-                .send(RobotCommand::AskExport(Export::StructuredText));
+            outbox.send(RobotCommand::AskExport(Export::StructuredText));
         }
     });
 }
 
-fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference]) {
+fn write(
+    ui: &mut Ui,
+    model: &Model,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    next: Next,
+    differences: &[Difference],
+) {
     let changes = differences
         .iter()
         .filter(|d| d.is_writable_change())
         .count();
     ui.add_space(GRID);
-    operator(ui, state);
-    let kind = state.model.link.connected.as_ref().map(|c| c.rig.kind);
+    operator(ui, model, panel, outbox);
+    let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
     let writable = kind != Some(Kind::Recording);
-    let ready = state.model.link.is_armed() && !state.model.link.is_busy() && writable;
+    let ready = model.link.is_armed() && !model.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {
         let is_next = next == Next::Start && changes > 0;
         let text = "Write to the controller";
         if step_button(ui, text, is_next, ready && changes > 0) {
-            state.outbox.send(RobotCommand::Write);
+            outbox.send(RobotCommand::Write);
         }
-        let back = state.model.revertible().is_some();
+        let back = model.revertible().is_some();
         if icon_button(ui, icons::ICON_UNDO, "Roll back", ready && back).clicked() {
-            state.outbox.send(RobotCommand::RollBack);
+            outbox.send(RobotCommand::RollBack);
         }
     });
-    if !state.model.link.is_connected() {
+    if !model.link.is_connected() {
         return;
     }
     if changes == 0 {
@@ -245,9 +245,9 @@ fn write(ui: &mut Ui, state: &mut State, next: Next, differences: &[Difference])
 }
 
 /// Who is responsible for what is written.
-fn operator(ui: &mut Ui, state: &mut State) {
-    let shown = state.panels.adjustment.operator.take();
-    let mut name = shown.unwrap_or_else(|| state.model.preferences.operator.clone());
+fn operator(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let shown = panel.operator.take();
+    let mut name = shown.unwrap_or_else(|| model.preferences.operator.clone());
     ui.horizontal(|ui| {
         let label = ui.label("Operator");
         let field = TextEdit::singleline(&mut name).hint_text("Your name, for the record");
@@ -256,11 +256,9 @@ fn operator(ui: &mut Ui, state: &mut State) {
             .labelled_by(label.id);
         if field.lost_focus() {
             let typed = name.trim().to_owned();
-            state
-                .model
-                .change_preferences(|preferences| preferences.operator = typed);
+            outbox.send(RobotCommand::SetOperator(typed));
         } else if field.has_focus() {
-            state.panels.adjustment.operator = Some(name);
+            panel.operator = Some(name);
         }
     });
 }

@@ -3,13 +3,13 @@
 use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};
 
-use crate::shell::State;
+use crate::model::Model;
 use crate::widgets::{Verdict, muted, section, verdict};
 use tautline_workflow::wording::count;
 
 /// Draws the last outcome and the record.
-pub(super) fn show(ui: &mut Ui, state: &State) {
-    let Some(open) = &state.model.open else {
+pub(super) fn show(ui: &mut Ui, model: &Model) {
+    let Some(open) = &model.open else {
         return;
     };
     let adjustments = open.session().adjustments();

@@ -4,13 +4,14 @@ use egui::Ui;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::robot::Robot;
 
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
-use crate::shell::State;
 use crate::widgets::{Verdict, muted, section, value, verdict};
 
 /// Draws the button, or what it has revealed.
-pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
@@ -24,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
             "This robot has a fault that was drawn at random. Look at it last.",
         );
         if ui.button("Reveal the hidden fault").clicked() {
-            state.outbox.send(RobotCommand::Reveal);
+            outbox.send(RobotCommand::Reveal);
         }
         return;
     }

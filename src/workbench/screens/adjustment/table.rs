@@ -4,9 +4,10 @@ use egui::Ui;
 use tautline_core::robot::Cable;
 use tautline_link::adjusting::Difference;
 
-use crate::model::Selection;
+use super::PanelState;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
@@ -23,11 +24,17 @@ const COLUMNS: [Column<'static>; 6] = [
 ];
 
 /// Draws the table; parameters that stay as they are only where they are asked for.
-pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
-    let Some(open) = &state.model.open else {
+pub(super) fn show(
+    ui: &mut Ui,
+    model: &Model,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    differences: &[Difference],
+) {
+    let Some(open) = &model.open else {
         return;
     };
-    let all = state.panels.adjustment.all;
+    let all = panel.all;
     let shown: Vec<&Difference> = differences
         .iter()
         .filter(|line| all || line.sd.is_some() || line.is_writable_change())
@@ -43,18 +50,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, differences: &[Difference]) {
         .collect();
     let touched = table(ui, &COLUMNS, &rows, None);
     if let Some(cable) = touched.clicked.and_then(|k| of_line.get(k).copied()?) {
-        let selection = Selection {
-            cable: Some(cable),
-            ..state.model.selection
-        };
-        state.outbox.send(ViewCommand::Select(selection));
+        outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.add_space(GRID);
     muted(ui, "±: the standard deviation of the identified value.");
-    ui.checkbox(
-        &mut state.panels.adjustment.all,
-        "Show parameters that stay as they are",
-    );
+    ui.checkbox(&mut panel.all, "Show parameters that stay as they are");
     if rows.is_empty() {
         muted(ui, "There is nothing to compare.");
     }

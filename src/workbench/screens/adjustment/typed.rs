@@ -4,8 +4,10 @@ use egui::{Align, Key, RichText, TextEdit, Ui, WidgetInfo};
 use nalgebra::{UnitQuaternion, Vector3};
 use tautline_session::CheckPose;
 
+use super::PanelState;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
 
@@ -23,18 +25,24 @@ pub struct Typed {
 }
 
 /// Nothing is asked for at this moment.
-pub(super) fn forget(state: &mut State) {
-    state.panels.adjustment.typed.number = None;
+pub(super) fn forget(panel: &mut PanelState) {
+    panel.typed.number = None;
 }
 
 /// Asks where the platform is at a target.
-pub(super) fn show(ui: &mut Ui, state: &mut State, (number, of): (usize, usize)) {
+pub(super) fn show(
+    ui: &mut Ui,
+    model: &Model,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    (number, of): (usize, usize),
+) {
     let target = number
         .checked_sub(1)
-        .and_then(|k| state.model.link.targets.get(k));
+        .and_then(|k| model.link.targets.get(k));
     let Some(target) = target else { return };
     let (name, commanded) = (target.target.clone(), target.pose);
-    let memory = &mut state.panels.adjustment.typed;
+    let memory = &mut panel.typed;
     let is_new = memory.number != Some(number);
     if is_new {
         *memory = Typed {
@@ -71,7 +79,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, (number, of): (usize, usize))
             }
             if good && (entered || pressed) {
                 memory.sent = true;
-                state.outbox.send(RobotCommand::TypedPose(number, pose));
+                outbox.send(RobotCommand::TypedPose(number, pose));
             }
         }
         Err(problem) => {

@@ -4,27 +4,29 @@ use egui::{ProgressBar, Ui};
 use egui_material_icons::icons;
 use tautline_session::Stage;
 
+use super::PanelState;
 use super::figures::{Figure, figures};
 use super::typed;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::{Export, FileCommand, RobotCommand};
 use crate::model::link::Doing;
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
 use tautline_workflow::controllers::Kind;
 
 /// Draws buttons, progress and the table of both runs.
-pub(super) fn show(ui: &mut Ui, state: &mut State) {
+pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     section(ui, "Verification");
     muted(
         ui,
         "The robot drives to test poses, along a circle and a line; an external instrument says where it is \
          (ISO 9283). Measure once before writing and once after.",
     );
-    buttons(ui, state);
-    progress(ui, state);
-    imported(ui, state);
-    let Some(open) = &state.model.open else {
+    buttons(ui, model, outbox);
+    progress(ui, model, panel, outbox);
+    imported(ui, model, outbox);
+    let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
@@ -32,22 +34,17 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         return;
     }
     let key = (open.id(), open.revision());
-    match state
-        .panels
-        .adjustment
-        .figures
-        .get(key, || figures(session))
-    {
+    match panel.figures.get(key, || figures(session)) {
         Ok(figures) => show_figures(ui, &figures.lines),
         Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
     }
 }
 
-fn buttons(ui: &mut Ui, state: &mut State) {
-    let rig = state.model.link.connected.as_ref().map(|c| &c.rig);
+fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let rig = model.link.connected.as_ref().map(|c| &c.rig);
     let is_recording = rig.is_some_and(|rig| rig.kind == Kind::Recording);
     let by_hand = rig.is_some_and(|rig| !rig.has_instrument());
-    let ready = state.model.link.is_armed() && !state.model.link.is_busy() && !is_recording;
+    let ready = model.link.is_armed() && !model.link.is_busy() && !is_recording;
     let hint = if is_recording {
         "A recording drives to no test poses"
     } else {
@@ -72,29 +69,29 @@ fn buttons(ui: &mut Ui, state: &mut State) {
         ] {
             let button = icon_button(ui, icons::ICON_STRAIGHTEN, text, ready);
             if button.on_disabled_hover_text(hint).clicked() {
-                state.outbox.send(RobotCommand::Verify(stage));
+                outbox.send(RobotCommand::Verify(stage));
             }
         }
     });
     ui.horizontal_wrapped(|ui| {
         let import = icon_button(ui, icons::ICON_UPLOAD_FILE, "Import check.csv…", true);
         if import.clicked() {
-            state.outbox.send(FileCommand::AskOpen);
+            outbox.send(FileCommand::AskOpen);
         }
-        let open = state.model.open.as_ref();
+        let open = model.open.as_ref();
         let runs = open.is_some_and(|d| !d.session().verifications().is_empty());
         let export = icon_button(ui, icons::ICON_DOWNLOAD, "Export last run…", runs);
         if export.clicked() {
-            state.outbox.send(RobotCommand::AskExport(Export::Check));
+            outbox.send(RobotCommand::AskExport(Export::Check));
         }
     });
 }
 
-fn progress(ui: &mut Ui, state: &mut State) {
-    if state.model.link.verifying.is_none() {
+fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    if model.link.verifying.is_none() {
         return;
     }
-    let doing = state.model.link.live().doing;
+    let doing = model.link.live().doing;
     let (done, of) = match doing {
         Doing::Verifying { done, of } => (done, of),
         Doing::Locating { number, of } => (number, of),
@@ -108,18 +105,18 @@ fn progress(ui: &mut Ui, state: &mut State) {
             ui.label(format!("Target {done} of {of}"));
         }
         if icon_button(ui, icons::ICON_STOP, "Abort", true).clicked() {
-            state.outbox.send(RobotCommand::Stop);
+            outbox.send(RobotCommand::Stop);
         }
     });
     match doing {
-        Doing::Locating { number, of } => typed::show(ui, state, (number, of)),
-        _ => typed::forget(state),
+        Doing::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
+        _ => typed::forget(panel),
     }
 }
 
 /// An imported table becomes a run when the operator says which.
-fn imported(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
@@ -138,7 +135,7 @@ fn imported(ui: &mut Ui, state: &mut State) {
             ("after it", Stage::After),
         ] {
             if ui.button(text).clicked() {
-                state.outbox.send(RobotCommand::TakeCheck(stage));
+                outbox.send(RobotCommand::TakeCheck(stage));
             }
         }
     });

@@ -17,8 +17,7 @@ use crate::model::command::Outbox;
 use crate::model::fit_progress::IdentificationState;
 use crate::model::open_session::Stored;
 use crate::model::tasks::Tasks;
-use crate::model::{Memo, OpenSession, Selection};
-use crate::shell::State;
+use crate::model::{Memo, Model, OpenSession, Selection};
 use crate::widgets::{Verdict, heading, muted, verdict};
 
 /// The two halves of the panel.
@@ -58,9 +57,9 @@ struct Panel<'a> {
 }
 
 /// Draws the panel.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Identification");
-    let Some(open) = &state.model.open else {
+    let Some(open) = &model.open else {
         return;
     };
     let poses = open.session().measurements.len();
@@ -73,11 +72,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     }
     let panel = &mut Panel {
         open,
-        tasks: &state.model.tasks,
-        run: &state.model.identification,
-        selection: state.model.selection,
-        outbox: &mut state.outbox,
-        memory: &mut state.panels.identification,
+        tasks: &model.tasks,
+        run: &model.identification,
+        selection: model.selection,
+        outbox,
+        memory: panel,
     };
     ui.horizontal(|ui| {
         let halves = [(Half::Geometry, "Geometry"), (Half::Doctor, "Model doctor")];

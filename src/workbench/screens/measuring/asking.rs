@@ -2,8 +2,9 @@
 
 use egui::{Align, FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
 
+use super::PanelState;
+use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
 
@@ -22,13 +23,19 @@ pub struct Typed {
 }
 
 /// Nothing is asked for at this moment.
-pub(super) fn forget(state: &mut State) {
-    state.panels.measuring.typed.label = None;
+pub(super) fn forget(panel: &mut PanelState) {
+    panel.typed.label = None;
 }
 
 /// Asks for the distance at a pose, where about `expected_m` is expected.
-pub(super) fn show(ui: &mut Ui, state: &mut State, label: i64, expected_m: Option<f64>) {
-    let memory = &mut state.panels.measuring.typed;
+pub(super) fn show(
+    ui: &mut Ui,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    label: i64,
+    expected_m: Option<f64>,
+) {
+    let memory = &mut panel.typed;
     let is_new = memory.label != Some(label);
     if is_new {
         *memory = Typed {
@@ -75,7 +82,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, label: i64, expected_m: Optio
     if let Some(distance_m) = answer {
         memory.sent = true;
         let command = RobotCommand::LaserDistance(label, distance_m);
-        state.outbox.send(command);
+        outbox.send(command);
     }
 }
 

@@ -7,9 +7,10 @@ use egui_material_icons::icons;
 use tautline_link::Activity;
 
 use super::{Next, step_button};
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, Setup};
 use crate::model::link::Lost;
-use crate::shell::State;
 use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
@@ -18,20 +19,20 @@ use tautline_workflow::controllers::Kind;
 const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
 
 /// Draws connection and arming.
-pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
+pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, next: Next) {
     section(ui, "Controller");
-    let Some(open) = &state.model.open else {
+    let Some(open) = &model.open else {
         return;
     };
-    let live = state.model.link.live();
+    let live = model.link.live();
     if let Some(lost) = &live.lost {
-        return gone(ui, state, lost);
+        return gone(ui, outbox, lost);
     }
     let offered = Kind::offered(open.session());
     let Some(controller) = live.state else {
-        return connect(ui, state, offered, next);
+        return connect(ui, model, outbox, offered, next);
     };
-    let connected = state.model.link.connected.as_ref();
+    let connected = model.link.connected.as_ref();
     let kind = connected.map_or(offered, |connected| connected.rig.kind);
     let note = match kind {
         Kind::OfDescription => {
@@ -56,27 +57,27 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         ),
     };
     ui.horizontal_wrapped(|ui| {
-        ui.label(&state.model.link.identity);
+        ui.label(&model.link.identity);
         ui.label(egui::RichText::new(words).color(colour));
     });
     ui.horizontal_wrapped(|ui| {
         if controller.armed {
             let text = "Disarm";
             if icon_button(ui, icons::ICON_LOCK, text, true).clicked() {
-                state.outbox.send(RobotCommand::Disarm);
+                outbox.send(RobotCommand::Disarm);
             }
         } else if step_button(ui, "Arm", next == Next::Arm, true) {
-            state.outbox.send(RobotCommand::Arm);
+            outbox.send(RobotCommand::Arm);
         }
-        let free = !state.model.link.is_busy();
+        let free = !model.link.is_busy();
         if icon_button(ui, icons::ICON_LINK_OFF, "Disconnect", free).clicked() {
-            state.outbox.send(RobotCommand::Disconnect);
+            outbox.send(RobotCommand::Disconnect);
         }
         if kind != Kind::Real {
-            speed(ui, state);
+            speed(ui, model, outbox);
         }
     });
-    if kind == Kind::Real && !controller.armed && state.model.link.is_measuring() {
+    if kind == Kind::Real && !controller.armed && model.link.is_measuring() {
         muted(
             ui,
             "The run waits. Arming moves nothing: the robot goes on when you press Resume.",
@@ -85,7 +86,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, state: &mut State, next: Next) {
 }
 
 /// Nothing is connected.
-fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
+fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind, next: Next) {
     let text = match offered {
         Kind::OfSession | Kind::OfDescription => "Connect the simulated robot",
         Kind::Recording => "Connect the recording",
@@ -98,16 +99,16 @@ fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
              description.",
         );
     }
-    let free = !state.model.link.connecting;
+    let free = !model.link.connecting;
     ui.horizontal_wrapped(|ui| {
         // A robot that is only simulated from its description is no next step towards the real one.
         let is_next = next == Next::Connect;
         let is_chosen = offered != Kind::OfDescription;
         if step_button(ui, text, is_next && is_chosen, free) {
-            state.outbox.send(RobotCommand::Connect);
+            outbox.send(RobotCommand::Connect);
         }
         if step_button(ui, "Choose controller…", is_next && !is_chosen, free) {
-            state.outbox.send(RobotCommand::Setup(Setup::Open));
+            outbox.send(RobotCommand::Setup(Setup::Open));
         }
         if !free {
             ui.spinner();
@@ -117,7 +118,7 @@ fn connect(ui: &mut Ui, state: &mut State, offered: Kind, next: Next) {
 }
 
 /// The connection is lost and is made anew.
-fn gone(ui: &mut Ui, state: &mut State, lost: &Lost) {
+fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
     let text = format!("{} The robot is not armed any more.", lost_words(lost));
     verdict(ui, Verdict::Bad, &text);
     let why = tautline_workflow::wording::sentence(lost.why.trim_end_matches('.'));
@@ -125,10 +126,10 @@ fn gone(ui: &mut Ui, state: &mut State, lost: &Lost) {
     ui.add(egui::Label::new(why).wrap());
     ui.horizontal_wrapped(|ui| {
         if icon_button(ui, icons::ICON_SYNC, "Try now", true).clicked() {
-            state.outbox.send(RobotCommand::TryNow);
+            outbox.send(RobotCommand::TryNow);
         }
         if icon_button(ui, icons::ICON_LINK_OFF, "Give up the connection", true).clicked() {
-            state.outbox.send(RobotCommand::Disconnect);
+            outbox.send(RobotCommand::Disconnect);
         }
     });
 }
@@ -146,8 +147,8 @@ pub fn lost_words(lost: &Lost) -> String {
 }
 
 /// How fast the time of a simulated robot runs.
-fn speed(ui: &mut Ui, state: &mut State) {
-    let mut speed = state.model.link.speed();
+fn speed(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let mut speed = model.link.speed();
     let before = speed;
     let words = |speed: f64| format!("{speed:.0}x speed");
     let chosen = ComboBox::from_id_salt("speed")
@@ -162,6 +163,6 @@ fn speed(ui: &mut Ui, state: &mut State) {
         egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Speed of the simulation")
     });
     if speed != before {
-        state.outbox.send(RobotCommand::Speed(speed));
+        outbox.send(RobotCommand::Speed(speed));
     }
 }

@@ -8,16 +8,15 @@ mod readings;
 mod run;
 mod table;
 
-use std::collections::HashSet;
-
 use egui::{DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_session::PlannedPose;
 
 use crate::model::Memo;
-use crate::model::command::{Export, FileCommand, PLANNING, RobotCommand, ViewCommand};
+use crate::model::Model;
+use crate::model::command::Outbox;
+use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
-use crate::shell::State;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
 use tautline_workflow::planning::missing;
@@ -37,8 +36,6 @@ pub struct PanelState {
     scrolled_to: Option<i64>,
     /// The laser distance that is typed.
     typed: asking::Typed,
-    /// Planned poses that the 3D view shows, of a document and its revision.
-    shown: Option<(u64, u64)>,
 }
 
 impl Default for PanelState {
@@ -50,7 +47,6 @@ impl Default for PanelState {
             rows: Memo::default(),
             scrolled_to: None,
             typed: asking::Typed::default(),
-            shown: None,
         }
     }
 }
@@ -80,22 +76,22 @@ pub(in crate::screens) fn step_button(
     ui.add_enabled(enabled, button).clicked()
 }
 
-fn next(state: &State) -> Next {
-    let Some(open) = &state.model.open else {
+fn next(model: &Model) -> Next {
+    let Some(open) = &model.open else {
         return Next::Nothing;
     };
     let session = open.session();
-    if state.model.link.is_busy() {
+    if model.link.is_busy() {
         Next::Nothing
     } else if session.plan.is_empty() && session.measurements.is_empty() {
         Next::Plan
     } else if missing(session) == 0 {
         Next::Identify
-    } else if state.model.link.lost().is_some() {
+    } else if model.link.lost().is_some() {
         Next::Nothing
-    } else if !state.model.link.is_connected() {
+    } else if !model.link.is_connected() {
         Next::Connect
-    } else if !state.model.link.is_armed() {
+    } else if !model.link.is_armed() {
         Next::Arm
     } else {
         Next::Start
@@ -103,68 +99,47 @@ fn next(state: &State) -> Next {
 }
 
 /// Draws the panel.
-pub fn show(ui: &mut Ui, state: &mut State) {
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Measuring");
     muted(
         ui,
         "The robot drives to poses that tell as much as possible about its pulleys; at each it stands still and is read.",
     );
-    show_planned(state);
-    ask(state);
-    instruments(ui, state);
-    let next = next(state);
-    plan(ui, state, next);
-    controller::show(ui, state, next);
-    run::show(ui, state, next);
-    table::show(ui, state);
+    ask(model, panel, outbox);
+    instruments(ui, model);
+    let next = next(model);
+    plan(ui, model, panel, outbox, next);
+    controller::show(ui, model, outbox, next);
+    run::show(ui, model, panel, outbox, next);
+    table::show(ui, model, panel, outbox);
     if next == Next::Identify {
         ui.add_space(2.0 * GRID);
         if primary(ui, "Go to identification", true).clicked() {
             let screen = Screen::Phase(Phase::Identification);
-            state.outbox.send(ViewCommand::Go(screen));
+            outbox.send(ViewCommand::Go(screen));
         }
     }
 }
 
-/// The 3D view shows the poses that are still to be measured.
-fn show_planned(state: &mut State) {
-    let Some(open) = &state.model.open else {
-        return;
-    };
-    let key = (open.id(), open.revision());
-    if state.panels.measuring.shown == Some(key) {
-        return;
-    }
-    state.panels.measuring.shown = Some(key);
-    let session = open.session();
-    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
-    let planned = session.plan.iter();
-    state.views.robot_3d.planned = planned
-        .filter(|pose| !measured.contains(&pose.label))
-        .map(PlannedPose::pose)
-        .collect();
-}
-
 /// Has it computed, once, what to expect of a plan that was not made in this run of the program.
-fn ask(state: &mut State) {
-    let Some(open) = &state.model.open else {
+fn ask(model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         return;
     };
-    let panel = &mut state.panels.measuring;
     let plan = &open.session().plan;
     let was_asked = panel.asked.as_ref();
     let was_asked = was_asked.is_some_and(|(of, asked)| *of == open.id() && asked == plan);
-    let is_busy = state.model.link.is_busy() || state.model.tasks.runs(PLANNING);
+    let is_busy = model.link.is_busy() || model.tasks.runs(PLANNING);
     let has_poses = plan.iter().any(|pose| pose.label != 0);
-    if state.model.outlook.is_none() && !was_asked && has_poses && !is_busy {
+    if model.outlook.is_none() && !was_asked && has_poses && !is_busy {
         panel.asked = Some((open.id(), plan.clone()));
-        state.outbox.send(RobotCommand::Expect);
+        outbox.send(RobotCommand::Expect);
     }
 }
 
 /// Says what the robot lacks for measuring.
-fn instruments(ui: &mut Ui, state: &State) {
-    let Some(open) = &state.model.open else {
+fn instruments(ui: &mut Ui, model: &Model) {
+    let Some(open) = &model.open else {
         return;
     };
     let robot = &open.session().robot;
@@ -193,46 +168,45 @@ fn instruments(ui: &mut Ui, state: &State) {
     }
 }
 
-fn plan(ui: &mut Ui, state: &mut State, next: Next) {
+fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox, next: Next) {
     section(ui, "Poses to measure");
-    let planning = state.model.tasks.runs(PLANNING);
-    let free = !planning && !state.model.link.is_busy();
+    let planning = model.tasks.runs(PLANNING);
+    let free = !planning && !model.link.is_busy();
     ui.horizontal(|ui| {
         let label = ui.label("Number");
-        let poses = DragValue::new(&mut state.panels.measuring.poses).range(1..=500);
+        let poses = DragValue::new(&mut panel.poses).range(1..=500);
         ui.add(poses).labelled_by(label.id);
         if step_button(ui, "Plan poses", next == Next::Plan, free) {
-            let poses = state.panels.measuring.poses;
-            state.outbox.send(RobotCommand::Plan(poses));
+            let poses = panel.poses;
+            outbox.send(RobotCommand::Plan(poses));
         }
         if planning {
             if ui.button("Cancel").clicked() {
-                state.model.tasks.cancel(PLANNING);
+                outbox.send(Command::CancelTask(PLANNING));
             }
             ui.spinner();
         }
     });
     ui.horizontal_wrapped(|ui| {
         if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import plan…", free).clicked() {
-            state.outbox.send(FileCommand::AskOpen);
+            outbox.send(FileCommand::AskOpen);
         }
-        let planned = state
-            .model
+        let planned = model
             .open
             .as_ref()
             .is_some_and(|d| !d.session().plan.is_empty());
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export plan…", planned).clicked() {
-            state.outbox.send(RobotCommand::AskExport(Export::Plan));
+            outbox.send(RobotCommand::AskExport(Export::Plan));
         }
-        let connected = state.model.link.is_connected() && free;
+        let connected = model.link.is_connected() && free;
         let add = icon_button(ui, icons::ICON_ADD_LOCATION, "Add current pose", connected);
         let add = add.on_hover_text("Adds the pose that the controller was commanded to last");
         if add
             .on_disabled_hover_text("Connect the controller first; a run must not be under way")
             .clicked()
         {
-            state.outbox.send(RobotCommand::AddCurrent);
+            outbox.send(RobotCommand::AddCurrent);
         }
     });
-    outlook::show(ui, state);
+    outlook::show(ui, model, panel);
 }

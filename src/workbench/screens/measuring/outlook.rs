@@ -3,18 +3,19 @@
 use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::Indices;
 
+use super::PanelState;
+use crate::model::Model;
 use crate::model::command::EXPECTING;
-use crate::shell::State;
 use crate::widgets::{Verdict, muted, value, verdict};
 use tautline_workflow::planning::PlanSummary;
 
 /// Draws what is expected, and whether enough is measured.
-pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
+    let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
-    let remembered = &mut state.panels.measuring;
+    let remembered = &mut *panel;
     if session.plan.is_empty() {
         if session.measurements.is_empty() {
             muted(
@@ -24,14 +25,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         }
         return;
     }
-    let outlook = match state.model.outlook.as_ref().map(|outlook| &outlook.result) {
+    let outlook = match model.outlook.as_ref().map(|outlook| &outlook.result) {
         Some(Ok(outlook)) => outlook,
         Some(Err(why)) => {
             let text = format!("What this plan will tell cannot be said beforehand: {why}.");
             verdict(ui, Verdict::Neutral, &text);
             return;
         }
-        None if state.model.tasks.runs(EXPECTING) => {
+        None if model.tasks.runs(EXPECTING) => {
             ui.horizontal(|ui| {
                 ui.spinner();
                 muted(

@@ -3,32 +3,32 @@
 use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
 
-use crate::model::Selection;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, muted, table};
 
 /// A cable by colour and number.
 pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = GRID;
-        let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
-        let colour = theme::of(ui).cable(index);
-        ui.painter()
-            .circle_filled(rect.center(), 1.125 * GRID, colour);
+        dot(ui, index);
         ui.label((index + 1).to_string()).on_hover_text(name);
     });
 }
 
-/// The same to press; whether it was.
+fn dot(ui: &mut Ui, cable: usize) {
+    ui.spacing_mut().item_spacing.x = GRID;
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
+    let colour = theme::of(ui).cable(cable);
+    ui.painter()
+        .circle_filled(rect.center(), 1.125 * GRID, colour);
+}
+
+/// The same as a link; whether it was clicked.
 pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
     ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = GRID;
-        let (rect, _) = ui.allocate_exact_size(Vec2::splat(2.5 * GRID), Sense::hover());
-        let colour = theme::of(ui).cable(index);
-        ui.painter()
-            .circle_filled(rect.center(), 1.125 * GRID, colour);
+        dot(ui, index);
         let link = ui.link((index + 1).to_string());
         let text = format!("Select {name}");
         link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, &text));
@@ -45,19 +45,18 @@ const COLUMNS: [Column<'static>; 3] = [
 ];
 
 /// Draws the live readings.
-pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    if !state.model.link.is_connected() {
+pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    if !model.link.is_connected() {
         return;
     }
-    let mut watches = state.model.link.watches;
-    if !state.model.link.is_measuring() && ui.checkbox(&mut watches, "Show live readings").changed()
-    {
-        state.outbox.send(RobotCommand::Watch(watches));
+    let mut watches = model.link.watches;
+    if !model.link.is_measuring() && ui.checkbox(&mut watches, "Show live readings").changed() {
+        outbox.send(RobotCommand::Watch(watches));
     }
-    if !watches && !state.model.link.is_measuring() {
+    if !watches && !model.link.is_measuring() {
         return;
     }
-    let Some(sample) = state.model.link.live().sample else {
+    let Some(sample) = model.link.live().sample else {
         muted(ui, "No readings yet.");
         return;
     };
@@ -73,13 +72,9 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
             ]
         })
         .collect();
-    let selected = state.model.selection.cable;
+    let selected = model.selection.cable;
     if let Some(cable) = table(ui, &COLUMNS, &rows, selected).clicked {
-        let selection = Selection {
-            cable: Some(cable),
-            ..state.model.selection
-        };
-        state.outbox.send(ViewCommand::Select(selection));
+        outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.horizontal(|ui| {
         muted(ui, "Laser");

@@ -3,12 +3,13 @@
 use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
 use egui_material_icons::icons;
 
+use super::PanelState;
 use super::{Next, asking, readings, step_button};
-use crate::model::Selection;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::model::link::{Doing, RunLog};
 use crate::model::messages::full_sentence;
-use crate::shell::State;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::planning::missing;
@@ -18,23 +19,28 @@ use tautline_workflow::wording::count;
 const LISTED: usize = 4;
 
 /// Draws the run.
-pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
-    let Some(open) = &state.model.open else {
+pub(super) fn show(
+    ui: &mut Ui,
+    model: &Model,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    next: Next,
+) {
+    let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
     let missing = missing(session);
     let begun = !session.measurements.is_empty();
-    if session.plan.is_empty() && state.model.link.run.is_none() && !state.model.link.is_connected()
-    {
+    if session.plan.is_empty() && model.link.run.is_none() && !model.link.is_connected() {
         return;
     }
     section(ui, "Measuring run");
-    if state.model.link.is_measuring() {
-        buttons(ui, state);
-        progress(ui, state);
+    if model.link.is_measuring() {
+        buttons(ui, model, outbox);
+        progress(ui, model, panel, outbox);
     } else {
-        let ready = state.model.link.is_armed() && missing > 0 && !state.model.link.is_busy();
+        let ready = model.link.is_armed() && missing > 0 && !model.link.is_busy();
         let text = if begun {
             "Continue measuring"
         } else {
@@ -42,9 +48,9 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
         };
         if missing > 0 {
             if step_button(ui, text, next == Next::Start, ready) {
-                state.outbox.send(RobotCommand::Start);
+                outbox.send(RobotCommand::Start);
             }
-            if !state.model.link.is_armed() {
+            if !model.link.is_armed() {
                 muted(ui, "Connect and arm the controller first.");
             } else if begun {
                 muted(
@@ -56,49 +62,43 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, next: Next) {
             verdict(ui, Verdict::Good, "All planned poses are measured.");
         }
     }
-    pending(ui, state);
-    if let Some(run) = &state.model.link.run {
+    pending(ui, model, outbox);
+    if let Some(run) = &model.link.run {
         outcome(ui, run);
-        surprises(ui, state, run);
+        surprises(ui, model, run);
     }
-    warnings(ui, state);
-    readings::show(ui, state);
+    warnings(ui, model, outbox);
+    readings::show(ui, model, outbox);
 }
 
-fn buttons(ui: &mut Ui, state: &mut State) {
-    let Some(run) = &state.model.link.run else {
+fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let Some(run) = &model.link.run else {
         return;
     };
     let (paused, current) = (run.paused.is_some(), run.current);
     ui.horizontal_wrapped(|ui| {
         if paused {
-            let ready = state.model.link.is_armed();
+            let ready = model.link.is_armed();
             if step_button(ui, "Resume", ready, ready) {
-                state.outbox.send(RobotCommand::Resume);
+                outbox.send(RobotCommand::Resume);
             }
         } else if icon_button(ui, icons::ICON_PAUSE, "Pause", true).clicked() {
-            state.outbox.send(RobotCommand::Pause);
+            outbox.send(RobotCommand::Pause);
         }
         let skip = icon_button(ui, icons::ICON_SKIP_NEXT, "Skip pose", true);
         if skip.clicked() {
-            state.outbox.send(RobotCommand::Skip);
+            outbox.send(RobotCommand::Skip);
         }
-        let last = state
-            .model
-            .link
-            .run
-            .as_ref()
-            .and_then(|run| run.last_measured());
+        let last = model.link.run.as_ref().and_then(|run| run.last_measured());
         let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());
         if let Some(label) = last.filter(|_| repeat.clicked()) {
-            state.outbox.send(RobotCommand::Repeat(label));
+            outbox.send(RobotCommand::Repeat(label));
         }
         if icon_button(ui, icons::ICON_STOP, "Abort", true).clicked() {
-            state.outbox.send(RobotCommand::Stop);
+            outbox.send(RobotCommand::Stop);
         }
     });
-    if let Some(reason) = state
-        .model
+    if let Some(reason) = model
         .link
         .run
         .as_ref()
@@ -121,15 +121,15 @@ fn buttons(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn progress(ui: &mut Ui, state: &mut State) {
-    let Some(run) = &state.model.link.run else {
+fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let Some(run) = &model.link.run else {
         return;
     };
     let (done, of) = (run.done(), run.of());
     let text = match run.remaining_s() {
         Some(left_s) => format!(
             "{done} of {of} poses, {} left",
-            duration(left_s / state.model.link.speed())
+            duration(left_s / model.link.speed())
         ),
         None => format!("{done} of {of} poses"),
     };
@@ -142,10 +142,10 @@ fn progress(ui: &mut Ui, state: &mut State) {
     };
     let doing = match run.paused {
         Some(_) => Doing::Nothing,
-        None => state.model.link.live().doing,
+        None => model.link.live().doing,
     };
     if !matches!(doing, Doing::Asking { .. }) {
-        asking::forget(state);
+        asking::forget(panel);
     }
     match doing {
         Doing::Nothing | Doing::Verifying { .. } | Doing::Locating { .. } => {}
@@ -153,7 +153,7 @@ fn progress(ui: &mut Ui, state: &mut State) {
             muted(ui, &format!("On the way to {place}."));
         }
         Doing::Settling { rates, limits, .. } => readings::settling(ui, &place, rates, limits),
-        Doing::Asking { label, expected_m } => asking::show(ui, state, label, expected_m),
+        Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
         Doing::Sampling { taken, of } => {
             muted(ui, &format!("Reading at {place}: sample {taken} of {of}."));
         }
@@ -170,13 +170,8 @@ fn duration(seconds: f64) -> String {
 }
 
 /// A measured pose that could not be kept on disk.
-fn pending(ui: &mut Ui, state: &mut State) {
-    let failed = state
-        .model
-        .link
-        .pending
-        .as_ref()
-        .filter(|pending| pending.failed);
+fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let failed = model.link.pending.as_ref().filter(|pending| pending.failed);
     let Some(pending) = failed else {
         return;
     };
@@ -186,7 +181,7 @@ fn pending(ui: &mut Ui, state: &mut State) {
     );
     verdict(ui, Verdict::Bad, &text);
     if ui.button("Try to keep it again").clicked() {
-        state.outbox.send(RobotCommand::RetrySave);
+        outbox.send(RobotCommand::RetrySave);
     }
 }
 
@@ -202,7 +197,7 @@ fn outcome(ui: &mut Ui, run: &RunLog) {
 }
 
 /// How far the last poses were from what was expected.
-fn surprises(ui: &mut Ui, state: &State, run: &RunLog) {
+fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
     }
@@ -222,7 +217,7 @@ fn surprises(ui: &mut Ui, state: &State, run: &RunLog) {
                 muted(ui, "length");
                 ui.label(format!("{:+.1}", off_m * 1e3));
                 muted(ui, "mm on");
-                readings::cable_mark(ui, cable, name_of(state, cable));
+                readings::cable_mark(ui, cable, name_of(model, cable));
             }
             if let Some(laser_m) = surprise.laser_m {
                 muted(ui, "laser");
@@ -233,21 +228,15 @@ fn surprises(ui: &mut Ui, state: &State, run: &RunLog) {
     }
 }
 
-pub(super) fn name_of(state: &State, cable: usize) -> &str {
-    let open = state.model.open.as_ref();
+pub(super) fn name_of(model: &Model, cable: usize) -> &str {
+    let open = model.open.as_ref();
     let cable = open.and_then(|d| d.session().robot.cables.get(cable));
     cable.map_or("", |cable| cable.name.as_str())
 }
 
 /// What did not look right, the latest first, each with its cable.
-fn warnings(ui: &mut Ui, state: &mut State) {
-    let Some(run) = state
-        .model
-        .link
-        .run
-        .as_ref()
-        .filter(|r| !r.warnings.is_empty())
-    else {
+fn warnings(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let Some(run) = model.link.run.as_ref().filter(|r| !r.warnings.is_empty()) else {
         return;
     };
     let title = match run.warnings.len() {
@@ -267,7 +256,7 @@ fn warnings(ui: &mut Ui, state: &mut State) {
                     for warning in run.warnings.iter().rev() {
                         ui.horizontal_top(|ui| {
                             if let Some(cable) = warning.cable
-                                && readings::cable_link(ui, cable, name_of(state, cable))
+                                && readings::cable_link(ui, cable, name_of(model, cable))
                             {
                                 chosen = Some(cable);
                             }
@@ -277,10 +266,6 @@ fn warnings(ui: &mut Ui, state: &mut State) {
                 });
         });
     if let Some(cable) = chosen {
-        let selection = Selection {
-            cable: Some(cable),
-            ..state.model.selection
-        };
-        state.outbox.send(ViewCommand::Select(selection));
+        outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
 }

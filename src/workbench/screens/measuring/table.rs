@@ -4,48 +4,45 @@ use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons;
 
+use super::PanelState;
 use super::poses::{PhaseStatus, Row, rows};
-use crate::model::Selection;
+use crate::model::Model;
+use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::model::edit::Edit;
-use crate::shell::State;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{icon_button, muted, section};
 
 /// Draws the table.
-pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
     let key = (open.id(), open.revision());
-    let rows = state.panels.measuring.rows.get(key, || rows(session));
+    let rows = panel.rows.get(key, || rows(session));
     if rows.is_empty() {
         return;
     }
     section(ui, "Poses");
-    let run = state.model.link.run.as_ref();
+    let run = model.link.run.as_ref();
     let shown = Shown {
-        selected: state.model.selection.pose,
+        selected: model.selection.pose,
         current: run.and_then(|run| run.current),
         skipped: &|label| run.is_some_and(|run| run.skipped.contains(&label)),
-        is_new: state.panels.measuring.scrolled_to != state.model.selection.pose,
+        is_new: panel.scrolled_to != model.selection.pose,
     };
     let clicked = table(ui, rows, &shown);
-    state.panels.measuring.scrolled_to = state.model.selection.pose;
+    panel.scrolled_to = model.selection.pose;
     let selected = rows
         .iter()
-        .find(|row| Some(row.label) == state.model.selection.pose)
+        .find(|row| Some(row.label) == model.selection.pose)
         .copied();
     if let Some(label) = clicked {
-        let selection = Selection {
-            pose: Some(label),
-            ..state.model.selection
-        };
-        state.outbox.send(ViewCommand::Select(selection));
+        outbox.send(ViewCommand::Select(model.selection.with_pose(label)));
     }
     match selected {
-        Some(row) => actions(ui, state, row),
+        Some(row) => actions(ui, model, outbox, row),
         None => {
             muted(
                 ui,
@@ -151,20 +148,20 @@ fn words(row: &Row, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui
     }
 }
 
-fn actions(ui: &mut Ui, state: &mut State, row: Row) {
+fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: Row) {
     let label = row.label;
     ui.add_space(GRID);
     ui.horizontal_wrapped(|ui| match row.standing {
         PhaseStatus::Planned => {
-            let free = !state.model.link.is_measuring();
+            let free = !model.link.is_measuring();
             let remove = icon_button(ui, icons::ICON_DELETE, "Remove from plan", free);
             if remove.clicked() {
-                state.outbox.send(RobotCommand::RemovePlanned(label));
+                outbox.send(RobotCommand::RemovePlanned(label));
             }
         }
         PhaseStatus::Excluded => {
             if icon_button(ui, icons::ICON_VISIBILITY, "Take back in", true).clicked() {
-                state.outbox.send(Edit::Include(label));
+                outbox.send(Edit::Include(label));
             }
         }
         PhaseStatus::Measured | PhaseStatus::Repeat if label == 0 => {
@@ -173,13 +170,13 @@ fn actions(ui: &mut Ui, state: &mut State, row: Row) {
         PhaseStatus::Measured | PhaseStatus::Repeat => {
             let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Leave out", true);
             if out.clicked() {
-                state.outbox.send(Edit::Exclude(label));
+                outbox.send(Edit::Exclude(label));
             }
-            let ready = state.model.link.is_armed();
+            let ready = model.link.is_armed();
             let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat pose", ready);
             let repeat = repeat.on_disabled_hover_text("Connect and arm the controller first");
             if repeat.clicked() {
-                state.outbox.send(RobotCommand::Repeat(label));
+                outbox.send(RobotCommand::Repeat(label));
             }
         }
     });

@@ -11,10 +11,9 @@ use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
 use super::{PlotState, Saving, Tab};
-use crate::model::OpenSession;
-use crate::model::command::{Format, PlotCommand};
+use crate::model::command::{Format, Outbox, PlotCommand};
 use crate::model::plot_preparation::Prepared;
-use crate::shell::State;
+use crate::model::{Model, OpenSession};
 use crate::theme;
 use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
 use tautline_workflow::plot::table::csv;
@@ -34,19 +33,25 @@ pub fn tabs(ui: &mut Ui, open: &OpenSession, tab: &mut Tab) {
 }
 
 /// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
-pub fn options(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure) {
+pub fn options(
+    ui: &mut Ui,
+    model: &Model,
+    plots: &mut PlotState,
+    figure: &Figure,
+    outbox: &mut Outbox,
+) {
     let is_narrow = ui.available_width() < NARROW;
     let own_row = is_narrow && plots.tab == Tab::Variable && plots.saving.is_none();
     if own_row {
-        ui.horizontal_wrapped(|ui| choices(ui, state, plots, is_narrow));
+        ui.horizontal_wrapped(|ui| choices(ui, model, plots, is_narrow));
     }
     ui.horizontal(|ui| {
         if plots.saving.is_some() {
-            saving(ui, state, plots, figure);
+            saving(ui, model, plots, figure, outbox);
             return;
         }
         if !own_row {
-            choices(ui, state, plots, is_narrow);
+            choices(ui, model, plots, is_narrow);
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             buttons(ui, plots);
@@ -54,12 +59,12 @@ pub fn options(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &F
     });
     // A line of its own: it is too long to stand beside anything.
     let panel = plots.panels.get(&plots.tab);
-    if let Some(text) = panel.and_then(|panel| panel.reading(figure, state.model.selection)) {
+    if let Some(text) = panel.and_then(|panel| panel.reading(figure, model.selection)) {
         ui.add(egui::Label::new(text).wrap());
     }
 }
 
-fn choices(ui: &mut Ui, state: &State, plots: &mut PlotState, is_narrow: bool) {
+fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
     match plots.tab {
         Tab::Residuals | Tab::Laser => {
             let units = [
@@ -82,8 +87,7 @@ fn choices(ui: &mut Ui, state: &State, plots: &mut PlotState, is_narrow: bool) {
             }
         }
         Tab::Elongation => {
-            let cables = state
-                .model
+            let cables = model
                 .open
                 .iter()
                 .flat_map(|d| &d.session().robot.cables)
@@ -213,7 +217,7 @@ fn buttons(ui: &mut Ui, plots: &mut PlotState) {
 }
 
 /// Where a plot is saved.
-fn saving(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure) {
+fn saving(ui: &mut Ui, model: &Model, plots: &mut PlotState, figure: &Figure, outbox: &mut Outbox) {
     let Some(mut saving) = plots.saving.take() else {
         return;
     };
@@ -221,13 +225,13 @@ fn saving(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure
     let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(280.0));
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the plot"));
     if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
-        state.outbox.send(PlotCommand::Ask(saving.format));
+        outbox.send(PlotCommand::Ask(saving.format));
     }
     let path = PathBuf::from(saving.path.trim());
     let can_save = !path.as_os_str().is_empty();
     let is_saved = icon_button(ui, icons::ICON_SAVE, "Save this plot", can_save).clicked();
-    if is_saved && let Some(command) = command(ui, state, plots, figure, (saving.format, path)) {
-        state.outbox.send(command);
+    if is_saved && let Some(command) = command(ui, model, plots, figure, (saving.format, path)) {
+        outbox.send(command);
         return;
     }
     if !ui.button("Cancel").clicked() {
@@ -237,13 +241,13 @@ fn saving(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure
 
 fn command(
     ui: &Ui,
-    state: &State,
+    model: &Model,
     plots: &mut PlotState,
     figure: &Figure,
     (format, path): (Format, PathBuf),
 ) -> Option<PlotCommand> {
     let name = plots.tab.title();
-    let (generation, selection) = (plots.generation, state.model.selection);
+    let (generation, selection) = (plots.generation, model.selection);
     let panel = plots.panels.get_mut(&plots.tab)?;
     // On white, whatever the theme is.
     let palette = theme::palette(Theme::Light);

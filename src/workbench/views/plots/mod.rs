@@ -15,12 +15,11 @@ use std::sync::Arc;
 
 use egui::{Spinner, Ui};
 
-use crate::model::command::{Format, PlotCommand, ViewCommand};
+use crate::model::command::{Format, Outbox, PlotCommand, ViewCommand};
 use crate::model::edit::Edit;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
-use crate::model::{OpenSession, Selection};
-use crate::shell::State;
+use crate::model::{Model, OpenSession, Selection};
 use crate::widgets::{Verdict, empty, verdict};
 use panel::{Done, Panel, Shown};
 pub use panes::{Panes, show};
@@ -62,7 +61,7 @@ pub struct PlotState {
 /// What a figure depends on.
 #[derive(Debug, Clone)]
 struct FigureOf {
-    session: (tautline_session::Timestamp, u64),
+    session: (u64, u64),
     options: (Tab, Unit, Tensions, Option<Choice>, Option<usize>),
     fit: Option<Arc<Identification>>,
     diagnosed: Option<Arc<Diagnosed>>,
@@ -79,28 +78,34 @@ impl PartialEq for FigureOf {
     }
 }
 
-/// Draws one of the plots of a session, without its tabs.
-fn pane(ui: &mut Ui, state: &mut State, plots: &mut PlotState) {
-    let Some(open) = &state.model.open else {
+/// Draws one of the plots of a session, without its tabs; `hovered` is what is under the pointer, in all views.
+fn pane(
+    ui: &mut Ui,
+    model: &Model,
+    plots: &mut PlotState,
+    hovered: &mut Selection,
+    outbox: &mut Outbox,
+) {
+    let Some(open) = &model.open else {
         return;
     };
     match plots.figure(open) {
-        Ok(figure) => plot(ui, state, plots, &figure),
-        Err(Lack::Nothing(why)) => empty(ui, why),
-        Err(Lack::Failed(why)) => failed(ui, plots, &why),
-        Err(Lack::Prepared) => {
-            state.outbox.send(PlotCommand::Prepare);
+        Ok(figure) => plot(ui, model, plots, &figure, hovered, outbox),
+        Err(Unavailable::Empty(why)) => empty(ui, why),
+        Err(Unavailable::Failed(why)) => failed(ui, plots, &why),
+        Err(Unavailable::Unprepared) => {
+            outbox.send(PlotCommand::Prepare);
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
     }
 }
 
 /// Why there is no figure.
-enum Lack {
+enum Unavailable {
     /// It has nothing to show.
-    Nothing(&'static str),
+    Empty(&'static str),
     /// A task has to prepare it first.
-    Prepared,
+    Unprepared,
     /// The task could not.
     Failed(String),
 }
@@ -116,26 +121,31 @@ fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
     }
 }
 
-fn plot(ui: &mut Ui, state: &mut State, plots: &mut PlotState, figure: &Figure) {
-    bar::options(ui, state, plots, figure);
+fn plot(
+    ui: &mut Ui,
+    model: &Model,
+    plots: &mut PlotState,
+    figure: &Figure,
+    hovered: &mut Selection,
+    outbox: &mut Outbox,
+) {
+    bar::options(ui, model, plots, figure, outbox);
     let panel = plots.panels.entry(plots.tab).or_default();
     let shown = Shown {
         name: &format!("Plot: {}", plots.tab.title()),
         figure,
         generation: plots.generation,
-        selection: state.model.selection,
+        selection: model.selection,
     };
     let frame = panel.show(ui, &shown);
     for done in frame.done {
         match done {
-            Done::Selected(selection) => state.outbox.send(ViewCommand::Select(selection)),
-            Done::Excluded(pose) => state.outbox.send(toggled(state.model.open.as_ref(), pose)),
+            Done::Selected(selection) => outbox.send(ViewCommand::Select(selection)),
+            Done::Excluded(pose) => outbox.send(toggled(model.open.as_ref(), pose)),
         }
     }
-    if let Some(hovered) = frame.hovered {
-        state.views.hovered = hovered;
-    } else if plots.is_hovered {
-        state.views.hovered = Selection::default();
+    if frame.hovered.is_some() || plots.is_hovered {
+        *hovered = frame.hovered.unwrap_or_default();
     }
     plots.is_hovered = frame.hovered.is_some();
 }
@@ -176,12 +186,12 @@ impl PlotState {
     }
 
     /// The figure of the present tab, computed again only if what it depends on has changed.
-    fn figure(&mut self, open: &OpenSession) -> Result<Arc<Figure>, Lack> {
+    fn figure(&mut self, open: &OpenSession) -> Result<Arc<Figure>, Unavailable> {
         if let Some(why) = self.tab.missing(open) {
-            return Err(Lack::Nothing(why));
+            return Err(Unavailable::Empty(why));
         }
         let key = FigureOf {
-            session: (open.session().created, open.revision()),
+            session: (open.id(), open.revision()),
             options: (
                 self.tab,
                 self.unit,
@@ -212,18 +222,18 @@ impl PlotState {
         Ok(figure)
     }
 
-    fn compute(&self, open: &OpenSession) -> Result<Figure, Lack> {
+    fn compute(&self, open: &OpenSession) -> Result<Figure, Unavailable> {
         let excluded = open.session().excluded();
-        let nothing = Lack::Nothing("Nothing is identified.");
+        let nothing = Unavailable::Empty("Nothing is identified.");
         let prepared = || match self.preparation.as_ref().map(|p| &p.result) {
             Some(Ok(prepared)) => Ok(prepared),
-            Some(Err(why)) => Err(Lack::Failed(why.clone())),
-            None => Err(Lack::Prepared),
+            Some(Err(why)) => Err(Unavailable::Failed(why.clone())),
+            None => Err(Unavailable::Unprepared),
         };
         Ok(match self.tab {
             Tab::Variable => {
                 let prepared = prepared()?;
-                let choice = self.choice.ok_or(Lack::Nothing(
+                let choice = self.choice.ok_or(Unavailable::Empty(
                     "No variable changes over the poses, so that residuals could depend on it.",
                 ))?;
                 let diagnosed = open.diagnosis().map(Arc::as_ref);

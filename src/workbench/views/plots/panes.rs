@@ -7,9 +7,11 @@ use egui_material_icons::icons;
 use tautline_session::{Arrangement, Plots};
 
 use super::{PlotState, Tab, bar, pane};
+use crate::model::command::{Outbox, ViewCommand};
 use crate::model::plot_preparation::Preparation;
-use crate::shell::State;
+use crate::model::{Model, OpenSession};
 use crate::theme::GRID;
+use crate::views::ViewStates;
 use crate::widgets::{empty, icon_only};
 
 /// Places for plots.
@@ -141,12 +143,16 @@ fn count(arrangement: Arrangement) -> usize {
 }
 
 /// Draws the plots.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         empty(ui, "Plots appear here once a session is open.");
         return;
     };
-    let mut panes = std::mem::take(&mut state.views.plots);
+    let ViewStates {
+        plots: panes,
+        hovered,
+        ..
+    } = views;
     for place in &mut panes.places {
         place.settle(open);
     }
@@ -157,16 +163,14 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         let rect = rect_of(whole, arrangement, place);
         let mut inner = ui.new_child(UiBuilder::new().id_salt(place).max_rect(rect));
         inner.shrink_clip_rect(rect);
-        one(&mut inner, state, &mut panes, (place, count(arrangement)));
+        tabs(&mut inner, open, panes, (place, count(arrangement)));
+        pane(&mut inner, model, &mut panes.places[place], hovered, outbox);
     }
     ui.advance_cursor_after_rect(whole);
     panes.link(&before);
     if let Some(plots) = panes.changed() {
-        state
-            .model
-            .change_preferences(|preferences| preferences.plots = plots);
+        outbox.send(ViewCommand::SetPlots(plots));
     }
-    state.views.plots = panes;
 }
 
 /// Where a plot stands.
@@ -183,10 +187,8 @@ fn rect_of(whole: Rect, arrangement: Arrangement, place: usize) -> Rect {
     Rect::from_min_size(whole.min + at * (size + gap), size)
 }
 
-fn one(ui: &mut Ui, state: &mut State, panes: &mut Panes, (place, count): (usize, usize)) {
-    let Some(open) = &state.model.open else {
-        return;
-    };
+/// The tabs of a plot, and the button that divides the area.
+fn tabs(ui: &mut Ui, open: &OpenSession, panes: &mut Panes, (place, count): (usize, usize)) {
     // The button that divides the area stands in its upper right corner.
     let has_button = place == count.min(2) - 1;
     ui.horizontal(|ui| {
@@ -201,7 +203,6 @@ fn one(ui: &mut Ui, state: &mut State, panes: &mut Panes, (place, count): (usize
             });
         }
     });
-    pane(ui, state, &mut panes.places[place]);
 }
 
 /// The button that divides the area.

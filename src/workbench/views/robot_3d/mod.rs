@@ -17,14 +17,13 @@ pub mod scene;
 mod toolbar;
 mod words;
 
-use std::path::PathBuf;
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{Frame, Margin, Theme, Ui};
-use tautline_core::geometry::{Pose, Vec3};
-use tautline_core::robot::Robot;
-use tautline_session::Timestamp;
+use tautline_core::geometry::Vec3;
+use tautline_session::Session;
 
 pub use canvas::Canvas;
 pub use framebuffer::paint_picture;
@@ -34,11 +33,12 @@ use drawing::{Drawing, Options, Points};
 use scene::{MeasuredPoses, Scene, Shown, Subject};
 use toolbar::Aim;
 
-use crate::model::command::ViewCommand;
+use crate::model::command::{Outbox, ViewCommand};
 use crate::model::link::LivePlatform;
-use crate::model::{OpenSession, Selection};
-use crate::shell::State;
+use crate::model::plot_preparation::same;
+use crate::model::{Model, OpenSession, Selection};
 use crate::theme::GRID;
+use crate::views::ViewStates;
 use crate::widgets::empty;
 use tautline_workflow::identification::Identification;
 
@@ -48,10 +48,6 @@ const REST_S: f64 = 0.1;
 /// What the view remembers.
 #[derive(Default)]
 pub struct Robot3d {
-    /// Where the platform is now; while it is known it comes before the selected pose.
-    live: Option<LivePlatform>,
-    /// Poses that are planned.
-    pub planned: Vec<Pose>,
     /// What is drawn and how.
     pub options: Options,
     camera: Option<Camera>,
@@ -72,21 +68,11 @@ pub struct Robot3d {
 /// What a scene depends on.
 #[derive(Clone)]
 struct SceneKey {
-    session: SessionKey,
-    revision: u64,
-    robot: Robot,
+    /// Id and revision of the session.
+    session: (u64, u64),
     fit: Option<Arc<Identification>>,
     selection: Selection,
     live: Option<LivePlatform>,
-    planned: Vec<Pose>,
-}
-
-/// Which session is open.
-#[derive(Clone, PartialEq)]
-struct SessionKey {
-    path: Option<PathBuf>,
-    name: String,
-    created: Timestamp,
 }
 
 /// What a drawing depends on, besides its scene.
@@ -115,43 +101,16 @@ impl PartialEq for PosesKey {
     }
 }
 
-impl SessionKey {
-    fn of(open: &OpenSession) -> Self {
-        let session = open.session();
-        Self {
-            path: open.path().map(PathBuf::from),
-            name: session.name.clone(),
-            created: session.created,
-        }
-    }
-
-    fn is_of(&self, open: &OpenSession) -> bool {
-        let session = open.session();
-        self.created == session.created
-            && self.name == session.name
-            && self.path.as_deref() == open.path()
-    }
-}
-
 impl SceneKey {
     /// Whether the measured poses are still these, wherever the platform is.
-    fn holds_poses(&self, open: &OpenSession, selection: Selection) -> bool {
-        let same_fit = match (&self.fit, open.fit()) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        same_fit
-            && self.session.is_of(open)
-            && self.revision == open.revision()
-            && self.selection.cable == selection.cable
-            && self.robot == open.session().robot
+    fn has_poses_of(&self, other: &Self) -> bool {
+        self.session == other.session
+            && same(self.fit.as_ref(), other.fit.as_ref())
+            && self.selection.cable == other.selection.cable
     }
 
-    fn holds(&self, open: &OpenSession, selection: Selection, view: &Robot3d) -> bool {
-        self.holds_poses(open, selection)
-            && self.selection == selection
-            && self.live == view.live
-            && self.planned == view.planned
+    fn is_same(&self, other: &Self) -> bool {
+        self.has_poses_of(other) && self.selection == other.selection && self.live == other.live
     }
 }
 
@@ -179,42 +138,35 @@ impl Robot3d {
         self.canvas.destroy();
     }
 
-    /// The scene of the open session; another session is seen from where all of it is seen.
-    fn scene_of(&mut self, open: &OpenSession, selection: Selection) -> Arc<Scene> {
-        if let Some((key, scene)) = &self.scene
-            && key.holds(open, selection, self)
-        {
+    /// The scene of the open session; the camera starts anew for another session.
+    fn scene_of(&mut self, model: &Model, open: &OpenSession) -> Arc<Scene> {
+        let key = SceneKey {
+            session: (open.id(), open.revision()),
+            fit: open.fit().cloned(),
+            selection: model.selection,
+            live: model.live_platform.clone(),
+        };
+        let known = self.scene.as_ref();
+        if let Some((_, scene)) = known.filter(|(known, _)| known.is_same(&key)) {
             return Arc::clone(scene);
         }
         let session = open.session();
+        // They stay while the platform moves.
+        let poses = known.filter(|(known, _)| known.has_poses_of(&key));
+        let planned = poses.map_or_else(|| planned(session), |(_, scene)| scene.planned.clone());
         let subject = Subject {
             robot: &session.robot,
             measurements: &session.measurements,
             fit: open.fit().map(AsRef::as_ref),
-            selection,
-            live: self.live.as_ref(),
-            planned: &self.planned,
+            selection: model.selection,
+            live: model.live_platform.as_ref(),
+            planned: &planned,
         };
-        let known = self.scene.as_ref();
-        let known = known.filter(|(key, _)| key.holds_poses(open, selection));
-        let measured = known.map(|(_, scene)| Arc::clone(&scene.measured));
+        let measured = poses.map(|(_, scene)| Arc::clone(&scene.measured));
         let scene = Arc::new(subject.scene_with(measured));
-        if !self
-            .scene
-            .as_ref()
-            .is_some_and(|(key, _)| key.session.is_of(open))
-        {
+        if known.is_none_or(|(known, _)| known.session.0 != key.session.0) {
             self.camera = None;
         }
-        let key = SceneKey {
-            session: SessionKey::of(open),
-            revision: open.revision(),
-            robot: session.robot.clone(),
-            fit: open.fit().cloned(),
-            selection,
-            live: self.live.clone(),
-            planned: self.planned.clone(),
-        };
         self.scene = Some((key, Arc::clone(&scene)));
         scene
     }
@@ -247,9 +199,7 @@ impl Robot3d {
         self.drawing = Some((Arc::clone(scene), key, Arc::clone(&drawing)));
         drawing
     }
-}
 
-impl Robot3d {
     /// The points of the poses; they stay while the platform moves.
     fn poses_of(&mut self, scene: &Scene, selection: Selection, theme: Theme) -> Arc<Points> {
         let key = PosesKey {
@@ -269,23 +219,27 @@ impl Robot3d {
     }
 }
 
+/// Positions of the poses that are still to be measured (m).
+fn planned(session: &Session) -> Vec<Vec3> {
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
+    let planned = session.plan.iter();
+    let planned = planned.filter(|pose| !measured.contains(&pose.label));
+    planned.map(|pose| pose.pose().position).collect()
+}
+
 /// Draws the robot of the open session.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(open) = &state.model.open else {
+pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+    let Some(open) = &model.open else {
         empty(
             ui,
             "The robot appears here once a session, a robot or a dataset is open.",
         );
         return;
     };
-    let view = &mut state.views.robot_3d;
-    if view.live != state.model.live_platform {
-        view.live.clone_from(&state.model.live_platform);
-    }
-    let scene = view.scene_of(open, state.model.selection);
-    if let Some(selection) = view.show(ui, &scene, state.model.selection, &mut state.views.hovered)
-    {
-        state.outbox.send(ViewCommand::Select(selection));
+    let view = &mut views.robot_3d;
+    let scene = view.scene_of(model, open);
+    if let Some(selection) = view.show(ui, &scene, model.selection, &mut views.hovered) {
+        outbox.send(ViewCommand::Select(selection));
     }
 }
 

@@ -32,8 +32,8 @@ pub struct Subject<'a> {
     pub selection: Selection,
     /// Where the platform is now, while it is measured; comes before the selected pose.
     pub live: Option<&'a LivePlatform>,
-    /// Poses that are planned.
-    pub planned: &'a [Pose],
+    /// Positions of the poses that are still to be measured (m).
+    pub planned: &'a [Vec3],
 }
 
 impl<'a> Subject<'a> {
@@ -83,7 +83,7 @@ impl<'a> Subject<'a> {
             laser: platform::laser(self.model(), &pose),
             home_beams: platform::home_beams(robot, &pose),
             measured,
-            planned: self.planned.iter().map(|pose| pose.position).collect(),
+            planned: self.planned.to_vec(),
             besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
             frame,
         }
