@@ -45,7 +45,7 @@ pub fn connect_and_arm(harness: &mut Harness<'_, App>) {
 /// # Panics
 /// If it has them already, or does not answer.
 pub fn give_parameters(harness: &mut Harness<'_, App>) {
-    press(harness, "Give the simulated controller these parameters");
+    press(harness, "Add these parameters to the simulated controller");
     wait(harness, "a controller that corrects effects", |state| {
         let mut held = state.model.link.parameters.iter();
         held.any(|p| p.name.starts_with("effect.")) && !state.model.link.is_armed()

@@ -113,7 +113,7 @@ fn plots(looks: &mut Looks) -> Result<()> {
     }));
     for tab in [
         "Residuals",
-        "Along a variable",
+        "By variable",
         "Laser",
         "Tensions",
         "Convergence",

@@ -89,7 +89,7 @@ fn identified(film: &mut Film) -> Result<()> {
     film.stage.press("Identify");
     film.shot(LONG)?;
     film.stage.press("Model doctor");
-    film.stage.press("What does the model get wrong?");
+    film.stage.press("Diagnose model");
     film.shot(LONG)?;
     film.stage.show("Add to model: ");
     film.shot(LONG)?;

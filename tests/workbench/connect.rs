@@ -347,9 +347,9 @@ fn a_reconnected_controller_is_disarmed_and_the_run_continues() {
         let lost = state.model.link.lost();
         lost.is_some_and(|lost| lost.why.contains("does not run"))
     });
-    assert!(shows(&bench, "Connection lost, trying again"));
+    assert!(shows(&bench, "Connection lost, reconnecting"));
     plant.server.order(json!({"state": 5}));
-    bench.press("Try now");
+    bench.press("Reconnect now");
     bench.wait("the connection", |state| state.model.link.is_connected());
     bench.wait("the message", |state| {
         told(state, "It holds the values that it held before")

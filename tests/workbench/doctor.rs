@@ -8,7 +8,7 @@ use crate::measured::{Measured, document, give, press};
 use crate::support::settle;
 
 /// The button that asks.
-const ASK: &str = "What does the model get wrong?";
+const ASK: &str = "Diagnose model";
 
 fn effects(state: &State) -> Vec<String> {
     let document = state.model.open.as_ref().expect("a session");

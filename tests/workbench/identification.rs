@@ -118,7 +118,7 @@ fn a_session_that_was_identified_shows_it_again() {
     give(&mut third, FileCommand::Open(path));
     settle(&mut third);
     assert!(document(&third).fit().is_none());
-    third.get_by_label("The result in this session is of other data: identify again.");
+    third.get_by_label("The result in this session belongs to other data: identify again.");
     assert!(!third.state().state.model.tasks.runs(IDENTIFYING));
 }
 

@@ -92,7 +92,7 @@ fn plan_edits_and_exclusions_are_undone_and_measurements_are_not() {
         bench.harness.step();
     };
     select(&mut bench, 2);
-    bench.press("Leave out");
+    bench.press("Exclude pose");
     assert!(bench.session().excluded().contains(&2));
     bench.give(tautline_workbench::model::command::Command::Undo);
     assert!(bench.session().excluded().is_empty());

@@ -26,11 +26,11 @@ fn elongation_is_imported_assessed_applied_and_undone() {
     assert!(bench.shows("A surface of degree 2 follows all 64 points"));
     assert!(bench.shows("1000 to 2750"), "where it is valid");
     assert!(bench.shows("2, 6, 0.00"), "the degree with its error");
-    bench.press("Use this surface");
+    bench.press("Apply surface");
     let cable = &bench.session().robot.cables[7].cable;
     assert_eq!(cable.elongation_surface.as_ref().map(|s| s.degree), Some(2));
     assert!(bench.shows("8 cables have a measured surface of degree 2"));
-    assert_eq!(bench.next_undo(), Some("use measured elongation"));
+    assert_eq!(bench.next_undo(), Some("apply measured elongation"));
     bench.undo();
     assert!(
         bench.session().robot.cables[7]

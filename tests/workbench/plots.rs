@@ -77,12 +77,7 @@ fn without_an_identification_the_plots_say_how_to_get_them() {
 #[test]
 fn every_plot_of_an_identification_is_drawn() {
     let mut harness = identified();
-    for tab in [
-        "Residuals",
-        "Along a variable",
-        "Convergence",
-        "Correlation",
-    ] {
+    for tab in ["Residuals", "By variable", "Convergence", "Correlation"] {
         open(&mut harness, tab);
         let name = format!("Plot: {tab}");
         let rect = harness.get_by_label(&name).rect();
@@ -128,12 +123,12 @@ fn what_is_visible_is_saved() {
         harness.run_ok();
         harness.get_by_label(format).click();
         harness.run_ok();
-        let field = harness.get_by_role_and_label(Role::TextInput, "Path of the plot");
+        let field = harness.get_by_role_and_label(Role::TextInput, "Plot file");
         field.focus();
         harness.run_ok();
         harness.key_combination_modifiers(egui::Modifiers::COMMAND, &[egui::Key::A]);
         harness.run_ok();
-        let field = harness.get_by_role_and_label(Role::TextInput, "Path of the plot");
+        let field = harness.get_by_role_and_label(Role::TextInput, "Plot file");
         field.type_text(&path.display().to_string());
         harness.run_ok();
         harness.get_by_label("Save this plot").click();

@@ -30,12 +30,12 @@ fn winches_are_imported_assessed_applied_and_undone() {
         bench.shows("cable-3, 4, 0.028, 0.020, passed"),
         "spread, largest, verdict"
     );
-    bench.press("Use these values");
+    bench.press("Apply values");
     for cable in 1..=8 {
         assert!((robot_has(&bench, cable) - per_revolution(cable)).abs() < 1e-12);
     }
-    assert!(bench.shows("The robot has these values."));
-    assert_eq!(bench.next_undo(), Some("use measured winches"));
+    assert!(bench.shows("These values are applied."));
+    assert_eq!(bench.next_undo(), Some("apply measured winches"));
     bench.undo();
     assert!((robot_has(&bench, 1) - before).abs() < 1e-15);
     bench.undo();
@@ -119,7 +119,7 @@ fn force_sensors_are_assessed_and_applied() {
     bench.import("force.csv", &path);
     assert!(bench.shows("All 2 force sensors that were measured stay within 1 N."));
     assert!(bench.shows("2 of 2 sensors within 1 N, not used yet"));
-    bench.press("Use these values");
+    bench.press("Apply values");
     let sensor = bench.session().robot.cables[1]
         .force_sensor
         .expect("sensor");
@@ -145,13 +145,13 @@ fn the_home_pose_is_measured_and_applied() {
         bench.shows("z (mm), 0.000, 3.000, 0.082, 0.141"),
         "with repeatability"
     );
-    bench.press("Use this pose");
+    bench.press("Apply pose");
     let home = bench.session().robot.home.expect("home");
     for (found, expected) in home.position_m.iter().zip([1e-3, 2e-3, 3e-3]) {
         assert!((found - expected).abs() < 1e-9, "{found}");
     }
     assert!(
-        bench.shows("The robot has these values."),
+        bench.shows("These values are applied."),
         "it stays used although the fit starts there"
     );
 }

@@ -143,7 +143,7 @@ fn keys_and_buttons_turn_the_view() {
     harness.run_ok();
     assert!(forward(&harness).amax() < 0.9);
     for name in [
-        "Fit to all (F)",
+        "Fit view (F)",
         "Front",
         "Side",
         "Top",

@@ -32,7 +32,7 @@ fn identified(poses: usize) -> Harness<'static, App> {
 #[test]
 fn poses_are_stepped_through_by_keys_pointer_and_buttons() {
     let mut harness = identified(9);
-    let line = harness.get_by_label("Time line of the poses").rect();
+    let line = harness.get_by_label("Pose timeline").rect();
     harness.hover_at(line.center());
     harness.run_ok();
     for (key, expected) in [
@@ -64,7 +64,7 @@ fn poses_are_stepped_through_by_keys_pointer_and_buttons() {
 fn playback_restarts_at_the_first_pose_and_stops_at_the_last() {
     let mut harness = identified(4);
     give(&mut harness, ViewCommand::Select(Default::default()));
-    harness.get_by_label("Play the poses").click();
+    harness.get_by_label("Play poses").click();
     // A step of the harness is a quarter of a second.
     let mut seen = Vec::new();
     for _ in 0..40 {
@@ -74,14 +74,14 @@ fn playback_restarts_at_the_first_pose_and_stops_at_the_last() {
         }
     }
     assert_eq!(seen, [0, 1, 2, 3, 4]);
-    harness.get_by_label("Play the poses");
+    harness.get_by_label("Play poses");
 }
 
 #[test]
 fn plots_side_by_side_move_together_and_are_restored() {
     let mut harness = identified(12);
-    press(&mut harness, "Plots beside each other");
-    press(&mut harness, "Two plots side by side");
+    press(&mut harness, "Plot layout");
+    press(&mut harness, "Two plots");
     let rect = |harness: &Harness<'_, App>, name: &str| harness.get_by_label(name).rect();
     let [left, right] = ["Plot: Residuals", "Plot: Tensions"].map(|name| rect(&harness, name));
     assert!(left.max.x < right.min.x, "{left:?} {right:?}");
@@ -103,9 +103,9 @@ fn plots_side_by_side_move_together_and_are_restored() {
     let [(_, dragged), (_, followed)] = [0, 1].map(|place| range(&mut harness, place));
     assert!(dragged[0] < before[0] - 0.2, "{dragged:?} {before:?}");
     assert_eq!(dragged, followed);
-    press(&mut harness, "Plots beside each other");
+    press(&mut harness, "Plot layout");
     press(&mut harness, "Four plots");
-    for name in ["Plot: Along a variable", "Plot: Laser"] {
+    for name in ["Plot: By variable", "Plot: Laser"] {
         let below = rect(&harness, name);
         assert!(below.min.y > rect(&harness, "Plot: Residuals").max.y);
     }

@@ -20,7 +20,7 @@ fn a_newcomer_walks_through_all_phases() {
     bench.wait("the demonstration", |state| state.model.open.is_some());
 
     bench.press("Phase 1: Pre-calibration");
-    bench.press("Use these values");
+    bench.press("Apply values");
     assert_eq!(
         bench.session().log().len(),
         1,
@@ -46,7 +46,7 @@ fn a_newcomer_walks_through_all_phases() {
     bench
         .harness
         .get_by_label("The model does not explain the data.");
-    bench.press("What does the model get wrong?");
+    bench.press("Diagnose model");
     bench.settle("a diagnosis");
     let hidden = &bench
         .session()

@@ -89,7 +89,7 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, after: Option<&Analysis>) 
     };
     let explained = after.and_then(|after| explained(found, after));
     let curve = explained.map(|points| Curve {
-        name: "what was found explains".to_owned(),
+        name: "explained by the causes found".to_owned(),
         ink: Ink::Text,
         dashed: false,
         points: smooth(points.into_iter().map(|[v, y]| [x(v), y]).collect(), window),

@@ -124,7 +124,7 @@ impl<'a> Bench<'a> {
         match &proposal.robot {
             Err(message) => verdict(ui, Verdict::Bad, &format!("{message}.")),
             Ok(_) if proposal.is_used && proposal.left_out.is_empty() => {
-                muted(ui, "The robot has these values.");
+                muted(ui, "These values are applied.");
             }
             Ok(robot) => {
                 if primary(ui, button, !proposal.is_used).clicked() {

@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
                 true => (icons::ICON_PAUSE, "Pause", ViewCommand::Play(false)),
                 false => (
                     icons::ICON_PLAY_ARROW,
-                    "Play the poses",
+                    "Play poses",
                     ViewCommand::Play(true),
                 ),
             },
@@ -67,9 +67,9 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
         let is_live = model.link.is_connected() && (model.link.is_busy() || model.link.watches);
         if is_live {
             let follows = model.playback.follows;
-            let live = ui.selectable_label(follows, "Now");
+            let live = ui.selectable_label(follows, "Live");
             if live
-                .on_hover_text("Shows the robot where it is now")
+                .on_hover_text("Show the current pose of the robot")
                 .clicked()
             {
                 commands.push(ViewCommand::Follow(!follows));
@@ -145,7 +145,7 @@ fn track(
         .pose
         .and_then(|pose| labels.iter().position(|label| *label == pose));
     let value = place.map_or(0.0, |place| place as f64 + 1.0);
-    response.widget_info(|| WidgetInfo::slider(true, value, "Time line of the poses"));
+    response.widget_info(|| WidgetInfo::slider(true, value, "Pose timeline"));
     let line = rect.shrink2(vec2(2.0 * GRID, 0.0));
     let palette = theme::of(ui);
     paint(ui, (open, scene), line, palette);
@@ -169,7 +169,7 @@ fn track(
         }
         let mut text = words(labels, Some(place));
         if session.excluded().contains(&label) {
-            text += ", left out";
+            text += ", excluded";
         }
         response.on_hover_text_at_pointer(text);
     }

@@ -222,7 +222,7 @@ fn header(ui: &mut Ui, rows: &Rows<'_>, width: f32) {
 fn titled(field: &RowField) -> String {
     let mut words = field.unit.to_owned();
     if field.optional {
-        words.push_str(", may be left out");
+        words.push_str(", optional");
     }
     match words.as_str() {
         "" => field.title.to_owned(),
@@ -279,7 +279,7 @@ fn in_si(field: &RowField, value: f64) -> Result<f64, String> {
 fn add(ui: &mut Ui, rows: &Rows<'_>, draft: &mut String) -> Option<RowsEdit> {
     let titles: Vec<String> = rows.fields.iter().map(titled).collect();
     let name = format!("{}s to add", rows.noun);
-    let help = format!("Type or paste one line for each: {}", titles.join(", "));
+    let help = format!("Type or paste one row per line: {}", titles.join(", "));
     muted(ui, &help);
     let field = TextEdit::multiline(draft)
         .desired_rows(2)

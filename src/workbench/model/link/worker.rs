@@ -320,7 +320,7 @@ impl Worker {
             return;
         };
         let begun = match connection.rig.kind {
-            Kind::Recording => Err("A recording drives to no test poses.".to_owned()),
+            Kind::Recording => Err("Not available for a recording.".to_owned()),
             _ => (connection.controller.home()).map_err(|e| format!("The way home: {e}.")),
         };
         match begun {

@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     heading(ui, "Adjustment");
     muted(
         ui,
-        "The identified values are written to the controller; an external instrument shows what that changes.",
+        "The identified values are written to the controller; an external instrument verifies the result.",
     );
     let current = model.open.as_ref().is_some_and(|d| d.fit_is_current());
     if !current {
@@ -102,8 +102,8 @@ fn doubt(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     {
         return;
     }
-    let text = "The model does not explain the readings. Its values can make the robot less exact: ask first what the \
-                model gets wrong.";
+    let text = "The model does not explain the readings. Its values can make the robot less accurate: diagnose the model \
+                first.";
     verdict(ui, Verdict::Doubtful, text);
     if ui.button("Go to the model doctor").clicked() {
         outbox.send(IdentificationCommand::Diagnose);
@@ -118,7 +118,7 @@ fn missing(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     };
     let (text, step) = if open.session().measurements.is_empty() {
         (
-            "Nothing is identified, because no poses are measured yet.",
+            "Nothing is identified: no poses are measured yet.",
             Phase::Measuring,
         )
     } else if open.fit().is_some() {
@@ -150,7 +150,7 @@ fn compare(
     if !model.link.is_connected() {
         muted(
             ui,
-            "Connect the controller to see what it holds beside what was identified.",
+            "Connect the controller to compare its values with the identified ones.",
         );
     }
     table::show(ui, model, panel, outbox, differences);
@@ -167,10 +167,10 @@ fn compare(
     let simulated = matches!(kind, Some(Kind::OfSession | Kind::OfDescription));
     if unknown && model.link.is_connected() && simulated {
         let free = !model.link.is_busy();
-        let text = "Give the simulated controller these parameters";
+        let text = "Add these parameters to the simulated controller";
         let button = ui.add_enabled(free, egui::Button::new(text));
         if button
-            .on_hover_text("Connects it again; it has to be armed again then")
+            .on_hover_text("Reconnects; the controller must be armed again")
             .clicked()
         {
             outbox.send(RobotCommand::Connect);

@@ -16,10 +16,10 @@ pub(super) fn show(ui: &mut Ui, model: &Model) {
     let Some(last) = adjustments.last() else {
         return;
     };
-    section(ui, "Written so far");
+    section(ui, "Adjustment history");
     let (kind, text) = words(last);
     verdict(ui, kind, &text);
-    let header = CollapsingHeader::new(format!("Record ({})", adjustments.len()));
+    let header = CollapsingHeader::new(format!("History ({})", adjustments.len()));
     header.id_salt("record").show(ui, |ui| {
         for adjustment in adjustments.iter().rev() {
             let (_, text) = words(adjustment);
@@ -45,13 +45,13 @@ fn words(adjustment: &Adjustment) -> (Verdict, String) {
         Outcome::RolledBack => (
             Verdict::Neutral,
             format!(
-                "{} set back to what was there before.",
+                "{} restored.",
                 count(values, "value")
             ),
         ),
         Outcome::Begun => (
             Verdict::Bad,
-            "The program ended while values were being written: the controller may hold old and new ones.".to_owned(),
+            "The program ended while values were being written: the controller may hold a mix of old and new values.".to_owned(),
         ),
         Outcome::Failed(why) => (Verdict::Bad, why.clone()),
     }

@@ -20,10 +20,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     };
     section(ui, "The demonstration");
     if !simulator.revealed {
-        muted(
-            ui,
-            "This robot has a fault that was drawn at random. Look at it last.",
-        );
+        muted(ui, "This robot has a hidden random fault. Reveal it last.");
         if ui.button("Reveal the hidden fault").clicked() {
             outbox.send(RobotCommand::Reveal);
         }
@@ -43,23 +40,20 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
             .any(|hidden| same(hidden, extra));
         if !real && !session.robot.effects.contains(extra) {
             let text = format!(
-                "In the model, but not in the robot: {}",
+                "In the model but not in the robot: {}",
                 words(&session.robot, extra)
             );
             verdict(ui, Verdict::Doubtful, &text);
         }
     }
-    muted(
-        ui,
-        "Distance of the pulleys from where they really are, root mean square:",
-    );
+    muted(ui, "RMS distance of the pulleys from their true positions:");
     let drawn = distance_m(&session.robot, &simulator.truth);
-    value(ui, "As drawn", &format!("{:.2}", drawn * 1e3), "mm");
+    value(ui, "Nominal", &format!("{:.2}", drawn * 1e3), "mm");
     if let Some(model) = model {
         let found = distance_m(model, &simulator.truth);
-        value(ui, "As identified", &format!("{:.2}", found * 1e3), "mm");
+        value(ui, "Identified", &format!("{:.2}", found * 1e3), "mm");
     } else {
-        muted(ui, "Nothing is identified from the present data.");
+        muted(ui, "Nothing is identified from the current data.");
     }
 }
 
@@ -74,7 +68,7 @@ fn effect(ui: &mut Ui, robot: &Robot, hidden: &EffectSetting, model: Option<&Rob
         None => verdict(
             ui,
             Verdict::Doubtful,
-            "Not found: the identified model has no such effect. Ask in phase 4 what the model gets wrong.",
+            "Not found: the identified model has no such effect. Diagnose the model in phase 4.",
         ),
     }
 }

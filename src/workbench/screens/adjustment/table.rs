@@ -54,7 +54,7 @@ pub(super) fn show(
     }
     ui.add_space(GRID);
     muted(ui, "±: the standard deviation of the identified value.");
-    ui.checkbox(&mut panel.all, "Show parameters that stay as they are");
+    ui.checkbox(&mut panel.all, "Show unchanged parameters");
     if rows.is_empty() {
         muted(ui, "There is nothing to compare.");
     }

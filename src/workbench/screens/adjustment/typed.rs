@@ -56,7 +56,7 @@ pub(super) fn show(
     muted(
         ui,
         &format!(
-            "Target {number} of {of}, commanded to {x:.1}, {y:.1}, {z:.1} mm. Angles only where they are measured."
+            "Target {number} of {of}, commanded to {x:.1}, {y:.1}, {z:.1} mm. Enter angles only if they are measured."
         ),
     );
     let (position, angles) = FIELDS.split_at(3);
@@ -73,7 +73,7 @@ pub(super) fn show(
             if off_m.norm() > FAR_M {
                 let off_mm = off_m.norm() * 1e3;
                 let text = format!(
-                    "That is {off_mm:.0} mm away from the target: read it once more, or enter it."
+                    "This is {off_mm:.0} mm from the target. Check the reading, or enter it anyway."
                 );
                 verdict(ui, Verdict::Doubtful, &text);
             }
@@ -83,7 +83,7 @@ pub(super) fn show(
             }
         }
         Err(problem) => {
-            let waits = "The robot stands still until the pose is entered.".to_owned();
+            let waits = "The robot waits until the pose is entered.".to_owned();
             let text = if has_text {
                 format!("{problem}.")
             } else {

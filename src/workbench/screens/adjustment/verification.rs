@@ -20,7 +20,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     section(ui, "Verification");
     muted(
         ui,
-        "The robot drives to test poses, along a circle and a line; an external instrument says where it is \
+        "The robot moves to test poses, along a circle and a line; an external instrument measures its position \
          (ISO 9283). Measure once before writing and once after.",
     );
     buttons(ui, model, outbox);
@@ -46,20 +46,20 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let by_hand = rig.is_some_and(|rig| !rig.has_instrument());
     let ready = model.link.is_armed() && !model.link.is_busy() && !is_recording;
     let hint = if is_recording {
-        "A recording drives to no test poses"
+        "Not available for a recording"
     } else {
         "Connect and arm the controller first"
     };
     if is_recording {
         muted(
             ui,
-            "This is a recording: it drives to no test poses. Import a check.csv instead.",
+            "This is a recording without test poses. Import a check.csv instead.",
         );
     } else if by_hand {
         muted(
             ui,
-            "No instrument is connected: at each test pose the robot waits for what you read, or import a check.csv. \
-             The circle and the line are left out.",
+            "No instrument is connected: at each test pose the robot waits for your reading; or import a check.csv. \
+             The circle and the line are skipped.",
         );
     }
     ui.horizontal_wrapped(|ui| {
@@ -100,7 +100,7 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     ui.add(ProgressBar::new(done as f32 / of as f32).desired_height(2.0 * GRID));
     ui.horizontal(|ui| {
         if done == 0 {
-            muted(ui, "On the way home.");
+            muted(ui, "Moving to the home pose.");
         } else {
             ui.label(format!("Target {done} of {of}"));
         }
@@ -126,7 +126,7 @@ fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         return;
     }
     ui.label(format!(
-        "{} measurements were imported. They are of the run",
+        "{} measurements were imported. They belong to the run",
         check.len()
     ));
     ui.horizontal(|ui| {
@@ -147,18 +147,18 @@ fn show_figures(ui: &mut Ui, lines: &[Figure]) {
         let percent = 100.0 * gain;
         let name = line.name.to_lowercase();
         if gain > 0.0 {
-            let text = format!("More exact: {name} has improved by {percent:.0} %.");
+            let text = format!("Improved: {name} by {percent:.0} %.");
             verdict(ui, Verdict::Good, &text);
         } else {
-            let text = format!("Not more exact: {name} is worse by {:.0} %.", -percent);
+            let text = format!("Not improved: {name} is worse by {:.0} %.", -percent);
             verdict(ui, Verdict::Bad, &text);
         }
     }
     let columns = [
-        Column::words("Figure"),
+        Column::words("Characteristic"),
         Column::number("Before", "mm"),
         Column::number("After", "mm"),
-        Column::number("Better by", "%"),
+        Column::number("Improvement", "%"),
     ];
     let palette = theme::of(ui);
     let millimetres =

@@ -34,7 +34,7 @@ pub fn body(
     verdict(
         ui,
         Verdict::Doubtful,
-        "These data cannot tell the causes below apart: each changes the readings at these poses in nearly the same way.",
+        "These data cannot distinguish the causes below: each changes the readings at these poses in nearly the same way.",
     );
     if ui.available_width() < NARROWEST * causes.len() as f32 {
         for cause in causes {
@@ -57,7 +57,7 @@ pub fn body(
     }
     muted(
         ui,
-        "Whichever is chosen, the data did not decide: sizes and geometry hold only if it is the right one.",
+        "The data do not decide between them: sizes and geometry are valid only if the chosen one is correct.",
     );
 }
 
@@ -80,7 +80,7 @@ fn alternative(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, cause:
     card::paragraph(ui, &said.join(" "));
     card::advice(ui, &checks.join(" "));
     let settings = card::settings(diagnosed, cause);
-    card::add_or_remove(ui, panel, &settings, &name, "Use this anyway", false);
+    card::add_or_remove(ui, panel, &settings, &name, "Add anyway", false);
 }
 
 fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {

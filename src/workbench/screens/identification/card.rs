@@ -96,7 +96,7 @@ fn unknown(
     verdict(
         ui,
         Verdict::Doubtful,
-        "This names no cause. It only says on which reading something depends, and on what.",
+        "No cause is named: only which readings depend on which variable.",
     );
     evidence(ui, finding);
     gain::show(ui, &finding.gain);
@@ -154,9 +154,9 @@ pub fn evidence(ui: &mut Ui, finding: &Finding) {
     if !evidence.p_value.is_finite() {
         return;
     }
-    let text = format!("Chance alone would give this {}.", odds(evidence.p_value));
+    let text = format!("By chance alone this happens {}.", odds(evidence.p_value));
     let tip = format!(
-        "p = {:.1e} after {} questions; chi-square falls by {:.1} for {} more parameters",
+        "p = {:.1e} after {} tests; chi-square falls by {:.1} for {} more parameters",
         evidence.p_value, evidence.questions, evidence.delta_chi2, evidence.parameters
     );
     ui.add(egui::Label::new(text).wrap()).on_hover_text(tip);

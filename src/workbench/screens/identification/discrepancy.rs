@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     if found.is_empty() {
         return;
     }
-    section(ui, "Where it shows, and along what");
+    section(ui, "Where residuals depend on something");
     for group in groups(found) {
         let Some(first) = group.first().copied() else {
             continue;
@@ -55,7 +55,7 @@ fn line(
     let palette = theme::of(ui);
     let cable = diagnosed.cable(first.cable);
     let text = format!(
-        "{}: {} times their noise",
+        "{}: {} times the expected noise",
         sentence(&readings(first.quantity, cable.as_deref())),
         ratio(first.rms_over_sd)
     );
@@ -68,7 +68,7 @@ fn line(
     let line = ui.add(label.sense(egui::Sense::click()));
     muted(ui, &along(found, group));
     let tip = format!(
-        "Probability of this by chance {:.1e}, all questions counted. Click for the plot.",
+        "Probability of this by chance {:.1e}, corrected for all tests. Click for the plot.",
         first.p_value
     );
     line.on_hover_text(tip).clicked()
@@ -81,8 +81,8 @@ fn along(found: &[Discrepancy], group: &[usize]) -> String {
         .map(|index| found[*index].variable.name().to_owned())
         .collect();
     match names.len() {
-        0 | 1 => format!("Along {}", list(&names)),
-        _ => format!("Along {}, which vary together here", list(&names)),
+        0 | 1 => format!("Against {}", list(&names)),
+        _ => format!("Against {}, which vary together here", list(&names)),
     }
 }
 
@@ -104,7 +104,7 @@ fn plot(
     let Some(figure) = panel.run.figures.get(&open) else {
         return;
     };
-    let name = format!("Residuals along {}", found[open].variable.name());
+    let name = format!("Residuals against {}", found[open].variable.name());
     let clicked = small::show(ui, &name, figure, HEIGHT, panel.selection);
     if let Some(selection) = clicked {
         panel.outbox.send(ViewCommand::Select(selection));

@@ -14,7 +14,7 @@ use tautline_workflow::wording::sentence;
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     muted(
         ui,
-        "Asks every known fault of cables, pulleys, winches and sensors whether it explains what is left, and tests the answer on poses left out.",
+        "Tests which known faults of cables, pulleys, winches and sensors explain the residuals, and validates each on held-out poses.",
     );
     if !panel
         .open
@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
     let open = panel.open;
     let is_next = open.fit_is_current() && !open.diagnosis_is_current();
-    let text = "What does the model get wrong?";
+    let text = "Diagnose model";
     let clicked = if is_next {
         primary(ui, text, true).clicked()
     } else {
@@ -71,7 +71,7 @@ pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
     if effects > 0 {
         muted(
             ui,
-            "Effects that were added to the model are held at the values identified while others are looked for.",
+            "Effects already in the model are held at their identified values during the diagnosis.",
         );
     }
 }
@@ -81,7 +81,7 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
         verdict(
             ui,
             Verdict::Doubtful,
-            "The model or the data were changed since: what follows is of the state before. Ask again.",
+            "The model or the data have changed since this diagnosis. Diagnose again.",
         );
     }
     let diagnosis = &diagnosed.diagnosis;
@@ -107,7 +107,7 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     }
     discrepancy::show(ui, panel, diagnosed);
     if !diagnosis.findings.is_empty() {
-        section(ui, "Causes, the clearest first");
+        section(ui, "Causes, the most certain first");
     }
     for number in 0..diagnosis.findings.len() {
         card::show(ui, panel, diagnosed, number);
@@ -149,7 +149,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     if clean && !panel.memory.show_invisible {
         muted(
             ui,
-            "Nothing found does not mean that nothing is there: the list says from which size on each fault would have been seen.",
+            "No finding does not mean no fault: the list says from which size on each fault would have been detected.",
         );
     }
 }
@@ -179,5 +179,5 @@ fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
     if causes.is_empty() {
         muted(ui, "No cause was found.");
     }
-    muted(ui, "Ask again for plots and cards.");
+    muted(ui, "Diagnose again for plots and details.");
 }

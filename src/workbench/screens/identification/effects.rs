@@ -20,13 +20,13 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     if described.is_empty() && added.is_empty() {
         muted(
             ui,
-            "None besides the geometry. The model doctor proposes what to add.",
+            "None besides the geometry. The model doctor proposes effects to add.",
         );
         return;
     }
     for setting in described {
         ui.label(title(std::slice::from_ref(setting)));
-        muted(ui, "held at the value of the robot's description");
+        muted(ui, "held at the value in the robot description");
     }
     let fit = panel.open.fit().filter(|_| panel.open.fit_is_current());
     for group in added.chunk_by(|one, other| one.effect == other.effect) {
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                     egui::WidgetInfo::labeled(egui::Role::Button, true, name)
                 });
                 if button
-                    .on_hover_text("Takes it out of the model and identifies again")
+                    .on_hover_text("Removes it from the model and identifies again")
                     .clicked()
                 {
                     panel
@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                 }
             }
             None => {
-                muted(ui, "its size is found by identifying");
+                muted(ui, "estimated by the identification");
             }
         }
     }

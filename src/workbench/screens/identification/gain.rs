@@ -39,7 +39,7 @@ fn dumbbell(ui: &mut Ui, gain: &Gain) {
     let poses = count(gain.poses_held_out, "pose");
     muted(
         ui,
-        &format!("Readings at {poses} held out, missed by this many times their noise:"),
+        &format!("Residuals at {poses} held out, in multiples of the expected noise:"),
     );
     let size = vec2(ui.available_width(), 9.0 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());

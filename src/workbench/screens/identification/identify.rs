@@ -15,19 +15,19 @@ const METHODS: [(Method, &str, &str, &str); 3] = [
     (
         Method::Joint,
         "Joint",
-        "Lengths, tensions and the balance of forces together, each with its own noise. The best choice.",
-        "Tensions are unknowns with the noise of their sensors; at every pose cables and weight must balance.",
+        "Lengths, tensions and force equilibrium together, each weighted by its noise. Recommended.",
+        "Tensions are unknowns with the noise of their sensors; at every pose cable forces and weight are in equilibrium.",
     ),
     (
         Method::Simple,
         "Simple",
-        "Lengths with the measured tensions taken as exact. For a quick comparison.",
-        "No balance of forces: errors of the force sensors go into the geometry.",
+        "Lengths only; measured tensions are taken as exact. For a quick comparison.",
+        "No force equilibrium: errors of the force sensors bias the geometry.",
     ),
     (
         Method::Published,
         "Published",
-        "The joint method, with that of Jin and others (2018) beside it for comparison.",
+        "The joint method, and that of Jin et al. (2018) for comparison.",
         "Jin et al. 2018, doi:10.3390/s18072392: some coordinates count as given, nothing is weighted, there are no standard deviations.",
     ),
 ];
@@ -77,7 +77,7 @@ fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
         let text = match missed.last() {
             None => "Preparing".to_owned(),
             Some(now) => format!(
-                "Phase {}: residuals {} times their noise",
+                "Step {}: residuals {} times the expected noise",
                 missed.len(),
                 ratio(*now)
             ),

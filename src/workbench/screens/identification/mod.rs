@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if poses == 0 {
         muted(
             ui,
-            "Once poses are measured, the positions of the pulleys are found here, and what the model gets wrong. Measure in phase 3, or open a dataset folder.",
+            "Pulley positions and a diagnosis of the model appear here once poses are measured. Measure in phase 3, or open a dataset folder.",
         );
         return;
     }
@@ -93,13 +93,13 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
     muted(
         ui,
-        "Finds where the pulleys really are from the measured poses.",
+        "Estimates the pulley positions from the measured poses.",
     );
     if panel.open.stored() == Stored::OutOfDate {
         verdict(
             ui,
             Verdict::Doubtful,
-            "The result in this session is of other data: identify again.",
+            "The result in this session belongs to other data: identify again.",
         );
     }
     identify::show(ui, panel);

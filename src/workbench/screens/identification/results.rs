@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         verdict(
             ui,
             Verdict::Doubtful,
-            "Something was changed since: identify again.",
+            "The inputs have changed: identify again.",
         );
     }
     adequacy(ui, panel, &fit);
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     pulleys(ui, panel, &fit);
     others(ui, &fit);
     if !fit.open.is_empty() {
-        section(ui, "What the data cannot fix");
+        section(ui, "Not determined by the data");
         for open in &fit.open {
             verdict(
                 ui,
@@ -56,7 +56,7 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
         verdict(
             ui,
             Verdict::Bad,
-            "The fit did not converge: do not rely on the numbers.",
+            "The identification did not converge: do not use these values.",
         );
     }
     if let Some(place) = fit.extrapolation() {
@@ -72,19 +72,19 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
     };
     verdict(ui, kind, &format!("{}.", sentence(explains.words())));
     if explains == FitVerdict::Inadequate {
-        muted(ui, "The standard deviations hold only if it did.");
+        muted(ui, "The standard deviations are valid only if it does.");
     }
     if let Some(missed) = fit.residual_ratio() {
         let before = panel.run.before.as_ref();
         let text = format!(
-            "The readings are missed by {} times their noise.",
+            "The residuals are {} times the expected noise.",
             ratio(missed)
         );
         let p_value = solution
             .p_value()
             .map_or_else(String::new, |p| format!(", p = {p:.3}"));
         let tip = format!(
-            "Chi-square {:.1} for {:.0} degrees of freedom{p_value}; a right model misses them by about 1.",
+            "Chi-square {:.1} for {:.0} degrees of freedom{p_value}; a correct model gives about 1.",
             solution.chi2, solution.degrees_of_freedom
         );
         muted(ui, &text).on_hover_text(tip);
@@ -120,7 +120,7 @@ fn published(ui: &mut Ui, fit: &Identification) {
                 " It did not converge."
             };
             let text = format!(
-                "The published method misses the readings by {} times their noise.{end} It takes some coordinates as given and weighs nothing: for comparison, not for use.",
+                "The published method leaves residuals of {} times the expected noise.{end} It takes some coordinates as given and applies no weights: for comparison only.",
                 ratio(missed)
             );
             verdict(ui, Verdict::Doubtful, &text);
@@ -224,7 +224,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
     }
     muted(
         ui,
-        "Moved: from where the drawing has it. After ±: the standard deviation, along the way it moved.",
+        "Moved: distance from the nominal position. ±: standard deviation in that direction.",
     );
 }
 

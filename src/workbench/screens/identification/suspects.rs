@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification) {
         section(ui, "Suspicious readings");
         muted(
             ui,
-            "They do not fit the model. An isolated one may be a mistake; many of one cable mean that the model lacks something.",
+            "These readings do not fit the model. A single one may be an outlier; many on one cable point to a missing effect.",
         );
     }
     for pose in poses.iter().take(SHOWN) {
@@ -69,7 +69,7 @@ fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification, readings: &
     if is_home {
         muted(
             ui,
-            "The home pose cannot be left out: all revolutions count from it.",
+            "The home pose cannot be excluded: revolutions are counted from it.",
         );
     } else if ui.button(format!("Exclude pose {label}")).clicked() {
         panel.outbox.send(Edit::Exclude(label));
@@ -81,10 +81,10 @@ fn excluded(ui: &mut Ui, panel: &mut Panel<'_>) {
     if excluded.is_empty() {
         return;
     }
-    section(ui, "Poses left out");
+    section(ui, "Excluded poses");
     ui.horizontal_wrapped(|ui| {
         for label in excluded {
-            let button = ui.button(format!("Take pose {label} back in"));
+            let button = ui.button(format!("Include pose {label}"));
             if button.clicked() {
                 panel.outbox.send(Edit::Include(*label));
             }

@@ -91,7 +91,7 @@ fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
     if text.trim().is_empty() {
         match expected_m {
             Some(expected_m) => muted(ui, &format!("Expected about {:.0} mm.", expected_m * 1e3)),
-            None => muted(ui, "The robot stands still until the distance is entered."),
+            None => muted(ui, "The robot waits until the distance is entered."),
         };
         return;
     }
@@ -99,7 +99,7 @@ fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
         (Err(problem), _) => verdict(ui, Verdict::Bad, &format!("Laser distance: {problem}.")),
         (Ok(typed_m), Some(expected_m)) if (typed_m - expected_m).abs() > FAR_M => {
             let text = format!(
-                "Expected about {:.0} mm: read it once more, or enter it as it is.",
+                "Expected about {:.0} mm. Check the reading, or enter it anyway.",
                 expected_m * 1e3
             );
             verdict(ui, Verdict::Doubtful, &text);

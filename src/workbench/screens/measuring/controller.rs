@@ -38,9 +38,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
         Kind::OfDescription => {
             Some("Simulated from the description: the readings are not of the real robot.")
         }
-        Kind::Recording => {
-            Some("This is a recording: nothing moves, and nothing can be written to it.")
-        }
+        Kind::Recording => Some("This is a recording: nothing moves and nothing can be written."),
         Kind::OfSession | Kind::Real => None,
     };
     if let Some(note) = note {
@@ -50,11 +48,8 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
     let (words, colour) = match (&controller.activity, controller.armed) {
         (Activity::Fault(text), _) => (format!("fault: {text}"), palette.bad),
         (Activity::Moving, _) => ("armed, moving".to_owned(), palette.warning),
-        (_, true) => ("armed, standing".to_owned(), palette.warning),
-        (_, false) => (
-            "not armed: it neither moves nor changes".to_owned(),
-            palette.muted,
-        ),
+        (_, true) => ("armed, idle".to_owned(), palette.warning),
+        (_, false) => ("disarmed: no motion, no writing".to_owned(), palette.muted),
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(&model.link.identity);
@@ -80,7 +75,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
     if kind == Kind::Real && !controller.armed && model.link.is_measuring() {
         muted(
             ui,
-            "The run waits. Arming moves nothing: the robot goes on when you press Resume.",
+            "The run is paused. Arming does not move the robot; press Resume to continue.",
         );
     }
 }
@@ -119,16 +114,16 @@ fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind, next:
 
 /// The connection is lost and is made anew.
 fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
-    let text = format!("{} The robot is not armed any more.", lost_words(lost));
+    let text = format!("{} The robot is disarmed.", lost_words(lost));
     verdict(ui, Verdict::Bad, &text);
     let why = tautline_workflow::wording::sentence(lost.why.trim_end_matches('.'));
     let why = egui::RichText::new(format!("{why}.")).color(theme::of(ui).muted);
     ui.add(egui::Label::new(why).wrap());
     ui.horizontal_wrapped(|ui| {
-        if icon_button(ui, icons::ICON_SYNC, "Try now", true).clicked() {
+        if icon_button(ui, icons::ICON_SYNC, "Reconnect now", true).clicked() {
             outbox.send(RobotCommand::TryNow);
         }
-        if icon_button(ui, icons::ICON_LINK_OFF, "Give up the connection", true).clicked() {
+        if icon_button(ui, icons::ICON_LINK_OFF, "Stop reconnecting", true).clicked() {
             outbox.send(RobotCommand::Disconnect);
         }
     });
@@ -140,9 +135,9 @@ pub fn lost_words(lost: &Lost) -> String {
     let left = lost.due.saturating_duration_since(Instant::now());
     match left.as_secs_f64().ceil() {
         seconds if seconds > 0.0 => {
-            format!("Connection lost, trying again in {seconds:.0} s.")
+            format!("Connection lost, reconnecting in {seconds:.0} s.")
         }
-        _ => "Connection lost, trying again.".to_owned(),
+        _ => "Connection lost, reconnecting.".to_owned(),
     }
 }
 

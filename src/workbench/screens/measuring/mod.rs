@@ -103,7 +103,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     heading(ui, "Measuring");
     muted(
         ui,
-        "The robot drives to poses that tell as much as possible about its pulleys; at each it stands still and is read.",
+        "The robot visits poses that determine its pulleys well; at each it stops and all sensors are read.",
     );
     ask(model, panel, outbox);
     instruments(ui, model);
@@ -147,9 +147,8 @@ fn instruments(ui: &mut Ui, model: &Model) {
         verdict(
             ui,
             Verdict::Doubtful,
-            "This robot has no laser. Without its distance little is known about the height of the platform and \
-             about the size of the frame. Mount one and add it to the description of the robot, or expect large \
-             standard deviations.",
+            "This robot has no laser distance sensor. Without it the height of the platform and the size of the frame \
+             are poorly determined. Mount one and add it to the robot description, or expect large standard deviations.",
         );
     }
     if !robot.has_force_sensors() {
@@ -163,7 +162,7 @@ fn instruments(ui: &mut Ui, model: &Model) {
         verdict(
             ui,
             Verdict::Bad,
-            "This robot has no home pose, so that revolutions cannot be counted. Measure its home platform first.",
+            "This robot has no home pose, so revolutions have no reference. Measure its home platform first.",
         );
     }
 }
@@ -200,9 +199,9 @@ fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox,
         }
         let connected = model.link.is_connected() && free;
         let add = icon_button(ui, icons::ICON_ADD_LOCATION, "Add current pose", connected);
-        let add = add.on_hover_text("Adds the pose that the controller was commanded to last");
+        let add = add.on_hover_text("Adds the last commanded pose");
         if add
-            .on_disabled_hover_text("Connect the controller first; a run must not be under way")
+            .on_disabled_hover_text("Connect the controller first; not available during a run")
             .clicked()
         {
             outbox.send(RobotCommand::AddCurrent);

@@ -20,7 +20,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         if session.measurements.is_empty() {
             muted(
                 ui,
-                "No poses are planned yet. A plan says beforehand how exactly the pulleys will be known.",
+                "No poses are planned yet. A plan predicts how accurately the pulleys will be identified.",
             );
         }
         return;
@@ -28,17 +28,14 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     let outlook = match model.outlook.as_ref().map(|outlook| &outlook.result) {
         Some(Ok(outlook)) => outlook,
         Some(Err(why)) => {
-            let text = format!("What this plan will tell cannot be said beforehand: {why}.");
+            let text = format!("The accuracy of this plan cannot be predicted: {why}.");
             verdict(ui, Verdict::Neutral, &text);
             return;
         }
         None if model.tasks.runs(EXPECTING) => {
             ui.horizontal(|ui| {
                 ui.spinner();
-                muted(
-                    ui,
-                    "How exactly the pulleys will be known is being computed.",
-                );
+                muted(ui, "Predicting the accuracy of this plan.");
             });
             return;
         }
@@ -63,20 +60,21 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
 
 fn words(outlook: &PlanSummary) -> String {
     let Some(sd_m) = outlook.expected.mean_m else {
-        return "These poses leave some coordinates of the pulleys open: plan more poses.".into();
+        return "These poses do not determine all coordinates of the pulleys: plan more poses."
+            .into();
     };
     let random = outlook.random.mean_m.map_or_else(String::new, |random_m| {
-        format!(", {:.1} times better than poses at random", random_m / sd_m)
+        format!(", {:.1} times better than random poses", random_m / sd_m)
     });
     format!(
-        "The pulleys will be known to {:.2} mm (standard deviation){random}.",
+        "Expected standard deviation of the pulleys: {:.2} mm{random}.",
         sd_m * 1e3
     )
 }
 
 fn target(ui: &mut Ui, target_mm: &mut f64) {
     ui.horizontal(|ui| {
-        let label = ui.label("Good enough at");
+        let label = ui.label("Target");
         let field = DragValue::new(target_mm)
             .range(0.01..=100.0)
             .speed(0.05)
@@ -96,7 +94,7 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, target_mm: f64, done: usize) {
     {
         if sd_mm <= target_mm {
             let text = format!(
-                "Good enough: after {done} poses the pulleys are known to {sd_mm:.2} mm. One may stop here."
+                "Target reached: after {done} poses the standard deviation is {sd_mm:.2} mm. You may stop here."
             );
             verdict(ui, Verdict::Good, &text);
         } else {
@@ -108,37 +106,43 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, target_mm: f64, done: usize) {
 fn details(ui: &mut Ui, outlook: &PlanSummary) {
     value(
         ui,
-        "Length of the way",
+        "Travel distance",
         &format!("{:.1}", outlook.travel_m),
         "m",
     );
-    muted(ui, "Of these poses, and of as many at random:");
+    muted(ui, "These poses / the same number of random poses:");
     let metres = |of: fn(&Indices) -> Option<f64>| {
-        [of(&outlook.expected), of(&outlook.random)]
-            .map(|value_m| value_m.map_or_else(|| "open".to_owned(), |v| format!("{:.2}", v * 1e3)))
+        [of(&outlook.expected), of(&outlook.random)].map(|value_m| {
+            value_m.map_or_else(|| "undetermined".to_owned(), |v| format!("{:.2}", v * 1e3))
+        })
     };
     let [mean, mean_random] = metres(|indices| indices.mean_m);
     value(
         ui,
-        "A: mean of the coordinates",
+        "A-optimality: mean of the coordinates",
         &format!("{mean} / {mean_random}"),
         "mm",
     );
     let [worst, worst_random] = metres(|indices| indices.worst_m);
     value(
         ui,
-        "E: along the worst direction",
+        "E-optimality: worst direction",
         &format!("{worst} / {worst_random}"),
         "mm",
     );
     let [platform, platform_random] = metres(|indices| indices.platform_m);
     value(
         ui,
-        "I: position of the platform, adjusted",
+        "I-optimality: platform position after adjustment",
         &format!("{platform} / {platform_random}"),
         "mm",
     );
     let det = |indices: &Indices| format!("{:.1}", indices.log_det);
     let numbers = format!("{} / {}", det(&outlook.expected), det(&outlook.random));
-    value(ui, "D: logarithm of the information", &numbers, "");
+    value(
+        ui,
+        "D-optimality: log determinant of the information",
+        &numbers,
+        "",
+    );
 }

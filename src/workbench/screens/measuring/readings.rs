@@ -92,7 +92,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 
 /// What still moves, against its limit.
 pub(super) fn settling(ui: &mut Ui, place: &str, rates: Option<Rates>, limits: Rates) {
-    muted(ui, &format!("At {place}, until it stands still."));
+    muted(ui, &format!("At {place}, waiting for the robot to settle."));
     let Some(rates) = rates else {
         return;
     };

@@ -109,11 +109,11 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         } else {
             Verdict::Doubtful
         };
-        verdict(ui, kind, &full_sentence(&format!("Waiting: {reason}")));
+        verdict(ui, kind, &full_sentence(&format!("Paused: {reason}")));
         if reason.contains("laser") {
             muted(
                 ui,
-                "Free the way of the beam and clean its target, then resume: the pose is approached again. Or skip it.",
+                "Clear the beam path and clean the target, then resume: the pose is approached again. Or skip it.",
             );
         }
     } else if current.is_none() {
@@ -150,7 +150,7 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     match doing {
         Doing::Nothing | Doing::Verifying { .. } | Doing::Locating { .. } => {}
         Doing::Moving => {
-            muted(ui, &format!("On the way to {place}."));
+            muted(ui, &format!("Moving to {place}."));
         }
         Doing::Settling { rates, limits, .. } => readings::settling(ui, &place, rates, limits),
         Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
@@ -176,11 +176,11 @@ fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         return;
     };
     let text = format!(
-        "Pose {} is measured but could not be written to disk. The run waits: make room or access, then try again.",
+        "Pose {} was measured but could not be saved. The run is paused: free disk space or fix permissions, then retry.",
         pending.pose.label()
     );
     verdict(ui, Verdict::Bad, &text);
-    if ui.button("Try to keep it again").clicked() {
+    if ui.button("Retry save").clicked() {
         outbox.send(RobotCommand::RetrySave);
     }
 }
@@ -188,7 +188,7 @@ fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 fn outcome(ui: &mut Ui, run: &RunLog) {
     if let Some(Err(why)) = &run.ended {
         let text = format!(
-            "The run ended after {}: {} What is measured is kept; measuring can be continued.",
+            "The run ended after {}: {} Measured poses are saved; the run can be continued.",
             count(run.done(), "pose"),
             full_sentence(why)
         );
@@ -201,7 +201,7 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
     }
-    muted(ui, "Measured less predicted:");
+    muted(ui, "Measured minus predicted:");
     for surprise in run.surprises.iter().rev().take(LISTED) {
         let lengths = surprise.lengths_m.iter().enumerate();
         let worst = lengths

@@ -44,10 +44,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     match selected {
         Some(row) => actions(ui, model, outbox, row),
         None => {
-            muted(
-                ui,
-                "Select a pose to leave it out, to repeat it or to remove it.",
-            );
+            muted(ui, "Select a pose to exclude, repeat or remove it.");
         }
     }
 }
@@ -81,7 +78,14 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .columns(Column::exact(13.0 * GRID), 4)
         .column(Column::remainder().at_least(20.0 * GRID).clip(true))
         .header(height, |mut header| {
-            for head in ["Pose", "x (mm)", "y (mm)", "z (mm)", "Turn (°)", "State"] {
+            for head in [
+                "Pose",
+                "x (mm)",
+                "y (mm)",
+                "z (mm)",
+                "Rotation (°)",
+                "State",
+            ] {
                 header.col(|ui| {
                     muted(ui, head);
                 });
@@ -137,14 +141,14 @@ fn name(ui: &mut Ui, label: i64, selected: bool) -> bool {
 
 fn words(row: &Row, shown: &Shown<'_>, palette: &Palette) -> (&'static str, egui::Color32) {
     if shown.current == Some(row.label) {
-        return ("under way", palette.accent);
+        return ("in progress", palette.accent);
     }
     match row.standing {
         PhaseStatus::Planned if (shown.skipped)(row.label) => ("skipped", palette.warning),
         PhaseStatus::Planned => ("planned", palette.muted),
         PhaseStatus::Measured => ("measured", palette.good),
         PhaseStatus::Repeat => ("added", palette.good),
-        PhaseStatus::Excluded => ("left out", palette.warning),
+        PhaseStatus::Excluded => ("excluded", palette.warning),
     }
 }
 
@@ -160,15 +164,18 @@ fn actions(ui: &mut Ui, model: &Model, outbox: &mut Outbox, row: Row) {
             }
         }
         PhaseStatus::Excluded => {
-            if icon_button(ui, icons::ICON_VISIBILITY, "Take back in", true).clicked() {
+            if icon_button(ui, icons::ICON_VISIBILITY, "Include pose", true).clicked() {
                 outbox.send(Edit::Include(label));
             }
         }
         PhaseStatus::Measured | PhaseStatus::Repeat if label == 0 => {
-            muted(ui, "The home pose stays: all revolutions count from it.");
+            muted(
+                ui,
+                "The home pose cannot be excluded: revolutions are counted from it.",
+            );
         }
         PhaseStatus::Measured | PhaseStatus::Repeat => {
-            let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Leave out", true);
+            let out = icon_button(ui, icons::ICON_VISIBILITY_OFF, "Exclude pose", true);
             if out.clicked() {
                 outbox.send(Edit::Exclude(label));
             }

@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
             muted(
                 ui,
                 &format!(
-                    "The measured elongation appears here. Until then {now}. Pull cables of several lengths with several tensions, and import the table or type it below."
+                    "The measured elongation appears here. Until then {now}. Load cables of several lengths with several tensions, and import the table or type it below."
                 ),
             );
         }
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
             let now = now(bench);
             muted(ui, &format!("At present {now}."));
             let proposal = &calibration.with_elongation;
-            bench.propose(ui, proposal, "Use this surface", "use measured elongation");
+            bench.propose(ui, proposal, "Apply surface", "apply measured elongation");
             slices(ui, bench, &fit.choice.surface);
             residuals(ui, bench, fit);
         }
@@ -84,7 +84,7 @@ fn judge(ui: &mut Ui, fit: &ElongationFit) {
     let surface = &fit.choice.surface;
     let worst = fit.largest_residual_m * 1e3;
     let text = format!(
-        "A surface of degree {} follows all {} points within {worst:.3} mm.",
+        "A surface of degree {} fits all {} points within {worst:.3} mm.",
         surface.degree,
         fit.residuals_m.len()
     );
@@ -102,7 +102,7 @@ fn judge(ui: &mut Ui, fit: &ElongationFit) {
     value(ui, "Valid for lengths", &lengths, "mm");
     value(ui, "Valid for tensions", &tensions, "N");
     let spread = format!("{:.4}", surface.residual_sd_m * 1e3);
-    value(ui, "Spread about the surface", &spread, "mm");
+    value(ui, "Standard deviation of residuals", &spread, "mm");
 }
 
 fn degrees(ui: &mut Ui, fit: &ElongationFit) {
@@ -110,7 +110,7 @@ fn degrees(ui: &mut Ui, fit: &ElongationFit) {
     let columns = [
         Column::words("Degree"),
         Column::number("Coefficients", ""),
-        Column::number("Error at points left out", "mm"),
+        Column::number("Cross-validation error", "mm"),
         Column::words("Choice"),
     ];
     let chosen = fit.choice.surface.degree;
@@ -138,7 +138,7 @@ fn degrees(ui: &mut Ui, fit: &ElongationFit) {
     table(ui, &columns, &rows, selected);
     muted(
         ui,
-        "The smallest degree is taken whose error is not clearly larger than the least.",
+        "The lowest degree whose error is not significantly above the minimum is chosen.",
     );
 }
 

@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(shown) = pose::shown(bench) else {
         muted(
             ui,
-            "Select a pose to see where the length of its cables goes: this robot has no home pose.",
+            "Select a pose to see its cable lengths: this robot has no home pose.",
         );
         return;
     };
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     muted(
         ui,
         &format!(
-            "Cable beyond the pulley's entry point at {}. Select a pose to see others.",
+            "Cable length beyond the pulley's entry point, at {}. Select a pose to see others.",
             shown.name
         ),
     );
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     }
     muted(
         ui,
-        "Parts are at least 3 pixels wide, so that small ones can be seen. Elongation is that of the whole cable from its drum on.",
+        "Bars are at least 3 pixels wide. Elongation is that of the whole cable from the drum on.",
     );
     for reason in reasons(&shares) {
         verdict(ui, Verdict::Neutral, &format!("{reason}."));

@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     };
     let radius_mm = cable.pulley.radius_m * 1e3;
     if radius_mm <= 0.0 {
-        muted(ui, "This cable passes an eyelet: nothing is wrapped.");
+        muted(ui, "This cable runs through an eyelet, without wrap.");
         return;
     }
     let size = Vec2::new(ui.available_width(), HEIGHT);
@@ -74,7 +74,7 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
         Align2::LEFT_TOP,
         format!("then {free_mm:.1} mm to the platform"),
     );
-    response.on_hover_text("The wheel in its plane, to scale. The dashed line is the swivel axis, along which the cable comes from the drum; the arc is what is wrapped.");
+    response.on_hover_text("The pulley in its plane, to scale. Dashed: the swivel axis, along which the cable comes from the drum. Arc: the wrapped cable.");
 }
 
 /// From radii about the middle of the wheel to the screen.

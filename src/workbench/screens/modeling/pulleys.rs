@@ -107,7 +107,7 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     });
     ui.horizontal(|ui| {
         ui.label("Swivel axis").on_hover_text(
-            "Direction in which the cable travels when it reaches the pulley, in the base frame; it is made one unit long.",
+            "Direction of the incoming cable in the base frame; normalised to unit length.",
         );
         for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
             let name = format!("Swivel axis {name}");
@@ -121,7 +121,9 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
             };
             let entered = number(ui, &field);
             let what = format!("change swivel axis of {}", cable.name);
-            change(bench, entered, what, |robot, value| turn(robot, chosen, k, value));
+            change(bench, entered, what, |robot, value| {
+                turn(robot, chosen, k, value)
+            });
         }
     });
 }
@@ -155,7 +157,7 @@ fn change(
     let mut robot = bench.robot().clone();
     let changed = change(&mut robot, value).and_then(|()| {
         let checked = robot.check();
-        checked.map_err(|error| format!("This value makes no possible robot: {error}."))
+        checked.map_err(|error| format!("This value makes the robot invalid: {error}."))
     });
     match changed {
         Ok(()) => bench.outbox.send(Edit::SetRobot(Box::new(robot), what)),

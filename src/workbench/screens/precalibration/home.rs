@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         verdict(
             ui,
             Verdict::Neutral,
-            "The description of this robot has no home platform, so that distances cannot be turned into a pose. Add home_platform with six sensors and three planes to its robot.json and open that again; until then the home pose of the drawing is used.",
+            "The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it; until then the nominal home pose is used.",
         );
         return;
     };
@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
             judge(ui, platform, measured);
             pose(ui, bench, measured);
             let proposal = &calibration.with_home;
-            bench.propose(ui, proposal, "Use this pose", "use measured home pose");
+            bench.propose(ui, proposal, "Apply pose", "apply measured home pose");
         }
     }
     section(ui, "The six sensors");
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
 fn muted_help(ui: &mut Ui) {
     muted(
         ui,
-        "The home pose appears here. Put the platform on its home reference, read the six distance sensors, several times if you can, and import the readings or type them below.",
+        "The home pose appears here. Place the platform on its home reference, read the six distance sensors, repeatedly if possible, and import the readings or type them below.",
     );
 }
 
@@ -64,7 +64,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
         all_inside = false;
         let mean = sensor.mean_m * 1e3;
         let text = format!(
-            "Sensor {} says {mean:.1} mm, outside the 40 to 300 mm that it measures. Check its mounting and its voltage.",
+            "Sensor {} reads {mean:.1} mm, outside its range of 40 to 300 mm. Check its mounting and its voltage.",
             k + 1
         );
         verdict(ui, Verdict::Doubtful, &text);
@@ -74,7 +74,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
         if repeats.count >= 5 && repeats.sd_m > 3.0 * sensor.sd_m {
             let (spread, stated) = (repeats.sd_m * 1e3, sensor.sd_m * 1e3);
             let text = format!(
-                "Sensor {} spreads by {spread:.2} mm, more than three times the {stated:.2} mm that robot.json states.",
+                "Readings of sensor {} scatter by {spread:.2} mm, more than three times the {stated:.2} mm given in robot.json.",
                 k + 1
             );
             verdict(ui, Verdict::Doubtful, &text);
@@ -83,7 +83,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
     }
     let worst = measured.fix.position_sd_m.into_iter().fold(0.0, f64::max) * 1e3;
     if all_inside {
-        let text = format!("The six distances fix the platform to {worst:.2} mm.");
+        let text = format!("The six distances determine the platform position to {worst:.2} mm.");
         verdict(ui, Verdict::Good, &text);
     }
 }
@@ -91,7 +91,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
 fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     let columns = [
         Column::words("Home pose"),
-        Column::number("In the robot", ""),
+        Column::number("Current", ""),
         Column::number("Measured", ""),
         Column::number("±", ""),
         Column::number("Repeatability", ""),
@@ -127,7 +127,7 @@ fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
     if measured.repeatability.is_none() {
         muted(
             ui,
-            "For the repeatability read all six sensors the same number of times, twice at least.",
+            "Repeatability needs the same number of readings of all six sensors, at least two each.",
         );
     }
 }
@@ -143,7 +143,7 @@ fn sensors(ui: &mut Ui, measured: &HomeMeasurement) {
         Column::words("Sensor"),
         Column::number("Readings", ""),
         Column::number("Mean", "mm"),
-        Column::number("Spread", "mm"),
+        Column::number("Std. dev.", "mm"),
         Column::words("Range"),
     ];
     let palette = theme::of(ui);

@@ -138,7 +138,7 @@ fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
     let good = fits.iter().filter(passed).count();
     if good == fits.len() {
         let several = words.several;
-        let text = format!("All {good} {several} that were measured stay within {limit} {unit}.");
+        let text = format!("All {good} {several} measured are within {limit} {unit}.");
         verdict(ui, Verdict::Good, &text);
     }
     for PerCable { cable, fit } in fits {
@@ -146,7 +146,7 @@ fn judge<I: ByPairs>(ui: &mut Ui, bench: &Bench<'_>) {
             Ok(quality) if !quality.passed => {
                 let (name, worst) = (bench.cable_name(*cable), quality.largest);
                 let text = format!(
-                    "{name} is {worst:.decimals$} {unit} off at its worst pair, more than {limit} {unit}. {}",
+                    "{name}: largest residual {worst:.decimals$} {unit}, more than {limit} {unit}. {}",
                     words.advice
                 );
                 verdict(ui, Verdict::Bad, &text);
@@ -162,9 +162,9 @@ fn table_of_fits<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) 
     let columns = [
         Column::words(I::WORDS.one),
         Column::number("Pairs", ""),
-        Column::number("Spread", unit),
+        Column::number("Std. dev.", unit),
         Column::number("Largest residual", unit),
-        Column::words("Verdict"),
+        Column::words("Result"),
     ];
     let fits = I::fits(bench.calibration);
     let rows: Vec<Vec<Cell>> = fits

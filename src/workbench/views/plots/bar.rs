@@ -78,7 +78,7 @@ fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
                 (Tensions::Measured, "Measured"),
                 (Tensions::Errors, "Estimated errors"),
             ];
-            let name = "Which tensions";
+            let name = "Tensions shown";
             choose(ui, (name, is_narrow), &shown, &mut plots.tensions);
         }
         Tab::Variable => {
@@ -100,7 +100,7 @@ fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
                 let chosen = plots.elongation.unwrap_or(with[0].0);
                 let name =
                     |index: usize| with.iter().find(|(k, _)| *k == index).map_or("", |c| c.1);
-                combo(ui, "Cable of the elongation", name(chosen), |ui| {
+                combo(ui, "Cable", name(chosen), |ui| {
                     for (index, name) in &with {
                         ui.selectable_value(&mut plots.elongation, Some(*index), *name);
                     }
@@ -200,7 +200,7 @@ fn buttons(ui: &mut Ui, plots: &mut PlotState) {
         }
     });
     let panel = plots.panels.entry(plots.tab).or_default();
-    if icon_only(ui, icons::ICON_FIT_SCREEN, "Show everything", true).clicked() {
+    if icon_only(ui, icons::ICON_FIT_SCREEN, "Reset view", true).clicked() {
         panel.reset();
     }
     let name = if panel.cursors.is_some() {
@@ -223,7 +223,7 @@ fn saving(ui: &mut Ui, model: &Model, plots: &mut PlotState, figure: &Figure, ou
     };
     muted(ui, saving.format.title());
     let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(280.0));
-    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the plot"));
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Plot file"));
     if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
         outbox.send(PlotCommand::Ask(saving.format));
     }

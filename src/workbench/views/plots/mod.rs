@@ -233,9 +233,9 @@ impl PlotState {
         Ok(match self.tab {
             Tab::Variable => {
                 let prepared = prepared()?;
-                let choice = self.choice.ok_or(Unavailable::Empty(
-                    "No variable changes over the poses, so that residuals could depend on it.",
-                ))?;
+                let choice = self
+                    .choice
+                    .ok_or(Unavailable::Empty("No variable changes over these poses."))?;
                 let diagnosed = open.diagnosis().map(Arc::as_ref);
                 sources::variable::figure(prepared, diagnosed, choice, excluded)
             }

@@ -333,7 +333,7 @@ impl Panel {
                 frame.done.push(Done::Excluded(pose));
                 ui.close();
             }
-            if ui.button("Show everything").clicked() {
+            if ui.button("Reset view").clicked() {
                 self.reset();
                 ui.close();
             }

@@ -207,11 +207,11 @@ fn tabs(ui: &mut Ui, open: &OpenSession, panes: &mut Panes, (place, count): (usi
 
 /// The button that divides the area.
 fn divide(ui: &mut Ui, arrangement: &mut Arrangement) {
-    let button = icon_only(ui, icons::ICON_GRID_VIEW, "Plots beside each other", true);
+    let button = icon_only(ui, icons::ICON_GRID_VIEW, "Plot layout", true);
     Popup::menu(&button).show(|ui| {
         for (value, title) in [
             (Arrangement::One, "One plot"),
-            (Arrangement::SideBySide, "Two plots side by side"),
+            (Arrangement::SideBySide, "Two plots"),
             (Arrangement::Grid, "Four plots"),
         ] {
             if ui

@@ -63,7 +63,7 @@ impl Tab {
     pub fn title(self) -> &'static str {
         match self {
             Self::Residuals => "Residuals",
-            Self::Variable => "Along a variable",
+            Self::Variable => "By variable",
             Self::Laser => "Laser",
             Self::Tensions => "Tensions",
             Self::Convergence => "Convergence",
@@ -81,42 +81,42 @@ impl Tab {
         let (present, why) = match self {
             Self::Residuals => (
                 has_fit,
-                "Residuals of every cable appear here once poses are identified.",
+                "Residuals of all cables appear here after identification.",
             ),
             Self::Variable => (
                 has_fit || open.diagnosis().is_some(),
-                "Residuals along length, tension, time and more appear here once poses are identified.",
+                "Residuals against length, tension, time and other variables appear here after identification.",
             ),
             Self::Laser => (
                 fit.is_some_and(|fit| {
                     fit.dataset.robot.laser.is_some()
                         && !fit.dataset.measurements.laser_m.is_empty()
                 }),
-                "Residuals of the laser appear here once poses with laser distances are identified.",
+                "Residuals of the laser appear here after an identification with laser distances.",
             ),
             Self::Tensions => (
                 fit.is_some_and(|fit| !fit.dataset.measurements.force_n.is_empty()),
-                "Tensions appear here once poses with force readings are identified.",
+                "Tensions appear here after an identification with force readings.",
             ),
             Self::Convergence => (
                 fit.is_some_and(|fit| !fit.steps.is_empty()),
-                "The way of an identification to its solution appears here once poses are identified.",
+                "The convergence of the identification appears here.",
             ),
             Self::Correlation => (
                 fit.is_some_and(|fit| fit.solution.covariance.is_some()),
                 if has_fit {
-                    "The readings do not determine all parameters, so they have no correlations."
+                    "The readings do not determine all parameters, so there are no correlations."
                 } else {
-                    "Correlations of the parameters appear here once poses are identified."
+                    "Correlations of the parameters appear here after identification."
                 },
             ),
             Self::Elongation => (
                 super::sources::elongation::has_any(open.session()),
-                "The elongation of the cables appears here once it is measured and fitted in phase 2.",
+                "The elongation of the cables appears here once it is fitted in phase 2.",
             ),
             Self::BeforeAfter => (
                 open.diagnosis().is_some(),
-                "Residuals before and after appear here once a diagnosis has asked what the model gets wrong.",
+                "Residuals before and after appear here after a diagnosis.",
             ),
         };
         (!present).then_some(why)

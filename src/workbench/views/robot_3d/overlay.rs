@@ -179,9 +179,9 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     };
     if picture.scene.besides != Besides::Nothing {
         let size = if exaggeration > 1.0 {
-            format!("{parts} drawn {exaggeration:.0} times as large")
+            format!("{parts}, magnified {exaggeration:.0}×")
         } else {
-            format!("{parts} drawn as large as they are")
+            format!("{parts}, true to scale")
         };
         let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
         let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
@@ -261,9 +261,9 @@ fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palet
     let of_cables = picture.options.colour == CableColour::Residual;
     if of_poses || of_cables {
         let title = match (of_cables, of_poses) {
-            (true, true) => "Residuals of cables and poses (standard deviations)",
-            (true, false) => "Residuals of cables (standard deviations)",
-            _ => "Residuals of poses (standard deviations)",
+            (true, true) => "Cable and pose residuals (standard deviations)",
+            (true, false) => "Cable residuals (standard deviations)",
+            _ => "Pose residuals (standard deviations)",
         };
         let colour = |share: f32| palette.residual(f64::from(share) * 6.0 - 3.0);
         let marks = ["-3", "0", "+3"];
@@ -272,7 +272,7 @@ fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palet
     }
     if picture.options.colour == CableColour::Tension {
         let Some([low, high]) = tension_range(scene) else {
-            let nothing = "No tensions are known at this pose";
+            let nothing = "No tensions known at this pose";
             drawn.push(text(
                 painter,
                 at,

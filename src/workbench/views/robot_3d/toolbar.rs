@@ -34,13 +34,13 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
     let width = ui.available_width();
     let is_wide = width > WIDE;
     ui.horizontal_wrapped(|ui| {
-        if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit to all (F)", true).clicked() {
+        if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit view (F)", true).clicked() {
             aim = Some(Aim::Fit);
         }
         if width > NARROW {
             aim = views(ui).or(aim);
         } else {
-            ui.menu_button("Turn to", |ui| aim = views(ui).or(aim));
+            ui.menu_button("View", |ui| aim = views(ui).or(aim));
         }
         ui.separator();
         if width > MEDIUM {
@@ -92,15 +92,13 @@ fn colours(ui: &mut Ui, options: &mut Options) {
 }
 
 fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
-    ui.checkbox(&mut options.labels, "Numbers of cables");
+    ui.checkbox(&mut options.labels, "Cable numbers");
     ui.checkbox(&mut options.poses, "Poses");
     ui.checkbox(&mut options.callouts, "Pinned coordinates")
-        .on_hover_text(
-            "A click on a pulley pins its coordinates beside it, another takes them away",
-        );
+        .on_hover_text("Click a pulley to pin its coordinates, click again to unpin them");
     let has_pins = !options.pinned.is_empty();
     if ui
-        .add_enabled(has_pins, egui::Button::new("Take all coordinates away"))
+        .add_enabled(has_pins, egui::Button::new("Clear pins"))
         .on_disabled_hover_text("Click a pulley to pin its coordinates")
         .clicked()
     {
@@ -108,7 +106,7 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     }
     let pulleys = match besides {
         Besides::Other => "Pulleys of B",
-        Besides::Drawing | Besides::Nothing => "Pulleys of the drawing",
+        Besides::Drawing | Besides::Nothing => "Nominal pulleys",
     };
     let of_identification = [
         (&mut options.nominal, pulleys),
@@ -118,7 +116,7 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     for (shown, name) in of_identification {
         let checkbox = egui::Checkbox::new(shown, name);
         ui.add_enabled(besides != Besides::Nothing, checkbox)
-            .on_disabled_hover_text("There is nothing to show before an identification.");
+            .on_disabled_hover_text("Available after identification");
     }
 }
 
@@ -134,18 +132,16 @@ fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
         .show_value(false);
     ui.spacing_mut().slider_width = 88.0;
     let response = ui.add(slider);
-    response.widget_info(|| WidgetInfo::slider(true, value, "Exaggeration"));
+    response.widget_info(|| WidgetInfo::slider(true, value, "Magnification"));
     if response.changed() {
         options.exaggeration = Some(value);
     }
-    response.on_hover_text(
-        "How many times larger than they are displacements and ellipsoids are drawn",
-    );
-    ui.add(egui::Label::new(format!("{value:.0} times")).extend());
+    response.on_hover_text("Magnification of displacements and ellipsoids");
+    ui.add(egui::Label::new(format!("{value:.0}×")).extend());
     let is_automatic = options.exaggeration.is_none();
     if ui
         .selectable_label(is_automatic, "Automatic")
-        .on_hover_text("As large as is well seen and stays in the picture")
+        .on_hover_text("Choose a magnification at which displacements are clearly visible")
         .clicked()
     {
         options.exaggeration = if is_automatic { Some(value) } else { None };

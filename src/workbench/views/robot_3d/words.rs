@@ -27,11 +27,11 @@ pub fn shown(scene: &Scene) -> String {
 
 fn pose_shown(scene: &Scene) -> String {
     match scene.shown {
-        Shown::Home => "At home".to_owned(),
-        Shown::Fitted(0) => "At home, as identified".to_owned(),
-        Shown::Fitted(label) => format!("Pose {label}, as identified"),
-        Shown::Given(label) => format!("Pose {label}, as commanded"),
-        Shown::Live => "Where the platform is now".to_owned(),
+        Shown::Home => "Home pose".to_owned(),
+        Shown::Fitted(0) => "Home pose, identified".to_owned(),
+        Shown::Fitted(label) => format!("Pose {label}, identified"),
+        Shown::Given(label) => format!("Pose {label}, commanded"),
+        Shown::Live => "Current pose".to_owned(),
     }
 }
 
@@ -40,8 +40,8 @@ fn cable(scene: &Scene, index: usize) -> String {
         return String::new();
     };
     let mut parts = match cable.free_m {
-        Some(free_m) => vec![format!("{free_m:.4} m free")],
-        None => vec!["has no path to the platform at this pose".to_owned()],
+        Some(free_m) => vec![format!("free length {free_m:.4} m")],
+        None => vec!["no path to the platform at this pose".to_owned()],
     };
     parts.extend(cable.tension_n.map(|tension| format!("{tension:.1} N")));
     parts.extend(cable.residual.map(residual));
@@ -64,14 +64,14 @@ fn pulley(scene: &Scene, index: usize) -> String {
     let [x, y, z] = (cable.wheel.entry * 1e3).into();
     let radius = cable.wheel.radius_m * 1e3;
     let mut text = format!(
-        "Pulley {}: radius {radius:.1} mm, cable enters at ({x:.1}, {y:.1}, {z:.1}) mm",
+        "Pulley {}: radius {radius:.1} mm, entry point ({x:.1}, {y:.1}, {z:.1}) mm",
         index + 1
     );
     if let Some(moved) = &cable.moved {
         let length = moved.by.norm() * 1e3;
         text += &match scene.besides {
             Besides::Other => format!("\n{length:.2} mm away in B"),
-            Besides::Drawing | Besides::Nothing => format!("\n{length:.2} mm from the drawing"),
+            Besides::Drawing | Besides::Nothing => format!("\n{length:.2} mm from nominal"),
         };
         if let Some(covariance) = moved.covariance {
             let sd = covariance.diagonal().map(|v| v.max(0.0).sqrt() * 1e3);
@@ -87,7 +87,7 @@ fn pulley(scene: &Scene, index: usize) -> String {
 fn platform(scene: &Scene) -> String {
     let [x, y, z] = (scene.pose.position * 1e3).into();
     let turned = scene.pose.orientation.angle().to_degrees();
-    format!("Platform at ({x:.1}, {y:.1}, {z:.1}) mm, turned by {turned:.2}°")
+    format!("Platform at ({x:.1}, {y:.1}, {z:.1}) mm, rotated by {turned:.2}°")
 }
 
 fn pose(scene: &Scene, label: i64) -> String {
@@ -137,7 +137,7 @@ mod tests {
         scene.cables[2].free_m = Some(1.20337);
         assert_eq!(
             describe(&scene, Thing::Cable(2)),
-            "Cable 3: 1.2034 m free, 41.3 N, residual +2.1 standard deviations"
+            "Cable 3: free length 1.2034 m, 41.3 N, residual +2.1 standard deviations"
         );
         assert_eq!(describe(&scene, Thing::Cable(99)), "");
         assert_eq!(

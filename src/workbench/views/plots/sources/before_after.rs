@@ -18,19 +18,16 @@ pub fn figure(prepared: &Prepared) -> Figure {
     let before = all(&prepared.base);
     let mut columns = vec![density("before", Ink::Warning, &before)];
     if let Some(extended) = &prepared.extended {
-        let mut after = density("after, with what was found", Ink::Accent, &all(extended));
+        let mut after = density("after, with the causes found", Ink::Accent, &all(extended));
         after.outline = true;
         columns.push(after);
     }
     Figure {
-        x: Axis::new(
-            "Residual; beyond 6 in the outermost columns",
-            "standard deviations",
-        ),
-        y: Axis::new("Share of readings per standard deviation", ""),
+        x: Axis::new("Residual (outermost bins: beyond 6)", "standard deviations"),
+        y: Axis::new("Density", ""),
         columns,
         curves: vec![Curve {
-            name: "if model and noise are right".into(),
+            name: "expected of a correct model".into(),
             ink: Ink::Text,
             dashed: true,
             points: histogram::normal(MOST, 1.0),

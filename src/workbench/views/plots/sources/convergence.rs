@@ -22,7 +22,7 @@ pub fn figure(fit: &Identification) -> Figure {
     }];
     if expected > 0.0 {
         curves.push(Curve {
-            name: "expected at the end: degrees of freedom".into(),
+            name: "expected: degrees of freedom".into(),
             ink: Ink::Good,
             dashed: true,
             points: vec![[1.0, expected.log10()], [last, expected.log10()]],

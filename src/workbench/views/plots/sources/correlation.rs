@@ -51,7 +51,7 @@ pub fn figure(fit: &Identification) -> Figure {
     // Upwards, as ticks are.
     let upwards = groups.iter().rev().map(|(at, name)| (-at, name.clone()));
     let mut y = Axis::new(
-        "Correlation of parameters; numbers are the pulleys' entry points",
+        "Correlations of the parameters (numbers: entry points of the pulleys)",
         "",
     );
     y.names = upwards.collect();

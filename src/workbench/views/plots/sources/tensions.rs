@@ -56,14 +56,7 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
     let named = points.into_iter().zip(cables).enumerate();
     Figure {
         x: Axis::whole(POSE),
-        y: Axis::new(
-            if is_error {
-                "Error of the tension reading"
-            } else {
-                "Tension"
-            },
-            "N",
-        ),
+        y: Axis::new(if is_error { "Tension error" } else { "Tension" }, "N"),
         bands: if is_error { vec![band] } else { Vec::new() },
         series: named
             .map(|(index, (points, cable))| Series::of_cable(index, &cable.name, points))

@@ -18,7 +18,7 @@ const PLACES: usize = 120;
 const AVERAGED: usize = 24;
 
 /// Legend of the residuals of the extended model.
-const AFTER: &str = "after, with what was found";
+const AFTER: &str = "after, with the causes found";
 
 /// What is plotted along what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -211,7 +211,7 @@ fn effect(before: &[Place], after: &[Place]) -> Curve {
         [0, 1].map(|k| part.iter().map(|place| place[k]).sum::<f64>() / count)
     };
     Curve {
-        name: "explained by what was found".into(),
+        name: "explained by the causes found".into(),
         ink: Ink::Accent,
         dashed: true,
         points: explained.chunks(size).map(mean).collect(),
