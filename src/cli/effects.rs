@@ -1,7 +1,7 @@
 //! `tautline effects`.
 
 use tautline_core::effect::{
-    BiasedReading, CATALOGUE, Effect, EffectParameter, Scope, Search, Unknown,
+    BiasedReading, CATALOGUE, Effect, EffectParameter, Scope, Search, UNKNOWN,
 };
 use tautline_core::measurement::Variable;
 
@@ -18,8 +18,7 @@ pub fn run() {
         "diagnose tries it",
         "parameters (typical size)",
     ]);
-    let unknown: &dyn Effect = &Unknown;
-    for effect in CATALOGUE.iter().copied().chain([unknown]) {
+    for effect in CATALOGUE.iter().copied().chain([&UNKNOWN]) {
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
         let freed = if effect.is_estimable() { "yes" } else { "no" };
         let cells = [
@@ -40,7 +39,7 @@ pub fn run() {
     say!("unknown: shape is 0 smooth, 1 wave, 2 surface over variable and other");
 }
 
-fn on(effect: &dyn Effect) -> &'static str {
+fn on(effect: &Effect) -> &'static str {
     match effect.scope() {
         Scope::Cable => "each cable",
         Scope::CableOrAll => "one cable or all",
@@ -50,7 +49,7 @@ fn on(effect: &dyn Effect) -> &'static str {
     }
 }
 
-fn tried(effect: &dyn Effect) -> &'static str {
+fn tried(effect: &Effect) -> &'static str {
     match effect.search() {
         _ if effect.scope() == Scope::Reading => "along every variable",
         Search::Direct => "always",

@@ -83,7 +83,7 @@ fn drawn(plan: &Plan, hidden: Hidden, sizes: Vec<f64>, visible: bool, redraws: u
 fn one(
     plan: &Plan,
     robot: &TestRobot,
-    (effect, stratum): (&'static dyn Effect, Stratum),
+    (effect, stratum): (&'static Effect, Stratum),
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Drawn>> {
     let mut last = anyhow!("nothing was tried");

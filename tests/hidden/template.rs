@@ -30,7 +30,7 @@ const BESIDE_EVENT: i64 = 3;
 #[derive(Clone)]
 pub struct Template {
     /// The effect.
-    pub effect: &'static dyn Effect,
+    pub effect: &'static Effect,
     /// Names of the cables concerned.
     pub targets: Vec<String>,
     /// Smallest and largest typical size; `None` where an effect has no size.
@@ -49,7 +49,7 @@ enum Value {
 
 impl Template {
     /// Draws targets, signs, directions, phases and poses.
-    pub fn draw(effect: &'static dyn Effect, robot: &Robot, rng: &mut ChaCha8Rng) -> Self {
+    pub fn draw(effect: &'static Effect, robot: &Robot, rng: &mut ChaCha8Rng) -> Self {
         let parameters = effect.parameters();
         let mut values: Vec<Value> = (0..parameters.len())
             .map(|k| fixed(effect, k, rng).map_or(Value::PerSize(0.0), Value::Fixed))
@@ -105,7 +105,7 @@ fn build_up_turns(id: &str, robot: &Robot) -> f64 {
 }
 
 /// Value of a parameter that is no size.
-fn fixed(effect: &dyn Effect, k: usize, rng: &mut ChaCha8Rng) -> Option<f64> {
+fn fixed(effect: &Effect, k: usize, rng: &mut ChaCha8Rng) -> Option<f64> {
     let parameter = &effect.parameters()[k];
     let last = POSES as i64;
     match effect.search() {

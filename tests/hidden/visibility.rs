@@ -135,7 +135,7 @@ pub(super) fn size_for(
 pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
     let names = dataset.robot.cables.iter().map(|cable| &cable.name);
     let mut least = f64::INFINITY;
-    let direct = |effect: &&&dyn Effect| effect.search() == Search::Direct;
+    let direct = |effect: &&&Effect| effect.search() == Search::Direct;
     for effect in CATALOGUE.iter().filter(direct) {
         let mut targets: Vec<Option<String>> = vec![None];
         if effect.scope() != Scope::Robot {

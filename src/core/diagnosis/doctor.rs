@@ -254,7 +254,7 @@ fn acts_on_tension(scored: &Scored, problem: &Problem<'_>) -> bool {
     (0..problem.dataset.measurements.len()).any(|row| {
         let mut ports = CablePorts::nominal(&robot.cables[*cable], 0.0, 1.0);
         let at = circumstances.cable(row, *cable);
-        bound.effect.change_cable(&values, at, &mut ports);
+        (bound.effect.change_cable)(&values, at, &mut ports);
         ports.tension.slope != 0.0
     })
 }

@@ -121,13 +121,13 @@ fn amplitude_of(phase: usize, period: Option<usize>) -> usize {
         .unwrap_or_default()
 }
 
-fn estimable(effect: &'static dyn Effect) -> impl Iterator<Item = usize> {
+fn estimable(effect: &'static Effect) -> impl Iterator<Item = usize> {
     let parameters = effect.parameters().iter().enumerate();
     parameters.filter(|(_, p)| !p.discrete).map(|(k, _)| k)
 }
 
 /// All questions of one effect.
-pub(super) fn questions_of(effect: &'static dyn Effect, robot: &Robot) -> Vec<Question> {
+pub(super) fn questions_of(effect: &'static Effect, robot: &Robot) -> Vec<Question> {
     let all: Vec<usize> = (0..robot.cable_count()).collect();
     let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
         effect,
@@ -171,7 +171,7 @@ pub(super) fn periods(typical: [f64; 2], range: f64) -> Vec<f64> {
 }
 
 /// The effects that are asked, and the periods for those that need them.
-pub(super) fn asked() -> impl Iterator<Item = &'static dyn Effect> {
-    let exchange = |effect: &&dyn Effect| effect.search() != Search::Exchange;
+pub(super) fn asked() -> impl Iterator<Item = &'static Effect> {
+    let exchange = |effect: &&Effect| effect.search() != Search::Exchange;
     CATALOGUE.iter().copied().filter(exchange)
 }

@@ -133,7 +133,7 @@ impl Cause {
     /// # Panics
     /// Never for a cause that a diagnosis made: it has an instance.
     #[must_use]
-    pub fn effect(&self) -> &'static dyn Effect {
+    pub fn effect(&self) -> &'static Effect {
         self.instances[0].effect
     }
 

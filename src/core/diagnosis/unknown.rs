@@ -7,7 +7,7 @@ use super::moments::{Moments, PoseMoments};
 use super::report::{Cause, Quantity};
 use super::scores::{Block, Design, Directions, Scan, Scored};
 use crate::effect::unknown::{FIRST, FUNCTIONS, Form, READING, SCALE};
-use crate::effect::{BiasedReading, BoundEffect, Effect, Shape, Unknown};
+use crate::effect::{BiasedReading, BoundEffect, Shape, UNKNOWN};
 use crate::measurement::Variable;
 
 /// Fewest poses at which a function is sought.
@@ -53,7 +53,7 @@ fn bound(reading: usize, cable: Option<usize>, cables: usize) -> BoundEffect {
     };
     form.write(&mut values);
     BoundEffect {
-        effect: &Unknown,
+        effect: &UNKNOWN,
         cables: cable.map_or_else(|| (0..cables).collect(), |cable| vec![cable]),
         targeted: cable.is_some(),
         values,
@@ -254,5 +254,5 @@ impl<'b> Reading<'b> {
 
 /// Whether a cause is structure without a name.
 pub(super) fn is_unknown(cause: &Cause) -> bool {
-    cause.effect().id() == Unknown.id()
+    cause.effect().id() == UNKNOWN.id()
 }

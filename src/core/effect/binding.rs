@@ -138,7 +138,7 @@ impl EffectRequest {
 
 /// The values of an effect's parameters: those given, else the default.
 fn values_of<'n>(
-    effect: &'static dyn Effect,
+    effect: &'static Effect,
     given: impl Iterator<Item = (&'n String, f64)>,
     default: impl Fn(&EffectParameter) -> f64,
 ) -> Result<Vec<f64>, EffectError> {
@@ -166,7 +166,7 @@ fn values_of<'n>(
     values.into_iter().zip(parameters).map(value).collect()
 }
 
-fn unknown_parameter(effect: &dyn Effect, name: &str) -> EffectError {
+fn unknown_parameter(effect: &Effect, name: &str) -> EffectError {
     let names: Vec<_> = effect.parameters().iter().map(|p| p.name).collect();
     EffectError::UnknownParameter {
         effect: effect.id().to_owned(),
@@ -200,7 +200,7 @@ fn cable_called(robot: &Robot, effect: &str, name: &str) -> Result<usize, Effect
 #[derive(Clone)]
 pub struct BoundEffect {
     /// The effect.
-    pub effect: &'static dyn Effect,
+    pub effect: &'static Effect,
     /// Cables that share these parameters.
     pub cables: Vec<usize>,
     /// Whether it is attached to particular cables rather than to the whole robot.
@@ -294,7 +294,7 @@ impl BoundEffect {
 
     /// Exchanges the channels that it says are exchanged; doing it twice changes nothing.
     pub fn exchange_channels(&self, data: &mut Measurements) {
-        self.effect.exchange_channels(&self.cables, data);
+        (self.effect.exchange_channels)(&self.cables, data);
     }
 
     /// The form in which model files carry it.

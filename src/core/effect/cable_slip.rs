@@ -6,64 +6,51 @@ use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
 };
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct CableSlip;
+pub(super) static EFFECT: Effect = Effect {
+    id: "cable_slip",
+    title: "Slip of a cable on its drum",
+    scope: Scope::Cable,
+    parameters: &[
+        EffectParameter::new("step", "m", 0.02, [0.001, 0.02]),
+        EffectParameter::given("pose", "1", [1.0, 100.0]),
+    ],
+    cause,
+    workshop,
+    check: Some(words::GO_BACK),
+    source: "Geometry: one step in the cable paid out",
+    search: Search::FromPose(1),
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for CableSlip {
-    fn id(&self) -> &'static str {
-        "cable_slip"
-    }
-    fn title(&self) -> &'static str {
-        "Slip of a cable on its drum"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Cable
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::new("step", "m", 0.02, [0.001, 0.02]),
-                EffectParameter::given("pose", "1", [1.0, 100.0]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        sentence(&format!(
-            "{} slipped: from {} on, {} {} {} than {}.",
-            found.name(Part::Cable),
-            found.pose(1),
-            found.either("it is", "they are"),
-            found.millimetres(0),
-            found.way(0, "longer", "shorter"),
-            found.either("its reading says", "their readings say"),
-        ))
-    }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        format!(
-            "Check how {} {} fastened to the drum, and the coupling and the set screws of {}.{}",
-            found.name(Part::Cable),
-            found.either("is", "are"),
-            found.name(Part::Winch),
-            if found.counts_revolutions() {
-                " Then zero the encoders at home again."
-            } else {
-                ""
-            },
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(words::GO_BACK)
-    }
-    fn source(&self) -> &'static str {
-        "Geometry: one step in the cable paid out"
-    }
-    fn search(&self) -> Search {
-        Search::FromPose(1)
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        if at.is_from(parameters[1].value) {
-            ports.paid += parameters[0];
-        }
+fn cause(found: &Found<'_>) -> String {
+    sentence(&format!(
+        "{} slipped: from {} on, {} {} {} than {}.",
+        found.name(Part::Cable),
+        found.pose(1),
+        found.either("it is", "they are"),
+        found.millimetres(0),
+        found.way(0, "longer", "shorter"),
+        found.either("its reading says", "their readings say"),
+    ))
+}
+
+fn workshop(found: &Found<'_>) -> String {
+    format!(
+        "Check how {} {} fastened to the drum, and the coupling and the set screws of {}.{}",
+        found.name(Part::Cable),
+        found.either("is", "are"),
+        found.name(Part::Winch),
+        if found.counts_revolutions() {
+            " Then zero the encoders at home again."
+        } else {
+            ""
+        },
+    )
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    if at.is_from(parameters[1].value) {
+        ports.paid += parameters[0];
     }
 }

@@ -10,54 +10,43 @@ use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
 };
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct CableStiffening;
+pub(super) static EFFECT: Effect = Effect {
+    id: "cable_stiffening",
+    title: "Cable stiffness that depends on tension",
+    scope: Scope::CableOrAll,
+    parameters: &[EffectParameter::new("c", "1", 0.5, [0.1, 0.5])],
+    cause,
+    workshop,
+    check: Some(
+        "Pull a piece of the cable with several known forces and measure by how much it gets longer.",
+    ),
+    source: "First-order term of a stiffness that depends on tension, as measured on fibre ropes",
+    stage: Stage::Ratio,
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for CableStiffening {
-    fn id(&self) -> &'static str {
-        "cable_stiffening"
-    }
-    fn title(&self) -> &'static str {
-        "Cable stiffness that depends on tension"
-    }
-    fn scope(&self) -> Scope {
-        Scope::CableOrAll
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("c", "1", 0.5, [0.1, 0.5])] }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        sentence(&format!(
-            "{} {} with load: at twice the mean tension {} {} {} than in proportion.",
-            found.name(Part::Cable),
-            found.either(
-                found.way(0, "softens", "stiffens"),
-                found.way(0, "soften", "stiffen"),
-            ),
-            found.either("it stretches", "they stretch"),
-            found.percent(0),
-            found.way(0, "more", "less"),
-        ))
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(
-            "Pull a piece of the cable with several known forces and measure by how much it gets longer.",
-        )
-    }
-    fn source(&self) -> &'static str {
-        "First-order term of a stiffness that depends on tension, as measured on fibre ropes"
-    }
-    fn stage(&self) -> Stage {
-        Stage::Ratio
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        if at.mean_tension_n > 0.0 {
-            let excess = at.tension_n / at.mean_tension_n - 1.0;
-            ports.compliance *= parameters[0] * excess + 1.0;
-        }
+fn cause(found: &Found<'_>) -> String {
+    sentence(&format!(
+        "{} {} with load: at twice the mean tension {} {} {} than in proportion.",
+        found.name(Part::Cable),
+        found.either(
+            found.way(0, "softens", "stiffens"),
+            found.way(0, "soften", "stiffen"),
+        ),
+        found.either("it stretches", "they stretch"),
+        found.percent(0),
+        found.way(0, "more", "less"),
+    ))
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.".to_owned()
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    if at.mean_tension_n > 0.0 {
+        let excess = at.tension_n / at.mean_tension_n - 1.0;
+        ports.compliance *= parameters[0] * excess + 1.0;
     }
 }

@@ -5,49 +5,38 @@
 use super::words::{self, sentence};
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct CableThermal;
+pub(super) static EFFECT: Effect = Effect {
+    id: "cable_thermal",
+    title: "Thermal expansion of the cables",
+    scope: Scope::CableOrAll,
+    parameters: &[EffectParameter::new(
+        "alpha",
+        "1/K",
+        0.00005,
+        [-0.00001, 0.00005],
+    )],
+    cause,
+    workshop,
+    check: Some(words::REPEAT_WARMER),
+    source: "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm",
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for CableThermal {
-    fn id(&self) -> &'static str {
-        "cable_thermal"
-    }
-    fn title(&self) -> &'static str {
-        "Thermal expansion of the cables"
-    }
-    fn scope(&self) -> Scope {
-        Scope::CableOrAll
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[EffectParameter::new(
-                "alpha",
-                "1/K",
-                0.00005,
-                [-0.00001, 0.00005],
-            )]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        sentence(&format!(
-            "{} {} {} {} per metre and per kelvin of warming.",
-            found.name(Part::Cable),
-            found.either("gets", "get"),
-            found.millimetres(0),
-            found.way(0, "longer", "shorter"),
-        ))
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Measure at a steady temperature, or correct the cable lengths for temperature in the controller.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(words::REPEAT_WARMER)
-    }
-    fn source(&self) -> &'static str {
-        "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm"
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        ports.strain += parameters[0] * at.temperature_change_k;
-    }
+fn cause(found: &Found<'_>) -> String {
+    sentence(&format!(
+        "{} {} {} {} per metre and per kelvin of warming.",
+        found.name(Part::Cable),
+        found.either("gets", "get"),
+        found.millimetres(0),
+        found.way(0, "longer", "shorter"),
+    ))
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Measure at a steady temperature, or correct the cable lengths for temperature in the controller.".to_owned()
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    ports.strain += parameters[0] * at.temperature_change_k;
 }

@@ -1,90 +1,62 @@
 //! The list of effects that models, simulations and commands know.
 
-use super::Effect;
-use super::cable_creep::CableCreep;
-use super::cable_sag::CableSag;
-use super::cable_slip::CableSlip;
-use super::cable_stiffening::CableStiffening;
-use super::cable_stiffness::CableStiffness;
-use super::cable_swap::CableSwap;
-use super::cable_thermal::CableThermal;
-use super::drum_eccentricity::DrumEccentricity;
-use super::drum_growth::DrumGrowth;
-use super::encoder_drift::EncoderDrift;
-use super::encoder_outlier::EncoderOutlier;
-use super::force_bias::ForceBias;
-use super::force_gain::ForceGain;
-use super::frame_compliance::FrameCompliance;
-use super::frame_shift::FrameShift;
-use super::frame_thermal::FrameThermal;
-use super::heading_offset::HeadingOffset;
-use super::inclinometer_tilt::InclinometerTilt;
-use super::laser_beam_tilt::LaserBeamTilt;
-use super::laser_bias::LaserBias;
-use super::laser_cyclic::LaserCyclic;
-use super::laser_drift::LaserDrift;
-use super::laser_outliers::LaserOutliers;
-use super::laser_scale::LaserScale;
-use super::payload_com::PayloadCom;
-use super::payload_mass::PayloadMass;
-use super::platform_anchor::PlatformAnchor;
-use super::pulley_axis_tilt::PulleyAxisTilt;
-use super::pulley_friction::PulleyFriction;
-use super::pulley_radius::PulleyRadius;
-use super::swivel_offset::SwivelOffset;
-use super::target_tilt::TargetTilt;
-use super::unknown::Unknown;
-use super::winch_backlash::WinchBacklash;
-use super::winch_offset::WinchOffset;
-use super::winch_scale::WinchScale;
-use super::winch_scale_common::WinchScaleCommon;
+use super::{
+    Effect, cable_creep, cable_sag, cable_slip, cable_stiffening, cable_stiffness, cable_swap,
+    cable_thermal, drum_eccentricity, drum_growth, encoder_drift, encoder_outlier, force_bias,
+    force_gain, frame_compliance, frame_shift, frame_thermal, heading_offset, inclinometer_tilt,
+    laser_beam_tilt, laser_bias, laser_cyclic, laser_drift, laser_outliers, laser_scale,
+    payload_com, payload_mass, platform_anchor, pulley_axis_tilt, pulley_friction, pulley_radius,
+    swivel_offset, target_tilt, unknown, winch_backlash, winch_offset, winch_scale,
+    winch_scale_common,
+};
 
 /// Every effect, in the order in which reports list them.
-pub static CATALOGUE: &[&dyn Effect] = &[
-    &WinchScale,
-    &WinchScaleCommon,
-    &WinchOffset,
-    &DrumEccentricity,
-    &DrumGrowth,
-    &WinchBacklash,
-    &EncoderDrift,
-    &CableSlip,
-    &CableStiffness,
-    &CableStiffening,
-    &CableCreep,
-    &CableThermal,
-    &CableSag,
-    &CableSwap,
-    &PulleyRadius,
-    &PulleyAxisTilt,
-    &PulleyFriction,
-    &PlatformAnchor,
-    &PayloadMass,
-    &PayloadCom,
-    &FrameCompliance,
-    &FrameThermal,
-    &FrameShift,
-    &LaserScale,
-    &LaserBias,
-    &LaserBeamTilt,
-    &TargetTilt,
-    &LaserDrift,
-    &LaserCyclic,
-    &LaserOutliers,
-    &EncoderOutlier,
-    &ForceGain,
-    &ForceBias,
-    &SwivelOffset,
-    &HeadingOffset,
-    &InclinometerTilt,
+pub static CATALOGUE: &[&Effect] = &[
+    &winch_scale::EFFECT,
+    &winch_scale_common::EFFECT,
+    &winch_offset::EFFECT,
+    &drum_eccentricity::EFFECT,
+    &drum_growth::EFFECT,
+    &winch_backlash::EFFECT,
+    &encoder_drift::EFFECT,
+    &cable_slip::EFFECT,
+    &cable_stiffness::EFFECT,
+    &cable_stiffening::EFFECT,
+    &cable_creep::EFFECT,
+    &cable_thermal::EFFECT,
+    &cable_sag::EFFECT,
+    &cable_swap::EFFECT,
+    &pulley_radius::EFFECT,
+    &pulley_axis_tilt::EFFECT,
+    &pulley_friction::EFFECT,
+    &platform_anchor::EFFECT,
+    &payload_mass::EFFECT,
+    &payload_com::EFFECT,
+    &frame_compliance::EFFECT,
+    &frame_thermal::EFFECT,
+    &frame_shift::EFFECT,
+    &laser_scale::EFFECT,
+    &laser_bias::EFFECT,
+    &laser_beam_tilt::EFFECT,
+    &target_tilt::EFFECT,
+    &laser_drift::EFFECT,
+    &laser_cyclic::EFFECT,
+    &laser_outliers::EFFECT,
+    &encoder_outlier::EFFECT,
+    &force_gain::EFFECT,
+    &force_bias::EFFECT,
+    &swivel_offset::EFFECT,
+    &heading_offset::EFFECT,
+    &inclinometer_tilt::EFFECT,
 ];
 
 /// The effect with this identifier; `unknown`, which names no cause, is not on the list but found, too.
 #[must_use]
-pub fn find(id: &str) -> Option<&'static dyn Effect> {
-    let unknown: &dyn Effect = &Unknown;
+pub fn find(id: &str) -> Option<&'static Effect> {
     let known = CATALOGUE.iter().copied();
-    known.chain([unknown]).find(|effect| effect.id() == id)
+    known
+        .chain([&unknown::EFFECT])
+        .find(|effect| effect.id() == id)
 }
 
 #[cfg(test)]

@@ -220,7 +220,7 @@ impl Circumstances {
             for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
                 let values = bound.values.iter().map(|value| Dual::constant(*value));
                 let values: Vec<Dual> = values.collect();
-                bound.effect.change_cable(&values, &at, &mut ports);
+                (bound.effect.change_cable)(&values, &at, &mut ports);
             }
             ports
         };

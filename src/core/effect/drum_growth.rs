@@ -5,57 +5,44 @@ use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
 };
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct DrumGrowth;
+pub(super) static EFFECT: Effect = Effect {
+    id: "drum_growth",
+    title: "Build-up of layers on the drum",
+    scope: Scope::CableOrAll,
+    parameters: &[EffectParameter::new(
+        "growth",
+        "1/rev",
+        0.01,
+        [0.00005, 0.01],
+    )],
+    cause,
+    workshop,
+    check: Some("Measure the drum with calipers where it is bare and where it is full of cable."),
+    source: "Geometry of a winding whose diameter changes in proportion to the turns, first order",
+    stage: Stage::Ratio,
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for DrumGrowth {
-    fn id(&self) -> &'static str {
-        "drum_growth"
-    }
-    fn title(&self) -> &'static str {
-        "Build-up of layers on the drum"
-    }
-    fn scope(&self) -> Scope {
-        Scope::CableOrAll
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[EffectParameter::new(
-                "growth",
-                "1/rev",
-                0.01,
-                [0.00005, 0.01],
-            )]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        format!(
-            "The {} of {} {} no constant diameter: the cable per revolution, on average since home, {} by {} with every motor revolution.",
-            found.either("drum", "drums"),
-            found.name(Part::Winch),
-            found.either("has", "have"),
-            found.way(0, "rises", "falls"),
-            found.percent(0),
-        )
-    }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        format!(
-            "Check that the cable lies in one layer and in regular turns on the {} of {}, and guide it if it climbs over itself.",
-            found.either("drum", "drums"),
-            found.name(Part::Winch),
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Measure the drum with calipers where it is bare and where it is full of cable.")
-    }
-    fn source(&self) -> &'static str {
-        "Geometry of a winding whose diameter changes in proportion to the turns, first order"
-    }
-    fn stage(&self) -> Stage {
-        Stage::Ratio
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        ports.paid *= parameters[0] * at.revolutions + 1.0;
-    }
+fn cause(found: &Found<'_>) -> String {
+    format!(
+        "The {} of {} {} no constant diameter: the cable per revolution, on average since home, {} by {} with every motor revolution.",
+        found.either("drum", "drums"),
+        found.name(Part::Winch),
+        found.either("has", "have"),
+        found.way(0, "rises", "falls"),
+        found.percent(0),
+    )
+}
+
+fn workshop(found: &Found<'_>) -> String {
+    format!(
+        "Check that the cable lies in one layer and in regular turns on the {} of {}, and guide it if it climbs over itself.",
+        found.either("drum", "drums"),
+        found.name(Part::Winch),
+    )
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    ports.paid *= parameters[0] * at.revolutions + 1.0;
 }

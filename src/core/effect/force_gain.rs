@@ -5,49 +5,38 @@ use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
 };
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct ForceGain;
+pub(super) static EFFECT: Effect = Effect {
+    id: "force_gain",
+    title: "Gain of the force sensors",
+    scope: Scope::CableOrAll,
+    parameters: &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2])],
+    cause,
+    workshop,
+    check: Some("Hang a known weight at the cable and read its force sensor."),
+    source: "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2",
+    stage: Stage::Ratio,
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for ForceGain {
-    fn id(&self) -> &'static str {
-        "force_gain"
-    }
-    fn title(&self) -> &'static str {
-        "Gain of the force sensors"
-    }
-    fn scope(&self) -> Scope {
-        Scope::CableOrAll
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2])] }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        sentence(&format!(
-            "{} {} {} too {}.",
-            found.name(Part::ForceSensor),
-            found.either("reads", "read"),
-            found.percent(0),
-            found.way(0, "high", "low"),
-        ))
-    }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        format!(
-            "Hang known weights on {} and calibrate the gain of {} again.",
-            found.name(Part::Cable),
-            found.name(Part::ForceSensor),
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Hang a known weight at the cable and read its force sensor.")
-    }
-    fn source(&self) -> &'static str {
-        "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2"
-    }
-    fn stage(&self) -> Stage {
-        Stage::Ratio
-    }
-    fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
-        ports.tension *= (parameters[0] + 1.0).recip();
-    }
+fn cause(found: &Found<'_>) -> String {
+    sentence(&format!(
+        "{} {} {} too {}.",
+        found.name(Part::ForceSensor),
+        found.either("reads", "read"),
+        found.percent(0),
+        found.way(0, "high", "low"),
+    ))
+}
+
+fn workshop(found: &Found<'_>) -> String {
+    format!(
+        "Hang known weights on {} and calibrate the gain of {} again.",
+        found.name(Part::Cable),
+        found.name(Part::ForceSensor),
+    )
+}
+
+fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+    ports.tension *= (parameters[0] + 1.0).recip();
 }

@@ -163,12 +163,12 @@ impl BoundEffect {
     /// What is the matter, in the sentence that a technician reads.
     #[must_use]
     pub fn cause(&self, robot: &Robot) -> String {
-        self.effect.cause(&Found::new(robot, self))
+        (self.effect.cause)(&Found::new(robot, self))
     }
 
     /// What to do about it in the workshop.
     #[must_use]
     pub fn workshop(&self, robot: &Robot) -> String {
-        self.effect.workshop(&Found::new(robot, self))
+        (self.effect.workshop)(&Found::new(robot, self))
     }
 }

@@ -8,50 +8,39 @@
 use super::words::millimetres;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct FrameCompliance;
+pub(super) static EFFECT: Effect = Effect {
+    id: "frame_compliance",
+    title: "Compliance of the frame",
+    scope: Scope::Robot,
+    parameters: &[EffectParameter::new(
+        "compliance",
+        "m/N",
+        0.0001,
+        [0.0000001, 0.0001],
+    )],
+    cause,
+    workshop,
+    check: Some("Put a dial gauge at a pulley and pull its cable with a known force."),
+    source: "Linear elasticity, one compliance for all pulleys",
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for FrameCompliance {
-    fn id(&self) -> &'static str {
-        "frame_compliance"
-    }
-    fn title(&self) -> &'static str {
-        "Compliance of the frame"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[EffectParameter::new(
-                "compliance",
-                "m/N",
-                0.0001,
-                [0.0000001, 0.0001],
-            )]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        format!(
-            "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {} the platform.",
-            millimetres(100.0 * found.value(0)),
-            found.way(0, "towards", "away from"),
-        )
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Put a dial gauge at a pulley and pull its cable with a known force.")
-    }
-    fn source(&self) -> &'static str {
-        "Linear elasticity, one compliance for all pulleys"
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        for k in 0..3 {
-            let force_n = at.tension_n * at.pull_horizontal[k];
-            ports.entry_shift[k] += parameters[0] * force_n;
-        }
+fn cause(found: &Found<'_>) -> String {
+    format!(
+        "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {} the platform.",
+        millimetres(100.0 * found.value(0)),
+        found.way(0, "towards", "away from"),
+    )
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.".to_owned()
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    for k in 0..3 {
+        let force_n = at.tension_n * at.pull_horizontal[k];
+        ports.entry_shift[k] += parameters[0] * force_n;
     }
 }

@@ -5,50 +5,39 @@
 use super::words;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct FrameThermal;
+pub(super) static EFFECT: Effect = Effect {
+    id: "frame_thermal",
+    title: "Thermal expansion of the frame",
+    scope: Scope::Robot,
+    parameters: &[EffectParameter::new(
+        "alpha",
+        "1/K",
+        0.00002,
+        [0.000012, 0.000024],
+    )],
+    cause,
+    workshop,
+    check: Some(words::REPEAT_WARMER),
+    source: "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin",
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for FrameThermal {
-    fn id(&self) -> &'static str {
-        "frame_thermal"
-    }
-    fn title(&self) -> &'static str {
-        "Thermal expansion of the frame"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[EffectParameter::new(
-                "alpha",
-                "1/K",
-                0.00002,
-                [0.000012, 0.000024],
-            )]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        format!(
-            "The frame gets {} {} per metre and per kelvin of warming.",
-            found.millimetres(0),
-            found.way(0, "longer", "shorter"),
-        )
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(words::REPEAT_WARMER)
-    }
-    fn source(&self) -> &'static str {
-        "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin"
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        for k in 0..3 {
-            let shift = at.temperature_change_k * at.entry_point_m[k];
-            ports.entry_shift[k] += parameters[0] * shift;
-        }
+fn cause(found: &Found<'_>) -> String {
+    format!(
+        "The frame gets {} {} per metre and per kelvin of warming.",
+        found.millimetres(0),
+        found.way(0, "longer", "shorter"),
+    )
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.".to_owned()
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    for k in 0..3 {
+        let shift = at.temperature_change_k * at.entry_point_m[k];
+        ports.entry_shift[k] += parameters[0] * shift;
     }
 }

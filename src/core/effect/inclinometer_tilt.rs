@@ -7,72 +7,58 @@ use super::direction::{angles, product, rotation};
 use super::words::{components, degrees, list};
 use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct InclinometerTilt;
+pub(super) static EFFECT: Effect = Effect {
+    id: "inclinometer_tilt",
+    title: "Tilted inclinometer",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("tilt_1", "rad", 0.05, [0.0017, 0.052]),
+        EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052]),
+    ],
+    cause,
+    workshop,
+    check: Some(
+        "Read the inclinometer, turn it by half a turn about the vertical, and read it again.",
+    ),
+    source: "Geometry",
+    change_platform,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for InclinometerTilt {
-    fn id(&self) -> &'static str {
-        "inclinometer_tilt"
-    }
-    fn title(&self) -> &'static str {
-        "Tilted inclinometer"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::new("tilt_1", "rad", 0.05, [0.0017, 0.052]),
-                EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let tilts = components(&[found.value(0), found.value(1)]);
-        let words: Vec<String> = tilts
-            .iter()
-            .map(|(angle, axis)| format!("{} about {axis}", degrees(*angle)))
-            .collect();
-        format!(
-            "The inclinometer sits tilted on the platform: {}.",
-            if words.is_empty() {
-                degrees(0.0)
-            } else {
-                list(&words)
-            },
-        )
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Check how the inclinometer is fastened, and zero it on the levelled platform.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Read the inclinometer, turn it by half a turn about the vertical, and read it again.")
-    }
-    fn source(&self) -> &'static str {
-        "Geometry"
-    }
-    fn change_platform(
-        &self,
-        parameters: &[Dual],
-        at: &PlatformCircumstances,
-        ports: &mut PlatformPorts,
-    ) {
-        let [roll, pitch, yaw] = at.inclination_rad;
-        let read = rotation([roll, pitch, yaw].map(Dual::constant));
-        // S^T = Ry(-tilt_2) Rx(-tilt_1).
-        let none = Dual::constant(0.0);
-        let back = product(
-            &rotation([none, -parameters[1], none]),
-            &rotation([-parameters[0], none, none]),
-        );
-        let platform = product(&read, &back);
-        for (k, angle) in angles(&platform).into_iter().enumerate() {
-            // Angles that differ by a turn are the same.
-            let turns = ((at.inclination_rad[k] - angle.value) / std::f64::consts::TAU).round();
-            let change = -angle + (at.inclination_rad[k] - turns * std::f64::consts::TAU);
-            ports.inclination_offset[k] += change;
-        }
+fn cause(found: &Found<'_>) -> String {
+    let tilts = components(&[found.value(0), found.value(1)]);
+    let words: Vec<String> = tilts
+        .iter()
+        .map(|(angle, axis)| format!("{} about {axis}", degrees(*angle)))
+        .collect();
+    format!(
+        "The inclinometer sits tilted on the platform: {}.",
+        if words.is_empty() {
+            degrees(0.0)
+        } else {
+            list(&words)
+        },
+    )
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Check how the inclinometer is fastened, and zero it on the levelled platform.".to_owned()
+}
+
+fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+    let [roll, pitch, yaw] = at.inclination_rad;
+    let read = rotation([roll, pitch, yaw].map(Dual::constant));
+    // S^T = Ry(-tilt_2) Rx(-tilt_1).
+    let none = Dual::constant(0.0);
+    let back = product(
+        &rotation([none, -parameters[1], none]),
+        &rotation([-parameters[0], none, none]),
+    );
+    let platform = product(&read, &back);
+    for (k, angle) in angles(&platform).into_iter().enumerate() {
+        // Angles that differ by a turn are the same.
+        let turns = ((at.inclination_rad[k] - angle.value) / std::f64::consts::TAU).round();
+        let change = -angle + (at.inclination_rad[k] - turns * std::f64::consts::TAU);
+        ports.inclination_offset[k] += change;
     }
 }

@@ -7,56 +7,40 @@ use super::direction::tilted;
 use super::words::inclination;
 use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct LaserBeamTilt;
+pub(super) static EFFECT: Effect = Effect {
+    id: "laser_beam_tilt",
+    title: "Tilted laser beam",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
+        EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
+    ],
+    cause,
+    workshop,
+    check: Some(
+        "Move the platform straight up and look whether the spot of the laser wanders on its target.",
+    ),
+    source: "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree",
+    change_platform,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for LaserBeamTilt {
-    fn id(&self) -> &'static str {
-        "laser_beam_tilt"
-    }
-    fn title(&self) -> &'static str {
-        "Tilted laser beam"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
-                EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let stated = found.robot().laser.map(|laser| laser.direction);
-        let tilt = inclination(stated, found.value(0), found.value(1));
-        format!("The laser beam is tilted by {tilt} (platform axes).")
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Check the screws of the laser's mount, and align the beam with a square on the platform."
-            .to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(
-            "Move the platform straight up and look whether the spot of the laser wanders on its target.",
-        )
-    }
-    fn source(&self) -> &'static str {
-        "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree"
-    }
-    fn change_platform(
-        &self,
-        parameters: &[Dual],
-        at: &PlatformCircumstances,
-        ports: &mut PlatformPorts,
-    ) {
-        ports.laser_direction = tilted(
-            ports.laser_direction,
-            at.laser_direction,
-            parameters[0],
-            parameters[1],
-        );
-    }
+fn cause(found: &Found<'_>) -> String {
+    let stated = found.robot().laser.map(|laser| laser.direction);
+    let tilt = inclination(stated, found.value(0), found.value(1));
+    format!("The laser beam is tilted by {tilt} (platform axes).")
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Check the screws of the laser's mount, and align the beam with a square on the platform."
+        .to_owned()
+}
+
+fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+    ports.laser_direction = tilted(
+        ports.laser_direction,
+        at.laser_direction,
+        parameters[0],
+        parameters[1],
+    );
 }

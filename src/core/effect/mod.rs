@@ -61,7 +61,7 @@ pub use dual::Dual;
 pub use found::{Found, Part};
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
-pub use unknown::{BiasedReading, Shape, Unknown};
+pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
 
 use crate::measurement::Measurements;
 
@@ -176,64 +176,106 @@ pub enum Search {
     Exchange,
 }
 
-/// A physical effect of the catalogue.
-pub trait Effect: Sync {
+/// A physical effect of the catalogue: what it is called, its parameters, and three functions: two texts and what it
+/// changes in the prediction.
+#[derive(Debug, Clone, Copy)]
+pub struct Effect {
     /// Stable identifier in files and commands.
-    fn id(&self) -> &'static str;
+    pub(crate) id: &'static str,
     /// Plain title.
-    fn title(&self) -> &'static str;
+    pub(crate) title: &'static str,
     /// What it can be attached to.
-    fn scope(&self) -> Scope;
+    pub(crate) scope: Scope,
     /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
-    fn parameters(&self) -> &'static [EffectParameter];
-    /// What is the matter, with the size that was found: one sentence that a technician reads.
-    fn cause(&self, found: &Found<'_>) -> String;
+    pub(crate) parameters: &'static [EffectParameter],
+    /// What is wrong, with the size that was found: one sentence that a technician reads.
+    pub(crate) cause: fn(&Found<'_>) -> String,
     /// What to do about it in the workshop, in one sentence or two.
-    fn workshop(&self, found: &Found<'_>) -> String;
+    pub(crate) workshop: fn(&Found<'_>) -> String,
     /// An independent check in the workshop that confirms or rules it out, in one sentence; none if none is known.
-    fn check(&self) -> Option<&'static str> {
-        None
-    }
+    pub(crate) check: Option<&'static str>,
     /// Where the model comes from.
-    fn source(&self) -> &'static str;
+    pub(crate) source: &'static str,
     /// When it acts.
-    fn stage(&self) -> Stage {
-        Stage::Addition
-    }
+    pub(crate) stage: Stage,
     /// How it is looked for.
-    fn search(&self) -> Search {
-        Search::Direct
-    }
+    pub(crate) search: Search,
     /// Whether sag must be modelled even if the description says that cables weigh nothing.
-    fn needs_sag(&self) -> bool {
-        false
-    }
+    pub(crate) needs_sag: bool,
     /// Changes the ports of a cable it is attached to.
-    fn change_cable(
-        &self,
-        _parameters: &[Dual],
-        _at: &CableCircumstances,
-        _ports: &mut CablePorts,
-    ) {
-    }
-    /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of
-    /// [`Scope::Reading`] without a target.
-    fn change_platform(
-        &self,
-        _parameters: &[Dual],
-        _at: &PlatformCircumstances,
-        _ports: &mut PlatformPorts,
-    ) {
-    }
+    pub(crate) change_cable: fn(&[Dual], &CableCircumstances, &mut CablePorts),
+    /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of [`Scope::Reading`] without a
+    /// target.
+    pub(crate) change_platform: fn(&[Dual], &PlatformCircumstances, &mut PlatformPorts),
     /// Exchanges channels of measured data between cables; doing it twice changes nothing.
-    fn exchange_channels(&self, _cables: &[usize], _data: &mut Measurements) {}
+    pub(crate) exchange_channels: fn(&[usize], &mut Measurements),
 }
 
-impl dyn Effect + '_ {
+impl Effect {
+    /// An effect that changes nothing: the fields that most effects have in common.
+    pub(crate) const NEUTRAL: Self = Self {
+        id: "",
+        title: "",
+        scope: Scope::Robot,
+        parameters: &[],
+        cause: |_| String::new(),
+        workshop: |_| String::new(),
+        check: None,
+        source: "",
+        stage: Stage::Addition,
+        search: Search::Direct,
+        needs_sag: false,
+        change_cable: |_, _, _| {},
+        change_platform: |_, _, _| {},
+        exchange_channels: |_, _| {},
+    };
+
+    /// Stable identifier in files and commands.
+    #[must_use]
+    pub fn id(&self) -> &'static str {
+        self.id
+    }
+
+    /// Plain title.
+    #[must_use]
+    pub fn title(&self) -> &'static str {
+        self.title
+    }
+
+    /// What it can be attached to.
+    #[must_use]
+    pub fn scope(&self) -> Scope {
+        self.scope
+    }
+
+    /// Its parameters.
+    #[must_use]
+    pub fn parameters(&self) -> &'static [EffectParameter] {
+        self.parameters
+    }
+
+    /// An independent check in the workshop that confirms or rules it out.
+    #[must_use]
+    pub fn check(&self) -> Option<&'static str> {
+        self.check
+    }
+
+    /// Where the model comes from.
+    #[must_use]
+    pub fn source(&self) -> &'static str {
+        self.source
+    }
+
+    /// How it is looked for.
+    #[must_use]
+    pub fn search(&self) -> Search {
+        self.search
+    }
+
     /// Index of the parameter that is the label of a pose.
     #[must_use]
     pub fn pose_parameter(&self) -> Option<usize> {
-        match self.search() {
+        match self.search {
             Search::FromPose(index) | Search::AtPose(index) => Some(index),
             Search::Direct | Search::Wave { .. } | Search::Exchange => None,
         }
@@ -242,13 +284,13 @@ impl dyn Effect + '_ {
     /// Whether it has a parameter that can be estimated.
     #[must_use]
     pub fn is_estimable(&self) -> bool {
-        self.parameters().iter().any(|p| !p.discrete)
+        self.parameters.iter().any(|p| !p.discrete)
     }
 
     /// Neutral values of its parameters.
     #[must_use]
     pub fn neutral_values(&self) -> Vec<f64> {
-        self.parameters().iter().map(|p| p.neutral).collect()
+        self.parameters.iter().map(|p| p.neutral).collect()
     }
 }
 

@@ -4,53 +4,37 @@
 use super::words::displacement;
 use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct PayloadCom;
+pub(super) static EFFECT: Effect = Effect {
+    id: "payload_com",
+    title: "Centre of mass",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("x", "m", 0.05, [0.005, 0.05]),
+        EffectParameter::new("y", "m", 0.05, [0.005, 0.05]),
+        EffectParameter::new("z", "m", 0.05, [0.005, 0.05]),
+    ],
+    cause,
+    workshop,
+    check: Some("Balance the platform on an edge to find its centre of mass."),
+    source: "Static equilibrium",
+    change_platform,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for PayloadCom {
-    fn id(&self) -> &'static str {
-        "payload_com"
-    }
-    fn title(&self) -> &'static str {
-        "Centre of mass"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::new("x", "m", 0.05, [0.005, 0.05]),
-                EffectParameter::new("y", "m", 0.05, [0.005, 0.05]),
-                EffectParameter::new("z", "m", 0.05, [0.005, 0.05]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let offset_m = [0, 1, 2].map(|k| found.value(k));
-        format!(
-            "The centre of mass of the platform is off by {} (platform axes).",
-            displacement(&offset_m),
-        )
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Balance the platform on an edge to find its centre of mass.")
-    }
-    fn source(&self) -> &'static str {
-        "Static equilibrium"
-    }
-    fn change_platform(
-        &self,
-        parameters: &[Dual],
-        _at: &PlatformCircumstances,
-        ports: &mut PlatformPorts,
-    ) {
-        for k in 0..3 {
-            ports.center_of_mass[k] += parameters[k];
-        }
+fn cause(found: &Found<'_>) -> String {
+    let offset_m = [0, 1, 2].map(|k| found.value(k));
+    format!(
+        "The centre of mass of the platform is off by {} (platform axes).",
+        displacement(&offset_m),
+    )
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.".to_owned()
+}
+
+fn change_platform(parameters: &[Dual], _at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+    for k in 0..3 {
+        ports.center_of_mass[k] += parameters[k];
     }
 }

@@ -6,53 +6,42 @@ use super::direction::tilted;
 use super::words::inclination;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct PulleyAxisTilt;
+pub(super) static EFFECT: Effect = Effect {
+    id: "pulley_axis_tilt",
+    title: "Tilted pulley",
+    scope: Scope::Cable,
+    parameters: &[
+        EffectParameter::new("tilt_1", "rad", 0.17, [0.017, 0.17]),
+        EffectParameter::new("tilt_2", "rad", 0.17, [0.017, 0.17]),
+    ],
+    cause,
+    workshop,
+    check: Some("Hold a spirit level against the swivel axis of the pulley."),
+    source: "Geometry",
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for PulleyAxisTilt {
-    fn id(&self) -> &'static str {
-        "pulley_axis_tilt"
-    }
-    fn title(&self) -> &'static str {
-        "Tilted pulley"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Cable
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::new("tilt_1", "rad", 0.17, [0.017, 0.17]),
-                EffectParameter::new("tilt_2", "rad", 0.17, [0.017, 0.17]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        // The axis points along the arriving cable; where axes differ there is no common direction to name.
-        let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
-        let tilt = inclination(stated, found.value(0), found.value(1));
-        format!(
-            "The swivel {} of {}, along the arriving cable, {} tilted by {tilt}.",
-            found.either("axis", "axes"),
-            found.name(Part::Pulley),
-            found.either("is", "are"),
-        )
-    }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        format!(
-            "Check the {} of {} with a square or a spirit level, and align the swivel axis with the arriving cable.",
-            found.either("bracket", "brackets"),
-            found.name(Part::Pulley),
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Hold a spirit level against the swivel axis of the pulley.")
-    }
-    fn source(&self) -> &'static str {
-        "Geometry"
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
-    }
+fn cause(found: &Found<'_>) -> String {
+    // The axis points along the arriving cable; where axes differ there is no common direction to name.
+    let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
+    let tilt = inclination(stated, found.value(0), found.value(1));
+    format!(
+        "The swivel {} of {}, along the arriving cable, {} tilted by {tilt}.",
+        found.either("axis", "axes"),
+        found.name(Part::Pulley),
+        found.either("is", "are"),
+    )
+}
+
+fn workshop(found: &Found<'_>) -> String {
+    format!(
+        "Check the {} of {} with a square or a spirit level, and align the swivel axis with the arriving cable.",
+        found.either("bracket", "brackets"),
+        found.name(Part::Pulley),
+    )
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
 }

@@ -11,53 +11,42 @@ use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
 };
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct PulleyFriction;
+pub(super) static EFFECT: Effect = Effect {
+    id: "pulley_friction",
+    title: "Pulley friction",
+    scope: Scope::CableOrAll,
+    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1])],
+    cause,
+    workshop,
+    check: Some(words::GO_FROM_EITHER_SIDE),
+    source: "Belt friction (Euler, Eytelwein)",
+    stage: Stage::Ratio,
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for PulleyFriction {
-    fn id(&self) -> &'static str {
-        "pulley_friction"
-    }
-    fn title(&self) -> &'static str {
-        "Pulley friction"
-    }
-    fn scope(&self) -> Scope {
-        Scope::CableOrAll
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1])] }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();
-        let (paid_out, reeled_in) = (
-            found.way(0, "higher", "lower"),
-            found.way(0, "lower", "higher"),
-        );
-        sentence(&format!(
-            "{} {}: with 90 degrees of wrap the tension at the platform is {} {paid_out} than at the sensor after paying out, and about as much {reeled_in} after reeling in.",
-            found.name(Part::Pulley),
-            found.either("rubs", "rub"),
-            percent(quarter_turn),
-        ))
-    }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        format!(
-            "Clean and lubricate the {} of {}, and check that the cable runs freely in the groove.",
-            found.either("bearing", "bearings"),
-            found.name(Part::Pulley),
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(words::GO_FROM_EITHER_SIDE)
-    }
-    fn source(&self) -> &'static str {
-        "Belt friction (Euler, Eytelwein)"
-    }
-    fn stage(&self) -> Stage {
-        Stage::Ratio
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
-    }
+fn cause(found: &Found<'_>) -> String {
+    let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();
+    let (paid_out, reeled_in) = (
+        found.way(0, "higher", "lower"),
+        found.way(0, "lower", "higher"),
+    );
+    sentence(&format!(
+        "{} {}: with 90 degrees of wrap the tension at the platform is {} {paid_out} than at the sensor after paying out, and about as much {reeled_in} after reeling in.",
+        found.name(Part::Pulley),
+        found.either("rubs", "rub"),
+        percent(quarter_turn),
+    ))
+}
+
+fn workshop(found: &Found<'_>) -> String {
+    format!(
+        "Clean and lubricate the {} of {}, and check that the cable runs freely in the groove.",
+        found.either("bearing", "bearings"),
+        found.name(Part::Pulley),
+    )
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
 }

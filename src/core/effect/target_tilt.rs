@@ -7,53 +7,37 @@ use super::direction::tilted;
 use super::words::inclination;
 use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct TargetTilt;
+pub(super) static EFFECT: Effect = Effect {
+    id: "target_tilt",
+    title: "Tilted target plane",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
+        EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
+    ],
+    cause,
+    workshop,
+    check: Some("Put a spirit level on the target of the laser."),
+    source: "Geometry",
+    change_platform,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for TargetTilt {
-    fn id(&self) -> &'static str {
-        "target_tilt"
-    }
-    fn title(&self) -> &'static str {
-        "Tilted target plane"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
-                EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let stated = found.robot().laser.map(|laser| laser.target_plane.normal);
-        let tilt = inclination(stated, found.value(0), found.value(1));
-        format!("The target of the laser is not square: its normal is tilted by {tilt}.")
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Check the target with a spirit level or a square, and align it.".to_owned()
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Put a spirit level on the target of the laser.")
-    }
-    fn source(&self) -> &'static str {
-        "Geometry"
-    }
-    fn change_platform(
-        &self,
-        parameters: &[Dual],
-        at: &PlatformCircumstances,
-        ports: &mut PlatformPorts,
-    ) {
-        ports.target_normal = tilted(
-            ports.target_normal,
-            at.target_normal,
-            parameters[0],
-            parameters[1],
-        );
-    }
+fn cause(found: &Found<'_>) -> String {
+    let stated = found.robot().laser.map(|laser| laser.target_plane.normal);
+    let tilt = inclination(stated, found.value(0), found.value(1));
+    format!("The target of the laser is not square: its normal is tilted by {tilt}.")
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Check the target with a spirit level or a square, and align it.".to_owned()
+}
+
+fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+    ports.target_normal = tilted(
+        ports.target_normal,
+        at.target_normal,
+        parameters[0],
+        parameters[1],
+    );
 }

@@ -222,10 +222,6 @@ fn spread(found: &Found<'_>, form: &Form) -> f64 {
     most - least
 }
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct Unknown;
-
 /// Indices of the parameters.
 pub(crate) const READING: usize = 0;
 const SHAPE: usize = 1;
@@ -251,92 +247,85 @@ fn sum(parameters: &[Dual], variables: &[f64; Variable::COUNT]) -> Dual {
     sum
 }
 
-impl Effect for Unknown {
-    fn id(&self) -> &'static str {
-        "unknown"
+/// The effect `unknown`, see the module documentation.
+pub static EFFECT: Effect = Effect {
+    id: "unknown",
+    title: "Unknown structure",
+    scope: Scope::Reading,
+    parameters: &[
+        EffectParameter::given("reading", "1", [0.0, 6.0]),
+        EffectParameter::given("shape", "1", [0.0, 2.0]),
+        EffectParameter::given("variable", "1", [0.0, 15.0]),
+        EffectParameter::given("from", "1", [0.0, 1.0]),
+        EffectParameter::given("to", "1", [0.0, 1.0]),
+        EffectParameter::given("other", "1", [0.0, 15.0]),
+        EffectParameter::given("other_from", "1", [0.0, 1.0]),
+        EffectParameter::given("other_to", "1", [0.0, 1.0]),
+        EffectParameter::given("terms", "1", [1.0, 6.0]),
+        EffectParameter::given("scale", "1", [0.0, 1.0]),
+        EffectParameter::new("c0", "1", 1.0, [0.1, 1.0]),
+        EffectParameter::new("c1", "1", 1.0, [0.1, 1.0]),
+        EffectParameter::new("c2", "1", 1.0, [0.1, 1.0]),
+        EffectParameter::new("c3", "1", 0.7, [0.1, 1.0]),
+        EffectParameter::new("c4", "1", 0.5, [0.1, 1.0]),
+        EffectParameter::new("c5", "1", 0.4, [0.1, 1.0]),
+    ],
+    cause,
+    workshop,
+    source: "Smooth functions with a prior on their size",
+    change_cable,
+    change_platform,
+    ..Effect::NEUTRAL
+};
+
+fn cause(found: &Found<'_>) -> String {
+    let reading = BiasedReading::numbered(found.value(READING));
+    let values: [f64; FIRST] = std::array::from_fn(|k| found.value(k));
+    let (Some(reading), Some(form)) = (reading, Form::of(&values)) else {
+        return "Something is not explained.".to_owned();
+    };
+    let what = match reading {
+        BiasedReading::Length => format!("The length reading of {}", found.name(Part::Cable)),
+        BiasedReading::Tension => format!("The force reading of {}", found.name(Part::Cable)),
+        BiasedReading::Swivel => format!("The swivel reading of {}", found.name(Part::Pulley)),
+        BiasedReading::Laser => "The laser reading".to_owned(),
+        BiasedReading::Inclination(0) => "The roll reading".to_owned(),
+        BiasedReading::Inclination(1) => "The pitch reading".to_owned(),
+        BiasedReading::Inclination(_) => "The heading reading".to_owned(),
+    };
+    let how = match form.shape {
+        Shape::Wave => "swings",
+        Shape::Smooth | Shape::Surface => "changes",
+    };
+    let size = reading.in_words(spread(found, &form));
+    let variables = form.variables();
+    format!(
+        "{what} has an error that {how} with the {variables} by up to {size}; no known cause explains it."
+    )
+}
+
+fn workshop(_found: &Found<'_>) -> String {
+    "Look at the plot of this error; measure poses between those where it is large and small."
+        .to_owned()
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    let bias = sum(parameters, &at.variables);
+    match BiasedReading::numbered(parameters[READING].value) {
+        // At home, where encoders are zeroed and lengths count from, there is none.
+        _ if at.is_home => {}
+        Some(BiasedReading::Length) => ports.paid += bias,
+        Some(BiasedReading::Tension) => ports.tension += bias,
+        Some(BiasedReading::Swivel) => ports.swivel_offset += bias,
+        _ => {}
     }
-    fn title(&self) -> &'static str {
-        "Unknown structure"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Reading
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[
-                EffectParameter::given("reading", "1", [0.0, 6.0]),
-                EffectParameter::given("shape", "1", [0.0, 2.0]),
-                EffectParameter::given("variable", "1", [0.0, 15.0]),
-                EffectParameter::given("from", "1", [0.0, 1.0]),
-                EffectParameter::given("to", "1", [0.0, 1.0]),
-                EffectParameter::given("other", "1", [0.0, 15.0]),
-                EffectParameter::given("other_from", "1", [0.0, 1.0]),
-                EffectParameter::given("other_to", "1", [0.0, 1.0]),
-                EffectParameter::given("terms", "1", [1.0, 6.0]),
-                EffectParameter::given("scale", "1", [0.0, 1.0]),
-                EffectParameter::new("c0", "1", 1.0, [0.1, 1.0]),
-                EffectParameter::new("c1", "1", 1.0, [0.1, 1.0]),
-                EffectParameter::new("c2", "1", 1.0, [0.1, 1.0]),
-                EffectParameter::new("c3", "1", 0.7, [0.1, 1.0]),
-                EffectParameter::new("c4", "1", 0.5, [0.1, 1.0]),
-                EffectParameter::new("c5", "1", 0.4, [0.1, 1.0]),
-            ]
-        }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let reading = BiasedReading::numbered(found.value(READING));
-        let values: [f64; FIRST] = std::array::from_fn(|k| found.value(k));
-        let (Some(reading), Some(form)) = (reading, Form::of(&values)) else {
-            return "Something is not explained.".to_owned();
-        };
-        let what = match reading {
-            BiasedReading::Length => format!("The length reading of {}", found.name(Part::Cable)),
-            BiasedReading::Tension => format!("The force reading of {}", found.name(Part::Cable)),
-            BiasedReading::Swivel => format!("The swivel reading of {}", found.name(Part::Pulley)),
-            BiasedReading::Laser => "The laser reading".to_owned(),
-            BiasedReading::Inclination(0) => "The roll reading".to_owned(),
-            BiasedReading::Inclination(1) => "The pitch reading".to_owned(),
-            BiasedReading::Inclination(_) => "The heading reading".to_owned(),
-        };
-        let how = match form.shape {
-            Shape::Wave => "swings",
-            Shape::Smooth | Shape::Surface => "changes",
-        };
-        let size = reading.in_words(spread(found, &form));
-        let variables = form.variables();
-        format!(
-            "{what} has an error that {how} with the {variables} by up to {size}; no known cause explains it."
-        )
-    }
-    fn workshop(&self, _found: &Found<'_>) -> String {
-        "Look at the plot of this error; measure poses between those where it is large and small."
-            .to_owned()
-    }
-    fn source(&self) -> &'static str {
-        "Smooth functions with a prior on their size"
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        let bias = sum(parameters, &at.variables);
-        match BiasedReading::numbered(parameters[READING].value) {
-            // At home, where encoders are zeroed and lengths count from, there is none.
-            _ if at.is_home => {}
-            Some(BiasedReading::Length) => ports.paid += bias,
-            Some(BiasedReading::Tension) => ports.tension += bias,
-            Some(BiasedReading::Swivel) => ports.swivel_offset += bias,
-            _ => {}
-        }
-    }
-    fn change_platform(
-        &self,
-        parameters: &[Dual],
-        at: &PlatformCircumstances,
-        ports: &mut PlatformPorts,
-    ) {
-        let bias = sum(parameters, &at.variables);
-        match BiasedReading::numbered(parameters[READING].value) {
-            Some(BiasedReading::Laser) => ports.laser_bias += bias,
-            Some(BiasedReading::Inclination(k)) => ports.inclination_offset[k] += bias,
-            _ => {}
-        }
+}
+
+fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+    let bias = sum(parameters, &at.variables);
+    match BiasedReading::numbered(parameters[READING].value) {
+        Some(BiasedReading::Laser) => ports.laser_bias += bias,
+        Some(BiasedReading::Inclination(k)) => ports.inclination_offset[k] += bias,
+        _ => {}
     }
 }

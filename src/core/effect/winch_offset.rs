@@ -4,63 +4,54 @@
 use super::words::sentence;
 use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct WinchOffset;
+pub(super) static EFFECT: Effect = Effect {
+    id: "winch_offset",
+    title: "Winch offset",
+    scope: Scope::CableOrAll,
+    parameters: &[EffectParameter::new("offset", "m", 0.15, [0.0005, 0.15])],
+    cause,
+    workshop,
+    check: Some("Measure the length of the cable at one pose with a steel tape."),
+    source: "Geometry: a zero set at another length; sizes from length errors reported for cable robots",
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for WinchOffset {
-    fn id(&self) -> &'static str {
-        "winch_offset"
-    }
-    fn title(&self) -> &'static str {
-        "Winch offset"
-    }
-    fn scope(&self) -> Scope {
-        Scope::CableOrAll
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("offset", "m", 0.15, [0.0005, 0.15])] }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        sentence(&format!(
-            "{} {} {} {} than {} at every pose{}.",
+fn cause(found: &Found<'_>) -> String {
+    sentence(&format!(
+        "{} {} {} {} than {} at every pose{}.",
+        found.name(Part::Cable),
+        found.either("is", "are"),
+        found.millimetres(0),
+        found.way(0, "longer", "shorter"),
+        found.either("its reading says", "their readings say"),
+        if found.counts_revolutions() {
+            " but home"
+        } else {
+            ""
+        },
+    ))
+}
+
+fn workshop(found: &Found<'_>) -> String {
+    if !found.counts_revolutions() {
+        return format!(
+            "Measure the length of {} with a tape at one pose and correct the zero of {}.",
             found.name(Part::Cable),
-            found.either("is", "are"),
-            found.millimetres(0),
-            found.way(0, "longer", "shorter"),
-            found.either("its reading says", "their readings say"),
-            if found.counts_revolutions() {
-                " but home"
-            } else {
-                ""
-            },
-        ))
+            found.either("its reading", "their readings"),
+        );
     }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        if !found.counts_revolutions() {
-            return format!(
-                "Measure the length of {} with a tape at one pose and correct the zero of {}.",
-                found.name(Part::Cable),
-                found.either("its reading", "their readings"),
-            );
-        }
-        format!(
-            "Drive to the home pose, bring {} to {} usual tension and zero the {} of {} again.",
-            found.name(Part::Cable),
-            found.either("its", "their"),
-            found.either("encoder", "encoders"),
-            found.name(Part::Winch),
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some("Measure the length of the cable at one pose with a steel tape.")
-    }
-    fn source(&self) -> &'static str {
-        "Geometry: a zero set at another length; sizes from length errors reported for cable robots"
-    }
-    fn change_cable(&self, parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
-        if !at.is_home {
-            ports.paid += parameters[0];
-        }
+    format!(
+        "Drive to the home pose, bring {} to {} usual tension and zero the {} of {} again.",
+        found.name(Part::Cable),
+        found.either("its", "their"),
+        found.either("encoder", "encoders"),
+        found.name(Part::Winch),
+    )
+}
+
+fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+    if !at.is_home {
+        ports.paid += parameters[0];
     }
 }

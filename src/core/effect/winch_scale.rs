@@ -6,69 +6,58 @@ use super::{
     CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
 };
 
-/// See the module documentation.
-#[derive(Debug)]
-pub struct WinchScale;
+pub(super) static EFFECT: Effect = Effect {
+    id: "winch_scale",
+    title: "Winch scale",
+    scope: Scope::Cable,
+    parameters: &[EffectParameter::new("scale", "1", 0.03, [0.001, 0.03])],
+    cause,
+    workshop,
+    check: Some(
+        "Pay out a few metres of cable and compare what the controller counts with a steel tape.",
+    ),
+    source: "Geometry of a drum; sizes from winch ratio errors reported for cable robots",
+    stage: Stage::Ratio,
+    change_cable,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for WinchScale {
-    fn id(&self) -> &'static str {
-        "winch_scale"
+pub(super) fn cause(found: &Found<'_>) -> String {
+    let size = found.percent(0);
+    if !found.counts_revolutions() {
+        return sentence(&format!(
+            "{} {} {size} {} than {}.",
+            found.name(Part::Cable),
+            found.either("is", "are"),
+            found.way(0, "longer", "shorter"),
+            found.either("its length reading says", "their length readings say"),
+        ));
     }
-    fn title(&self) -> &'static str {
-        "Winch scale"
+    sentence(&format!(
+        "{} {} {size} {} cable per revolution than {}.",
+        found.name(Part::Winch),
+        found.either("pays out", "pay out"),
+        found.way(0, "more", "less"),
+        found.either("its drum diameter says", "their drum diameters say"),
+    ))
+}
+
+pub(super) fn workshop(found: &Found<'_>) -> String {
+    if !found.counts_revolutions() {
+        return format!(
+            "Compare the length {} of {} with a tape measure at two lengths far apart, and correct the scale in the controller.",
+            found.either("reading", "readings"),
+            found.name(Part::Cable),
+        );
     }
-    fn scope(&self) -> Scope {
-        Scope::Cable
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const { &[EffectParameter::new("scale", "1", 0.03, [0.001, 0.03])] }
-    }
-    fn cause(&self, found: &Found<'_>) -> String {
-        let size = found.percent(0);
-        if !found.counts_revolutions() {
-            return sentence(&format!(
-                "{} {} {size} {} than {}.",
-                found.name(Part::Cable),
-                found.either("is", "are"),
-                found.way(0, "longer", "shorter"),
-                found.either("its length reading says", "their length readings say"),
-            ));
-        }
-        sentence(&format!(
-            "{} {} {size} {} cable per revolution than {}.",
-            found.name(Part::Winch),
-            found.either("pays out", "pay out"),
-            found.way(0, "more", "less"),
-            found.either("its drum diameter says", "their drum diameters say"),
-        ))
-    }
-    fn workshop(&self, found: &Found<'_>) -> String {
-        if !found.counts_revolutions() {
-            return format!(
-                "Compare the length {} of {} with a tape measure at two lengths far apart, and correct the scale in the controller.",
-                found.either("reading", "readings"),
-                found.name(Part::Cable),
-            );
-        }
-        format!(
-            "Measure the {} of {} with calipers, cable layer included, and correct the drum {} in the controller. Check the gear ratio there, too.",
-            found.either("drum", "drums"),
-            found.name(Part::Winch),
-            found.either("diameter", "diameters"),
-        )
-    }
-    fn check(&self) -> Option<&'static str> {
-        Some(
-            "Pay out a few metres of cable and compare what the controller counts with a steel tape.",
-        )
-    }
-    fn source(&self) -> &'static str {
-        "Geometry of a drum; sizes from winch ratio errors reported for cable robots"
-    }
-    fn stage(&self) -> Stage {
-        Stage::Ratio
-    }
-    fn change_cable(&self, parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
-        ports.paid *= parameters[0] + 1.0;
-    }
+    format!(
+        "Measure the {} of {} with calipers, cable layer included, and correct the drum {} in the controller. Check the gear ratio there, too.",
+        found.either("drum", "drums"),
+        found.name(Part::Winch),
+        found.either("diameter", "diameters"),
+    )
+}
+
+pub(super) fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+    ports.paid *= parameters[0] + 1.0;
 }

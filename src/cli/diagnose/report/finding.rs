@@ -1,7 +1,7 @@
 //! One finding in the report.
 
 use tautline_core::diagnosis::{Finding, Separation};
-use tautline_core::effect::{Effect, Unknown};
+use tautline_core::effect::UNKNOWN;
 
 use super::Diagnosed;
 use crate::table;
@@ -13,7 +13,7 @@ const INDENT: &str = "   ";
 /// Heading and body of a finding.
 pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<String> {
     let mut body = vec![finding.sentence.clone()];
-    if finding.cause.effect().id() != Unknown.id() {
+    if finding.cause.effect().id() != UNKNOWN.id() {
         let size = diagnosed.size(&finding.parameters);
         body.extend(size.map(|size| format!("Size: {size}")));
     }

@@ -4,7 +4,7 @@ use super::super::Verdict;
 use super::{diagnosed, run_with};
 use crate::effect::Effect;
 use crate::effect::unknown::READING;
-use crate::effect::{BiasedReading, Unknown};
+use crate::effect::{BiasedReading, UNKNOWN};
 use crate::estimation::Solution;
 use crate::measurement::Variable;
 use crate::robot::Robot;
@@ -46,7 +46,7 @@ fn a_smooth_error_is_named_unknown_with_its_variable() {
     let diagnosis = diagnosed(&run.dataset);
     let finding = &diagnosis.findings[0];
     assert_eq!(finding.verdict, Verdict::Unknown, "{}", finding.sentence);
-    assert_eq!(finding.cause.effect().id(), Unknown.id());
+    assert_eq!(finding.cause.effect().id(), UNKNOWN.id());
     let values = &finding.cause.instances[0].values;
     let reading = BiasedReading::ALL[values[READING] as usize];
     assert_eq!(reading, BiasedReading::Laser);

@@ -103,7 +103,7 @@ fn platform_and_its_instruments() {
     let mut at = super::slopes::at_platform();
     at.inclination_rad = [0.0, 0.01, std::f64::consts::FRAC_PI_2];
     let tilt = [0.01, 0.0].map(Dual::constant);
-    effect.change_platform(&tilt, &at, &mut ports);
+    (effect.change_platform)(&tilt, &at, &mut ports);
     let [roll, pitch, yaw] = ports.inclination_offset.map(|o| o.value);
     assert!((pitch - 0.01).abs() < 1e-12 && roll.abs() < 1e-12 && yaw.abs() < 1e-12);
 }

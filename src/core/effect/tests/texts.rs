@@ -19,7 +19,7 @@ fn absolute() -> Robot {
     robot
 }
 
-fn bound(effect: &'static dyn Effect, cables: &[usize], values: Vec<f64>) -> BoundEffect {
+fn bound(effect: &'static Effect, cables: &[usize], values: Vec<f64>) -> BoundEffect {
     BoundEffect {
         effect,
         cables: cables.to_vec(),
@@ -29,7 +29,7 @@ fn bound(effect: &'static dyn Effect, cables: &[usize], values: Vec<f64>) -> Bou
 }
 
 /// Sizes in the typical range, all of this sign, at a pose.
-fn sizes(effect: &dyn Effect, share: f64, sign: f64) -> Vec<f64> {
+fn sizes(effect: &Effect, share: f64, sign: f64) -> Vec<f64> {
     let pose = effect.pose_parameter();
     let value = |(k, p): (usize, &crate::effect::EffectParameter)| {
         let [low, high] = p.typical;
@@ -40,7 +40,7 @@ fn sizes(effect: &dyn Effect, share: f64, sign: f64) -> Vec<f64> {
 }
 
 /// The numbers of cables that an effect can be attached to.
-fn targets(effect: &dyn Effect) -> &'static [&'static [usize]] {
+fn targets(effect: &Effect) -> &'static [&'static [usize]] {
     match effect.scope() {
         Scope::Cable | Scope::CableOrAll => &[&[2], &[2, 4], &[0, 3, 4], ALL],
         Scope::Reading => &[],
@@ -99,8 +99,7 @@ fn every_effect_has_a_check_in_the_workshop() {
         let other = bound(*effect, targets(*effect)[0], sizes(*effect, 0.3, 1.0));
         assert_ne!(check, other.workshop(&mini()));
     }
-    let unknown: &dyn Effect = &crate::effect::Unknown;
-    assert_eq!(unknown.check(), None);
+    assert_eq!(crate::effect::UNKNOWN.check(), None);
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub(super) struct InstrumentInputs {
 /// latent.
 pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
     let has_forces = !problem.dataset.measurements.force_n.is_empty();
-    let needs_sag = |bound: &crate::effect::BoundEffect| bound.effect.needs_sag();
+    let needs_sag = |bound: &crate::effect::BoundEffect| bound.effect.needs_sag;
     let effects = || problem.held_effects.iter().chain(&problem.free_effects);
     let constants = |cable: &crate::robot::Cable| {
         let measured = has_forces && cable.force_sensor.is_some();

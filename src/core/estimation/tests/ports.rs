@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::cable::ElongationSurface;
 use crate::effect::{
     BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
-    EffectRequest, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
+    EffectRequest, PlatformCircumstances, PlatformPorts, Scope, Search,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
@@ -19,93 +19,56 @@ use crate::robot::{
 const ANY: EffectParameter = EffectParameter::new("any", "1", 1.0, [0.0, 1.0]);
 
 /// Moves every port of a cable, each by one parameter of about unit size.
-struct EveryCablePort;
+static EVERY_CABLE_PORT: Effect = Effect {
+    id: "every_cable_port",
+    scope: Scope::Cable,
+    parameters: &[ANY; 16],
+    change_cable: change_every_cable_port,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for EveryCablePort {
-    fn id(&self) -> &'static str {
-        "every_cable_port"
+fn change_every_cable_port(p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
+    ports.paid += p[0] * 0.1;
+    ports.tension += p[1] * 10.0;
+    ports.strain += p[2] * 1e-3;
+    ports.compliance += p[3] * 1e-5;
+    ports.weight += p[4] * 0.3;
+    ports.radius += p[5] * 0.01;
+    let [x, y, z] = ports.axis;
+    // The axis turns by the rotation vector 0.3 p: to first order it stays a unit vector.
+    let turned = [
+        p[7] * z - p[8] * y,
+        p[8] * x - p[6] * z,
+        p[6] * y - p[7] * x,
+    ];
+    for k in 0..3 {
+        ports.axis[k] += turned[k] * 0.3;
+        ports.entry_shift[k] += p[9 + k] * 0.1;
+        ports.anchor[k] += p[12 + k] * 0.1;
     }
-    fn title(&self) -> &'static str {
-        "Every port of a cable"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Cable
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        &[ANY; 16]
-    }
-    fn cause(&self, _: &Found<'_>) -> String {
-        String::new()
-    }
-    fn workshop(&self, _: &Found<'_>) -> String {
-        String::new()
-    }
-    fn source(&self) -> &'static str {
-        "none"
-    }
-    fn change_cable(&self, p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
-        ports.paid += p[0] * 0.1;
-        ports.tension += p[1] * 10.0;
-        ports.strain += p[2] * 1e-3;
-        ports.compliance += p[3] * 1e-5;
-        ports.weight += p[4] * 0.3;
-        ports.radius += p[5] * 0.01;
-        let [x, y, z] = ports.axis;
-        // The axis turns by the rotation vector 0.3 p: to first order it stays a unit vector.
-        let turned = [
-            p[7] * z - p[8] * y,
-            p[8] * x - p[6] * z,
-            p[6] * y - p[7] * x,
-        ];
-        for k in 0..3 {
-            ports.axis[k] += turned[k] * 0.3;
-            ports.entry_shift[k] += p[9 + k] * 0.1;
-            ports.anchor[k] += p[12 + k] * 0.1;
-        }
-        ports.swivel_offset += p[15];
-    }
+    ports.swivel_offset += p[15];
 }
 
 /// Moves every port of the platform.
-struct EveryPlatformPort;
+static EVERY_PLATFORM_PORT: Effect = Effect {
+    id: "every_platform_port",
+    scope: Scope::Robot,
+    parameters: &[ANY; 15],
+    change_platform: change_every_platform_port,
+    ..Effect::NEUTRAL
+};
 
-impl Effect for EveryPlatformPort {
-    fn id(&self) -> &'static str {
-        "every_platform_port"
-    }
-    fn title(&self) -> &'static str {
-        "Every port of the platform"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        &[ANY; 15]
-    }
-    fn cause(&self, _: &Found<'_>) -> String {
-        String::new()
-    }
-    fn workshop(&self, _: &Found<'_>) -> String {
-        String::new()
-    }
-    fn source(&self) -> &'static str {
-        "none"
-    }
-    fn change_platform(&self, p: &[Dual], _: &PlatformCircumstances, ports: &mut PlatformPorts) {
-        ports.mass += p[0];
-        ports.laser_gain += p[1];
-        ports.laser_bias += p[2];
-        for k in 0..3 {
-            ports.center_of_mass[k] += p[3 + k] * 0.1;
-            ports.laser_direction[k] += p[6 + k] * 0.3;
-            ports.target_normal[k] += p[9 + k] * 0.3;
-            ports.inclination_offset[k] += p[12 + k];
-        }
+fn change_every_platform_port(p: &[Dual], _: &PlatformCircumstances, ports: &mut PlatformPorts) {
+    ports.mass += p[0];
+    ports.laser_gain += p[1];
+    ports.laser_bias += p[2];
+    for k in 0..3 {
+        ports.center_of_mass[k] += p[3 + k] * 0.1;
+        ports.laser_direction[k] += p[6 + k] * 0.3;
+        ports.target_normal[k] += p[9 + k] * 0.3;
+        ports.inclination_offset[k] += p[12 + k];
     }
 }
-
-static EVERY_CABLE_PORT: EveryCablePort = EveryCablePort;
-static EVERY_PLATFORM_PORT: EveryPlatformPort = EveryPlatformPort;
 
 /// The port effects on the first and last cable, and the whole catalogue on the first.
 pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {

@@ -1,9 +1,7 @@
 //! What the data leave open is said in words, and nothing panics.
 
 use super::*;
-use crate::effect::{
-    BoundEffect, CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope,
-};
+use crate::effect::{BoundEffect, Effect, EffectParameter};
 use crate::geometry::Coordinate;
 use crate::robot::{PerAxis, Robot};
 
@@ -159,43 +157,17 @@ fn a_parameter_on_which_nothing_depends_is_named() {
 }
 
 /// A scale of all winches of which nothing is known beforehand.
-struct UnknownScale;
-
-impl Effect for UnknownScale {
-    fn id(&self) -> &'static str {
-        "winch_scale_common"
-    }
-    fn title(&self) -> &'static str {
-        "Unknown scale"
-    }
-    fn scope(&self) -> Scope {
-        Scope::Robot
-    }
-    fn parameters(&self) -> &'static [EffectParameter] {
-        const {
-            &[EffectParameter::new(
-                "scale",
-                "1",
-                f64::INFINITY,
-                [0.001, 0.01],
-            )]
-        }
-    }
-    fn cause(&self, _: &Found<'_>) -> String {
-        String::new()
-    }
-    fn workshop(&self, _: &Found<'_>) -> String {
-        String::new()
-    }
-    fn source(&self) -> &'static str {
-        "none"
-    }
-    fn change_cable(&self, p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
-        ports.paid *= p[0] + 1.0;
-    }
-}
-
-static UNKNOWN_SCALE: UnknownScale = UnknownScale;
+static UNKNOWN_SCALE: Effect = Effect {
+    id: "winch_scale_common",
+    parameters: &[EffectParameter::new(
+        "scale",
+        "1",
+        f64::INFINITY,
+        [0.001, 0.01],
+    )],
+    change_cable: |p, _, ports| ports.paid *= p[0] + 1.0,
+    ..Effect::NEUTRAL
+};
 
 #[test]
 fn a_common_scale_is_named() {
