@@ -3,52 +3,54 @@
 //! An effect never touches the solver: it changes some of these quantities, as a function of its
 //! parameters and of the circumstances of a pose. The prediction and its derivatives with respect to
 //! the ports are written once.
+//!
+//! `T` is [`Dual`] where effects change the ports, a number or a packet of numbers where they are used.
 
 use super::Dual;
 use crate::robot::{Cable, Robot};
 
 /// What the prediction of one cable's readings depends on, at one pose.
 #[derive(Debug, Clone, Copy)]
-pub struct CablePorts {
-    /// Unstrained cable paid out since home, as the reading tells (m); for absolute readings the length.
-    pub paid: Dual,
+pub struct CablePorts<T = Dual> {
+    /// Unstrained cable paid out since home, as the reading says (m); for absolute readings the length.
+    pub paid: T,
     /// Tension at the platform (N).
-    pub tension: Dual,
+    pub tension: T,
     /// Extra strain of the cable.
-    pub strain: Dual,
+    pub strain: T,
     /// Reciprocal axial stiffness (1/N).
-    pub compliance: Dual,
+    pub compliance: T,
     /// Weight per metre (N/m).
-    pub weight: Dual,
+    pub weight: T,
     /// Pulley radius (m).
-    pub radius: Dual,
+    pub radius: T,
     /// Added to the entry point, base frame (m).
-    pub entry_shift: [Dual; 3],
+    pub entry_shift: [T; 3],
     /// Swivel axis, base frame.
-    pub axis: [Dual; 3],
+    pub axis: [T; 3],
     /// Platform anchor, platform frame (m).
-    pub anchor: [Dual; 3],
+    pub anchor: [T; 3],
     /// Added to the predicted swivel angle (rad).
-    pub swivel_offset: Dual,
+    pub swivel_offset: T,
 }
 
 /// What the prediction of the platform's readings depends on, at one pose.
 #[derive(Debug, Clone, Copy)]
-pub struct PlatformPorts {
+pub struct PlatformPorts<T = Dual> {
     /// Mass (kg).
-    pub mass: Dual,
+    pub mass: T,
     /// Centre of mass, platform frame (m).
-    pub center_of_mass: [Dual; 3],
+    pub center_of_mass: [T; 3],
     /// Laser reading per true distance.
-    pub laser_gain: Dual,
+    pub laser_gain: T,
     /// Added to the laser reading (m).
-    pub laser_bias: Dual,
+    pub laser_bias: T,
     /// Beam direction, platform frame.
-    pub laser_direction: [Dual; 3],
+    pub laser_direction: [T; 3],
     /// Normal of the target plane, base frame.
-    pub target_normal: [Dual; 3],
+    pub target_normal: [T; 3],
     /// Added to roll, pitch and yaw (rad).
-    pub inclination_offset: [Dual; 3],
+    pub inclination_offset: [T; 3],
 }
 
 /// One scalar of [`CablePorts`].
@@ -99,7 +101,7 @@ impl CablePort {
     /// Number of scalars.
     pub const COUNT: usize = 16;
 
-    /// All of them, in the order of [`CablePorts::scalars`].
+    /// All of them.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Paid,
         Self::Tension,
@@ -124,7 +126,7 @@ impl PlatformPort {
     /// Number of scalars.
     pub const COUNT: usize = 15;
 
-    /// All of them, in the order of [`PlatformPorts::scalars`].
+    /// All of them.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Mass,
         Self::CenterOfMass(0),
@@ -178,29 +180,41 @@ impl CablePorts {
         cable.pulley.radius_m = self.radius.value;
         cable.platform_anchor_m = values(self.anchor);
     }
+}
 
-    /// The scalars in the order of [`CablePort::ALL`].
+impl<T: Copy> CablePorts<T> {
+    /// The scalar that a port names.
     #[must_use]
-    pub fn scalars(&self) -> [Dual; CablePort::COUNT] {
-        let ([ex, ey, ez], [zx, zy, zz], [bx, by, bz]) = (self.entry_shift, self.axis, self.anchor);
-        [
-            self.paid,
-            self.tension,
-            self.strain,
-            self.compliance,
-            self.weight,
-            self.radius,
-            ex,
-            ey,
-            ez,
-            zx,
-            zy,
-            zz,
-            bx,
-            by,
-            bz,
-            self.swivel_offset,
-        ]
+    pub fn get(&self, port: CablePort) -> T {
+        match port {
+            CablePort::Paid => self.paid,
+            CablePort::Tension => self.tension,
+            CablePort::Strain => self.strain,
+            CablePort::Compliance => self.compliance,
+            CablePort::Weight => self.weight,
+            CablePort::Radius => self.radius,
+            CablePort::EntryShift(axis) => self.entry_shift[axis],
+            CablePort::Axis(axis) => self.axis[axis],
+            CablePort::Anchor(axis) => self.anchor[axis],
+            CablePort::SwivelOffset => self.swivel_offset,
+        }
+    }
+
+    /// The ports with the value of a function at each.
+    #[must_use]
+    pub fn from_fn(mut value: impl FnMut(CablePort) -> T) -> Self {
+        Self {
+            paid: value(CablePort::Paid),
+            tension: value(CablePort::Tension),
+            strain: value(CablePort::Strain),
+            compliance: value(CablePort::Compliance),
+            weight: value(CablePort::Weight),
+            radius: value(CablePort::Radius),
+            entry_shift: [0, 1, 2].map(|axis| value(CablePort::EntryShift(axis))),
+            axis: [0, 1, 2].map(|axis| value(CablePort::Axis(axis))),
+            anchor: [0, 1, 2].map(|axis| value(CablePort::Anchor(axis))),
+            swivel_offset: value(CablePort::SwivelOffset),
+        }
     }
 }
 
@@ -219,30 +233,34 @@ impl PlatformPorts {
             inclination_offset: constants([0.0; 3]),
         }
     }
+}
 
-    /// The scalars in the order of [`PlatformPort::ALL`].
+impl<T: Copy> PlatformPorts<T> {
+    /// The scalar that a port names.
     #[must_use]
-    pub fn scalars(&self) -> [Dual; PlatformPort::COUNT] {
-        let [cx, cy, cz] = self.center_of_mass;
-        let [qx, qy, qz] = self.laser_direction;
-        let [nx, ny, nz] = self.target_normal;
-        let [roll, pitch, yaw] = self.inclination_offset;
-        [
-            self.mass,
-            cx,
-            cy,
-            cz,
-            self.laser_gain,
-            self.laser_bias,
-            qx,
-            qy,
-            qz,
-            nx,
-            ny,
-            nz,
-            roll,
-            pitch,
-            yaw,
-        ]
+    pub fn get(&self, port: PlatformPort) -> T {
+        match port {
+            PlatformPort::Mass => self.mass,
+            PlatformPort::CenterOfMass(axis) => self.center_of_mass[axis],
+            PlatformPort::LaserGain => self.laser_gain,
+            PlatformPort::LaserBias => self.laser_bias,
+            PlatformPort::LaserDirection(axis) => self.laser_direction[axis],
+            PlatformPort::TargetNormal(axis) => self.target_normal[axis],
+            PlatformPort::InclinationOffset(angle) => self.inclination_offset[angle],
+        }
+    }
+
+    /// The ports with the value of a function at each.
+    #[must_use]
+    pub fn from_fn(mut value: impl FnMut(PlatformPort) -> T) -> Self {
+        Self {
+            mass: value(PlatformPort::Mass),
+            center_of_mass: [0, 1, 2].map(|axis| value(PlatformPort::CenterOfMass(axis))),
+            laser_gain: value(PlatformPort::LaserGain),
+            laser_bias: value(PlatformPort::LaserBias),
+            laser_direction: [0, 1, 2].map(|axis| value(PlatformPort::LaserDirection(axis))),
+            target_normal: [0, 1, 2].map(|axis| value(PlatformPort::TargetNormal(axis))),
+            inclination_offset: [0, 1, 2].map(|k| value(PlatformPort::InclinationOffset(k))),
+        }
     }
 }

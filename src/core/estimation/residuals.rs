@@ -69,12 +69,8 @@ fn row_residual(
 ) -> RowResidual {
     let robot = &problem.dataset.robot;
     let layout = evaluator.layout.clone();
-    let tension = CablePort::ALL
-        .iter()
-        .position(|p| *p == CablePort::Tension)
-        .unwrap_or_default();
     let tension_n = (0..layout.cables)
-        .map(|c| evaluator.cable_port(index, c, tension))
+        .map(|c| evaluator.cable_port(index, c, CablePort::Tension))
         .collect();
     let equations = evaluator.equations_at(index);
     let raw = |row: usize, sd: f64| {

@@ -3,6 +3,7 @@
 use super::evaluator::Evaluator;
 use super::problem::{Globals, Problem};
 use super::solution::OutsideSurface;
+use crate::effect::CablePort;
 use crate::geometry::Pose;
 
 /// Cables outside the range of their elongation surface at the given poses.
@@ -27,8 +28,8 @@ pub(super) fn outside_surface(
             let Some((surface, span)) = evaluator.span_on_surface(cable) else {
                 continue;
             };
-            let tension = evaluator.cable_port(0, cable, 1);
-            let measured = evaluator.cable_port(0, cable, 0).is_finite();
+            let tension = evaluator.cable_port(0, cable, CablePort::Tension);
+            let measured = evaluator.cable_port(0, cable, CablePort::Paid).is_finite();
             if description.force_sensor.is_none() || tension.is_nan() || !measured {
                 continue;
             }

@@ -1,7 +1,8 @@
 //! The slopes of all ports against central differences.
 
 use crate::effect::{
-    CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, PlatformCircumstances, PlatformPorts,
+    CATALOGUE, CableCircumstances, CablePort, CablePorts, Dual, Effect, PlatformCircumstances,
+    PlatformPort, PlatformPorts,
 };
 use crate::robot::presets;
 
@@ -42,19 +43,21 @@ pub(super) fn at_platform() -> PlatformCircumstances {
 }
 
 /// All ports of a cable and of the platform after one effect.
-pub(super) fn ports_after(effect: &dyn Effect, values: &[Dual]) -> (CablePorts, PlatformPorts) {
+pub(super) fn ports_after(effect: &Effect, values: &[Dual]) -> (CablePorts, PlatformPorts) {
     let robot = presets::find("mini").unwrap().robot;
     let mut cable = CablePorts::nominal(&robot.cables[2], 0.4, 120.0);
     cable.weight = Dual::constant(0.3);
     let mut platform = PlatformPorts::nominal(&robot);
-    effect.change_cable(values, &at_cable(), &mut cable);
-    effect.change_platform(values, &at_platform(), &mut platform);
+    (effect.change_cable)(values, &at_cable(), &mut cable);
+    (effect.change_platform)(values, &at_platform(), &mut platform);
     (cable, platform)
 }
 
-fn scalars(effect: &dyn Effect, values: &[Dual]) -> Vec<Dual> {
+fn scalars(effect: &Effect, values: &[Dual]) -> Vec<Dual> {
     let (cable, platform) = ports_after(effect, values);
-    [&cable.scalars()[..], &platform.scalars()[..]].concat()
+    let of_cable = CablePort::ALL.iter().map(|port| cable.get(*port));
+    let of_platform = PlatformPort::ALL.iter().map(|port| platform.get(*port));
+    of_cable.chain(of_platform).collect()
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::slopes::{at_cable, at_platform};
 use crate::effect::unknown::{FIRST, FUNCTIONS, Form, READING, SCALE};
 use crate::effect::{
-    BiasedReading, BoundEffect, CablePorts, Dual, Effect, PlatformPorts, Shape, Unknown, find,
+    BiasedReading, BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, Shape,
+    UNKNOWN, find,
 };
 use crate::measurement::Variable;
 use crate::robot::presets;
@@ -55,9 +56,11 @@ fn ports(values: &[f64], chosen: Option<usize>, is_home: bool) -> Vec<Dual> {
     let (mut at_cable, mut at_platform) = (at_cable(), at_platform());
     (at_cable.variables, at_platform.variables) = (variables(), variables());
     (at_cable.is_home, at_platform.is_home) = (is_home, is_home);
-    Unknown.change_cable(&values, &at_cable, &mut cable);
-    Unknown.change_platform(&values, &at_platform, &mut platform);
-    [&cable.scalars()[..], &platform.scalars()[..]].concat()
+    (UNKNOWN.change_cable)(&values, &at_cable, &mut cable);
+    (UNKNOWN.change_platform)(&values, &at_platform, &mut platform);
+    let of_cable = CablePort::ALL.iter().map(|port| cable.get(*port));
+    let of_platform = PlatformPort::ALL.iter().map(|port| platform.get(*port));
+    of_cable.chain(of_platform).collect()
 }
 
 #[test]
@@ -186,7 +189,7 @@ fn numbers_without_meaning_change_nothing() {
         wrong[given] = 99.0;
         let with = ports(&wrong, None, false);
         assert!(with.iter().all(|port| port.value.is_finite()));
-        let name = Unknown.parameters()[given].name;
+        let name = UNKNOWN.parameters()[given].name;
         if ["reading", "variable", "other"].contains(&name) {
             let same = with.iter().zip(&without).all(|(a, b)| a.value == b.value);
             assert!(same, "{name}");

@@ -10,10 +10,10 @@
 //! the tensions as unknowns, and motions that nothing fixes stay open.
 
 use super::equations::Equations;
-use super::inputs::CableLink;
+use super::inputs::Link;
 use super::layout::Layout;
 use crate::cable::{CableLaw, ElongationSurface, Unstrained};
-use crate::effect::CablePort;
+use crate::effect::{CablePort, CablePorts};
 use crate::geometry::PosePacket;
 use crate::kinematics::{CablePath, PathChange, PulleyGeometry};
 use crate::real::{Real, add_scaled, cross, difference, dot, scaled, unit_vector};
@@ -36,7 +36,7 @@ pub(super) struct CableConstants {
 pub(super) struct CableInputs<T> {
     pub entry: [T; 3],
     pub home_length: T,
-    pub ports: [T; CablePort::COUNT],
+    pub ports: CablePorts<T>,
     pub swivel: T,
     /// Estimated error of the tension reading (N), as of the last evaluation.
     pub tension_error: T,
@@ -98,18 +98,18 @@ impl<T: Real> CableState<T> {
         down: [f64; 3],
     ) -> Self {
         let p = &inputs.ports;
-        let zero = p[0].lift(0.0);
+        let zero = p.radius.lift(0.0);
         let one = zero.lift(1.0);
-        let entry = add_scaled(inputs.entry, one, [p[6], p[7], p[8]]);
+        let entry = add_scaled(inputs.entry, one, p.entry_shift);
         let pulley = PulleyGeometry {
             entry,
-            axis: [p[9], p[10], p[11]],
-            radius: p[5],
+            axis: p.axis,
+            radius: p.radius,
         };
-        let lever = pose.rotate([p[12], p[13], p[14]]);
+        let lever = pose.rotate(p.anchor);
         let anchor = add_scaled(lever, one, pose.position);
         let path = pulley.path_to(anchor);
-        let (tension, has_tension) = p[1].present();
+        let (tension, has_tension) = p.tension.present();
         // Any positive tension does where none was read: the row has no weight. At no tension at all
         // sag has no bound, and its formula no value.
         let load = has_tension.select_positive(tension, one);
@@ -118,9 +118,9 @@ impl<T: Real> CableState<T> {
         let law = CableLaw {
             run: zero.lift(constants.run),
             tension: load,
-            compliance: p[3],
-            strain: p[2],
-            weight: constants.sags.then_some(p[4]),
+            compliance: p.compliance,
+            strain: p.strain,
+            weight: constants.sags.then_some(p.weight),
             down,
             surface: constants.surface.as_ref(),
         };
@@ -176,7 +176,7 @@ impl<T: Real> CableState<T> {
         equations: &mut Equations<T>,
     ) -> T {
         let zero = self.tension.lift(0.0);
-        let (paid, has_paid) = inputs.ports[0].present();
+        let (paid, has_paid) = inputs.ports.paid.present();
         let weight = self.weight * has_paid;
         let residual = (self.unstrained.length - inputs.home_length - paid) * has_paid;
         let g = scaled(self.gradient, weight);
@@ -199,11 +199,10 @@ impl<T: Real> CableState<T> {
     ) {
         let zero = self.tension.lift(0.0);
         let (reading, present) = inputs.swivel.present();
-        let p = &inputs.ports;
         let origin = crate::real::constants(zero, constants.swivel_zero);
-        let axis = [p[9], p[10], p[11]];
+        let axis = inputs.ports.axis;
         let angle = dot(cross(axis, origin), self.path.facing).atan2(dot(origin, self.path.facing));
-        let off = angle + p[15] - reading;
+        let off = angle + inputs.ports.swivel_offset - reading;
         // Bring the difference into (-pi, pi].
         let turn = zero.lift(std::f64::consts::TAU);
         let half = zero.lift(std::f64::consts::PI);
@@ -302,7 +301,7 @@ impl<T: Real> CableState<T> {
     #[inline(always)]
     pub fn link(
         &self,
-        (link, slope): (&CableLink, T),
+        (link, slope): (&Link<CablePort>, T),
         (index, constants): (usize, &CableConstants),
         layout: &Layout,
         pose: &PosePacket<T>,

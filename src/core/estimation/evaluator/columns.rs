@@ -2,6 +2,7 @@
 
 use aligned_vec::{AVec, ConstAlign};
 
+use crate::effect::{CablePorts, PlatformPorts};
 use crate::real::Packet;
 
 /// Where a quantity lies: one packet for all poses, or one per batch of poses.
@@ -63,14 +64,35 @@ impl<T: Packet> ColumnStore<T> {
         }
     }
 
-    /// The packets of several columns.
+    /// The packets of a cable's ports.
     #[inline(always)]
-    pub fn load_all<const N: usize>(&self, columns: &[Column; N], batch: usize) -> [T; N] {
-        let mut values = [T::splat(self.token, 0.0); N];
-        for k in 0..N {
-            values[k] = self.load(columns[k], batch);
+    pub fn load_cable(&self, ports: &CablePorts<Column>, batch: usize) -> CablePorts<T> {
+        CablePorts {
+            paid: self.load(ports.paid, batch),
+            tension: self.load(ports.tension, batch),
+            strain: self.load(ports.strain, batch),
+            compliance: self.load(ports.compliance, batch),
+            weight: self.load(ports.weight, batch),
+            radius: self.load(ports.radius, batch),
+            entry_shift: self.load_three(&ports.entry_shift, batch),
+            axis: self.load_three(&ports.axis, batch),
+            anchor: self.load_three(&ports.anchor, batch),
+            swivel_offset: self.load(ports.swivel_offset, batch),
         }
-        values
+    }
+
+    /// The packets of the platform's ports.
+    #[inline(always)]
+    pub fn load_platform(&self, ports: &PlatformPorts<Column>, batch: usize) -> PlatformPorts<T> {
+        PlatformPorts {
+            mass: self.load(ports.mass, batch),
+            center_of_mass: self.load_three(&ports.center_of_mass, batch),
+            laser_gain: self.load(ports.laser_gain, batch),
+            laser_bias: self.load(ports.laser_bias, batch),
+            laser_direction: self.load_three(&ports.laser_direction, batch),
+            target_normal: self.load_three(&ports.target_normal, batch),
+            inclination_offset: self.load_three(&ports.inclination_offset, batch),
+        }
     }
 
     /// The packets of the first three of some columns.

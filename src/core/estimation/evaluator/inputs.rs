@@ -12,10 +12,10 @@ use crate::measurement::Measurements;
 use crate::real::Packet;
 use crate::robot::Cable;
 
-/// A free parameter acts on a port of a cable with this slope.
+/// A free parameter acts on a port with this slope.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct CableLink {
-    pub port: CablePort,
+pub(super) struct Link<Port> {
+    pub port: Port,
     pub parameter: usize,
     pub slope: Column,
     /// Whether the slope is in proportion to the port, so that it is better known at the port's estimate than at its
@@ -25,22 +25,20 @@ pub(super) struct CableLink {
     pub relative_noise: f64,
 }
 
-/// A free parameter acts on a port of the platform with this slope.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PlatformLink {
-    pub port: PlatformPort,
-    pub parameter: usize,
-    pub slope: Column,
-}
-
 /// Ports of all poses, and how the free effects act on them.
 #[derive(Clone)]
 pub(super) struct PortInputs<T: Packet> {
     pub store: ColumnStore<T>,
-    pub cables: Vec<[Column; CablePort::COUNT]>,
-    pub cable_links: Vec<Vec<CableLink>>,
-    pub platform: [Column; PlatformPort::COUNT],
-    pub platform_links: Vec<PlatformLink>,
+    pub cables: Vec<CableColumns>,
+    pub platform: PlatformPorts<Column>,
+    pub platform_links: Vec<Link<PlatformPort>>,
+}
+
+/// Ports of one cable, and how the free effects act on them.
+#[derive(Clone)]
+pub(super) struct CableColumns {
+    pub ports: CablePorts<Column>,
+    pub links: Vec<Link<CablePort>>,
 }
 
 /// Which rows are packed, and as what.
@@ -124,7 +122,7 @@ fn reading_gain(
     problem: &Problem<'_>,
     globals: &Globals,
     selection: Selection<'_>,
-    (index, port): (usize, ReadPort),
+    (index, port): (usize, CablePort),
     chosen: Option<usize>,
 ) -> Dual {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
@@ -137,21 +135,11 @@ fn reading_gain(
         let mut ports = CablePorts::nominal(cable, reading, reading);
         for k in &concerned {
             let effect = globals.effects[*k].effect;
-            effect.change_cable(&values[*k], circumstances.cable(*row, index), &mut ports);
+            (effect.change_cable)(&values[*k], circumstances.cable(*row, index), &mut ports);
         }
-        match port {
-            ReadPort::Paid => ports.paid,
-            ReadPort::Tension => ports.tension,
-        }
+        ports.get(port)
     };
     port_at(1.0) - port_at(0.0)
-}
-
-/// A port that starts from a reading.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum ReadPort {
-    Paid,
-    Tension,
 }
 
 /// By how much the effects scale the noise of a cable's readings.
@@ -172,11 +160,11 @@ impl NoiseGain {
         let gain = |port| reading_gain(problem, globals, selection, (index, port), None).value;
         Self {
             length: if reads_lengths(problem) {
-                gain(ReadPort::Paid).abs()
+                gain(CablePort::Paid).abs()
             } else {
                 1.0
             },
-            tension: gain(ReadPort::Tension).abs(),
+            tension: gain(CablePort::Tension).abs(),
         }
     }
 }
@@ -217,18 +205,13 @@ impl<T: Packet> PortInputs<T> {
     ) -> Self {
         let mut store = ColumnStore::new(token);
         let robot = &problem.dataset.robot;
-        let mut cables = Vec::with_capacity(robot.cable_count());
-        let mut cable_links = Vec::with_capacity(robot.cable_count());
-        for index in 0..robot.cable_count() {
-            let (columns, links) = pack_cable(&mut store, problem, globals, selection, index);
-            cables.push(columns);
-            cable_links.push(links);
-        }
+        let cables = (0..robot.cable_count())
+            .map(|index| pack_cable(&mut store, problem, globals, selection, index))
+            .collect();
         let (platform, platform_links) = pack_platform(&mut store, problem, globals, selection);
         Self {
             store,
             cables,
-            cable_links,
             platform,
             platform_links,
         }
@@ -259,11 +242,9 @@ fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec
     let mut found: Vec<usize> = (0..globals.effects.len())
         .filter(|k| condition(&globals.effects[*k]))
         .collect();
-    found.sort_by_key(|k| globals.effects[*k].effect.stage());
+    found.sort_by_key(|k| globals.effects[*k].effect.stage);
     found
 }
-
-type PlatformScalars = [Dual; PlatformPort::COUNT];
 
 /// Packs the ports of the platform; only what differs from pose to pose takes space per pose.
 fn pack_platform<T: Packet>(
@@ -271,41 +252,41 @@ fn pack_platform<T: Packet>(
     problem: &Problem<'_>,
     globals: &Globals,
     selection: Selection<'_>,
-) -> ([Column; PlatformPort::COUNT], Vec<PlatformLink>) {
+) -> (PlatformPorts<Column>, Vec<Link<PlatformPort>>) {
     let nominal = PlatformPorts::nominal(&problem.dataset.robot);
     let concerned = concerned(globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
     let (false, Some(circumstances)) = (concerned.is_empty(), selection.circumstances) else {
-        let scalars = nominal.scalars();
-        let columns = std::array::from_fn(|port| store.uniform(scalars[port].value));
+        let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
-    let scalars = |chosen: Option<usize>| -> Vec<PlatformScalars> {
+    let ports_with = |chosen: Option<usize>| -> Vec<PlatformPorts> {
         let values = seeded(problem, globals, chosen);
         let at = |row: &usize| {
             let mut ports = nominal;
             for k in &concerned {
                 let effect = globals.effects[*k].effect;
-                effect.change_platform(&values[*k], circumstances.platform(*row), &mut ports);
+                (effect.change_platform)(&values[*k], circumstances.platform(*row), &mut ports);
             }
-            ports.scalars()
+            ports
         };
         selection.rows.iter().map(at).collect()
     };
-    let plain = scalars(None);
-    let columns = std::array::from_fn(|port| pack_scalars(store, &plain, None, |s| s[port].value));
+    let ports = ports_with(None);
+    let columns = PlatformPorts::from_fn(|port| pack(store, &ports, None, |p| p.get(port).value));
     for (parameter, owner) in owners(problem) {
         if !concerned.contains(&owner) {
             continue;
         }
-        let scalars = scalars(Some(parameter));
-        for (position, port) in PlatformPort::ALL.iter().enumerate() {
-            if scalars.iter().any(|s| s[position].slope != 0.0) {
-                let slope = pack_scalars(store, &scalars, Some(0.0), |s| s[position].slope);
-                links.push(PlatformLink {
-                    port: *port,
+        let ports = ports_with(Some(parameter));
+        for port in PlatformPort::ALL {
+            if ports.iter().any(|p| p.get(port).slope != 0.0) {
+                links.push(Link {
+                    port,
                     parameter,
-                    slope,
+                    slope: pack(store, &ports, Some(0.0), |p| p.get(port).slope),
+                    is_proportional: false,
+                    relative_noise: 0.0,
                 });
             }
         }
@@ -320,17 +301,23 @@ fn pack_cable<T: Packet>(
     globals: &Globals,
     selection: Selection<'_>,
     index: usize,
-) -> ([Column; CablePort::COUNT], Vec<CableLink>) {
+) -> CableColumns {
+    let concerned = concerned(globals, |bound| bound.cables.contains(&index));
+    if concerned.is_empty() && !selection.is_home {
+        return CableColumns {
+            ports: pack_without_effects(store, problem, selection, index),
+            links: Vec::new(),
+        };
+    }
     let data = &problem.dataset.measurements;
     let cable = &problem.dataset.robot.cables[index];
-    let concerned = concerned(globals, |bound| bound.cables.contains(&index));
-    let scalars_at = |row: usize, values: &[Vec<Dual>]| {
+    let ports_at = |row: usize, values: &[Vec<Dual>]| {
         let mut ports = nominal_cable_ports(cable, data, (row, index), selection.is_home);
         if let Some(circumstances) = selection.circumstances {
             let at = circumstances.cable(row, index);
             for k in &concerned {
                 let effect = globals.effects[*k].effect;
-                effect.change_cable(&values[*k], at, &mut ports);
+                (effect.change_cable)(&values[*k], at, &mut ports);
             }
         }
         // The error of the tension at home is a parameter of its own; like the errors at the other
@@ -338,56 +325,40 @@ fn pack_cable<T: Packet>(
         if selection.is_home {
             ports.tension += Dual::constant(globals.home_tension_error_n[index]);
         }
-        ports.scalars()
+        ports
     };
-    let plain = seeded(problem, globals, None);
-    let scalars: Vec<_> = if concerned.is_empty() && !selection.is_home {
-        let first = selection.rows.first().copied().into_iter();
-        first.map(|row| scalars_at(row, &plain)).collect()
-    } else {
-        selection
-            .rows
-            .iter()
-            .map(|row| scalars_at(*row, &plain))
-            .collect()
+    let ports_with = |chosen: Option<usize>| -> Vec<CablePorts> {
+        let values = seeded(problem, globals, chosen);
+        let rows = selection.rows.iter();
+        rows.map(|row| ports_at(*row, &values)).collect()
     };
-    let columns = if concerned.is_empty() && !selection.is_home {
-        pack_plain(store, cable, data, selection, index, &scalars)
-    } else {
-        std::array::from_fn(|port| {
-            pack_scalars(store, &scalars, padding_of(port), |s| s[port].value)
-        })
-    };
+    let ports = ports_with(None);
+    let columns =
+        CablePorts::from_fn(|port| pack(store, &ports, padding_of(port), |p| p.get(port).value));
     let mut links = Vec::new();
     for (parameter, owner) in owners(problem) {
         if !concerned.contains(&owner) {
             continue;
         }
-        let values = seeded(problem, globals, Some(parameter));
-        let scalars: Vec<_> = selection
-            .rows
-            .iter()
-            .map(|row| scalars_at(*row, &values))
-            .collect();
-        for (position, port) in CablePort::ALL.iter().enumerate() {
+        let ports = ports_with(Some(parameter));
+        for port in CablePort::ALL {
             // Nothing moves a reading that was not made.
-            let slope_of = |s: &[Dual; CablePort::COUNT]| {
-                let port = s[position];
-                if port.value.is_nan() { 0.0 } else { port.slope }
+            let slope_of = |ports: &CablePorts| {
+                let dual = ports.get(port);
+                if dual.value.is_nan() { 0.0 } else { dual.slope }
             };
-            if !scalars.iter().any(|s| slope_of(s) != 0.0) {
+            if !ports.iter().any(|p| slope_of(p) != 0.0) {
                 continue;
             }
-            let slope = pack_scalars(store, &scalars, Some(0.0), slope_of);
-            let is_ratio = globals.effects[owner].effect.stage() == Stage::Ratio;
-            let scales_noise = is_ratio && *port == CablePort::Paid && reads_lengths(problem);
-            links.push(CableLink {
-                port: *port,
+            let is_ratio = globals.effects[owner].effect.stage == Stage::Ratio;
+            let scales_noise = is_ratio && port == CablePort::Paid && reads_lengths(problem);
+            links.push(Link {
+                port,
                 parameter,
-                slope,
-                is_proportional: is_ratio && *port == CablePort::Tension,
+                slope: pack(store, &ports, Some(0.0), slope_of),
+                is_proportional: is_ratio && port == CablePort::Tension,
                 relative_noise: if scales_noise {
-                    let at = (index, ReadPort::Paid);
+                    let at = (index, port);
                     let gain = reading_gain(problem, globals, selection, at, Some(parameter));
                     gain.slope / gain.value
                 } else {
@@ -396,48 +367,52 @@ fn pack_cable<T: Packet>(
             });
         }
     }
-    (columns, links)
+    CableColumns {
+        ports: columns,
+        links,
+    }
 }
 
 /// Readings are missing in the lanes that fill up the last packet; all else repeats its last value.
-fn padding_of(port: usize) -> Option<f64> {
-    (port < 2).then_some(f64::NAN)
+fn padding_of(port: CablePort) -> Option<f64> {
+    matches!(port, CablePort::Paid | CablePort::Tension).then_some(f64::NAN)
 }
 
-/// Without effects only the first two ports, paid and tension, differ from pose to pose.
-fn pack_plain<T: Packet>(
+/// Without effects only the readings, cable paid out and tension, differ from pose to pose.
+fn pack_without_effects<T: Packet>(
     store: &mut ColumnStore<T>,
-    cable: &Cable,
-    data: &Measurements,
+    problem: &Problem<'_>,
     selection: Selection<'_>,
     index: usize,
-    first: &[[Dual; CablePort::COUNT]],
-) -> [Column; CablePort::COUNT] {
+) -> CablePorts<Column> {
+    let data = &problem.dataset.measurements;
+    let cable = &problem.dataset.robot.cables[index];
+    let nominal = CablePorts::nominal(cable, 0.0, 0.0);
     let rows = selection.rows.iter();
-    let paid = rows
-        .clone()
-        .map(|row| nominal_paid(cable, data, (*row, index), false));
-    let tension = rows.map(|row| nominal_tension(cable, data, (*row, index)));
-    let paid = store.varying(paid, f64::NAN);
-    let tension = store.varying(tension, f64::NAN);
-    std::array::from_fn(|port| match port {
-        0 => paid,
-        1 => tension,
-        _ => store.uniform(first.first().map_or(0.0, |scalars| scalars[port].value)),
+    CablePorts::from_fn(|port| match port {
+        CablePort::Paid => {
+            let paid = |row: &usize| nominal_paid(cable, data, (*row, index), false);
+            store.varying(rows.clone().map(paid), f64::NAN)
+        }
+        CablePort::Tension => {
+            let tension = |row: &usize| nominal_tension(cable, data, (*row, index));
+            store.varying(rows.clone().map(tension), f64::NAN)
+        }
+        _ => store.uniform(nominal.get(port).value),
     })
 }
 
-fn pack_scalars<T: Packet, const N: usize>(
+fn pack<T: Packet, P>(
     store: &mut ColumnStore<T>,
-    scalars: &[[Dual; N]],
+    ports: &[P],
     padding: Option<f64>,
-    pick: impl Fn(&[Dual; N]) -> f64,
+    pick: impl Fn(&P) -> f64,
 ) -> Column {
-    let (Some(first), Some(last)) = (scalars.first().map(&pick), scalars.last().map(&pick)) else {
+    let (Some(first), Some(last)) = (ports.first().map(&pick), ports.last().map(&pick)) else {
         return store.uniform(0.0);
     };
-    if padding.is_some_and(f64::is_nan) || scalars.iter().any(|s| pick(s) != first) {
-        store.varying(scalars.iter().map(pick), padding.unwrap_or(last))
+    if padding.is_some_and(f64::is_nan) || ports.iter().any(|p| pick(p) != first) {
+        store.varying(ports.iter().map(pick), padding.unwrap_or(last))
     } else {
         store.uniform(first)
     }

@@ -23,7 +23,7 @@ pub(super) use normal::{Elimination, Sums};
 use std::sync::Arc;
 
 use super::problem::{Globals, Poses, Problem};
-use crate::effect::Circumstances;
+use crate::effect::{CablePort, Circumstances};
 use crate::geometry::{Pose, PosePacket};
 use crate::real::{Kernel, Packet};
 use crate::small_cholesky::TRIANGLE;
@@ -397,9 +397,10 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         &self.equations
     }
 
-    /// A port of a cable, by its position in `CablePort::ALL`.
-    pub fn cable_port(&self, batch: usize, cable: usize, port: usize) -> T {
-        self.ports.store.load(self.ports.cables[cable][port], batch)
+    /// A port of a cable.
+    pub fn cable_port(&self, batch: usize, cable: usize, port: CablePort) -> T {
+        let column = self.ports.cables[cable].ports.get(port);
+        self.ports.store.load(column, batch)
     }
 
     /// Equations of a packet at its present poses.

@@ -2,7 +2,7 @@
 
 use super::equations::Equations;
 use super::layout::Layout;
-use crate::effect::PlatformPort;
+use crate::effect::{PlatformPort, PlatformPorts};
 use crate::geometry::PosePacket;
 use crate::real::{Real, add_scaled, cross, dot, scaled, unit_vector};
 
@@ -14,7 +14,7 @@ pub(super) struct LaserInputs<T> {
     pub origin: [T; 3],
     pub offset: T,
     pub inverse_sd: T,
-    pub ports: [T; PlatformPort::COUNT],
+    pub ports: PlatformPorts<T>,
 }
 
 impl<T: Real> LaserInputs<T> {
@@ -29,10 +29,10 @@ impl<T: Real> LaserInputs<T> {
         equations: &mut Equations<T>,
     ) {
         let p = &self.ports;
-        let (gain, bias, normal) = (p[4], p[5], [p[9], p[10], p[11]]);
+        let (gain, bias, normal) = (p.laser_gain, p.laser_bias, p.target_normal);
         let lever = pose.rotate(self.origin);
         let origin = add_scaled(lever, gain.lift(1.0), pose.position);
-        let direction = pose.rotate([p[6], p[7], p[8]]);
+        let direction = pose.rotate(p.laser_direction);
         let inverse = gain.lift(1.0) / dot(normal, direction);
         let distance = (self.offset - dot(normal, origin)) * inverse;
         let (reading, present) = self.reading.present();
@@ -134,7 +134,7 @@ pub(super) fn tracker_orientation_rows<T: Real>(
 pub(super) fn inclination_rows<T: Real>(
     first: usize,
     (reading, inverse_sd): ([T; 3], T),
-    ports: &[T; PlatformPort::COUNT],
+    ports: &PlatformPorts<T>,
     links: &[(PlatformPort, usize, T)],
     layout: &Layout,
     pose: &PosePacket<T>,
@@ -163,7 +163,7 @@ pub(super) fn inclination_rows<T: Real>(
         let row = first + k;
         let (value, present) = reading[k].present();
         let weight = inverse_sd * present;
-        let off = angles[k] + ports[12 + k] - value;
+        let off = angles[k] + ports.inclination_offset[k] - value;
         let off = (off - half).select_positive(off - turn, off);
         let off = (-off - half).select_positive(off + turn, off);
         let [x, y, z] = scaled(gradients[k], weight);

@@ -53,7 +53,7 @@ impl<T: Packet> Evaluator<'_, T> {
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: self.home_length[cable],
-            ports: self.ports.store.load_all(columns, batch),
+            ports: self.ports.store.load_cable(&columns.ports, batch),
             swivel: match swivel {
                 Some(column) => self.readings.load(*column, batch),
                 None => T::splat(self.token, f64::NAN),
@@ -75,13 +75,13 @@ impl<T: Packet> Evaluator<'_, T> {
                 equilibrium,
                 &mut self.equations,
             );
-            equilibrium.present = equilibrium.present * inputs.ports[1].present().1;
+            equilibrium.present = equilibrium.present * inputs.ports.tension.present().1;
         }
         if self.detailed || self.is_latent {
             self.equations.length_by_tension[cable] = state.length_by_tension();
             self.equations.structure[cable] = state.structure();
         }
-        for link in &self.ports.cable_links[cable] {
+        for link in &self.ports.cables[cable].links {
             let slope = self.ports.store.load(link.slope, batch);
             let at = (cable, constants);
             state.link((link, slope), at, &self.layout, pose, &mut self.equations);
@@ -152,10 +152,11 @@ impl<T: Packet> Evaluator<'_, T> {
         pose: &PosePacket<T>,
         equilibrium: &mut EquilibriumRows<T>,
     ) {
-        let [mass, x, y, z, ..] = self.ports.store.load_all(&self.ports.platform, batch);
+        let ports = self.ports.store.load_platform(&self.ports.platform, batch);
+        let mass = ports.mass;
         let per_kilogram = constants(mass, self.gravity);
         let weight = scaled(per_kilogram, mass);
-        let lever = pose.rotate([x, y, z]);
+        let lever = pose.rotate(ports.center_of_mass);
         let torque = crate::real::cross(lever, weight);
         for k in 0..3 {
             equilibrium.residual[k] = equilibrium.residual[k] + weight[k];
@@ -185,8 +186,7 @@ impl<T: Packet> Evaluator<'_, T> {
     fn evaluate_platform(&mut self, batch: usize, pose: &PosePacket<T>) {
         let robot = &self.problem.dataset.robot;
         let zero = T::splat(self.token, 0.0);
-        let ports: [T; PlatformPort::COUNT] =
-            self.ports.store.load_all(&self.ports.platform, batch);
+        let ports = self.ports.store.load_platform(&self.ports.platform, batch);
         let mut links = Vec::with_capacity(self.ports.platform_links.len());
         for link in &self.ports.platform_links {
             let slope = self.ports.store.load(link.slope, batch);

@@ -11,7 +11,10 @@ impl Evaluator<'_, f64> {
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: 0.0,
-            ports: self.ports.store.load_all(&self.ports.cables[cable], 0),
+            ports: self
+                .ports
+                .store
+                .load_cable(&self.ports.cables[cable].ports, 0),
             swivel: f64::NAN,
             tension_error: 0.0,
         };
