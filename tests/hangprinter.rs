@@ -7,7 +7,7 @@ use anyhow::Result;
 use tautline_core::diagnosis::{Cause, DiagnosisOptions, Finding, Verdict, diagnose};
 use tautline_core::effect::EffectRequest;
 use tautline_core::estimation::{
-    Analysis, Control, Geometry, Globals, Options, Poses, Problem, ReadingKind, Solution, solve,
+    Analysis, Control, Geometry, Globals, ObservationKind, Options, Poses, Problem, Solution, solve,
 };
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -185,9 +185,9 @@ fn length_rms(dataset: &Dataset, rows: Option<&[usize]>) -> Result<f64> {
     problem.poses = Poses::HeldAtTracker;
     let analysis = Analysis::new(&problem, &run(&problem)?);
     let squares: Vec<f64> = analysis
-        .readings
+        .observations
         .iter()
-        .filter(|r| matches!(r.kind, ReadingKind::Length(_)))
+        .filter(|r| matches!(r.kind, ObservationKind::Length(_)))
         .filter(|r| rows.is_none_or(|rows| rows.contains(&r.row)))
         .map(|r| r.residual().powi(2))
         .collect();

@@ -144,11 +144,14 @@ fn what_is_visible_is_saved() {
                 .as_ref()
                 .and_then(|d| d.fit().cloned());
             let fit = fit.expect("a fit");
-            let is_shown = |r: &&tautline_core::estimation::Reading| {
-                let is_length = matches!(r.kind, tautline_core::estimation::ReadingKind::Length(_));
+            let is_shown = |r: &&tautline_core::estimation::Observation| {
+                let is_length = matches!(
+                    r.kind,
+                    tautline_core::estimation::ObservationKind::Length(_)
+                );
                 is_length && r.normalised().is_some()
             };
-            let readings = fit.analysis.readings.iter().filter(is_shown).count();
+            let readings = fit.analysis.observations.iter().filter(is_shown).count();
             assert_eq!(text.lines().count(), 1 + readings, "all are in the view");
             assert!(text.starts_with("name,pose,"));
         } else {

@@ -246,14 +246,14 @@ fn has_forces(problem: &Problem<'_>) -> bool {
 /// Whether it changes the tensions that force sensors tell.
 fn acts_on_tension(scored: &Scored, problem: &Problem<'_>) -> bool {
     let bound = &scored.cause.instances[0];
-    let (Some(cable), Some(circumstances)) = (bound.cables.first(), &problem.circumstances) else {
+    let (Some(cable), Some(contexts)) = (bound.cables.first(), &problem.contexts) else {
         return false;
     };
     let robot = &problem.dataset.robot;
     let values: Vec<Dual> = bound.values.iter().map(|v| Dual::variable(*v)).collect();
     (0..problem.dataset.measurements.len()).any(|row| {
         let mut ports = CablePorts::nominal(&robot.cables[*cable], 0.0, 1.0);
-        let at = circumstances.cable(row, *cable);
+        let at = contexts.cable(row, *cable);
         (bound.effect.change_cable)(&values, at, &mut ports);
         ports.tension.slope != 0.0
     })

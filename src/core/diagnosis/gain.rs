@@ -196,16 +196,16 @@ fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
 
 /// The kind of reading of a row; none for equilibrium equations and priors.
 pub(super) fn quantity_of(kind: RowKind) -> Option<Quantity> {
-    use crate::estimation::ReadingKind as Kind;
+    use crate::estimation::ObservationKind as Kind;
     match kind {
         RowKind::Tension(_) => Some(Quantity::Tension),
-        RowKind::Reading(Kind::Length(_)) => Some(Quantity::Length),
-        RowKind::Reading(Kind::Laser) => Some(Quantity::Laser),
-        RowKind::Reading(Kind::Swivel(_)) => Some(Quantity::Swivel),
-        RowKind::Reading(Kind::Inclination(_)) => Some(Quantity::Inclination),
-        RowKind::Reading(Kind::TrackerPosition(_)) => Some(Quantity::TrackerPosition),
-        RowKind::Reading(Kind::TrackerOrientation(_)) => Some(Quantity::TrackerOrientation),
-        RowKind::Reading(Kind::Equilibrium(_)) | RowKind::Prior(_) => None,
+        RowKind::Observation(Kind::Length(_)) => Some(Quantity::Length),
+        RowKind::Observation(Kind::Laser) => Some(Quantity::Laser),
+        RowKind::Observation(Kind::Swivel(_)) => Some(Quantity::Swivel),
+        RowKind::Observation(Kind::Inclination(_)) => Some(Quantity::Inclination),
+        RowKind::Observation(Kind::TrackerPosition(_)) => Some(Quantity::TrackerPosition),
+        RowKind::Observation(Kind::TrackerOrientation(_)) => Some(Quantity::TrackerOrientation),
+        RowKind::Observation(Kind::Equilibrium(_)) | RowKind::Prior(_) => None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Which reading a row of a linearisation belongs to, as reports call it.
 
 use super::Quantity;
-use crate::estimation::{LinearRow, Linearisation, ParameterId, ReadingKind, RowKind};
+use crate::estimation::{LinearRow, Linearisation, ObservationKind, ParameterId, RowKind};
 
 /// The reading behind a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,14 +24,16 @@ impl ReadingId {
                 ParameterId::HomeTension { cable } => (Quantity::Tension, Some(cable), None),
                 _ => return None,
             },
-            RowKind::Reading(kind) => match kind {
-                ReadingKind::Equilibrium(_) => return None,
-                ReadingKind::Length(cable) => (Quantity::Length, Some(cable), None),
-                ReadingKind::Laser => (Quantity::Laser, None, None),
-                ReadingKind::Swivel(cable) => (Quantity::Swivel, Some(cable), None),
-                ReadingKind::TrackerPosition(k) => (Quantity::TrackerPosition, None, Some(k)),
-                ReadingKind::TrackerOrientation(k) => (Quantity::TrackerOrientation, None, Some(k)),
-                ReadingKind::Inclination(k) => (Quantity::Inclination, None, Some(k)),
+            RowKind::Observation(kind) => match kind {
+                ObservationKind::Equilibrium(_) => return None,
+                ObservationKind::Length(cable) => (Quantity::Length, Some(cable), None),
+                ObservationKind::Laser => (Quantity::Laser, None, None),
+                ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable), None),
+                ObservationKind::TrackerPosition(k) => (Quantity::TrackerPosition, None, Some(k)),
+                ObservationKind::TrackerOrientation(k) => {
+                    (Quantity::TrackerOrientation, None, Some(k))
+                }
+                ObservationKind::Inclination(k) => (Quantity::Inclination, None, Some(k)),
             },
         };
         Some(Self {

@@ -123,8 +123,8 @@ struct Reading<'b> {
 
 impl<'b> Reading<'b> {
     fn new(fit: &Fit<'_>, bound: &'b BoundEffect, moments: Moments) -> Self {
-        let circumstances = fit.problem.circumstances.as_ref();
-        let at = |pose: &PoseMoments| match (circumstances, bound.cables.as_slice()) {
+        let contexts = fit.problem.contexts.as_ref();
+        let at = |pose: &PoseMoments| match (contexts, bound.cables.as_slice()) {
             (Some(known), [cable]) => known.cable(pose.row, *cable).variables,
             (Some(known), _) => known.platform(pose.row).variables,
             (None, _) => [f64::NAN; Variable::COUNT],

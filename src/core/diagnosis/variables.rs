@@ -6,7 +6,7 @@
 
 use super::{Quantity, Variable};
 use crate::effect::travel;
-use crate::estimation::{Linearisation, Problem, ReadingKind, RowKind, Solution};
+use crate::estimation::{Linearisation, ObservationKind, Problem, RowKind, Solution};
 use crate::geometry::{Pose, Vec3};
 use crate::kinematics::{CablePath, PulleyGeometry};
 use crate::measurement::Grid;
@@ -222,7 +222,7 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
             RowKind::Tension(cable) => {
                 tension.set(row, cable, tension.get(row, cable) + correction);
             }
-            RowKind::Reading(ReadingKind::Laser) => laser[row] += correction,
+            RowKind::Observation(ObservationKind::Laser) => laser[row] += correction,
             _ => {}
         }
     }

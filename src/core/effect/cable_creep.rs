@@ -2,7 +2,7 @@
 //! the load is about constant. Typical 1e-4 to 1e-2: logarithmic creep of fibre ropes.
 
 use super::words::{self, millimetres, sentence};
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_creep",
@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     // The logarithm of 1 + 3600 s / 600 s.
     let first_hour = found.value(0) * 7_f64.ln();
     sentence(&format!(
@@ -32,7 +32,7 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Leave {} under working tension for some hours before measuring{}.",
         found.name(Part::Cable),
@@ -44,6 +44,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.strain += parameters[0] * (at.time_s.max(0.0) / 600.0).ln_1p();
 }

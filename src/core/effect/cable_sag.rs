@@ -4,7 +4,7 @@
 //! 5 N/m. Source: Irvine, Cable Structures, 1981.
 
 use super::words::sentence;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_sag",
@@ -20,7 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} {} than stated and {} accordingly.",
         found.name(Part::Cable),
@@ -31,10 +31,10 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Weigh a piece of the cable of known length and enter its weight per metre. Higher tensions make the sag smaller.".to_owned()
 }
 
-fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     ports.weight += parameters[0];
 }

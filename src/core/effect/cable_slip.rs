@@ -3,7 +3,7 @@
 
 use super::words::{self, sentence};
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -23,7 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} slipped: from {} on, {} {} {} than {}.",
         found.name(Part::Cable),
@@ -35,7 +35,7 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check how {} {} fastened to the drum, and the coupling and the set screws of {}.{}",
         found.name(Part::Cable),
@@ -49,7 +49,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.is_from(parameters[1].value) {
         ports.paid += parameters[0];
     }

@@ -7,7 +7,7 @@
 
 use super::words::sentence;
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -26,7 +26,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} with load: at twice the mean tension {} {} {} than in proportion.",
         found.name(Part::Cable),
@@ -40,11 +40,11 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.".to_owned()
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.mean_tension_n > 0.0 {
         let excess = at.tension_n / at.mean_tension_n - 1.0;
         ports.compliance *= parameters[0] * excess + 1.0;

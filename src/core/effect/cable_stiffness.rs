@@ -1,7 +1,7 @@
 //! Axial stiffness other than stated: `EA (1 + change)`. Typical 10 to 50 %.
 
 use super::words::sentence;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_stiffness",
@@ -18,7 +18,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} {} than stated.",
         found.name(Part::Cable),
@@ -28,10 +28,10 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Stretch a piece of the same cable with known weights, measure by how much, and enter that stiffness.".to_owned()
 }
 
-fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     ports.compliance *= (parameters[0] + 1.0).recip();
 }

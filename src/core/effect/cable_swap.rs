@@ -2,7 +2,7 @@
 //! poses. Force and swivel readings are not. There is nothing to fit: a model that names the exchange is
 //! compared with readings in which it was undone.
 
-use super::{Effect, Found, Part, Scope, Search};
+use super::{Effect, FoundEffect, Part, Scope, Search};
 use crate::measurement::Measurements;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -18,7 +18,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     if found.counts_revolutions() {
         format!(
             "The encoders of {} are connected the wrong way round.",
@@ -32,7 +32,7 @@ fn cause(found: &Found<'_>) -> String {
     }
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     if found.counts_revolutions() {
         format!(
             "Exchange the encoder plugs of {}, or their channels in the controller.",

@@ -3,7 +3,7 @@
 //! kelvin; steel 12e-6.
 
 use super::words::{self, sentence};
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_thermal",
@@ -23,7 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} {} per metre and per kelvin of warming.",
         found.name(Part::Cable),
@@ -33,10 +33,10 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Measure at a steady temperature, or correct the cable lengths for temperature in the controller.".to_owned()
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.strain += parameters[0] * at.temperature_change_k;
 }

@@ -2,7 +2,7 @@
 //! out. Typical amplitude 0.1 to 1 mm.
 
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -30,7 +30,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The {} of {} {} out of round: once per turn the cable paid out swings by {} to either side.",
         found.either("drum", "drums"),
@@ -40,7 +40,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Measure the runout of the {} of {} with a dial gauge; centre or replace what runs out.",
         found.either("drum", "drums"),
@@ -48,7 +48,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     let [amplitude, phase] = [parameters[0], parameters[1]];
     let angle = std::f64::consts::TAU * at.revolutions * at.drum_per_motor;
     ports.paid += amplitude * ((phase + angle).sin() - phase.sin());

@@ -2,7 +2,7 @@
 //! 0.01 to 1 % per revolution.
 
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -24,7 +24,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The {} of {} {} no constant diameter: the cable per revolution, on average since home, {} by {} with every motor revolution.",
         found.either("drum", "drums"),
@@ -35,7 +35,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check that the cable lies in one layer and in regular turns on the {} of {}, and guide it if it climbs over itself.",
         found.either("drum", "drums"),
@@ -43,6 +43,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.paid *= parameters[0] * at.revolutions + 1.0;
 }

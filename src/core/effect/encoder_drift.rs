@@ -3,7 +3,7 @@
 //! reference that wanders.
 
 use super::words::{self, size};
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "encoder_drift",
@@ -18,7 +18,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The length {} of {} {}: the {} {} than the {}, by {} mm/h.",
         found.either("reading", "readings"),
@@ -31,7 +31,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check coupling and set screws between motor, encoder and drum of {}. Mark the {} on the drum to see whether it slips.",
         found.name(Part::Winch),
@@ -39,6 +39,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.paid += parameters[0] * (at.time_s / 3600.0);
 }

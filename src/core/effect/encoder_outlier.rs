@@ -3,7 +3,7 @@
 
 use super::words;
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -23,7 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The length {} of {} at {} {} {} too {}.",
         found.either("reading", "readings"),
@@ -35,7 +35,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Measure {} again, or leave the length {} of {} out there. If it happens again, check encoder, plug and wiring of {}.",
         found.pose(0),
@@ -45,7 +45,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.is_at(parameters[0].value) {
         ports.paid += -parameters[1];
     }

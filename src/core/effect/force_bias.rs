@@ -3,7 +3,7 @@
 
 use super::words::sentence;
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -20,7 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} too {}, whatever the tension.",
         found.name(Part::ForceSensor),
@@ -30,7 +30,7 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Support the platform, slacken {} and zero {} again.",
         found.name(Part::Cable),
@@ -38,7 +38,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.tension_gain != 0.0 {
         ports.tension += parameters[0] * -at.tension_gain.recip();
     }

@@ -2,7 +2,7 @@
 
 use super::words::sentence;
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -19,7 +19,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} too {}.",
         found.name(Part::ForceSensor),
@@ -29,7 +29,7 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Hang known weights on {} and calibrate the gain of {} again.",
         found.name(Part::Cable),
@@ -37,6 +37,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     ports.tension *= (parameters[0] + 1.0).recip();
 }

@@ -6,7 +6,7 @@ use crate::robot::Robot;
 
 /// An effect with its targets and values, on its robot.
 #[derive(Debug, Clone, Copy)]
-pub struct Found<'a> {
+pub struct FoundEffect<'a> {
     robot: &'a Robot,
     bound: &'a BoundEffect,
 }
@@ -36,7 +36,7 @@ impl Part {
     }
 }
 
-impl<'a> Found<'a> {
+impl<'a> FoundEffect<'a> {
     /// `bound` on `robot`.
     #[must_use]
     pub fn new(robot: &'a Robot, bound: &'a BoundEffect) -> Self {
@@ -163,12 +163,12 @@ impl BoundEffect {
     /// What is the matter, in the sentence that a technician reads.
     #[must_use]
     pub fn cause(&self, robot: &Robot) -> String {
-        (self.effect.cause)(&Found::new(robot, self))
+        (self.effect.cause)(&FoundEffect::new(robot, self))
     }
 
     /// What to do about it in the workshop.
     #[must_use]
     pub fn workshop(&self, robot: &Robot) -> String {
-        (self.effect.workshop)(&Found::new(robot, self))
+        (self.effect.workshop)(&FoundEffect::new(robot, self))
     }
 }

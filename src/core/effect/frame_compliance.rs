@@ -6,7 +6,7 @@
 //! home pose), the tension is that of the sensor. Pulleys do not couple. Typical 1e-7 to 1e-4 m/N.
 
 use super::words::millimetres;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_compliance",
@@ -26,7 +26,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {} the platform.",
         millimetres(100.0 * found.value(0)),
@@ -34,11 +34,11 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.".to_owned()
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     for k in 0..3 {
         let force_n = at.tension_n * at.pull_horizontal[k];
         ports.entry_shift[k] += parameters[0] * force_n;

@@ -3,7 +3,7 @@
 
 use super::words::{self, displacement};
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Search,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -25,7 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let shift_m = [0, 1, 2].map(|k| found.value(k));
     format!(
         "From {} on, {} {} displaced by {}.",
@@ -36,7 +36,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check {} of {}, tighten the bolts and measure again.",
         found.either("the bracket", "the brackets"),
@@ -44,7 +44,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.is_from(parameters[3].value) {
         for k in 0..3 {
             ports.entry_shift[k] += parameters[k];

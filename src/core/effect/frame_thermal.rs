@@ -3,7 +3,7 @@
 //! (steel) to 24e-6 (aluminium) per kelvin.
 
 use super::words;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_thermal",
@@ -23,7 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The frame gets {} {} per metre and per kelvin of warming.",
         found.millimetres(0),
@@ -31,11 +31,11 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.".to_owned()
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     for k in 0..3 {
         let shift = at.temperature_change_k * at.entry_point_m[k];
         ports.entry_shift[k] += parameters[0] * shift;

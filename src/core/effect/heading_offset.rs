@@ -1,7 +1,7 @@
 //! A constant added to the yaw reading (rad), as by a compass that counts from elsewhere. Typical 1 to 180
 //! degrees.
 
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "heading_offset",
@@ -21,7 +21,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The yaw reading of the platform is {} too {}.",
         found.degrees(0),
@@ -29,10 +29,10 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Zero the heading at the home pose again. Keep a compass away from motors and steel.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], _at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.inclination_offset[2] += parameters[0];
 }

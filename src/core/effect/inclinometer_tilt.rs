@@ -5,7 +5,7 @@
 
 use super::direction::{angles, product, rotation};
 use super::words::{components, degrees, list};
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "inclinometer_tilt",
@@ -25,7 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let tilts = components(&[found.value(0), found.value(1)]);
     let words: Vec<String> = tilts
         .iter()
@@ -41,11 +41,11 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Check how the inclinometer is fastened, and zero it on the levelled platform.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     let [roll, pitch, yaw] = at.inclination_rad;
     let read = rotation([roll, pitch, yaw].map(Dual::constant));
     // S^T = Ry(-tilt_2) Rx(-tilt_1).

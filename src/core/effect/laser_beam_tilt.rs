@@ -5,7 +5,7 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_beam_tilt",
@@ -25,18 +25,18 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let stated = found.robot().laser.map(|laser| laser.direction);
     let tilt = inclination(stated, found.value(0), found.value(1));
     format!("The laser beam is tilted by {tilt} (platform axes).")
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Check the screws of the laser's mount, and align the beam with a square on the platform."
         .to_owned()
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.laser_direction = tilted(
         ports.laser_direction,
         at.laser_direction,

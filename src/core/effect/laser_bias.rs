@@ -1,7 +1,7 @@
 //! A constant added to every laser reading. Typical 0.5 to 5 mm; not separable from the offset of the
 //! target plane.
 
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_bias",
@@ -16,7 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The laser reads {} too {} at every pose.",
         found.millimetres(0),
@@ -24,10 +24,10 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Check where the laser sits on the platform, and where the target is: a displaced target looks the same.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], _at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.laser_bias += parameters[0];
 }

@@ -6,7 +6,7 @@
 //! Typical amplitude 0.3 to 3 mm.
 
 use super::{
-    Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
+    Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope, Search,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -35,7 +35,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The reading of the laser swings by {} to either side as the distance changes, once every {}.",
         found.millimetres(0),
@@ -43,11 +43,11 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Clean the optics of the laser and use a matt target without reflections. If the error stays, have the laser checked or replace it.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     let [amplitude, period, phase] = [parameters[0], parameters[1], parameters[2]];
     let turns = period.recip() * (std::f64::consts::TAU * at.laser_m);
     ports.laser_bias += amplitude * (turns + phase).sin();

@@ -1,7 +1,7 @@
 //! Warm-up drift: `a (1 - exp(-t / 900 s))` is added to the laser reading, `t` since home in seconds, `a` the
 //! parameter `drift` in metres. Assumes that the laser was switched on at the home row. Typical 0.5 to 5 mm.
 
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_drift",
@@ -18,7 +18,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The laser drifts while it warms up: in the end it reads {} {} than when it was switched on.",
         found.millimetres(0),
@@ -26,10 +26,10 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Switch the laser on an hour before measuring.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.laser_bias += parameters[0] * -(-at.time_s.max(0.0) / 900.0).exp_m1();
 }

@@ -3,7 +3,7 @@
 
 use super::words;
 use super::{
-    Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope, Search,
+    Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope, Search,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -23,7 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The laser reading at {} is {} too {}.",
         found.pose(0),
@@ -32,14 +32,14 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check whether something stood in the beam at {pose} or the spot missed the target. Measure that pose again or leave its laser reading out.",
         pose = found.pose(0),
     )
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     if at.is_at(parameters[0].value) {
         ports.laser_bias += parameters[1];
     }

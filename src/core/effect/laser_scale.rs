@@ -1,6 +1,6 @@
 //! Laser reading times `1 + scale`. Typical 0.05 to 1 %.
 
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_scale",
@@ -15,7 +15,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The laser reads distances {} too {}.",
         found.percent(0),
@@ -23,11 +23,11 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Compare the laser with a tape measure at two distances far apart, and correct its scale."
         .to_owned()
 }
 
-fn change_platform(parameters: &[Dual], _at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.laser_gain *= parameters[0] + 1.0;
 }

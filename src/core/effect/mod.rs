@@ -2,7 +2,7 @@
 //!
 //! Each effect is one file: what it changes in the prediction (through [`CablePorts`] and
 //! [`PlatformPorts`]), its parameters with unit, prior and typical size, and what a technician reads when
-//! it was found ([`Found`]). The same code hides an effect in simulated data and adds it to a model.
+//! it was found ([`FoundEffect`]). The same code hides an effect in simulated data and adds it to a model.
 
 mod binding;
 mod cable_creep;
@@ -14,7 +14,7 @@ mod cable_swap;
 mod cable_thermal;
 mod catalogue;
 mod channels;
-mod circumstances;
+mod context;
 mod direction;
 mod drum_eccentricity;
 mod drum_growth;
@@ -55,10 +55,10 @@ mod words;
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
 pub use channels::measurements_as_modelled;
-pub use circumstances::{CableCircumstances, PlatformCircumstances};
-pub(crate) use circumstances::{Circumstances, sign, travel};
+pub use context::{CableContext, PlatformContext};
+pub(crate) use context::{PoseContexts, sign, travel};
 pub use dual::Dual;
-pub use found::{Found, Part};
+pub use found::{FoundEffect, Part};
 pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
@@ -189,9 +189,9 @@ pub struct Effect {
     /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
     pub(crate) parameters: &'static [EffectParameter],
     /// What is wrong, with the size that was found: one sentence that a technician reads.
-    pub(crate) cause: fn(&Found<'_>) -> String,
+    pub(crate) cause: fn(&FoundEffect<'_>) -> String,
     /// What to do about it in the workshop, in one sentence or two.
-    pub(crate) workshop: fn(&Found<'_>) -> String,
+    pub(crate) workshop: fn(&FoundEffect<'_>) -> String,
     /// An independent check in the workshop that confirms or rules it out, in one sentence; none if none is known.
     pub(crate) check: Option<&'static str>,
     /// Where the model comes from.
@@ -203,10 +203,10 @@ pub struct Effect {
     /// Whether sag must be modelled even if the description says that cables weigh nothing.
     pub(crate) needs_sag: bool,
     /// Changes the ports of a cable it is attached to.
-    pub(crate) change_cable: fn(&[Dual], &CableCircumstances, &mut CablePorts),
+    pub(crate) change_cable: fn(&[Dual], &CableContext, &mut CablePorts),
     /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of [`Scope::Reading`] without a
     /// target.
-    pub(crate) change_platform: fn(&[Dual], &PlatformCircumstances, &mut PlatformPorts),
+    pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
     /// Exchanges channels of measured data between cables; doing it twice changes nothing.
     pub(crate) exchange_channels: fn(&[usize], &mut Measurements),
 }

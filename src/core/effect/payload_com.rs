@@ -2,7 +2,7 @@
 //! component along gravity only where the platform tilts. Typical 5 to 50 mm.
 
 use super::words::displacement;
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "payload_com",
@@ -21,7 +21,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let offset_m = [0, 1, 2].map(|k| found.value(k));
     format!(
         "The centre of mass of the platform is off by {} (platform axes).",
@@ -29,11 +29,11 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], _at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
     for k in 0..3 {
         ports.center_of_mass[k] += parameters[k];
     }

@@ -2,7 +2,7 @@
 //! sensors on all cables. Typical 5 to 30 %.
 
 use super::words::size;
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "payload_mass",
@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let stated_kg = found.robot().platform.mass_kg;
     let masses = stated_kg.map(|mass_kg| {
         let [is, stated] = [mass_kg * (1.0 + found.value(0)), mass_kg].map(size);
@@ -31,10 +31,10 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Weigh the platform with everything that it carries, and enter that mass.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], _at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.mass *= parameters[0] + 1.0;
 }

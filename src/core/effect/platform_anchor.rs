@@ -2,7 +2,7 @@
 //! 10 mm.
 
 use super::words::displacement;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "platform_anchor",
@@ -21,7 +21,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let offset_m = [0, 1, 2].map(|k| found.value(k));
     format!(
         "The attachment {} of {} on the platform {} off by {} (platform axes).",
@@ -32,7 +32,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Measure on the platform where {} {} attached, and enter that point.",
         found.name(Part::Cable),
@@ -40,7 +40,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     for k in 0..3 {
         ports.anchor[k] += parameters[k];
     }

@@ -1,7 +1,7 @@
 //! The physical quantities through which effects act on the prediction.
 //!
 //! An effect never touches the solver: it changes some of these quantities, as a function of its
-//! parameters and of the circumstances of a pose. The prediction and its derivatives with respect to
+//! parameters and of the contexts of a pose. The prediction and its derivatives with respect to
 //! the ports are written once.
 //!
 //! `T` is [`Dual`] where effects change the ports, a number or a packet of numbers where they are used.

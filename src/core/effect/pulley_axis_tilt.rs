@@ -4,7 +4,7 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_axis_tilt",
@@ -22,7 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     // The axis points along the arriving cable; where axes differ there is no common direction to name.
     let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
     let tilt = inclination(stated, found.value(0), found.value(1));
@@ -34,7 +34,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check the {} of {} with a square or a spirit level, and align the swivel axis with the arriving cable.",
         found.either("bracket", "brackets"),
@@ -42,6 +42,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
 }

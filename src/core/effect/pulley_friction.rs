@@ -8,7 +8,7 @@
 
 use super::words::{self, percent, sentence};
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -25,7 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();
     let (paid_out, reeled_in) = (
         found.way(0, "higher", "lower"),
@@ -39,7 +39,7 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Clean and lubricate the {} of {}, and check that the cable runs freely in the groove.",
         found.either("bearing", "bearings"),
@@ -47,6 +47,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
 }

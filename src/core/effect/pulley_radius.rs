@@ -1,7 +1,7 @@
 //! Pulley of another radius: `rp (1 + change)`. Typical 5 to 50 %.
 
 use super::words::{millimetres, sentence};
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_radius",
@@ -16,7 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let stated = found.common(|index| found.robot().cables[index].pulley.radius_m);
     let radii = stated.filter(|radius| *radius > 0.0).map(|radius| {
         let [is, stated] = [radius * (1.0 + found.value(0)), radius].map(millimetres);
@@ -32,13 +32,13 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Measure the bottom of the groove of {} with calipers, add the cable's diameter, and enter half of the sum as radius.",
         found.name(Part::Pulley),
     )
 }
 
-fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     ports.radius *= parameters[0] + 1.0;
 }

@@ -1,6 +1,6 @@
 //! A constant added to the reading of a swivel angle (rad): its zero was set off. Typical 0.5 to 5 degrees.
 
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "swivel_offset",
@@ -15,7 +15,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     format!(
         "The swivel {} of {} {} {} too {}.",
         found.either("angle", "angles"),
@@ -26,7 +26,7 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Turn {} to {} reference direction and zero the swivel {} again.",
         found.name(Part::Pulley),
@@ -35,6 +35,6 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     ports.swivel_offset += parameters[0];
 }

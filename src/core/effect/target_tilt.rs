@@ -5,7 +5,7 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{Dual, Effect, EffectParameter, Found, PlatformCircumstances, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "target_tilt",
@@ -23,17 +23,17 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let stated = found.robot().laser.map(|laser| laser.target_plane.normal);
     let tilt = inclination(stated, found.value(0), found.value(1));
     format!("The target of the laser is not square: its normal is tilted by {tilt}.")
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Check the target with a spirit level or a square, and align it.".to_owned()
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     ports.target_normal = tilted(
         ports.target_normal,
         at.target_normal,

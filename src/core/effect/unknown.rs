@@ -11,8 +11,8 @@
 
 use super::words::{self, degrees, millimetres};
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part,
-    PlatformCircumstances, PlatformPorts, Scope,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, PlatformContext,
+    PlatformPorts, Scope,
 };
 use crate::measurement::Variable;
 
@@ -195,7 +195,7 @@ fn smooth(variable: Variable, value: f64, u: f64) -> [f64; FUNCTIONS] {
 }
 
 /// Largest less smallest value of the function.
-fn spread(found: &Found<'_>, form: &Form) -> f64 {
+fn spread(found: &FoundEffect<'_>, form: &Form) -> f64 {
     const STEPS: u32 = 40;
     let at =
         |[from, to]: [f64; 2], step: u32| from + (to - from) * f64::from(step) / f64::from(STEPS);
@@ -278,7 +278,7 @@ pub static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     let reading = BiasedReading::numbered(found.value(READING));
     let values: [f64; FIRST] = std::array::from_fn(|k| found.value(k));
     let (Some(reading), Some(form)) = (reading, Form::of(&values)) else {
@@ -304,12 +304,12 @@ fn cause(found: &Found<'_>) -> String {
     )
 }
 
-fn workshop(_found: &Found<'_>) -> String {
+fn workshop(_found: &FoundEffect<'_>) -> String {
     "Look at the plot of this error; measure poses between those where it is large and small."
         .to_owned()
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     let bias = sum(parameters, &at.variables);
     match BiasedReading::numbered(parameters[READING].value) {
         // At home, where encoders are zeroed and lengths count from, there is none.
@@ -321,7 +321,7 @@ fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CableP
     }
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     let bias = sum(parameters, &at.variables);
     match BiasedReading::numbered(parameters[READING].value) {
         Some(BiasedReading::Laser) => ports.laser_bias += bias,

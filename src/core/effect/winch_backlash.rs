@@ -6,7 +6,7 @@
 //! Typical 0.2 to 2 mm. Source: dead band of half the play to either side, as in any drive with play.
 
 use super::words::{self, sentence};
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_backlash",
@@ -21,7 +21,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} of play: at the same reading {} {} after paying out than after reeling in.",
         found.name(Part::Winch),
@@ -32,13 +32,13 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     format!(
         "Check the coupling, the set screws and the gearbox of {} for play. Until it is mended, approach poses always from the same side.",
         found.name(Part::Winch),
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     ports.paid += parameters[0] * (0.5 * at.direction);
 }

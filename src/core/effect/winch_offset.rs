@@ -2,7 +2,7 @@
 //! the cable at another length. Typical 0.5 to 150 mm.
 
 use super::words::sentence;
-use super::{CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_offset",
@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn cause(found: &Found<'_>) -> String {
+fn cause(found: &FoundEffect<'_>) -> String {
     sentence(&format!(
         "{} {} {} {} than {} at every pose{}.",
         found.name(Part::Cable),
@@ -33,7 +33,7 @@ fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     if !found.counts_revolutions() {
         return format!(
             "Measure the length of {} with a tape at one pose and correct the zero of {}.",
@@ -50,7 +50,7 @@ fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-fn change_cable(parameters: &[Dual], at: &CableCircumstances, ports: &mut CablePorts) {
+fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if !at.is_home {
         ports.paid += parameters[0];
     }

@@ -3,7 +3,7 @@
 
 use super::words::sentence;
 use super::{
-    CableCircumstances, CablePorts, Dual, Effect, EffectParameter, Found, Part, Scope, Stage,
+    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
 };
 
 pub(super) static EFFECT: Effect = Effect {
@@ -22,7 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-pub(super) fn cause(found: &Found<'_>) -> String {
+pub(super) fn cause(found: &FoundEffect<'_>) -> String {
     let size = found.percent(0);
     if !found.counts_revolutions() {
         return sentence(&format!(
@@ -42,7 +42,7 @@ pub(super) fn cause(found: &Found<'_>) -> String {
     ))
 }
 
-pub(super) fn workshop(found: &Found<'_>) -> String {
+pub(super) fn workshop(found: &FoundEffect<'_>) -> String {
     if !found.counts_revolutions() {
         return format!(
             "Compare the length {} of {} with a tape measure at two lengths far apart, and correct the scale in the controller.",
@@ -58,6 +58,6 @@ pub(super) fn workshop(found: &Found<'_>) -> String {
     )
 }
 
-pub(super) fn change_cable(parameters: &[Dual], _at: &CableCircumstances, ports: &mut CablePorts) {
+pub(super) fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     ports.paid *= parameters[0] + 1.0;
 }

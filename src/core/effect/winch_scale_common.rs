@@ -1,7 +1,7 @@
 //! All drums of another effective diameter by the same ratio, as by a wrong cable diameter: cable per
 //! revolution times `1 + scale`. Typical 0.1 to 1 %.
 
-use super::{Effect, EffectParameter, Found, Scope, Stage, winch_scale};
+use super::{Effect, EffectParameter, FoundEffect, Scope, Stage, winch_scale};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_scale_common",
@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn workshop(found: &Found<'_>) -> String {
+fn workshop(found: &FoundEffect<'_>) -> String {
     if !found.counts_revolutions() {
         return winch_scale::workshop(found);
     }

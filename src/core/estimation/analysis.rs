@@ -10,68 +10,17 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::evaluator::{Elimination, Evaluator, Layout};
 use super::home::HomeRow;
+use super::observation::{Observation, ObservationKind};
 use super::problem::Problem;
 use super::solution::Solution;
 use super::system::{ColumnMap, Priors, System};
-use crate::geometry::Coordinate;
 use crate::real::{Kernel, Lanes, Packet};
-
-/// Which reading a residual belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ReadingKind {
-    /// Length of a cable.
-    Length(usize),
-    /// EquilibriumRows of forces or torques along a coordinate; stands for the tension readings.
-    Equilibrium(Coordinate),
-    /// Laser distance.
-    Laser,
-    /// Swivel angle of a pulley.
-    Swivel(usize),
-    /// Position by the external instrument, axis 0, 1, 2.
-    TrackerPosition(usize),
-    /// Orientation by the external instrument, axis 0, 1, 2.
-    TrackerOrientation(usize),
-    /// Roll, pitch, yaw: 0, 1, 2.
-    Inclination(usize),
-}
-
-/// One reading at the solution.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading {
-    /// Row of the measurements.
-    pub row: usize,
-    /// Which reading.
-    pub kind: ReadingKind,
-    /// Prediction minus reading, in standard deviations of the reading.
-    pub standardised: f64,
-    /// Standard deviation of the reading (SI unit of the reading, 1 for equilibrium rows).
-    pub sd: f64,
-    /// Share of an error of this reading that shows in its residual, 0 to 1; `None` where
-    /// the common parameters are not determined.
-    pub redundancy: Option<f64>,
-}
-
-impl Reading {
-    /// Prediction minus reading in SI units.
-    #[must_use]
-    pub fn residual(&self) -> f64 {
-        self.standardised * self.sd
-    }
-
-    /// Residual in its own standard deviations: standard normal if model and noise are right. `None`
-    /// where the reading is hardly controlled by others.
-    #[must_use]
-    pub fn normalised(&self) -> Option<f64> {
-        let redundancy = self.redundancy.filter(|r| *r > 1e-3)?;
-        Some(self.standardised / redundancy.sqrt())
-    }
-}
 
 /// Residuals of all readings at a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
-    /// Every reading that was made, in the order of the rows.
-    pub readings: Vec<Reading>,
+    /// Every reading that was made and every equilibrium equation, in the order of the rows.
+    pub observations: Vec<Observation>,
     /// Estimated error of each tension reading (N): row, cable, value.
     pub tension_errors_n: Vec<(usize, usize, f64)>,
     /// Redundancy of the prior of each parameter.
@@ -87,12 +36,12 @@ impl Analysis {
 
     /// Root mean square residual of the readings that `pick` accepts (SI units).
     #[must_use]
-    pub fn rms(&self, pick: impl Fn(ReadingKind) -> bool) -> Option<f64> {
+    pub fn rms(&self, pick: impl Fn(ObservationKind) -> bool) -> Option<f64> {
         rms(self
-            .readings
+            .observations
             .iter()
             .filter(|r| pick(r.kind))
-            .map(Reading::residual))
+            .map(Observation::residual))
     }
 
     /// Root mean square of the estimated errors of the tension readings (N).
@@ -104,11 +53,11 @@ impl Analysis {
     /// Readings whose normalised residual is improbable, the worst first: two-sided, at level
     /// `alpha` for all readings together (Bonferroni).
     #[must_use]
-    pub fn suspects(&self, alpha: f64) -> Vec<Reading> {
-        let level = alpha / self.readings.len().max(1) as f64;
-        let size = |r: &Reading| r.normalised().map_or(0.0, f64::abs);
-        let mut suspects: Vec<Reading> = self
-            .readings
+    pub fn suspects(&self, alpha: f64) -> Vec<Observation> {
+        let level = alpha / self.observations.len().max(1) as f64;
+        let size = |r: &Observation| r.normalised().map_or(0.0, f64::abs);
+        let mut suspects: Vec<Observation> = self
+            .observations
             .iter()
             .filter(|r| crate::statistics::normal_two_sided(size(r)) < level)
             .copied()
@@ -153,16 +102,16 @@ fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solutio
     let map = ColumnMap::new(problem, &solution.parameters, &evaluator.layout);
     let own = covariance_at(&mut evaluator, problem, solution, &map, &home);
     let covariance = own.as_ref().map(|c| map.column_covariance(&home, c));
-    let readings = home_row.map_or_else(Vec::new, |row| {
+    let observations = home_row.map_or_else(Vec::new, |row| {
         let evaluator = home_evaluator.as_mut();
         evaluator.map_or_else(Vec::new, |e| {
-            home_readings(e, problem, own.as_ref(), &home, row)
+            home_observations(e, problem, own.as_ref(), &home, row)
         })
     });
     let mut collector = Collector {
         problem,
         covariance,
-        readings,
+        observations,
         tension_errors_n: Vec::new(),
     };
     T::run(
@@ -174,7 +123,7 @@ fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solutio
         },
     );
     Analysis {
-        readings: collector.readings,
+        observations: collector.observations,
         tension_errors_n: collector.tension_errors_n,
         prior_redundancies: prior_redundancies(problem, solution, own.as_ref()),
     }
@@ -197,47 +146,22 @@ fn covariance_at<T: Packet>(
     System::build(&evaluator.sums, map, home, &priors).covariance()
 }
 
-pub(super) fn kind_of(layout: &Layout, row: usize) -> ReadingKind {
-    let within = |first: Option<usize>, count: usize| {
-        first
-            .and_then(|first| row.checked_sub(first))
-            .filter(|k| *k < count)
-    };
-    if row < layout.cables {
-        return ReadingKind::Length(row);
-    }
-    if let Some(k) = within(layout.equilibrium, 6) {
-        return ReadingKind::Equilibrium(Coordinate::ALL[k]);
-    }
-    if let Some(cable) = within(layout.swivel, layout.cables) {
-        return ReadingKind::Swivel(cable);
-    }
-    if let Some(k) = within(layout.tracker_position, 3) {
-        return ReadingKind::TrackerPosition(k);
-    }
-    if let Some(k) = within(layout.tracker_orientation, 3) {
-        return ReadingKind::TrackerOrientation(k);
-    }
-    match within(layout.inclination, 3) {
-        Some(k) => ReadingKind::Inclination(k),
-        None => ReadingKind::Laser,
-    }
-}
-
 /// Standard deviation of a reading; `length_weight` is the whitening factor of its length row.
 pub(super) fn sd_of(
     problem: &Problem<'_>,
-    kind: ReadingKind,
+    kind: ObservationKind,
     row: usize,
     length_weight: f64,
 ) -> f64 {
     let robot = &problem.dataset.robot;
     match kind {
-        ReadingKind::Length(_) => length_weight.recip(),
-        ReadingKind::Equilibrium(_) => 1.0,
-        ReadingKind::Laser => robot.laser.map_or(f64::NAN, |l| l.sd_m),
-        ReadingKind::Swivel(cable) => robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN),
-        ReadingKind::TrackerPosition(k) => {
+        ObservationKind::Length(_) => length_weight.recip(),
+        ObservationKind::Equilibrium(_) => 1.0,
+        ObservationKind::Laser => robot.laser.map_or(f64::NAN, |l| l.sd_m),
+        ObservationKind::Swivel(cable) => {
+            robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN)
+        }
+        ObservationKind::TrackerPosition(k) => {
             let own = problem.dataset.measurements.tracked_position_sd_m.get(row);
             let nominal = robot
                 .tracker
@@ -246,21 +170,21 @@ pub(super) fn sd_of(
                 .filter(|sd| !sd.is_nan())
                 .unwrap_or(nominal)
         }
-        ReadingKind::TrackerOrientation(_) => robot
+        ObservationKind::TrackerOrientation(_) => robot
             .tracker
             .and_then(|t| t.orientation_sd_rad)
             .unwrap_or(f64::NAN),
-        ReadingKind::Inclination(_) => robot.inclinometer.map_or(f64::NAN, |i| i.sd_rad),
+        ObservationKind::Inclination(_) => robot.inclinometer.map_or(f64::NAN, |i| i.sd_rad),
     }
 }
 
-fn home_readings(
+fn home_observations(
     evaluator: &mut Evaluator<'_, f64>,
     problem: &Problem<'_>,
     covariance: Option<&DMatrix<f64>>,
     home: &HomeRow,
     row: usize,
-) -> Vec<Reading> {
+) -> Vec<Observation> {
     let layout = evaluator.layout.clone();
     let present = evaluator.equations_at(0).present.clone();
     let n = covariance.map_or(0, DMatrix::nrows);
@@ -268,10 +192,10 @@ fn home_readings(
     measured
         .map(|r| {
             let index = r - layout.cables;
-            let kind = kind_of(&layout, r);
+            let kind = layout.kinds[r];
             let gradient = DVector::from_column_slice(&home.gradients[index * n..(index + 1) * n]);
             let fitted = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
-            Reading {
+            Observation {
                 row,
                 kind,
                 standardised: home.residuals[index],
@@ -304,7 +228,7 @@ fn prior_redundancies(
 struct Collector<'a> {
     problem: &'a Problem<'a>,
     covariance: Option<DMatrix<f64>>,
-    readings: Vec<Reading>,
+    observations: Vec<Observation>,
     tension_errors_n: Vec<(usize, usize, f64)>,
 }
 
@@ -388,9 +312,9 @@ impl<T: Packet> AnalysePoses<'_, '_, T> {
         let known = self.collector.covariance.is_some();
         for (lane, row) in rows.iter().enumerate() {
             for k in (0..layout.rows).filter(|k| present[*k][lane] > 0.0) {
-                let kind = kind_of(layout, k);
+                let kind = layout.kinds[k];
                 let weight = weights.get(k).map_or(1.0, |w| -w[lane]);
-                self.collector.readings.push(Reading {
+                self.collector.observations.push(Observation {
                     row: *row,
                     kind,
                     standardised: residual[k][lane],

@@ -1,6 +1,7 @@
 //! The home row: unstrained lengths at home, and what was measured there.
 
 use super::evaluator::{Evaluator, Layout};
+use super::observation::ObservationKind as Kind;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Globals, Problem};
 
@@ -53,7 +54,7 @@ impl HomeRow {
         evaluator.set_globals(globals, None);
         evaluator.set_single_pose(&globals.home);
         let layout = evaluator.layout.clone();
-        let sd = problem.dataset.robot.wrench_sd();
+        let wrench_sd = std::array::from_fn(|k| evaluator.wrench_variance(k).sqrt());
         let equations = evaluator.equations_at(0);
         let lengths = equations.residual[..layout.cables].to_vec();
         let length_gradients = (0..layout.cables)
@@ -72,22 +73,14 @@ impl HomeRow {
         let mut gradients = Vec::new();
         for row in layout.cables..layout.rows {
             for parameter in parameters {
-                let equilibrium = layout.equilibrium.and_then(|first| row.checked_sub(first));
-                let derivative = match (parameter.id.clone(), equilibrium.filter(|k| *k < 6)) {
-                    (ParameterId::HomeTension { cable }, Some(k)) => {
-                        let scale =
-                            sd.map_or(0.0, |sd| if k < 3 { sd.force_n } else { sd.torque_nm });
-                        equations.structure[cable][k] / scale * equations.present[row]
-                    }
-                    (ParameterId::Home(coordinate), _) => {
-                        equations.by_pose[row][coordinate.index()]
-                    }
-                    (id, equilibrium) => direct_column(&id, &layout, problem)
-                        .map_or(0.0, |column| {
-                            row_derivative(equations, &layout, (row, equilibrium), column)
-                        }),
-                };
-                gradients.push(derivative);
+                let slope = row_derivative(
+                    equations,
+                    &layout,
+                    problem,
+                    &wrench_sd,
+                    (row, &parameter.id),
+                );
+                gradients.push(slope);
             }
         }
         Self {
@@ -157,26 +150,30 @@ fn length_gradient(
         .collect()
 }
 
-/// Derivative of a row that is not a length row with respect to a column.
+/// Derivative of a row that is not a length row with respect to a parameter.
 fn row_derivative(
     equations: &HomeEquations,
     layout: &Layout,
-    (row, equilibrium): (usize, Option<usize>),
-    column: usize,
+    problem: &Problem<'_>,
+    wrench_sd: &[f64; 6],
+    (row, id): (usize, &ParameterId),
 ) -> f64 {
-    if let Some(k) = equilibrium {
-        return equations.equilibrium_by_column[column][k];
-    }
-    if let Some(effect) = column.checked_sub(layout.effect_column()) {
-        return equations.by_effect[row * layout.effects + effect];
-    }
-    if layout.laser == Some(row) && column == layout.plane_column() {
-        return equations.laser_by_plane;
-    }
-    let swivelled = layout.swivel.and_then(|first| row.checked_sub(first));
-    match swivelled.filter(|cable| *cable < layout.cables) {
-        Some(cable) if column / 4 == cable && column < layout.plane_column() => {
-            equations.swivel_by_cable[cable][column % 4]
+    let column = direct_column(id, layout, problem);
+    match (id, layout.kinds[row], column) {
+        (ParameterId::Home(coordinate), ..) => equations.by_pose[row][coordinate.index()],
+        (ParameterId::HomeTension { cable }, Kind::Equilibrium(axis), _) => {
+            let k = axis.index();
+            equations.structure[*cable][k] / wrench_sd[k] * equations.present[row]
+        }
+        (_, Kind::Equilibrium(axis), Some(column)) => {
+            equations.equilibrium_by_column[column][axis.index()]
+        }
+        (ParameterId::Effect { .. }, _, Some(column)) => {
+            equations.by_effect[row * layout.effects + column - layout.effect_column()]
+        }
+        (ParameterId::PlaneOffset, Kind::Laser, _) => equations.laser_by_plane,
+        (ParameterId::EntryPoint { cable, axis }, Kind::Swivel(own), _) if *cable == own => {
+            equations.swivel_by_cable[own][*axis]
         }
         _ => 0.0,
     }

@@ -8,9 +8,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::analysis::{ReadingKind, kind_of, sd_of};
+use super::analysis::sd_of;
 use super::evaluator::{Elimination, Equations, Evaluator};
 use super::home::HomeRow;
+use super::observation::ObservationKind;
 use super::parameter::Parameter;
 use super::problem::Problem;
 use super::solution::Solution;
@@ -20,7 +21,7 @@ use super::system::{ColumnMap, Priors};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowKind {
     /// A reading other than a tension, or an equilibrium equation.
-    Reading(ReadingKind),
+    Reading(ObservationKind),
     /// The tension reading of a cable.
     Tension(usize),
     /// The prior of the parameter with this index.
@@ -191,7 +192,7 @@ impl<'a> Builder<'a> {
         let layout = &self.evaluator.layout;
         let latent = self.problem.has_latent_tension();
         let forces = &self.problem.dataset.measurements.force_n;
-        let spreads = self.evaluator.spreads().to_vec();
+        let tension_sd = |cable: usize| self.evaluator.tension_sd(cable);
         let weights: Vec<f64> = equations.length_by_cable.iter().map(|g| -g[3]).collect();
         let mut kinds: Vec<LinearRow> = Vec::new();
         let of = |kind, sd| LinearRow {
@@ -200,22 +201,22 @@ impl<'a> Builder<'a> {
             sd,
         };
         for r in present {
-            let kind = kind_of(layout, *r);
+            let kind = layout.kinds[*r];
             let weight = weights.get(*r).copied().unwrap_or(1.0);
             let sd = match kind {
-                ReadingKind::Length(cable) => spreads[cable].0.sqrt(),
-                ReadingKind::Equilibrium(k) => self.evaluator.wrench_variance(k.index()).sqrt(),
+                ObservationKind::Length(cable) => self.evaluator.length_sd(cable),
+                ObservationKind::Equilibrium(k) => self.evaluator.wrench_variance(k.index()).sqrt(),
                 _ => sd_of(self.problem, kind, row, weight),
             };
-            kinds.push(of(RowKind::Reading(kind), sd));
+            kinds.push(of(RowKind::Observation(kind), sd));
         }
         let read = |cable: &usize| latent && !forces.get(row, *cable).is_nan();
         let tensions: Vec<usize> = (0..layout.cables)
             .filter(read)
-            .filter(|cable| spreads[*cable].1 > 0.0)
+            .filter(|cable| tension_sd(*cable) > 0.0)
             .collect();
         for cable in &tensions {
-            kinds.push(of(RowKind::Tension(*cable), spreads[*cable].1.sqrt()));
+            kinds.push(of(RowKind::Tension(*cable), tension_sd(*cable)));
         }
         let mut map = DMatrix::zeros(kinds.len(), present.len());
         for (column, r) in present.iter().enumerate() {
@@ -224,18 +225,19 @@ impl<'a> Builder<'a> {
             let lambda = equations.equilibrium_multipliers(layout);
             for (k, r) in present.iter().enumerate() {
                 let sd = kinds[k].sd;
-                map[(k, column)] = match kind_of(layout, *r) {
-                    ReadingKind::Length(c) => {
-                        sd * equations.length_multiplier(c, spreads[c], &lambda)
+                map[(k, column)] = match layout.kinds[*r] {
+                    ObservationKind::Length(c) => {
+                        sd * equations.length_multiplier(c, tension_sd(c).powi(2), &lambda)
                     }
-                    ReadingKind::Equilibrium(k) => sd * lambda[k.index()],
+                    ObservationKind::Equilibrium(k) => sd * lambda[k.index()],
                     _ => equations.residual[*r],
                 };
             }
             for (k, cable) in tensions.iter().enumerate() {
-                let error = equations.tension_error(*cable, spreads[*cable], &lambda);
+                let sd = tension_sd(*cable);
+                let error = equations.tension_error(*cable, sd * sd, &lambda);
                 // The error is the reading less the truth.
-                map[(present.len() + k, column)] = -error / spreads[*cable].1.sqrt();
+                map[(present.len() + k, column)] = -error / sd;
             }
         }
         (kinds, map)
@@ -265,10 +267,10 @@ impl<'a> Builder<'a> {
         let n = self.solution.parameters.len();
         for r in (layout.cables..layout.rows).filter(|r| present[*r] > 0.0) {
             let index = r - layout.cables;
-            let kind = kind_of(&layout, r);
+            let kind = layout.kinds[r];
             self.rows.push(LinearRow {
                 row: Some(*row),
-                kind: RowKind::Reading(kind),
+                kind: RowKind::Observation(kind),
                 sd: sd_of(self.problem, kind, *row, 1.0),
             });
             self.residual.push(self.home.residuals[index]);

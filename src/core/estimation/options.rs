@@ -30,7 +30,7 @@ pub struct Progress {
     /// Present loss (chi-square for least squares).
     pub loss: f64,
     /// Decrease of the loss that the next step promises.
-    pub promised_decrease: f64,
+    pub predicted_reduction: f64,
     /// Levenberg-Marquardt damping.
     pub damping: f64,
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::EstimationError;
 use super::parameter::{Parameter, parameters_of};
 use super::solution::Solution;
-use crate::effect::{BoundEffect, Circumstances, EffectRequest};
+use crate::effect::{BoundEffect, EffectRequest, PoseContexts};
 use crate::geometry::Pose;
 use crate::measurement::Dataset;
 use crate::robot::Robot;
@@ -69,7 +69,7 @@ pub struct Problem<'a> {
     /// Effects whose parameters are estimated.
     pub free_effects: Vec<BoundEffect>,
     /// What effects depend on, where it is known better than from the commanded poses.
-    pub(crate) circumstances: Option<Arc<Circumstances>>,
+    pub(crate) contexts: Option<Arc<PoseContexts>>,
     /// A solution of the problem without its free effects, where one is known.
     pub(crate) known: Option<Arc<Solution>>,
 }
@@ -95,7 +95,7 @@ impl<'a> Problem<'a> {
             poses: Poses::Estimated,
             held_effects: held?,
             free_effects: Vec::new(),
-            circumstances: None,
+            contexts: None,
             known: None,
         })
     }
@@ -122,9 +122,7 @@ impl<'a> Problem<'a> {
         }
         let robot = &self.dataset.robot;
         let home = self.home_row();
-        self.circumstances = Some(Arc::new(Circumstances::new(
-            robot, data, home, &poses, None,
-        )));
+        self.contexts = Some(Arc::new(PoseContexts::new(robot, data, home, &poses, None)));
         self.known = Some(Arc::new(solution.clone()));
         self
     }

@@ -14,17 +14,17 @@ const OUTSIDE: f64 = 1e-3;
 
 /// One direction that readings and priors do not determine.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Deficiency {
+pub struct RankDefect {
     /// Sentence for the operator: what is open and what to give.
     pub sentence: String,
 }
 
 /// Finds the directions that readings and priors leave open. Empty if everything is determined.
 #[must_use]
-pub fn deficiencies(problem: &Problem<'_>, solution: &Solution) -> Vec<Deficiency> {
+pub fn rank_defects(problem: &Problem<'_>, solution: &Solution) -> Vec<RankDefect> {
     let mut found = Vec::new();
     if solution.undetermined_coordinates > 0 {
-        found.push(Deficiency {
+        found.push(RankDefect {
             sentence: format!(
                 "the readings leave {} pose coordinates open: measure more cables or give a pose there",
                 solution.undetermined_coordinates
@@ -37,7 +37,7 @@ pub fn deficiencies(problem: &Problem<'_>, solution: &Solution) -> Vec<Deficienc
     let scale = solution.information.diagonal().map(f64::sqrt);
     let untouched: Vec<usize> = (0..scale.len()).filter(|k| scale[*k] == 0.0).collect();
     for k in &untouched {
-        found.push(Deficiency {
+        found.push(RankDefect {
             sentence: format!(
                 "nothing that was measured depends on {}: give its value",
                 solution.parameters[*k].name
@@ -57,7 +57,7 @@ pub fn deficiencies(problem: &Problem<'_>, solution: &Solution) -> Vec<Deficienc
         let inside = open.tr_mul(&scaled);
         let is_new = inside.norm_squared() > OUTSIDE * size;
         if size > 0.0 && outside < OUTSIDE * size && is_new {
-            found.push(Deficiency {
+            found.push(RankDefect {
                 sentence: format!("the data do not fix {name}: give one coordinate"),
             });
             open = without(&open, &inside);
@@ -164,7 +164,7 @@ fn generator(
 }
 
 /// An open direction that is no common motion: name the parameters that take most part.
-fn mixed(solution: &Solution, direction: &DVector<f64>) -> Deficiency {
+fn mixed(solution: &Solution, direction: &DVector<f64>) -> RankDefect {
     let mut order: Vec<usize> = (0..direction.len()).collect();
     order.sort_by(|a, b| direction[*b].abs().total_cmp(&direction[*a].abs()));
     let largest = direction[order[0]].abs();
@@ -174,7 +174,7 @@ fn mixed(solution: &Solution, direction: &DVector<f64>) -> Deficiency {
         .filter(|k| direction[**k].abs() > 0.3 * largest)
         .map(|k| solution.parameters[*k].name.as_str())
         .collect();
-    Deficiency {
+    RankDefect {
         sentence: format!(
             "the data do not tell apart {}: give one of them",
             names.join(", ")

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::evaluator::Evaluator;
 use super::home::HomeRow;
 use super::problem::{Globals, Problem};
-use crate::effect::{CablePort, Circumstances};
+use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::Pose;
 
 /// Prediction minus reading at one row of the measurements; NaN where nothing was read.
@@ -32,12 +32,12 @@ pub fn residuals_at(
     rows: &[usize],
     poses: &[Pose],
 ) -> Vec<RowResidual> {
-    residuals_under(None, problem, globals, (rows, poses))
+    residuals_in(None, problem, globals, (rows, poses))
 }
 
-/// The same under circumstances of which more is known than the readings tell, as in a simulation.
-pub(crate) fn residuals_under(
-    circumstances: Option<Arc<Circumstances>>,
+/// The same under contexts of which more is known than the readings tell, as in a simulation.
+pub(crate) fn residuals_in(
+    contexts: Option<Arc<PoseContexts>>,
     problem: &Problem<'_>,
     globals: &Globals,
     (rows, poses): (&[usize], &[Pose]),
@@ -45,16 +45,16 @@ pub(crate) fn residuals_under(
     let home = match problem.home_row() {
         Some(row) => {
             let mut evaluator = Evaluator::<f64>::home((), problem, globals, row);
-            if let Some(known) = &circumstances {
-                evaluator.set_circumstances(Arc::clone(known));
+            if let Some(known) = &contexts {
+                evaluator.set_contexts(Arc::clone(known));
             }
             HomeRow::evaluate(&mut evaluator, problem, globals, &[], None)
         }
         None => HomeRow::absolute(problem),
     };
     let mut evaluator = Evaluator::<f64>::new((), problem, globals, rows.to_vec(), poses);
-    if let Some(known) = circumstances {
-        evaluator.set_circumstances(known);
+    if let Some(known) = contexts {
+        evaluator.set_contexts(known);
     }
     evaluator.set_globals(globals, Some(&home.lengths));
     (0..rows.len())

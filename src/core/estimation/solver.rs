@@ -80,7 +80,7 @@ impl WithSimd for Dispatch<'_, '_> {
     type Output = Result<Solution, EstimationError>;
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let problem = self.problem;
-        let from = |start: Start| Descent::<Lanes<S>>::from(simd, problem, start);
+        let from = |start: Start| LevenbergMarquardt::<Lanes<S>>::from(simd, problem, start);
         let given = from(Start::Given);
         given.check_effects()?;
         let first = given.run(self.options, self.observer);
@@ -99,7 +99,7 @@ impl WithSimd for Dispatch<'_, '_> {
 }
 
 /// Everything that an iteration changes.
-pub(super) struct Descent<'a, T: Packet> {
+pub(super) struct LevenbergMarquardt<'a, T: Packet> {
     problem: &'a Problem<'a>,
     parameters: Vec<Parameter>,
     map: ColumnMap,
@@ -111,7 +111,7 @@ pub(super) struct Descent<'a, T: Packet> {
     priors: Priors,
 }
 
-impl<'a, T: Packet> Descent<'a, T> {
+impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     pub(super) fn from(token: T::Token, problem: &'a Problem<'a>, start: Start) -> Self {
         let globals = match start {
             Start::Given => Globals::start(problem),
@@ -126,7 +126,7 @@ impl<'a, T: Packet> Descent<'a, T> {
             .home_row()
             .filter(|_| counts_from_home)
             .map(|row| Evaluator::home((), problem, &globals, row));
-        let mut descent = Self {
+        let mut solver = Self {
             problem,
             map: ColumnMap::new(problem, &parameters, &poses.layout),
             huber: match problem.loss {
@@ -140,9 +140,9 @@ impl<'a, T: Packet> Descent<'a, T> {
             poses,
             home_evaluator,
         };
-        descent.evaluate_home();
-        descent.poses.assemble(None, descent.huber, 0.0);
-        descent
+        solver.evaluate_home();
+        solver.poses.assemble(None, solver.huber, 0.0);
+        solver
     }
 
     /// Refuses free effects on which no reading depends, on whatever cable.
@@ -242,18 +242,18 @@ impl<'a, T: Packet> Descent<'a, T> {
         if !loss.is_finite() || search.damping > MOST_DAMPING {
             return Some(Termination::Stalled);
         }
-        let Some((step, promised)) = self.system().step(search.damping) else {
+        let Some((step, predicted)) = self.system().step(search.damping) else {
             self.damp(search, raised(search.damping));
             return None;
         };
-        let promised = promised + self.poses.sums.decrease;
+        let predicted = predicted + self.poses.sums.decrease;
         let negligible = match self.problem.method {
             Method::Joint => options.negligible,
             Method::Simple => 0.0,
         };
         // The smallest term is the rounding of a perfect fit.
         let enough = options.tolerance * loss + negligible.max(1e-15);
-        if promised <= enough {
+        if predicted <= enough {
             // Strong damping makes every promise small: that alone is no convergence.
             if search.damping <= FIRST_DAMPING {
                 return self.settle(search);
@@ -264,8 +264,8 @@ impl<'a, T: Packet> Descent<'a, T> {
             self.damp(search, lowered(search.damping));
             return None;
         }
-        if search.unsettled == 0 && search.left_after(promised) <= enough {
-            self.take_last_step(step.as_slice(), promised, search);
+        if search.unsettled == 0 && search.left_after(predicted) <= enough {
+            self.take_last_step(step.as_slice(), predicted, search);
             return Some(Termination::Converged);
         }
         if search.iterations == options.max_iterations {
@@ -274,20 +274,20 @@ impl<'a, T: Packet> Descent<'a, T> {
         let progress = Progress {
             iteration: search.iterations,
             loss,
-            promised_decrease: promised,
+            predicted_reduction: predicted,
             damping: search.damping,
         };
         if observer(&progress) == Control::Cancel {
             return Some(Termination::Cancelled);
         }
-        self.try_step(step.as_slice(), promised, search);
+        self.try_step(step.as_slice(), predicted, search);
         None
     }
 
     /// Linearises anew at the present state with another damping.
     fn damp(&mut self, search: &mut Search, damping: f64) {
         search.damping = damping;
-        search.promised_before = None;
+        search.reduction_before = None;
         self.poses.assemble(None, self.huber, damping);
     }
 
@@ -302,7 +302,7 @@ impl<'a, T: Packet> Descent<'a, T> {
     }
 
     /// Takes a step if it lowers the loss, else goes back and damps.
-    fn try_step(&mut self, step: &[f64], promised: f64, search: &mut Search) {
+    fn try_step(&mut self, step: &[f64], predicted: f64, search: &mut Search) {
         // The weights of latent tensions follow the linearisation, so the loss need not fall
         // strictly from step to step close to the solution.
         let slack = match self.problem.method {
@@ -317,7 +317,7 @@ impl<'a, T: Packet> Descent<'a, T> {
         let next = lowered(search.damping);
         self.poses.assemble(Some(&columns), self.huber, next);
         if self.loss() <= loss * (1.0 + slack) {
-            search.promised_before = (search.damping == 0.0).then_some(promised);
+            search.reduction_before = (search.damping == 0.0).then_some(predicted);
             search.damping = next;
             search.iterations += 1;
             search.unsettled = search.unsettled.saturating_sub(1);
@@ -333,11 +333,11 @@ impl<'a, T: Packet> Descent<'a, T> {
     }
 
     /// Takes a step whose outcome is known well enough not to be evaluated.
-    fn take_last_step(&mut self, step: &[f64], promised: f64, search: &mut Search) {
+    fn take_last_step(&mut self, step: &[f64], predicted: f64, search: &mut Search) {
         let columns = self.map.column_step(&self.home, step);
         self.globals.step(self.problem, &self.parameters, step);
         self.poses.move_poses(&columns);
-        search.gained = promised;
+        search.gained = predicted;
         search.iterations += 1;
     }
 
@@ -389,8 +389,8 @@ struct Search {
     iterations: usize,
     /// Whether the last step from the present state was rejected.
     rejected: bool,
-    /// What the step before promised, if it was undamped and taken.
-    promised_before: Option<f64>,
+    /// What the step before predicted, if it was undamped and taken.
+    reduction_before: Option<f64>,
     /// Passes until the latent tensions have settled.
     unsettled: usize,
     /// What the last step gained that was taken without evaluation.
@@ -398,16 +398,16 @@ struct Search {
 }
 
 impl Search {
-    /// What the steps after one that promises `promised` would still gain, going by how fast promises
+    /// What the steps after one that promises `predicted` would still gain, going by how fast promises
     /// shrink; nothing is known after a damped step.
-    fn left_after(&self, promised: f64) -> f64 {
-        let before = match self.promised_before {
+    fn left_after(&self, predicted: f64) -> f64 {
+        let before = match self.reduction_before {
             Some(before) if self.damping == 0.0 => before,
             _ => return f64::INFINITY,
         };
-        let rate = promised / before;
+        let rate = predicted / before;
         if rate < 0.5 {
-            promised * rate / (1.0 - rate)
+            predicted * rate / (1.0 - rate)
         } else {
             f64::INFINITY
         }

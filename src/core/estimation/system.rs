@@ -249,7 +249,7 @@ impl System {
             return None;
         }
         let step = factor.solve(&-&self.gradient);
-        let promised = -step.dot(&self.gradient);
-        Some((step, promised))
+        let predicted = -step.dot(&self.gradient);
+        Some((step, predicted))
     }
 }

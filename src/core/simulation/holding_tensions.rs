@@ -1,7 +1,7 @@
 //! Tensions that hold the platform at a pose, of a robot with effects.
 
 use super::workspace::TensionRange;
-use crate::effect::{BoundEffect, Circumstances, Dual, PlatformPorts};
+use crate::effect::{BoundEffect, Dual, PlatformPorts, PoseContexts};
 use crate::geometry::Pose;
 use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
@@ -98,20 +98,20 @@ fn robot_under_effects(
         ..Measurements::default()
     };
     let home = truth.home.map(|_| 0);
-    let circumstances = Circumstances::new(truth, &data, home, &poses, None);
+    let contexts = PoseContexts::new(truth, &data, home, &poses, None);
     let row = poses.len() - 1;
     let mut robot = truth.clone();
     let constants = |values: &[f64]| -> Vec<Dual> {
         values.iter().map(|value| Dual::constant(*value)).collect()
     };
     let mut platform = PlatformPorts::nominal(truth);
-    let ports = circumstances.cable_ports(row, truth, effects, tensions);
+    let ports = contexts.cable_ports(row, truth, effects, tensions);
     for (cable, ports) in robot.cables.iter_mut().zip(ports) {
         ports.change_geometry(cable);
     }
     for bound in effects {
         let values = constants(&bound.values);
-        let at = circumstances.platform(row);
+        let at = contexts.platform(row);
         (bound.effect.change_platform)(&values, at, &mut platform);
     }
     robot.platform.mass_kg = truth.platform.mass_kg.map(|_| platform.mass.value);

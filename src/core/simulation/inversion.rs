@@ -1,7 +1,7 @@
 //! Readings at which the residuals of a model vanish: the inverse of the prediction.
 
-use crate::effect::Circumstances;
-use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_under};
+use crate::effect::PoseContexts;
+use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_in};
 use crate::geometry::Pose;
 use crate::measurement::{Dataset, Grid};
 
@@ -33,9 +33,9 @@ pub(super) fn invert_within(
             let problem = Problem::new(exact)?.with_method(Method::Simple);
             let (robot, data) = (&exact.robot, &exact.measurements);
             let home = problem.home_row();
-            let known = Circumstances::new(robot, data, home, poses, Some(directions));
+            let known = PoseContexts::new(robot, data, home, poses, Some(directions));
             let globals = Globals::nominal(&problem);
-            residuals_under(Some(known.into()), &problem, &globals, (&rows, poses))
+            residuals_in(Some(known.into()), &problem, &globals, (&rows, poses))
         };
         let home = exact.robot.home.and(exact.measurements.home_row());
         let mut largest = 0.0_f64;

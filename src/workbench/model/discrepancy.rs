@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use tautline_core::diagnosis::{Discrepancy, Quantity};
 use tautline_core::effect::{Search, measurements_as_modelled};
-use tautline_core::estimation::{Analysis, Problem, ReadingKind};
+use tautline_core::estimation::{Analysis, ObservationKind, Problem};
 use tautline_core::measurement::{Dataset, Variable};
 
 use tautline_workflow::documents::diagnosis::Diagnosed;
@@ -112,9 +112,9 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, after: Option<&Analysis>) 
 /// own standard deviations.
 fn explained(found: &Discrepancy, after: &Analysis) -> Option<Vec<[f64; 2]>> {
     let kind = match (found.quantity, found.cable) {
-        (Quantity::Length, Some(cable)) => ReadingKind::Length(cable),
-        (Quantity::Swivel, Some(cable)) => ReadingKind::Swivel(cable),
-        (Quantity::Laser, _) => ReadingKind::Laser,
+        (Quantity::Length, Some(cable)) => ObservationKind::Length(cable),
+        (Quantity::Swivel, Some(cable)) => ObservationKind::Swivel(cable),
+        (Quantity::Laser, _) => ObservationKind::Laser,
         _ => return None,
     };
     let left = |row: usize| {

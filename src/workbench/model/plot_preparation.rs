@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{Quantity, Variables};
-use tautline_core::estimation::{Control, Linearisation, Method, ReadingKind};
+use tautline_core::estimation::{Control, Linearisation, Method, ObservationKind};
 use tautline_core::measurement::{Dataset, Variable};
 use tautline_core::robot::Robot;
 
@@ -148,7 +148,7 @@ fn along(fit: &Identification) -> Result<Vec<Along>, String> {
 fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
     let mut groups: Vec<_> = fit
         .analysis
-        .readings
+        .observations
         .iter()
         .filter_map(|reading| group_of(reading.kind))
         .collect();
@@ -161,15 +161,15 @@ fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
 
 /// Kind and cable of a reading; none for the balance of forces, which no sensor reads.
 #[must_use]
-pub fn group_of(kind: ReadingKind) -> Option<(Quantity, Option<usize>)> {
+pub fn group_of(kind: ObservationKind) -> Option<(Quantity, Option<usize>)> {
     Some(match kind {
-        ReadingKind::Length(cable) => (Quantity::Length, Some(cable)),
-        ReadingKind::Swivel(cable) => (Quantity::Swivel, Some(cable)),
-        ReadingKind::Laser => (Quantity::Laser, None),
-        ReadingKind::TrackerPosition(_) => (Quantity::TrackerPosition, None),
-        ReadingKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, None),
-        ReadingKind::Inclination(_) => (Quantity::Inclination, None),
-        ReadingKind::Equilibrium(_) => return None,
+        ObservationKind::Length(cable) => (Quantity::Length, Some(cable)),
+        ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable)),
+        ObservationKind::Laser => (Quantity::Laser, None),
+        ObservationKind::TrackerPosition(_) => (Quantity::TrackerPosition, None),
+        ObservationKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, None),
+        ObservationKind::Inclination(_) => (Quantity::Inclination, None),
+        ObservationKind::Equilibrium(_) => return None,
     })
 }
 
@@ -191,7 +191,7 @@ pub fn residuals(
             })
             .collect();
     }
-    let readings = fit.analysis.readings.iter();
+    let readings = fit.analysis.observations.iter();
     readings
         .filter(|reading| group_of(reading.kind) == Some((quantity, cable)))
         .filter_map(|reading| Some((reading.row, reading.normalised()?)))

@@ -16,8 +16,8 @@ use std::time::Instant;
 
 use tautline_core::effect::{BoundEffect, EffectError};
 use tautline_core::estimation::{
-    Analysis, Control, Deficiency, EstimationError, Method, ParameterId, Problem, Progress,
-    Reading, ReadingKind, Solution, deficiencies,
+    Analysis, Control, EstimationError, Method, Observation, ObservationKind, ParameterId, Problem,
+    Progress, RankDefect, Solution, rank_defects,
 };
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -69,9 +69,9 @@ pub struct Identification {
     /// Readings with what the solution predicts for them.
     pub analysis: Analysis,
     /// Readings that do not fit, grouped by pose, the worst pose first.
-    pub suspects: Vec<Vec<Reading>>,
+    pub suspects: Vec<Vec<Observation>>,
     /// What the readings leave open.
-    pub open: Vec<Deficiency>,
+    pub open: Vec<RankDefect>,
     /// The robot with the identified values; standard deviations are those of the solution.
     pub model: Robot,
     /// Chi-square after each step, for the convergence plot.
@@ -106,7 +106,7 @@ pub fn identify(
         options: request.options,
         held: problem.held_effects.len(),
         suspects: by_pose(analysis.suspects(SUSPECT_LEVEL)),
-        open: deficiencies(&problem, &solution),
+        open: rank_defects(&problem, &solution),
         analysis,
         solution,
         steps,
@@ -245,8 +245,8 @@ impl Identification {
                 .map(|cable| [0, 1, 2].map(|axis| entry_point_sd(solution, cable, axis)))
                 .collect(),
             rms: Rms {
-                length_m: (self.analysis).rms(|kind| matches!(kind, ReadingKind::Length(_))),
-                laser_m: self.analysis.rms(|kind| kind == ReadingKind::Laser),
+                length_m: (self.analysis).rms(|kind| matches!(kind, ObservationKind::Length(_))),
+                laser_m: self.analysis.rms(|kind| kind == ObservationKind::Laser),
                 tension_n: tension_n.filter(|_| has_latent_tension),
             },
             poses: poses.collect(),
@@ -274,9 +274,9 @@ pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
 }
 
 /// Groups readings by pose, in the order of the first of each.
-fn by_pose(readings: Vec<Reading>) -> Vec<Vec<Reading>> {
+fn by_pose(readings: Vec<Observation>) -> Vec<Vec<Observation>> {
     let mut places: HashMap<usize, usize> = HashMap::new();
-    let mut poses: Vec<Vec<Reading>> = Vec::new();
+    let mut poses: Vec<Vec<Observation>> = Vec::new();
     for reading in readings {
         let place = *places.entry(reading.row).or_insert_with(|| {
             poses.push(Vec::new());

@@ -1,6 +1,6 @@
 //! What an identification says, in words.
 
-use tautline_core::estimation::{Reading, ReadingKind};
+use tautline_core::estimation::{Observation, ObservationKind};
 use tautline_core::robot::Robot;
 
 use super::{Identification, IdentificationDocument, SUSPECT_LEVEL};
@@ -34,7 +34,7 @@ impl Identification {
 
     /// A suspect reading in words: `length of cable-3: off by +5.1 standard deviations`.
     #[must_use]
-    pub fn suspect_line(&self, reading: &Reading) -> String {
+    pub fn suspect_line(&self, reading: &Observation) -> String {
         let size = reading.normalised().unwrap_or(f64::NAN);
         let what = reading_name(&self.dataset.robot, reading.kind);
         format!("{what}: off by {size:+.1} standard deviations")
@@ -43,7 +43,7 @@ impl Identification {
     pub(super) fn suspect_lines(&self) -> Vec<String> {
         let labels = &self.dataset.measurements.labels;
         let suspects = self.analysis.suspects(SUSPECT_LEVEL);
-        let line = |reading: &Reading| {
+        let line = |reading: &Observation| {
             let label = labels[reading.row];
             format!("pose {label}, {}", self.suspect_line(reading))
         };
@@ -53,16 +53,16 @@ impl Identification {
 
 /// What was read: `length of cable-3`.
 #[must_use]
-pub fn reading_name(robot: &Robot, kind: ReadingKind) -> String {
+pub fn reading_name(robot: &Robot, kind: ObservationKind) -> String {
     let cable = |index: usize| robot.cables[index].name.as_str();
     let axis = |k: usize| ["x", "y", "z"][k];
     match kind {
-        ReadingKind::Length(index) => format!("length of {}", cable(index)),
-        ReadingKind::Equilibrium(c) => format!("tensions, balance of {}", c.describe()),
-        ReadingKind::Laser => "laser distance".to_owned(),
-        ReadingKind::Swivel(index) => format!("swivel angle of {}", cable(index)),
-        ReadingKind::TrackerPosition(k) => format!("measured position {}", axis(k)),
-        ReadingKind::TrackerOrientation(k) => format!("measured rotation about {}", axis(k)),
-        ReadingKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
+        ObservationKind::Length(index) => format!("length of {}", cable(index)),
+        ObservationKind::Equilibrium(c) => format!("tensions, balance of {}", c.describe()),
+        ObservationKind::Laser => "laser distance".to_owned(),
+        ObservationKind::Swivel(index) => format!("swivel angle of {}", cable(index)),
+        ObservationKind::TrackerPosition(k) => format!("measured position {}", axis(k)),
+        ObservationKind::TrackerOrientation(k) => format!("measured rotation about {}", axis(k)),
+        ObservationKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
     }
 }

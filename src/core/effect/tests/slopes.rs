@@ -1,13 +1,13 @@
 //! The slopes of all ports against central differences.
 
 use crate::effect::{
-    CATALOGUE, CableCircumstances, CablePort, CablePorts, Dual, Effect, PlatformCircumstances,
-    PlatformPort, PlatformPorts,
+    CATALOGUE, CableContext, CablePort, CablePorts, Dual, Effect, PlatformContext, PlatformPort,
+    PlatformPorts,
 };
 use crate::robot::presets;
 
-pub(super) fn at_cable() -> CableCircumstances {
-    CableCircumstances {
+pub(super) fn at_cable() -> CableContext {
+    CableContext {
         variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
         row: 4,
@@ -27,8 +27,8 @@ pub(super) fn at_cable() -> CableCircumstances {
     }
 }
 
-pub(super) fn at_platform() -> PlatformCircumstances {
-    PlatformCircumstances {
+pub(super) fn at_platform() -> PlatformContext {
+    PlatformContext {
         variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
         row: 4,

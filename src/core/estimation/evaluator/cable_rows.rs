@@ -61,7 +61,7 @@ pub(super) struct CableState<T> {
     /// `K`, regression of the equilibrium on the length residual.
     regression: T,
     /// `(sd_T sd_l)^2 / D`: variance of the tension given the length.
-    spread: T,
+    conditional_variance: T,
     /// `sd_T^2`.
     tension_variance: T,
     /// `sd_l^2 / D`: share of the length reading's own noise in the variance of its row.
@@ -126,10 +126,10 @@ impl<T: Real> CableState<T> {
         };
         let unstrained = law.unstrained(&path);
         let gradient = unstrained.by_anchor(&path, pulley.radius, constants.sags);
-        let spread = zero.lift(constants.tension_sd * constants.tension_sd);
-        let variance = zero.lift(constants.length_sd * constants.length_sd);
+        let tension_variance = zero.lift(constants.tension_sd * constants.tension_sd);
+        let length_variance = zero.lift(constants.length_sd * constants.length_sd);
         let c = unstrained.by_tension;
-        let precision = one / (c * c).mul_add(spread, variance);
+        let precision = one / (c * c).mul_add(tension_variance, length_variance);
         Self {
             path,
             unstrained,
@@ -140,10 +140,10 @@ impl<T: Real> CableState<T> {
             anchor,
             entry,
             gradient,
-            regression: c * spread * precision,
-            spread: spread * variance * precision,
-            tension_variance: spread,
-            own_share: variance * precision,
+            regression: c * tension_variance * precision,
+            conditional_variance: tension_variance * length_variance * precision,
+            tension_variance,
+            own_share: length_variance * precision,
             weight: precision.sqrt() * has_tension,
             structure: wrench(lever, path.toward_exit),
         }
@@ -354,13 +354,13 @@ impl<T: Real> CableState<T> {
         let zero = self.tension.lift(0.0);
         let present = equations.present[index];
         let regression = self.regression * present;
-        let spread = present.select_positive(self.spread, self.tension_variance);
+        let variance = present.select_positive(self.conditional_variance, self.tension_variance);
         let back = -(regression * residual);
         for k in 0..6 {
             equilibrium.residual[k] = a[k].mul_add(self.tension + back, equilibrium.residual[k]);
         }
         for k in 0..6 {
-            let scaled = a[k] * spread;
+            let scaled = a[k] * variance;
             for q in 0..=k {
                 let index = entry(k, q);
                 equilibrium.covariance[index] = scaled.mul_add(a[q], equilibrium.covariance[index]);

@@ -1,6 +1,7 @@
 //! The whitened equations of one packet of poses, with their derivatives.
 
 use super::layout::{CABLE_COLUMNS, Layout};
+use crate::estimation::observation::ObservationKind as Kind;
 use crate::real::{Real, scaled};
 use crate::small_cholesky::{TRIANGLE, back_substitute};
 
@@ -70,12 +71,12 @@ impl<T: Real> Equations<T> {
     #[inline(always)]
     pub fn weigh_down_outliers(&mut self, layout: &Layout, limit: f64) -> T {
         let zero = self.laser_by_plane.lift(0.0);
-        let equilibrium = layout.equilibrium.map_or(0..0, |first| first..first + 6);
         let mut loss = zero;
         for row in 0..layout.rows {
             let r = self.residual[row];
             let size = r.max(-r);
-            if equilibrium.contains(&row) {
+            let kind = layout.kinds[row];
+            if matches!(kind, Kind::Equilibrium(_)) {
                 loss = loss + r * r;
                 continue;
             }
@@ -84,16 +85,15 @@ impl<T: Real> Equations<T> {
             loss = loss + (size - k).select_positive(k * (size + size - k), r * r);
             self.residual[row] = r * weight;
             self.by_pose[row] = scaled(self.by_pose[row], weight);
-            if row < layout.cables {
-                self.length_by_cable[row] = scaled(self.length_by_cable[row], weight);
-            }
-            if let Some(cable) = layout.swivel.and_then(|first| row.checked_sub(first))
-                && cable < layout.cables
-            {
-                self.swivel_by_cable[cable] = scaled(self.swivel_by_cable[cable], weight);
-            }
-            if layout.laser == Some(row) {
-                self.laser_by_plane = self.laser_by_plane * weight;
+            match kind {
+                Kind::Length(cable) => {
+                    self.length_by_cable[cable] = scaled(self.length_by_cable[cable], weight);
+                }
+                Kind::Swivel(cable) => {
+                    self.swivel_by_cable[cable] = scaled(self.swivel_by_cable[cable], weight);
+                }
+                Kind::Laser => self.laser_by_plane = self.laser_by_plane * weight,
+                _ => {}
             }
             for e in self.effects_of(layout, row) {
                 *e = *e * weight;
@@ -114,13 +114,13 @@ impl<T: Real> Equations<T> {
     }
 
     /// `lambda_l` of a length row: entry of `covariance^-1 residual` of the length and equilibrium rows.
-    /// `spread` are the variances of length and tension.
+    /// `tension_variance` is `sd_T^2`.
     #[inline(always)]
-    pub fn length_multiplier(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
+    pub fn length_multiplier(&self, cable: usize, tension_variance: f64, lambda: &[T; 6]) -> T {
         let c = self.length_by_tension[cable];
         // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
         let weight = -self.length_by_cable[cable][3];
-        let regression = c * c.lift(spread.1) * weight * weight;
+        let regression = c * c.lift(tension_variance) * weight * weight;
         self.residual[cable] * weight - regression * self.structure_product(cable, lambda)
     }
 
@@ -128,19 +128,19 @@ impl<T: Real> Equations<T> {
     #[inline(always)]
     fn structure_product(&self, cable: usize, lambda: &[T; 6]) -> T {
         let a = &self.structure[cable];
-        let mut equilibrium = lambda[0].lift(0.0);
+        let mut sum = lambda[0].lift(0.0);
         for k in 0..6 {
-            equilibrium = a[k].mul_add(lambda[k], equilibrium);
+            sum = a[k].mul_add(lambda[k], sum);
         }
-        equilibrium
+        sum
     }
 
     /// Estimated error of a tension reading (N): `sd_T^2 (c lambda_l + A lambda_q)`.
     #[inline(always)]
-    pub fn tension_error(&self, cable: usize, spread: (f64, f64), lambda: &[T; 6]) -> T {
+    pub fn tension_error(&self, cable: usize, tension_variance: f64, lambda: &[T; 6]) -> T {
         let c = self.length_by_tension[cable];
-        let length = self.length_multiplier(cable, spread, lambda);
-        c.lift(spread.1) * c.mul_add(length, self.structure_product(cable, lambda))
+        let length = self.length_multiplier(cable, tension_variance, lambda);
+        c.lift(tension_variance) * c.mul_add(length, self.structure_product(cable, lambda))
     }
 
     /// Sum of squares of all rows.

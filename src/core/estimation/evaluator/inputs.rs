@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::columns::{Column, ColumnStore};
 use crate::effect::{
-    BoundEffect, CablePort, CablePorts, Circumstances, Dual, PlatformPort, PlatformPorts, Stage,
+    BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, PoseContexts, Stage,
 };
 use crate::estimation::problem::{Geometry, Globals, Problem};
 use crate::geometry::Pose;
@@ -47,16 +47,16 @@ pub(super) struct Selection<'a> {
     pub rows: &'a [usize],
     pub is_home: bool,
     /// What effects may depend on; there if there are effects.
-    pub circumstances: Option<&'a Circumstances>,
+    pub contexts: Option<&'a PoseContexts>,
 }
 
 /// What effects may depend on: as the problem knows it, else at the commanded poses, else the tracker's, else
 /// home; nothing without effects.
-pub(super) fn circumstances_of(problem: &Problem<'_>) -> Option<Arc<Circumstances>> {
+pub(super) fn contexts_of(problem: &Problem<'_>) -> Option<Arc<PoseContexts>> {
     if problem.held_effects.is_empty() && problem.free_effects.is_empty() {
         return None;
     }
-    if let Some(known) = &problem.circumstances {
+    if let Some(known) = &problem.contexts {
         return Some(Arc::clone(known));
     }
     let data = &problem.dataset.measurements;
@@ -70,7 +70,7 @@ pub(super) fn circumstances_of(problem: &Problem<'_>) -> Option<Arc<Circumstance
         commanded.or(tracked).unwrap_or(home)
     };
     let poses: Vec<Pose> = (0..data.len()).map(pose).collect();
-    Some(Arc::new(Circumstances::new(
+    Some(Arc::new(PoseContexts::new(
         &problem.dataset.robot,
         data,
         problem.home_row(),
@@ -126,7 +126,7 @@ fn reading_gain(
     chosen: Option<usize>,
 ) -> Dual {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
-    let (Some(circumstances), Some(row)) = (selection.circumstances, selection.rows.first()) else {
+    let (Some(contexts), Some(row)) = (selection.contexts, selection.rows.first()) else {
         return Dual::constant(1.0);
     };
     let cable = &problem.dataset.robot.cables[index];
@@ -135,7 +135,7 @@ fn reading_gain(
         let mut ports = CablePorts::nominal(cable, reading, reading);
         for k in &concerned {
             let effect = globals.effects[*k].effect;
-            (effect.change_cable)(&values[*k], circumstances.cable(*row, index), &mut ports);
+            (effect.change_cable)(&values[*k], contexts.cable(*row, index), &mut ports);
         }
         ports.get(port)
     };
@@ -256,7 +256,7 @@ fn pack_platform<T: Packet>(
     let nominal = PlatformPorts::nominal(&problem.dataset.robot);
     let concerned = concerned(globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
-    let (false, Some(circumstances)) = (concerned.is_empty(), selection.circumstances) else {
+    let (false, Some(contexts)) = (concerned.is_empty(), selection.contexts) else {
         let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
@@ -266,7 +266,7 @@ fn pack_platform<T: Packet>(
             let mut ports = nominal;
             for k in &concerned {
                 let effect = globals.effects[*k].effect;
-                (effect.change_platform)(&values[*k], circumstances.platform(*row), &mut ports);
+                (effect.change_platform)(&values[*k], contexts.platform(*row), &mut ports);
             }
             ports
         };
@@ -313,8 +313,8 @@ fn pack_cable<T: Packet>(
     let cable = &problem.dataset.robot.cables[index];
     let ports_at = |row: usize, values: &[Vec<Dual>]| {
         let mut ports = nominal_cable_ports(cable, data, (row, index), selection.is_home);
-        if let Some(circumstances) = selection.circumstances {
-            let at = circumstances.cable(row, index);
+        if let Some(contexts) = selection.contexts {
+            let at = contexts.cable(row, index);
             for k in &concerned {
                 let effect = globals.effects[*k].effect;
                 (effect.change_cable)(&values[*k], at, &mut ports);

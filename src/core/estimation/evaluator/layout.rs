@@ -1,6 +1,8 @@
 //! Which rows a pose has and which columns the common parameters have.
 
+use crate::estimation::observation::ObservationKind as Kind;
 use crate::estimation::problem::{Geometry, Poses, Problem};
+use crate::geometry::Coordinate;
 
 /// Row and column numbering of one pose's whitened equations.
 ///
@@ -10,13 +12,17 @@ use crate::estimation::problem::{Geometry, Poses, Problem};
 #[derive(Debug, Clone)]
 pub(in crate::estimation) struct Layout {
     pub cables: usize,
+    /// Number of columns of effects.
     pub effects: usize,
+    /// First row of each kind, where the problem has it; the length rows come first of all, one per cable.
     pub equilibrium: Option<usize>,
     pub laser: Option<usize>,
     pub swivel: Option<usize>,
     pub tracker_position: Option<usize>,
     pub tracker_orientation: Option<usize>,
     pub inclination: Option<usize>,
+    /// What each row is.
+    pub kinds: Vec<Kind>,
     /// Number of rows.
     pub rows: usize,
     /// Number of columns.
@@ -31,30 +37,38 @@ impl Layout {
         let data = &problem.dataset.measurements;
         let robot = &problem.dataset.robot;
         let cables = robot.cable_count();
-        let mut rows = cables;
-        let mut block = |present: bool, count: usize| {
+        let mut kinds: Vec<Kind> = (0..cables).map(Kind::Length).collect();
+        let mut block = |present: bool, count: usize, kind: &dyn Fn(usize) -> Kind| {
             present.then(|| {
-                rows += count;
-                rows - count
+                kinds.extend((0..count).map(kind));
+                kinds.len() - count
             })
         };
-        let equilibrium = block(problem.has_equilibrium(), 6);
-        let laser = block(robot.laser.is_some() && !data.laser_m.is_empty(), 1);
+        let along = |k: usize| Kind::Equilibrium(Coordinate::ALL[k]);
+        let equilibrium = block(problem.has_equilibrium(), 6, &along);
+        let has_laser = robot.laser.is_some() && !data.laser_m.is_empty();
+        let laser = block(has_laser, 1, &|_| Kind::Laser);
         let swivels = robot
             .cables
             .iter()
             .any(|c| c.pulley.swivel_sd_rad.is_some());
-        let swivel = block(swivels && !data.swivel_rad.is_empty(), cables);
+        let swivel = block(
+            swivels && !data.swivel_rad.is_empty(),
+            cables,
+            &Kind::Swivel,
+        );
         // Held poses are the tracker's: there is nothing to compare.
         let tracked = robot.tracker.is_some() && problem.poses == Poses::Estimated;
-        let tracker_position = block(tracked && !data.tracked_position_m.is_empty(), 3);
+        let positions = tracked && !data.tracked_position_m.is_empty();
+        let tracker_position = block(positions, 3, &Kind::TrackerPosition);
         let turns = tracked
             && robot
                 .tracker
                 .is_some_and(|t| t.orientation_sd_rad.is_some());
-        let tracker_orientation = block(turns && !data.tracked_orientation_wxyz.is_empty(), 3);
+        let orientations = turns && !data.tracked_orientation_wxyz.is_empty();
+        let tracker_orientation = block(orientations, 3, &Kind::TrackerOrientation);
         let inclined = robot.inclinometer.is_some() && !data.inclination_rad.is_empty();
-        let inclination = block(inclined, 3);
+        let inclination = block(inclined, 3, &Kind::Inclination);
         Self {
             cables,
             effects: effect_columns,
@@ -64,7 +78,8 @@ impl Layout {
             tracker_position,
             tracker_orientation,
             inclination,
-            rows,
+            rows: kinds.len(),
+            kinds,
             columns: CABLE_COLUMNS * cables + 1 + effect_columns,
         }
     }

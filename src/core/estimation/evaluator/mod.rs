@@ -13,7 +13,7 @@ mod span;
 
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
-use inputs::{NoiseGain, PortInputs, Selection, circumstances_of};
+use inputs::{NoiseGain, PortInputs, Selection, contexts_of};
 use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
 
 pub(super) use equations::Equations;
@@ -23,7 +23,7 @@ pub(super) use normal::{Elimination, Sums};
 use std::sync::Arc;
 
 use super::problem::{Globals, Poses, Problem};
-use crate::effect::{CablePort, Circumstances};
+use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::{Pose, PosePacket};
 use crate::real::{Kernel, Packet};
 use crate::small_cholesky::TRIANGLE;
@@ -43,7 +43,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     rows: Vec<usize>,
     is_home: bool,
     /// What effects may depend on; there if there are effects.
-    circumstances: Option<Arc<Circumstances>>,
+    contexts: Option<Arc<PoseContexts>>,
     /// Whether tensions have errors of their own.
     is_latent: bool,
     pub layout: Layout,
@@ -59,7 +59,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     wrench_variance: [f64; 6],
     /// 1 for coordinates in which the poses move, else 0.
     free: [f64; 6],
-    /// 1 for coordinates in which wrenches balance, else 0.
+    /// 1 for coordinates of the wrench that are in equilibrium, else 0.
     in_equilibrium: [f64; 6],
     /// Whether the equations carry what only the home row and reports need.
     pub detailed: bool,
@@ -68,8 +68,6 @@ pub(super) struct Evaluator<'a, T: Packet> {
     previous: Packed,
     /// Factor, residual and `Y` of every packet, for the back-substitution.
     eliminated: Packed,
-    /// Variances of length (m^2) and tension (N^2) of each cable.
-    spreads: Vec<(f64, f64)>,
     /// Estimated errors of the tension readings (N), packet by packet, cable by cable.
     tension_errors: Packed,
     equations: Equations<T>,
@@ -107,11 +105,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let layout = Layout::new(problem, effect_columns(problem));
         let mut readings = ColumnStore::new(token);
         let platform = pack_instruments(&mut readings, problem, &layout, &rows);
-        let circumstances = circumstances_of(problem);
+        let contexts = contexts_of(problem);
         let selection = Selection {
             rows: &rows,
             is_home,
-            circumstances: circumstances.as_deref(),
+            contexts: contexts.as_deref(),
         };
         let ports = PortInputs::build(token, problem, globals, selection);
         let gravity = robot.gravity();
@@ -129,10 +127,8 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             })
         });
         let constants = constants_of(problem, is_home);
-        let square = |c: &CableConstants| (c.length_sd.powi(2), c.tension_sd.powi(2));
         let packets = rows.len().div_ceil(T::LANES);
         let mut evaluator = Self {
-            spreads: constants.iter().map(square).collect(),
             tension_errors: packed(packets * robot.cable_count() * T::LANES),
             constants,
             entry: Vec::new(),
@@ -154,7 +150,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             problem,
             rows,
             is_home,
-            circumstances,
+            contexts,
             is_latent: problem.has_latent_tension() && !is_home,
             layout,
             ports,
@@ -166,8 +162,8 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     }
 
     /// Replaces what effects may depend on; takes effect with the next `set_globals`.
-    pub fn set_circumstances(&mut self, circumstances: Arc<Circumstances>) {
-        self.circumstances = Some(circumstances);
+    pub fn set_contexts(&mut self, contexts: Arc<PoseContexts>) {
+        self.contexts = Some(contexts);
     }
 
     /// Number of packets.
@@ -197,7 +193,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             let selection = Selection {
                 rows: &self.rows,
                 is_home: self.is_home,
-                circumstances: self.circumstances.as_deref(),
+                contexts: self.contexts.as_deref(),
             };
             self.ports = PortInputs::build(self.token, self.problem, globals, selection);
         }
@@ -210,14 +206,13 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let selection = Selection {
             rows: &self.rows,
             is_home: false,
-            circumstances: self.circumstances.as_deref(),
+            contexts: self.contexts.as_deref(),
         };
         let nominal = constants_of(self.problem, false);
         for (index, (constants, nominal)) in self.constants.iter_mut().zip(&nominal).enumerate() {
             let gain = NoiseGain::of(self.problem, globals, selection, index);
             constants.length_sd = nominal.length_sd * gain.length;
             constants.tension_sd = nominal.tension_sd * gain.tension;
-            self.spreads[index] = (constants.length_sd.powi(2), constants.tension_sd.powi(2));
         }
     }
 
@@ -376,15 +371,21 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     fn update_tension_errors(&mut self, batch: usize) {
         let first = batch * self.layout.cables;
         let lambda = self.equations.equilibrium_multipliers(&self.layout);
-        for (cable, spread) in self.spreads.iter().enumerate() {
-            let error = self.equations.tension_error(cable, *spread, &lambda);
+        for (cable, constants) in self.constants.iter().enumerate() {
+            let variance = constants.tension_sd * constants.tension_sd;
+            let error = self.equations.tension_error(cable, variance, &lambda);
             error.store(&mut self.tension_errors, first + cable);
         }
     }
 
-    /// Variances of length (m^2) and tension (N^2) of each cable.
-    pub fn spreads(&self) -> &[(f64, f64)] {
-        &self.spreads
+    /// Standard deviation of a length (m), as effects scale it.
+    pub fn length_sd(&self, cable: usize) -> f64 {
+        self.constants[cable].length_sd
+    }
+
+    /// Standard deviation of a tension (N), as effects scale it; 0 where tensions are exact.
+    pub fn tension_sd(&self, cable: usize) -> f64 {
+        self.constants[cable].tension_sd
     }
 
     /// Variance of a component of the unexplained wrench (N^2, N^2 m^2).

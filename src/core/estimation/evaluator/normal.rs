@@ -7,6 +7,7 @@
 use super::columns::{Packed, packed};
 use super::equations::Equations;
 use super::layout::{CABLE_COLUMNS, Layout};
+use crate::estimation::observation::ObservationKind as Kind;
 use crate::real::{Packet, negated, scaled, square_norm};
 use crate::small_cholesky::{TRIANGLE, back_substitute, entry, factorise, forward_substitute};
 
@@ -148,28 +149,26 @@ impl<T: Packet> Elimination<T> {
                 *entry = *entry - column[k] * y[k];
             }
         }
-        if let Some(k) = layout
-            .equilibrium
-            .and_then(|first| row.checked_sub(first))
-            .filter(|k| *k < 6)
-        {
-            for (column, g) in equations.equilibrium_by_column.iter().enumerate() {
-                gradient[column] = gradient[column] + g[k];
+        match layout.kinds[row] {
+            Kind::Equilibrium(axis) => {
+                for (entry, g) in gradient.iter_mut().zip(&equations.equilibrium_by_column) {
+                    *entry = *entry + g[axis.index()];
+                }
+                return gradient;
             }
-            return gradient;
-        }
-        if row < layout.cables {
-            let g = &equations.length_by_cable[row];
-            add_to(&mut gradient[layout.cable_column(row)..], g);
-        }
-        let swivel = layout.swivel.and_then(|first| row.checked_sub(first));
-        if let Some(cable) = swivel.filter(|cable| *cable < layout.cables) {
-            let g = &equations.swivel_by_cable[cable];
-            add_to(&mut gradient[layout.cable_column(cable)..], g);
-        }
-        if layout.laser == Some(row) {
-            let plane = layout.plane_column();
-            gradient[plane] = gradient[plane] + equations.laser_by_plane;
+            Kind::Length(cable) => {
+                let g = &equations.length_by_cable[cable];
+                add_to(&mut gradient[layout.cable_column(cable)..], g);
+            }
+            Kind::Swivel(cable) => {
+                let g = &equations.swivel_by_cable[cable];
+                add_to(&mut gradient[layout.cable_column(cable)..], g);
+            }
+            Kind::Laser => {
+                let plane = layout.plane_column();
+                gradient[plane] = gradient[plane] + equations.laser_by_plane;
+            }
+            Kind::TrackerPosition(_) | Kind::TrackerOrientation(_) | Kind::Inclination(_) => {}
         }
         let effects = &equations.by_effect[row * layout.effects..(row + 1) * layout.effects];
         add_to(&mut gradient[layout.effect_column()..], effects);

@@ -75,28 +75,19 @@ fn scale_of(problem: &Problem<'_>, layout: &Layout, column: usize) -> f64 {
 }
 
 fn derivative(equations: &Equations<f64>, layout: &Layout, row: usize, column: usize) -> f64 {
-    let equilibrium = layout.equilibrium.and_then(|first| row.checked_sub(first));
-    if let Some(k) = equilibrium.filter(|k| *k < 6) {
-        return equations.equilibrium_by_column[column][k];
+    let kind = layout.kinds[row];
+    if let ObservationKind::Equilibrium(axis) = kind {
+        return equations.equilibrium_by_column[column][axis.index()];
     }
     if let Some(effect) = column.checked_sub(layout.effect_column()) {
         return equations.by_effect[row * layout.effects + effect];
     }
     let (cable, axis) = (column / 4, column % 4);
-    let swivel = layout.swivel.and_then(|first| row.checked_sub(first));
-    if column == layout.plane_column() {
-        return if layout.laser == Some(row) {
-            equations.laser_by_plane
-        } else {
-            0.0
-        };
-    }
-    if row == cable {
-        equations.length_by_cable[cable][axis]
-    } else if swivel == Some(cable) {
-        equations.swivel_by_cable[cable][axis]
-    } else {
-        0.0
+    match kind {
+        ObservationKind::Laser if column == layout.plane_column() => equations.laser_by_plane,
+        ObservationKind::Length(own) if own == cable => equations.length_by_cable[cable][axis],
+        ObservationKind::Swivel(own) if own == cable => equations.swivel_by_cable[cable][axis],
+        _ => 0.0,
     }
 }
 

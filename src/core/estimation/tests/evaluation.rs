@@ -41,7 +41,7 @@ fn held_geometry_fits_poses_only() {
                 solution.degrees_of_freedom
             );
             let analysis = Analysis::new(&problem, &solution);
-            let readings = analysis.readings.iter().filter_map(|r| r.redundancy);
+            let readings = analysis.observations.iter().filter_map(|r| r.redundancy);
             let sum =
                 readings.sum::<f64>() + analysis.prior_redundancies.iter().flatten().sum::<f64>();
             assert!((sum - solution.degrees_of_freedom).abs() < 1e-6);
@@ -135,7 +135,7 @@ fn held_poses_and_geometry_leave_nothing_to_fit_but_tensions_at_home() {
         let solution = solved(&problem);
         assert!(solution.converged());
         assert_eq!(solution.parameters.len(), unknowns);
-        assert!(Analysis::new(&problem, &solution).readings.len() > 80);
-        assert_eq!(deficiencies(&problem, &solution), []);
+        assert!(Analysis::new(&problem, &solution).observations.len() > 80);
+        assert_eq!(rank_defects(&problem, &solution), []);
     }
 }

@@ -14,10 +14,15 @@ fn degrees_of_freedom(dataset: &Dataset) -> [f64; 2] {
         assert!(solution.converged() || weak, "{:?}", solution.termination);
         assert!(solution.chi2.is_finite());
         let analysis = Analysis::new(&problem, &solution);
-        assert!(analysis.readings.iter().all(|r| r.standardised.is_finite()));
-        let _ = deficiencies(&problem, &solution);
+        assert!(
+            analysis
+                .observations
+                .iter()
+                .all(|r| r.standardised.is_finite())
+        );
+        let _ = rank_defects(&problem, &solution);
         if solution.covariance.is_some() && !weak {
-            let readings = analysis.readings.iter().filter_map(|r| r.redundancy);
+            let readings = analysis.observations.iter().filter_map(|r| r.redundancy);
             let sum =
                 readings.sum::<f64>() + analysis.prior_redundancies.iter().flatten().sum::<f64>();
             assert!((sum - solution.degrees_of_freedom).abs() < 1e-5);
@@ -171,7 +176,7 @@ fn numbers_that_are_none_end_the_solve() {
     let problem = Problem::new(&dataset).unwrap();
     let solution = solved(&problem);
     assert_eq!(solution.termination, Termination::Stalled);
-    let _ = deficiencies(&problem, &solution);
+    let _ = rank_defects(&problem, &solution);
 }
 
 #[test]

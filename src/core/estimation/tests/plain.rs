@@ -36,7 +36,7 @@ pub struct Plain<'a> {
 }
 
 /// What it finds.
-pub struct Found {
+pub struct FoundEffect {
     pub state: State,
     pub chi2: f64,
     /// Covariance of the free entry point coordinates, cable by cable.
@@ -218,7 +218,7 @@ impl<'a> Plain<'a> {
     }
 
     /// Undamped Gauss-Newton until a step promises less than 1e-12 of the sum of squares.
-    pub fn solve(&self) -> Found {
+    pub fn solve(&self) -> FoundEffect {
         let mut state = self.start();
         for _ in 0..50 {
             let residuals = DVector::from(self.residuals(&state));
@@ -233,7 +233,7 @@ impl<'a> Plain<'a> {
                     .take_while(|u| matches!(u, Unknown::Entry(..)))
                     .count();
                 let covariance = &inverse * inverse.transpose();
-                return Found {
+                return FoundEffect {
                     state,
                     chi2,
                     covariance: covariance.view((0, 0), (entry, entry)).into_owned(),

@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cable::ElongationSurface;
 use crate::effect::{
-    BoundEffect, CATALOGUE, CableCircumstances, CablePorts, Dual, Effect, EffectParameter,
-    EffectRequest, PlatformCircumstances, PlatformPorts, Scope, Search,
+    BoundEffect, CATALOGUE, CableContext, CablePorts, Dual, Effect, EffectParameter, EffectRequest,
+    PlatformContext, PlatformPorts, Scope, Search,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
@@ -27,7 +27,7 @@ static EVERY_CABLE_PORT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn change_every_cable_port(p: &[Dual], _: &CableCircumstances, ports: &mut CablePorts) {
+fn change_every_cable_port(p: &[Dual], _: &CableContext, ports: &mut CablePorts) {
     ports.paid += p[0] * 0.1;
     ports.tension += p[1] * 10.0;
     ports.strain += p[2] * 1e-3;
@@ -58,7 +58,7 @@ static EVERY_PLATFORM_PORT: Effect = Effect {
     ..Effect::NEUTRAL
 };
 
-fn change_every_platform_port(p: &[Dual], _: &PlatformCircumstances, ports: &mut PlatformPorts) {
+fn change_every_platform_port(p: &[Dual], _: &PlatformContext, ports: &mut PlatformPorts) {
     ports.mass += p[0];
     ports.laser_gain += p[1];
     ports.laser_bias += p[2];

@@ -13,8 +13,8 @@ fn sentences(dataset: &Dataset, method: Method) -> Vec<String> {
 fn sentences_of(problem: &Problem<'_>) -> Vec<String> {
     let solution = solved(problem);
     let analysis = Analysis::new(problem, &solution);
-    assert!(!analysis.readings.is_empty());
-    let found = deficiencies(problem, &solution);
+    assert!(!analysis.observations.is_empty());
+    let found = rank_defects(problem, &solution);
     if solution.undetermined_coordinates == 0 {
         assert_eq!(found.is_empty(), solution.covariance.is_some());
     }
@@ -126,7 +126,7 @@ fn a_datum_by_zero_standard_deviations_determines_everything() {
     for method in [Method::Simple, Method::Joint] {
         let problem = Problem::new(&dataset).unwrap().with_method(method);
         let solution = solved(&problem);
-        assert_eq!(deficiencies(&problem, &solution), []);
+        assert_eq!(rank_defects(&problem, &solution), []);
         assert!(solution.covariance.is_some());
         for (cable, sd) in datum {
             for axis in 0..3 {

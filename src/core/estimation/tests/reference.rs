@@ -1,8 +1,8 @@
 //! The estimator against the plain solution of the same problem.
 
-use super::plain::{Found, Plain};
+use super::plain::{FoundEffect, Plain};
 use super::*;
-use crate::estimation::solver::Descent;
+use crate::estimation::solver::LevenbergMarquardt;
 use crate::estimation::start::Start;
 use crate::real::{Lanes, Packet};
 
@@ -27,7 +27,7 @@ fn entry_points(solution: &Solution) -> Vec<(usize, usize, usize)> {
 
 /// Largest differences of entry points in standard deviations, and of covariances in products of
 /// standard deviations.
-fn differences(solution: &Solution, plain: &Found) -> (f64, f64) {
+fn differences(solution: &Solution, plain: &FoundEffect) -> (f64, f64) {
     let covariance = solution.covariance.as_ref().unwrap();
     let indices = entry_points(solution);
     let (mut points, mut covariances) = (0.0_f64, 0.0_f64);
@@ -78,7 +78,8 @@ fn joint_method_finds_the_minimum_of_problem_r2() {
 /// The solution with one instruction set after the other, as far as this processor has them.
 fn by_instruction_set(problem: &Problem<'_>) -> Vec<Solution> {
     fn with<T: Packet>(token: T::Token, problem: &Problem<'_>) -> Solution {
-        Descent::<T>::from(token, problem, Start::Given).run(&Options::default(), &mut quiet)
+        LevenbergMarquardt::<T>::from(token, problem, Start::Given)
+            .run(&Options::default(), &mut quiet)
     }
     let mut solutions = vec![
         with::<f64>((), problem),

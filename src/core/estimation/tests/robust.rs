@@ -50,8 +50,8 @@ fn a_gross_error_is_the_worst_suspect() {
                 let analysis = Analysis::new(&problem, &solution);
                 let suspects = analysis.suspects(0.01);
                 let kind = match which {
-                    Spoilt::Length => ReadingKind::Length(cable),
-                    Spoilt::Laser => ReadingKind::Laser,
+                    Spoilt::Length => ObservationKind::Length(cable),
+                    Spoilt::Laser => ObservationKind::Laser,
                 };
                 let worst = suspects.first().expect("there is one");
                 assert_eq!((worst.row, worst.kind), (row, kind), "{name} {method:?}");

@@ -14,7 +14,7 @@ fn redundancies_sum_to_the_degrees_of_freedom() {
             let problem = Problem::new(&run.dataset).unwrap().with_method(method);
             let solution = solved(&problem);
             let analysis = Analysis::new(&problem, &solution);
-            let readings = analysis.readings.iter().map(|r| r.redundancy.unwrap());
+            let readings = analysis.observations.iter().map(|r| r.redundancy.unwrap());
             let priors = analysis.prior_redundancies.iter().flatten();
             let sum = readings.sum::<f64>() + priors.sum::<f64>();
             let off = sum - solution.degrees_of_freedom;
@@ -97,7 +97,7 @@ fn normalised_residuals_are_standard_normal() {
         let problem = Problem::new(&run.dataset).unwrap();
         let analysis = Analysis::new(&problem, &solved(&problem));
         let squares: Vec<f64> = analysis
-            .readings
+            .observations
             .iter()
             .filter_map(Reading::normalised)
             .map(|v| v * v)
@@ -105,7 +105,11 @@ fn normalised_residuals_are_standard_normal() {
         let n = squares.len() as f64;
         // Normalised residuals that share degrees of freedom are correlated; at worst the mean square
         // scatters like that of the redundancies' sum of independent ones.
-        let redundancy: f64 = analysis.readings.iter().filter_map(|r| r.redundancy).sum();
+        let redundancy: f64 = analysis
+            .observations
+            .iter()
+            .filter_map(|r| r.redundancy)
+            .sum();
         let away = (squares.iter().sum::<f64>() / n - 1.0) / (2.0 / redundancy).sqrt();
         assert!(away.abs() < LIMIT, "{name}: {away}");
     }

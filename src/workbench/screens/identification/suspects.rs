@@ -1,7 +1,7 @@
 //! Readings that do not fit, poses that are left out.
 
 use egui::Ui;
-use tautline_core::estimation::Reading;
+use tautline_core::estimation::Observation;
 
 use super::Panel;
 use crate::model::Selection;
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification) {
     excluded(ui, panel);
 }
 
-fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification, readings: &[Reading]) {
+fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification, readings: &[Observation]) {
     let label = fit.dataset.measurements.labels[readings[0].row];
     let more = match readings.len() {
         1 => String::new(),

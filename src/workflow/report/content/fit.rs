@@ -1,7 +1,7 @@
 //! How well the model explains the readings.
 
 use tautline_core::diagnosis::Quantity;
-use tautline_core::estimation::{Reading, ReadingKind};
+use tautline_core::estimation::{Observation, ObservationKind};
 use tautline_core::robot::Robot;
 
 use super::{number, signed};
@@ -32,9 +32,9 @@ pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {
     }
     let all: Vec<f64> = fit
         .analysis
-        .readings
+        .observations
         .iter()
-        .filter_map(Reading::normalised)
+        .filter_map(Observation::normalised)
         .collect();
     if !all.is_empty() {
         section.heading("All readings together");
@@ -72,15 +72,15 @@ fn verdict(fit: &Identification) -> String {
 }
 
 /// The quantity of a reading; none for static equilibrium, which stands for the tensions.
-fn quantity_of(kind: ReadingKind) -> Option<(Quantity, &'static str)> {
+fn quantity_of(kind: ObservationKind) -> Option<(Quantity, &'static str)> {
     Some(match kind {
-        ReadingKind::Length(_) => (Quantity::Length, "m"),
-        ReadingKind::Laser => (Quantity::Laser, "m"),
-        ReadingKind::Swivel(_) => (Quantity::Swivel, "rad"),
-        ReadingKind::Inclination(_) => (Quantity::Inclination, "rad"),
-        ReadingKind::TrackerPosition(_) => (Quantity::TrackerPosition, "m"),
-        ReadingKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, "rad"),
-        ReadingKind::Equilibrium(_) => return None,
+        ObservationKind::Length(_) => (Quantity::Length, "m"),
+        ObservationKind::Laser => (Quantity::Laser, "m"),
+        ObservationKind::Swivel(_) => (Quantity::Swivel, "rad"),
+        ObservationKind::Inclination(_) => (Quantity::Inclination, "rad"),
+        ObservationKind::TrackerPosition(_) => (Quantity::TrackerPosition, "m"),
+        ObservationKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, "rad"),
+        ObservationKind::Equilibrium(_) => return None,
     })
 }
 
@@ -99,8 +99,8 @@ fn kinds(fit: &Identification) -> Table {
     );
     for quantity in Quantity::ALL {
         let own =
-            |reading: &&Reading| quantity_of(reading.kind).is_some_and(|(q, _)| q == quantity);
-        let readings: Vec<&Reading> = fit.analysis.readings.iter().filter(own).collect();
+            |reading: &&Observation| quantity_of(reading.kind).is_some_and(|(q, _)| q == quantity);
+        let readings: Vec<&Observation> = fit.analysis.observations.iter().filter(own).collect();
         let Some((_, unit)) = readings.first().and_then(|r| quantity_of(r.kind)) else {
             continue;
         };
@@ -156,8 +156,9 @@ fn cable_plots(fit: &Identification) -> Vec<crate::plot::Drawing> {
     let cables = fit.dataset.robot.cables.iter().enumerate();
     cables
         .filter_map(|(cable, description)| {
-            let own = |r: &&Reading| r.kind == ReadingKind::Length(cable);
-            let readings: Vec<&Reading> = fit.analysis.readings.iter().filter(own).collect();
+            let own = |r: &&Observation| r.kind == ObservationKind::Length(cable);
+            let readings: Vec<&Observation> =
+                fit.analysis.observations.iter().filter(own).collect();
             let points = readings.iter().filter_map(|r| {
                 let label = labels.get(r.row)?;
                 Some((*label, r.normalised()?))

@@ -40,7 +40,7 @@ pub fn figure(prepared: &Prepared) -> Figure {
 fn all(fit: &Identification) -> Vec<f64> {
     let mut values: Vec<f64> = fit
         .analysis
-        .readings
+        .observations
         .iter()
         .filter_map(|r| r.normalised())
         .collect();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use tautline_core::estimation::{Reading, ReadingKind};
+use tautline_core::estimation::{Observation, ObservationKind};
 
 use super::over_pose;
 use crate::views::plots::POSE;
@@ -20,7 +20,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    fn value(self, reading: &Reading) -> Option<f64> {
+    fn value(self, reading: &Observation) -> Option<f64> {
         match self {
             Self::Deviations => reading.normalised(),
             Self::Millimetres => Some(1e3 * reading.residual()),
@@ -35,7 +35,7 @@ impl Unit {
     }
 
     /// Three standard deviations of residuals; in millimetres those of the middle one (median).
-    fn band<'a>(self, readings: impl Iterator<Item = &'a Reading>) -> Option<Band> {
+    fn band<'a>(self, readings: impl Iterator<Item = &'a Observation>) -> Option<Band> {
         let half = match self {
             Self::Deviations => 3.0,
             Self::Millimetres => 3e3 * median(readings.filter_map(sd))?,
@@ -48,7 +48,7 @@ impl Unit {
 }
 
 /// Standard deviation of a residual (SI unit of the reading).
-fn sd(reading: &Reading) -> Option<f64> {
+fn sd(reading: &Observation) -> Option<f64> {
     let redundancy = reading.redundancy.filter(|share| *share > 0.0)?;
     Some(reading.sd * redundancy.sqrt())
 }
@@ -111,16 +111,16 @@ fn over_poses(unit: Unit, band: Option<Band>, series: Vec<Series>) -> Figure {
     }
 }
 
-fn length_readings(fit: &Identification) -> impl Iterator<Item = &Reading> {
-    let readings = fit.analysis.readings.iter();
-    readings.filter(|reading| matches!(reading.kind, ReadingKind::Length(_)))
+fn length_readings(fit: &Identification) -> impl Iterator<Item = &Observation> {
+    let readings = fit.analysis.observations.iter();
+    readings.filter(|reading| matches!(reading.kind, ObservationKind::Length(_)))
 }
 
 /// Residuals of the lengths of each cable.
 fn cable_points(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Vec<Vec<Point>> {
     let mut points: Vec<Vec<Point>> = vec![Vec::new(); fit.dataset.robot.cable_count()];
-    for reading in &fit.analysis.readings {
-        if let ReadingKind::Length(cable) = reading.kind
+    for reading in &fit.analysis.observations {
+        if let ObservationKind::Length(cable) = reading.kind
             && let Some(value) = unit.value(reading)
             && let Some(points) = points.get_mut(cable)
         {
@@ -134,10 +134,10 @@ fn cable_points(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> V
 #[must_use]
 pub fn laser(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     let readings = || {
-        let all = fit.analysis.readings.iter();
-        all.filter(|reading| reading.kind == ReadingKind::Laser)
+        let all = fit.analysis.observations.iter();
+        all.filter(|reading| reading.kind == ObservationKind::Laser)
     };
-    let point = |reading: &Reading| {
+    let point = |reading: &Observation| {
         let value = unit.value(reading)?;
         Some(over_pose(&fit.dataset, excluded, reading.row, value))
     };

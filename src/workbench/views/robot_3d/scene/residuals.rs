@@ -1,6 +1,6 @@
 //! Residuals of lengths by cable and by pose.
 
-use tautline_core::estimation::{Reading, ReadingKind};
+use tautline_core::estimation::{Observation, ObservationKind};
 
 use super::Residual;
 use tautline_workflow::identification::Identification;
@@ -15,14 +15,14 @@ pub struct Residuals {
 impl Residuals {
     /// Those of `fit`.
     pub fn of(fit: &Identification) -> Self {
-        let length = |reading: &Reading| match reading.kind {
-            ReadingKind::Length(cable) => {
+        let length = |reading: &Observation| match reading.kind {
+            ObservationKind::Length(cable) => {
                 let value = reading.normalised().unwrap_or(reading.standardised);
                 Some((reading.row, cable, value))
             }
             _ => None,
         };
-        let lengths = fit.analysis.readings.iter().filter_map(length);
+        let lengths = fit.analysis.observations.iter().filter_map(length);
         let mut lengths: Vec<_> = lengths.collect();
         lengths.sort_by_key(|(row, cable, _)| (*row, *cable));
         Self { lengths }

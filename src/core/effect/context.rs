@@ -1,4 +1,4 @@
-//! Under which circumstances readings were taken: what effects may depend on besides their parameters.
+//! Under which contexts readings were taken: what effects may depend on besides their parameters.
 //!
 //! Everything here follows from the readings and from the nominal geometry at approximate poses. It is
 //! found once per problem and held while parameters and poses are estimated.
@@ -10,9 +10,9 @@ use crate::kinematics::PulleyGeometry;
 use crate::measurement::{Grid, Measurements, Variable};
 use crate::robot::{Cable, Robot};
 
-/// Circumstances of one cable at one pose.
+/// PoseContexts of one cable at one pose.
 #[derive(Debug, Clone, Copy)]
-pub struct CableCircumstances {
+pub struct CableContext {
     /// Whether this is the home pose, at which the encoders were zeroed.
     pub is_home: bool,
     /// Row in the measurements.
@@ -48,9 +48,9 @@ pub struct CableCircumstances {
     pub variables: [f64; Variable::COUNT],
 }
 
-/// Circumstances of the platform's readings at one pose.
+/// PoseContexts of the platform's readings at one pose.
 #[derive(Debug, Clone, Copy)]
-pub struct PlatformCircumstances {
+pub struct PlatformContext {
     /// Whether this is the home pose.
     pub is_home: bool,
     /// Row in the measurements.
@@ -73,7 +73,7 @@ pub struct PlatformCircumstances {
     pub variables: [f64; Variable::COUNT],
 }
 
-impl CableCircumstances {
+impl CableContext {
     /// Whether this is the pose with this label or a later one; the home pose is before all others.
     /// NaN stands for every pose: so a search sees all of them at once.
     #[must_use]
@@ -88,7 +88,7 @@ impl CableCircumstances {
     }
 }
 
-impl PlatformCircumstances {
+impl PlatformContext {
     /// Whether this is the pose with this label; NaN stands for every pose.
     #[must_use]
     pub fn is_at(&self, label: f64) -> bool {
@@ -96,20 +96,20 @@ impl PlatformCircumstances {
     }
 }
 
-/// Circumstances of all rows of a dataset.
+/// PoseContexts of all rows of a dataset.
 #[derive(Debug, Clone)]
-pub(crate) struct Circumstances {
+pub(crate) struct PoseContexts {
     cable_count: usize,
-    cables: Vec<CableCircumstances>,
-    platform: Vec<PlatformCircumstances>,
+    cables: Vec<CableContext>,
+    platform: Vec<PlatformContext>,
 }
 
 fn or_zero(value: Option<f64>) -> f64 {
     value.filter(|v| v.is_finite()).unwrap_or(0.0)
 }
 
-impl Circumstances {
-    /// Circumstances when the platform is at approximate poses, one per row. The directions of travel are
+impl PoseContexts {
+    /// PoseContexts when the platform is at approximate poses, one per row. The directions of travel are
     /// taken from the readings unless given.
     pub fn new(
         robot: &Robot,
@@ -129,7 +129,7 @@ impl Circumstances {
         };
         let nominal = PlatformPorts::nominal(robot);
         let platform: Vec<_> = (0..data.len())
-            .map(|row| PlatformCircumstances {
+            .map(|row| PlatformContext {
                 is_home: home == Some(row),
                 row,
                 label: data.labels[row],
@@ -146,8 +146,7 @@ impl Circumstances {
             .map(|index| mean_tension(&robot.cables[index], data, index))
             .collect();
         let down = robot.gravity().try_normalize(0.0).unwrap_or_default();
-        let mut cables: Vec<CableCircumstances> =
-            Vec::with_capacity(data.len() * robot.cable_count());
+        let mut cables: Vec<CableContext> = Vec::with_capacity(data.len() * robot.cable_count());
         let mut facings = vec![None; robot.cable_count()];
         // Lengths at the row before.
         let mut before: Vec<Option<f64>> = vec![None; robot.cable_count()];
@@ -178,7 +177,7 @@ impl Circumstances {
                     swivel: angle_about(cable.pulley.swivel_axis, facing, path.facing),
                     direction,
                 };
-                cables.push(CableCircumstances {
+                cables.push(CableContext {
                     variables: own.with(at.variables),
                     is_home: at.is_home,
                     row,
@@ -228,12 +227,12 @@ impl Circumstances {
     }
 
     /// Those of a cable at a row.
-    pub fn cable(&self, row: usize, index: usize) -> &CableCircumstances {
+    pub fn cable(&self, row: usize, index: usize) -> &CableContext {
         &self.cables[row * self.cable_count + index]
     }
 
     /// Those of the platform at a row.
-    pub fn platform(&self, row: usize) -> &PlatformCircumstances {
+    pub fn platform(&self, row: usize) -> &PlatformContext {
         &self.platform[row]
     }
 }
