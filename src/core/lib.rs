@@ -42,3 +42,4 @@ pub mod robot;
 pub mod simulation;
 mod small_cholesky;
 pub mod statistics;
+mod tolerances;

@@ -31,7 +31,7 @@ pub(super) fn exchanged(
     report: &mut Reporter<'_, '_>,
 ) -> Result<Option<Exchange>, EstimationError> {
     let solution = &fit.solution;
-    let is_exchange = |effect: &&&dyn crate::effect::Effect| effect.search() == Search::Exchange;
+    let is_exchange = |effect: &&&crate::effect::Effect| effect.search() == Search::Exchange;
     let Some(effect) = CATALOGUE.iter().find(is_exchange) else {
         return Ok(None);
     };
@@ -46,7 +46,7 @@ pub(super) fn exchanged(
             return Ok(None);
         }
         let bound = BoundEffect {
-            effect: *effect,
+            effect: effect,
             cables: vec![one, other],
             targeted: true,
             values: Vec::new(),

@@ -73,16 +73,6 @@ impl ExpectedInformation {
     }
 }
 
-/// Inverse of an information matrix, or nothing if it is singular but for rounding.
-#[must_use]
-pub fn covariance_of(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let factor = information.clone().cholesky()?;
-    let pivots = factor.l_dirty().diagonal();
-    let scale = information.diagonal();
-    let regular = pivots.iter().zip(&scale).all(|(l, d)| l * l > 1e-12 * d);
-    regular.then(|| factor.inverse())
-}
-
 fn remaining_rows(
     evaluator: &mut Evaluator<'_, f64>,
     index: usize,

@@ -21,7 +21,7 @@ use super::system::{ColumnMap, Priors};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowKind {
     /// A reading other than a tension, or an equilibrium equation.
-    Reading(ObservationKind),
+    Observation(ObservationKind),
     /// The tension reading of a cable.
     Tension(usize),
     /// The prior of the parameter with this index.

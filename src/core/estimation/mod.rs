@@ -1,6 +1,7 @@
 //! Identification: problems, solver, summary.
 
 mod analysis;
+mod covariance;
 mod evaluator;
 mod expected;
 mod home;
@@ -19,7 +20,8 @@ mod surface;
 mod system;
 
 pub use analysis::Analysis;
-pub use expected::{ExpectedInformation, covariance_of};
+pub use covariance::covariance_of;
+pub use expected::ExpectedInformation;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
 pub use observation::{Observation, ObservationKind};
 pub use options::{Control, Options, Progress, Termination};

@@ -6,9 +6,8 @@ use super::parameter::ParameterId;
 use super::problem::Problem;
 use super::solution::Solution;
 use crate::geometry::{Coordinate, Vec3};
+use crate::tolerances::OPEN_EIGENVALUE;
 
-/// Eigenvalues of the scaled information below this count as zero.
-const NOTHING: f64 = 1e-11;
 /// Share of a motion outside the open directions below which it counts as open.
 const OUTSIDE: f64 = 1e-3;
 
@@ -85,7 +84,7 @@ fn open_directions(information: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<
     let eigen = SymmetricEigen::new(scaled);
     let largest = eigen.eigenvalues.max();
     let columns: Vec<_> = (0..n)
-        .filter(|k| eigen.eigenvalues[*k] < NOTHING * largest)
+        .filter(|k| eigen.eigenvalues[*k] < OPEN_EIGENVALUE * largest)
         .map(|k| eigen.eigenvectors.column(k).into_owned())
         .collect();
     if columns.is_empty() {

@@ -16,6 +16,7 @@ use super::start::{Start, is_lost, start_poses};
 use super::surface::outside_surface;
 use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
+use crate::tolerances::PERFECT_FIT;
 
 /// Damping to start with when an undamped step fails.
 const FIRST_DAMPING: f64 = 1e-4;
@@ -252,7 +253,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             Method::Simple => 0.0,
         };
         // The smallest term is the rounding of a perfect fit.
-        let enough = options.tolerance * loss + negligible.max(1e-15);
+        let enough = options.tolerance * loss + negligible.max(PERFECT_FIT);
         if predicted <= enough {
             // Strong damping makes every promise small: that alone is no convergence.
             if search.damping <= FIRST_DAMPING {

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::{covariance_of, is_regular};
 use super::evaluator::{Layout, Sums};
-use super::expected::covariance_of;
 use super::home::{HomeRow, direct_column};
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Globals, Problem};
@@ -242,10 +242,7 @@ impl System {
             };
         }
         let factor = damped.cholesky()?;
-        let scale = self.information.diagonal();
-        let smallest = factor.l_dirty().diagonal();
-        let singular = smallest.iter().zip(&scale).any(|(l, d)| l * l <= 1e-13 * d);
-        if singular && damping == 0.0 {
+        if damping == 0.0 && !is_regular(factor.l_dirty(), &self.information) {
             return None;
         }
         let step = factor.solve(&-&self.gradient);

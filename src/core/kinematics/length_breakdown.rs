@@ -12,7 +12,7 @@
 use super::inverse::{LocatedCable, swivel_angle};
 use super::{CablePath, KinematicsError, PulleyGeometry};
 use crate::cable::{CableLaw, OutsideMeasuredRange};
-use crate::effect::{BoundEffect, CablePorts, PoseContexts, EffectError};
+use crate::effect::{BoundEffect, CablePorts, EffectError, PoseContexts};
 use crate::geometry::{Pose, Vec3};
 use crate::measurement::Measurements;
 use crate::robot::{Cable, Robot};

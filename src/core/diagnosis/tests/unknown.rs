@@ -2,7 +2,6 @@
 
 use super::super::Verdict;
 use super::{diagnosed, run_with};
-use crate::effect::Effect;
 use crate::effect::unknown::READING;
 use crate::effect::{BiasedReading, UNKNOWN};
 use crate::estimation::Solution;

@@ -79,7 +79,7 @@ fn slopes_match_differences() {
                     _ => Dual::constant(*value),
                 };
                 let values: Vec<Dual> = values.iter().enumerate().map(dual).collect();
-                scalars(*effect, &values)
+                scalars(effect, &values)
             };
             let step = 1e-5 * parameter.typical[1].abs();
             let exact = with(0.0, true);
@@ -111,8 +111,8 @@ fn neutral_values_change_nothing() {
             .into_iter()
             .map(Dual::constant)
             .collect();
-        let before = scalars(&crate::effect::cable_swap::CableSwap, &[]);
-        for (one, other) in scalars(*effect, &neutral).iter().zip(before) {
+        let before = scalars(&crate::effect::cable_swap::EFFECT, &[]);
+        for (one, other) in scalars(effect, &neutral).iter().zip(before) {
             assert!((one.value - other.value).abs() < 1e-15, "{}", effect.id());
         }
     }

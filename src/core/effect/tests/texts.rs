@@ -53,9 +53,9 @@ fn targets(effect: &Effect) -> &'static [&'static [usize]] {
 fn everywhere(mut check: impl FnMut(&Robot, &BoundEffect)) {
     for robot in [mini(), absolute()] {
         for effect in CATALOGUE {
-            for cables in targets(*effect) {
+            for cables in targets(effect) {
                 for (share, sign) in [(0.0, 1.0), (0.33, 1.0), (0.33, -1.0), (1.0, 1.0)] {
-                    check(&robot, &bound(*effect, cables, sizes(*effect, share, sign)));
+                    check(&robot, &bound(effect, cables, sizes(effect, share, sign)));
                 }
             }
         }
@@ -96,7 +96,7 @@ fn every_effect_has_a_check_in_the_workshop() {
         assert!(check.ends_with('.') && !check.contains(". "), "{check}");
         assert!(!check.contains("  "), "{check}");
         // What to do about it is another thing than how to be sure of it.
-        let other = bound(*effect, targets(*effect)[0], sizes(*effect, 0.3, 1.0));
+        let other = bound(effect, targets(effect)[0], sizes(effect, 0.3, 1.0));
         assert_ne!(check, other.workshop(&mini()));
     }
     assert_eq!(crate::effect::UNKNOWN.check(), None);
@@ -123,8 +123,8 @@ fn the_sign_of_a_value_changes_the_words() {
             if matches!(effect.search(), Search::Wave { .. }) {
                 continue;
             }
-            let cables = targets(*effect)[0];
-            let says = |sign| bound(*effect, cables, sizes(*effect, 0.3, sign)).cause(&robot);
+            let cables = targets(effect)[0];
+            let says = |sign| bound(effect, cables, sizes(effect, 0.3, sign)).cause(&robot);
             assert_ne!(says(1.0), says(-1.0));
         }
     }
@@ -133,12 +133,12 @@ fn the_sign_of_a_value_changes_the_words() {
 #[test]
 fn every_target_is_named() {
     for effect in CATALOGUE {
-        let texts = targets(*effect).iter().map(|cables| {
-            let bound = bound(*effect, cables, sizes(*effect, 0.3, 1.0));
+        let texts = targets(effect).iter().map(|cables| {
+            let bound = bound(effect, cables, sizes(effect, 0.3, 1.0));
             bound.cause(&mini())
         });
         let texts: Vec<String> = texts.collect();
-        for (text, cables) in texts.iter().zip(targets(*effect)) {
+        for (text, cables) in texts.iter().zip(targets(effect)) {
             assert_eq!(texts.iter().filter(|other| *other == text).count(), 1);
             let of_cables = effect.scope() != Scope::Robot;
             let named = match cables {

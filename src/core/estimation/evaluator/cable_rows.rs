@@ -18,6 +18,7 @@ use crate::geometry::PosePacket;
 use crate::kinematics::{CablePath, PathChange, PulleyGeometry};
 use crate::real::{Real, add_scaled, cross, difference, dot, scaled, unit_vector};
 use crate::small_cholesky::{TRIANGLE, entry};
+use crate::tolerances::{PARALLEL, SMALLEST_TENSION_N};
 
 /// What does not change from pose to pose, per cable.
 #[derive(Debug, Clone)]
@@ -110,11 +111,10 @@ impl<T: Real> CableState<T> {
         let anchor = add_scaled(lever, one, pose.position);
         let path = pulley.path_to(anchor);
         let (tension, has_tension) = p.tension.present();
-        // Any positive tension does where none was read: the row has no weight. At no tension at all
-        // sag has no bound, and its formula no value.
+        // Any positive tension does where none was read: the row has no weight.
         let load = has_tension.select_positive(tension, one);
-        let slack = zero.lift(1e-12) - load * load;
-        let load = slack.select_positive(zero.lift(1e-6), load);
+        let slack = zero.lift(SMALLEST_TENSION_N * SMALLEST_TENSION_N) - load * load;
+        let load = slack.select_positive(zero.lift(SMALLEST_TENSION_N), load);
         let law = CableLaw {
             run: zero.lift(constants.run),
             tension: load,
@@ -258,7 +258,7 @@ impl<T: Real> CableState<T> {
                 // The direction of zero is seen along the axis: where it is not across it, it turns.
                 let origin = crate::real::constants(zero, swivel_zero);
                 let across = cross(z, origin);
-                let square = dot(across, across).max(zero.lift(1e-30));
+                let square = dot(across, across).max(zero.lift(PARALLEL));
                 change.swivel = change.swivel + dot(z, origin) * across[axis] / square;
                 change
             }

@@ -378,7 +378,7 @@ impl<T: Packet> Sums<T> {
 
     /// Whether any row depends on a column; NaN counts as yes.
     pub fn concerns(&self, column: usize) -> bool {
-        let first = (column * (column + 1) / 2 + column) * T::LANES;
+        let first = entry(column, column) * T::LANES;
         let diagonal = &self.information[first..first + T::LANES];
         diagonal.iter().any(|value| *value != 0.0)
     }

@@ -99,7 +99,7 @@ fn normalised_residuals_are_standard_normal() {
         let squares: Vec<f64> = analysis
             .observations
             .iter()
-            .filter_map(Reading::normalised)
+            .filter_map(Observation::normalised)
             .map(|v| v * v)
             .collect();
         let n = squares.len() as f64;
