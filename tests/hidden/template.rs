@@ -172,7 +172,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for robot in robots() {
             for effect in CATALOGUE {
-                let template = Template::draw(*effect, &robot.preset.robot, &mut rng);
+                let template = Template::draw(effect, &robot.preset.robot, &mut rng);
                 let Some([low, high]) = template.typical else {
                     assert_eq!(effect.id(), "cable_swap");
                     continue;

@@ -46,7 +46,7 @@ pub(super) fn exchanged(
             return Ok(None);
         }
         let bound = BoundEffect {
-            effect: effect,
+            effect,
             cables: vec![one, other],
             targeted: true,
             values: Vec::new(),

@@ -8,9 +8,10 @@
 use nalgebra::DMatrix;
 
 use super::evaluator::{Elimination, Evaluator, Sums};
+use super::globals::Globals;
 use super::home::HomeRow;
 use super::parameter::Parameter;
-use super::problem::{Globals, Problem};
+use super::problem::Problem;
 use super::system::{ColumnMap, Priors, System};
 use crate::geometry::Pose;
 

@@ -1,9 +1,10 @@
 //! The home row: unstrained lengths at home, and what was measured there.
 
 use super::evaluator::{Evaluator, Layout};
+use super::globals::Globals;
 use super::observation::ObservationKind as Kind;
 use super::parameter::{Parameter, ParameterId};
-use super::problem::{Globals, Problem};
+use super::problem::Problem;
 
 /// Linearisation of the home row at some values of the common parameters.
 #[derive(Debug, Clone)]

@@ -3,16 +3,9 @@
 use std::sync::Arc;
 
 use super::EstimationError;
-use super::parameter::{Parameter, parameters_of};
 use super::solution::Solution;
 use crate::effect::{BoundEffect, EffectRequest, PoseContexts};
-use crate::geometry::Pose;
 use crate::measurement::Dataset;
-use crate::robot::Robot;
-
-/// Chi-square per degree of freedom up to which a solution is a good place to start from: beyond, what it lacks may
-/// have led it into a minimum of its own.
-const SOUND: f64 = 20.0;
 
 /// How tensions enter the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,13 +120,6 @@ impl<'a> Problem<'a> {
         self
     }
 
-    /// The solution at which solving starts instead of at nominal values and given poses.
-    pub(super) fn start(&self) -> Option<&Solution> {
-        let same = self.geometry == Geometry::Estimated && self.poses == Poses::Estimated;
-        let sound = |s: &&Solution| s.converged() && s.chi2 < SOUND * s.degrees_of_freedom;
-        self.known.as_deref().filter(|_| same).filter(sound)
-    }
-
     /// The same problem with another method.
     #[must_use]
     pub fn with_method(mut self, method: Method) -> Self {
@@ -155,12 +141,6 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub fn has_latent_tension(&self) -> bool {
         self.method == Method::Joint && !self.dataset.measurements.force_n.is_empty()
-    }
-
-    /// The parameters that are estimated besides the poses.
-    #[must_use]
-    pub fn parameters(&self) -> Vec<Parameter> {
-        parameters_of(self)
     }
 
     /// Rows of the measurements that are fitted, the home row excluded.
@@ -185,72 +165,5 @@ impl<'a> Problem<'a> {
             return None;
         }
         self.dataset.measurements.home_row()
-    }
-}
-
-/// Values of everything that is common to all poses.
-#[derive(Debug, Clone)]
-pub struct Globals {
-    /// Entry points, base frame (m).
-    pub entry_points: Vec<[f64; 3]>,
-    /// Offset of the laser's target plane (m).
-    pub plane_offset_m: f64,
-    /// Home pose.
-    pub home: Pose,
-    /// Error of the tension readings at home, per cable (N).
-    pub home_tension_error_n: Vec<f64>,
-    /// Effects, the held ones first.
-    pub effects: Vec<BoundEffect>,
-}
-
-impl Globals {
-    /// The nominal values of a problem.
-    #[must_use]
-    pub fn nominal(problem: &Problem<'_>) -> Self {
-        let robot = &problem.dataset.robot;
-        let entry = robot.cables.iter().map(|c| c.pulley.entry_point_m);
-        let mut effects = problem.held_effects.clone();
-        effects.extend(problem.free_effects.iter().cloned());
-        Self {
-            entry_points: entry.collect(),
-            plane_offset_m: robot.laser.map_or(0.0, |l| l.target_plane.offset_m),
-            home: robot.home.map_or_else(Pose::identity, |home| home.pose()),
-            home_tension_error_n: vec![0.0; robot.cable_count()],
-            effects,
-        }
-    }
-
-    /// The values at which solving starts: those of the solution that is known, effects as they are bound.
-    pub(super) fn start(problem: &Problem<'_>) -> Self {
-        let nominal = Self::nominal(problem);
-        match problem.start() {
-            Some(known) => Self {
-                effects: nominal.effects,
-                ..known.globals.clone()
-            },
-            None => nominal,
-        }
-    }
-
-    /// `robot` with these values: entry points, target plane, home pose and effects.
-    #[must_use]
-    pub fn model(&self, robot: &Robot) -> Robot {
-        let mut model = robot.clone();
-        for (cable, entry) in model.cables.iter_mut().zip(&self.entry_points) {
-            cable.pulley.entry_point_m = *entry;
-        }
-        if let Some(laser) = &mut model.laser {
-            laser.target_plane.offset_m = self.plane_offset_m;
-        }
-        if let Some(home) = &mut model.home {
-            home.position_m = self.home.position.into();
-            home.orientation_wxyz = self.home.orientation_wxyz();
-        }
-        model.effects = self
-            .effects
-            .iter()
-            .map(|bound| bound.setting(robot))
-            .collect();
-        model
     }
 }

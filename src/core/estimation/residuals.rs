@@ -4,8 +4,9 @@
 use std::sync::Arc;
 
 use super::evaluator::Evaluator;
+use super::globals::Globals;
 use super::home::HomeRow;
-use super::problem::{Globals, Problem};
+use super::problem::Problem;
 use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::Pose;
 

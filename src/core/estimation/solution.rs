@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
+use super::globals::Globals;
 use super::options::Termination;
 use super::parameter::Parameter;
-use super::problem::Globals;
 use crate::cable::OutsideMeasuredRange;
 use crate::geometry::Pose;
 

@@ -7,26 +7,17 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::EstimationError;
 use super::evaluator::Evaluator;
+use super::globals::Globals;
 use super::home::{HomeRow, direct_column};
 use super::options::{Control, Options, Progress, Termination};
 use super::parameter::{Parameter, ParameterId};
-use super::problem::{Globals, Loss, Method, Poses, Problem};
+use super::problem::{Loss, Method, Poses, Problem};
 use super::solution::Solution;
-use super::start::{Start, is_lost, start_poses};
+use super::start::{Start, is_local_minimum};
 use super::surface::outside_surface;
 use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
 use crate::tolerances::PERFECT_FIT;
-
-/// Damping to start with when an undamped step fails.
-const FIRST_DAMPING: f64 = 1e-4;
-/// Damping below which steps are taken undamped.
-const LEAST_DAMPING: f64 = 1e-7;
-/// Damping at which the solver gives up.
-const MOST_DAMPING: f64 = 1e12;
-
-/// Passes in which latent tensions settle; far from the solution steps need more.
-const SETTLING: usize = 3;
 
 /// Solves an estimation problem from the nominal values, or from a solution that is known.
 ///
@@ -81,14 +72,14 @@ impl WithSimd for Dispatch<'_, '_> {
     type Output = Result<Solution, EstimationError>;
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let problem = self.problem;
-        let from = |start: Start| LevenbergMarquardt::<Lanes<S>>::from(simd, problem, start);
-        let given = from(Start::Given);
-        given.check_effects()?;
-        let first = given.run(self.options, self.observer);
-        if !is_lost(problem, &first) {
+        let from = |start: Start<'_>| LevenbergMarquardt::<Lanes<S>>::new(simd, problem, start);
+        let start = from(Start::of(problem, self.options));
+        start.check_effects()?;
+        let first = start.run(self.options, self.observer);
+        if !is_local_minimum(problem, &first, self.options) {
             return Ok(first);
         }
-        // The given poses have led nowhere: try those that the lengths themselves tell.
+        // The given poses have led nowhere: try those that follow from the lengths themselves.
         let second = from(Start::Lengths).run(self.options, self.observer);
         let better = second.chi2 < first.chi2 || first.chi2.is_nan();
         Ok(if better || second.termination == Termination::Cancelled {
@@ -110,18 +101,17 @@ pub(super) struct LevenbergMarquardt<'a, T: Packet> {
     home_evaluator: Option<Evaluator<'a, f64>>,
     home: HomeRow,
     priors: Priors,
+    /// Whether it started at a known solution.
+    is_continued: bool,
 }
 
 impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
-    pub(super) fn from(token: T::Token, problem: &'a Problem<'a>, start: Start) -> Self {
-        let globals = match start {
-            Start::Given => Globals::start(problem),
-            Start::Lengths => Globals::nominal(problem),
-        };
+    pub(super) fn new(token: T::Token, problem: &'a Problem<'a>, start: Start<'_>) -> Self {
+        let globals = start.globals(problem);
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
-        let start = start_poses(problem, &globals, &rows, start);
-        let poses = Evaluator::<T>::new(token, problem, &globals, rows, &start);
+        let poses = start.poses(problem, &globals, &rows);
+        let poses = Evaluator::<T>::new(token, problem, &globals, rows, &poses);
         let counts_from_home = !problem.dataset.measurements.revolutions.is_empty();
         let home_evaluator = problem
             .home_row()
@@ -140,6 +130,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             globals,
             poses,
             home_evaluator,
+            is_continued: matches!(start, Start::Known(_)),
         };
         solver.evaluate_home();
         solver.poses.assemble(None, solver.huber, 0.0);
@@ -149,15 +140,20 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     /// Refuses free effects on which no reading depends, on whatever cable.
     fn check_effects(&self) -> Result<(), EstimationError> {
         let free = &self.problem.free_effects;
-        let mut blind: Vec<&str> = Vec::new();
-        let mut visible: Vec<&str> = Vec::new();
+        let (mut visible, mut invisible) = (Vec::new(), Vec::new());
         for (index, parameter) in self.parameters.iter().enumerate() {
             if let ParameterId::Effect { effect, .. } = parameter.id {
-                let seen = self.depends_on(index);
-                if seen { &mut visible } else { &mut blind }.push(free[effect].effect.id());
+                let id = free[effect].effect.id();
+                let depends = self.depends_on(index);
+                if depends {
+                    &mut visible
+                } else {
+                    &mut invisible
+                }
+                .push(id);
             }
         }
-        match blind.into_iter().find(|id| !visible.contains(id)) {
+        match invisible.into_iter().find(|id| !visible.contains(id)) {
             Some(id) => Err(EstimationError::Unobservable(id.to_owned())),
             None => Ok(()),
         }
@@ -165,31 +161,16 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
 
     /// Whether any reading depends on a parameter.
     fn depends_on(&self, parameter: usize) -> bool {
-        let home = &self.home;
-        let column = direct_column(
-            &self.parameters[parameter].id,
-            &self.poses.layout,
-            self.problem,
-        );
-        let count = self.parameters.len();
-        let in_length = |cable: usize| {
-            let counts = self
-                .poses
-                .sums
-                .concerns(self.poses.layout.home_length_column(cable));
-            counts
-                && home.length_gradients[cable]
-                    .iter()
-                    .any(|(k, _)| *k == parameter)
+        let (sums, layout, home) = (&self.poses.sums, &self.poses.layout, &self.home);
+        let column = direct_column(&self.parameters[parameter].id, layout, self.problem);
+        let at_poses = column.is_some_and(|column| sums.concerns(column));
+        let rows = home.gradients.chunks_exact(self.parameters.len());
+        let at_home = rows.into_iter().any(|row| row[parameter] != 0.0);
+        let moves_length = |cable: usize| {
+            let mut terms = home.length_gradients[cable].iter();
+            terms.any(|(k, _)| *k == parameter) && sums.concerns(layout.home_length_column(cable))
         };
-        column.is_some_and(|column| self.poses.sums.concerns(column))
-            || home
-                .gradients
-                .iter()
-                .skip(parameter)
-                .step_by(count)
-                .any(|g| *g != 0.0)
-            || (0..home.length_gradients.len()).any(in_length)
+        at_poses || at_home || (0..layout.cables).any(moves_length)
     }
 
     fn evaluate_home(&mut self) {
@@ -220,9 +201,13 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         options: &Options,
         observer: &mut dyn FnMut(&Progress) -> Control,
     ) -> Solution {
-        let mut search = Search {
-            unsettled: self.problem.start().map_or(0, |_| SETTLING),
-            ..Search::default()
+        let mut search = SearchState {
+            unsettled: if self.is_continued {
+                options.settling_passes
+            } else {
+                0
+            },
+            ..SearchState::default()
         };
         let termination = loop {
             if let Some(end) = self.iterate(&mut search, options, observer) {
@@ -235,16 +220,16 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     /// One attempt at a step; the reason to end, if there is one.
     fn iterate(
         &mut self,
-        search: &mut Search,
+        search: &mut SearchState,
         options: &Options,
         observer: &mut dyn FnMut(&Progress) -> Control,
     ) -> Option<Termination> {
         let loss = self.loss();
-        if !loss.is_finite() || search.damping > MOST_DAMPING {
+        if !loss.is_finite() || search.damping > options.most_damping {
             return Some(Termination::Stalled);
         }
         let Some((step, predicted)) = self.system().step(search.damping) else {
-            self.damp(search, raised(search.damping));
+            self.damp(search, options.raised(search.damping));
             return None;
         };
         let predicted = predicted + self.poses.sums.decrease;
@@ -252,20 +237,19 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             Method::Joint => options.negligible,
             Method::Simple => 0.0,
         };
-        // The smallest term is the rounding of a perfect fit.
         let enough = options.tolerance * loss + negligible.max(PERFECT_FIT);
         if predicted <= enough {
-            // Strong damping makes every promise small: that alone is no convergence.
-            if search.damping <= FIRST_DAMPING {
+            // Strong damping makes every predicted reduction small: that alone is no convergence.
+            if search.damping <= options.first_damping {
                 return self.settle(search);
             }
             if search.rejected {
                 return Some(Termination::Stalled);
             }
-            self.damp(search, lowered(search.damping));
+            self.damp(search, options.lowered(search.damping));
             return None;
         }
-        if search.unsettled == 0 && search.left_after(predicted) <= enough {
+        if search.unsettled == 0 && search.remaining_after(predicted) <= enough {
             self.take_last_step(step.as_slice(), predicted, search);
             return Some(Termination::Converged);
         }
@@ -281,19 +265,19 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         if observer(&progress) == Control::Cancel {
             return Some(Termination::Cancelled);
         }
-        self.try_step(step.as_slice(), predicted, search);
+        self.try_step(step.as_slice(), predicted, search, options);
         None
     }
 
     /// Linearises anew at the present state with another damping.
-    fn damp(&mut self, search: &mut Search, damping: f64) {
+    fn damp(&mut self, search: &mut SearchState, damping: f64) {
         search.damping = damping;
         search.reduction_before = None;
         self.poses.assemble(None, self.huber, damping);
     }
 
     /// Ends once the tensions have settled at which the equilibrium is linearised; each pass brings them closer.
-    fn settle(&mut self, search: &mut Search) -> Option<Termination> {
+    fn settle(&mut self, search: &mut SearchState) -> Option<Termination> {
         if search.unsettled == 0 {
             return Some(Termination::Converged);
         }
@@ -303,11 +287,15 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     }
 
     /// Takes a step if it lowers the loss, else goes back and damps.
-    fn try_step(&mut self, step: &[f64], predicted: f64, search: &mut Search) {
-        // The weights of latent tensions follow the linearisation, so the loss need not fall
-        // strictly from step to step close to the solution.
-        let slack = match self.problem.method {
-            Method::Joint => 1e-2,
+    fn try_step(
+        &mut self,
+        step: &[f64],
+        predicted: f64,
+        search: &mut SearchState,
+        options: &Options,
+    ) {
+        let accepted_increase = match self.problem.method {
+            Method::Joint => options.accepted_increase,
             Method::Simple => 0.0,
         };
         let loss = self.loss();
@@ -315,9 +303,9 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         let columns = self.map.column_step(&self.home, step);
         self.globals.step(self.problem, &self.parameters, step);
         self.evaluate_home();
-        let next = lowered(search.damping);
+        let next = options.lowered(search.damping);
         self.poses.assemble(Some(&columns), self.huber, next);
-        if self.loss() <= loss * (1.0 + slack) {
+        if self.loss() <= loss * (1.0 + accepted_increase) {
             search.reduction_before = (search.damping == 0.0).then_some(predicted);
             search.damping = next;
             search.iterations += 1;
@@ -330,23 +318,23 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         self.poses
             .set_globals(&self.globals, Some(&self.home.lengths));
         search.rejected = true;
-        self.damp(search, raised(search.damping));
+        self.damp(search, options.raised(search.damping));
     }
 
     /// Takes a step whose outcome is known well enough not to be evaluated.
-    fn take_last_step(&mut self, step: &[f64], predicted: f64, search: &mut Search) {
+    fn take_last_step(&mut self, step: &[f64], predicted: f64, search: &mut SearchState) {
         let columns = self.map.column_step(&self.home, step);
         self.globals.step(self.problem, &self.parameters, step);
         self.poses.move_poses(&columns);
-        search.gained = predicted;
+        search.unevaluated = predicted;
         search.iterations += 1;
     }
 
-    fn finish(mut self, search: &Search, termination: Termination) -> Solution {
+    fn finish(mut self, search: &SearchState, termination: Termination) -> Solution {
         if search.damping != 0.0 {
             self.poses.assemble(None, self.huber, 0.0);
         }
-        let chi2 = (self.loss() - search.gained).max(0.0);
+        let chi2 = (self.loss() - search.unevaluated).max(0.0);
         let system = self.system();
         let priors = self
             .parameters
@@ -383,25 +371,25 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     }
 }
 
-/// How far a search has come.
+/// State of the iteration besides the parameters.
 #[derive(Debug, Default)]
-struct Search {
+struct SearchState {
     damping: f64,
     iterations: usize,
     /// Whether the last step from the present state was rejected.
     rejected: bool,
-    /// What the step before predicted, if it was undamped and taken.
+    /// Reduction predicted for the step before, if it was undamped and taken.
     reduction_before: Option<f64>,
     /// Passes until the latent tensions have settled.
     unsettled: usize,
-    /// What the last step gained that was taken without evaluation.
-    gained: f64,
+    /// Predicted reduction of the last step, if it was taken without evaluation.
+    unevaluated: f64,
 }
 
-impl Search {
-    /// What the steps after one that promises `predicted` would still gain, going by how fast promises
-    /// shrink; nothing is known after a damped step.
-    fn left_after(&self, predicted: f64) -> f64 {
+impl SearchState {
+    /// What the steps after one with this predicted reduction would still gain, extrapolated from how fast predicted
+    /// reductions shrink; nothing is known after a damped step.
+    fn remaining_after(&self, predicted: f64) -> f64 {
         let before = match self.reduction_before {
             Some(before) if self.damping == 0.0 => before,
             _ => return f64::INFINITY,
@@ -413,13 +401,4 @@ impl Search {
             f64::INFINITY
         }
     }
-}
-
-fn raised(damping: f64) -> f64 {
-    (damping * 10.0).max(FIRST_DAMPING)
-}
-
-fn lowered(damping: f64) -> f64 {
-    let lower = damping * 0.1;
-    if lower < LEAST_DAMPING { 0.0 } else { lower }
 }

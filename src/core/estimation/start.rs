@@ -1,7 +1,8 @@
 //! Start values of the poses.
 
-use super::options::Termination;
-use super::problem::{Geometry, Globals, Poses, Problem};
+use super::globals::Globals;
+use super::options::{Options, Termination};
+use super::problem::{Geometry, Poses, Problem};
 use super::solution::Solution;
 use crate::geometry::Pose;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
@@ -12,41 +13,80 @@ use crate::robot::{Cable, Robot};
 /// well above the errors of drawings, and of the order at which wrong local minima begin.
 const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
 
-/// Chi-square per degree of freedom of a local minimum: no drawing or instrument is wrong by so much.
-const LOST: f64 = 1e3;
-
-/// Where poses start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Start {
-    /// Where a solution is known to be, else where they were commanded or tracked.
+/// Where a solve starts.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Start<'a> {
+    /// At the solution of the problem without its free effects.
+    Known(&'a Solution),
+    /// At nominal values, with the poses where they were commanded or tracked.
     Given,
-    /// Where forward kinematics puts them.
+    /// At nominal values, with the poses where forward kinematics puts them.
     Lengths,
 }
 
-/// Whether a solve that started from given poses ended nowhere.
-pub(super) fn is_lost(problem: &Problem<'_>, solution: &Solution) -> bool {
-    let data = &problem.dataset.measurements;
-    let given = !(data.commanded.is_empty() && data.tracked_position_m.is_empty());
-    let movable = problem.poses == Poses::Estimated && problem.geometry == Geometry::Estimated;
-    let bad = solution.termination == Termination::Stalled
-        || solution.chi2 > LOST * solution.degrees_of_freedom.max(1.0);
-    given && movable && bad && solution.termination != Termination::Cancelled
+impl<'a> Start<'a> {
+    /// The known solution of a problem where it is close enough, else the given poses.
+    pub(super) fn of(problem: &'a Problem<'_>, options: &Options) -> Self {
+        let is_same = problem.geometry == Geometry::Estimated && problem.poses == Poses::Estimated;
+        let is_close = |known: &&Solution| {
+            known.converged()
+                && known.chi2 < options.largest_start_misfit * known.degrees_of_freedom
+        };
+        let known = problem.known.as_deref().filter(|_| is_same);
+        known.filter(is_close).map_or(Self::Given, Self::Known)
+    }
+
+    /// Values of the common parameters; those of the effects are as they are bound.
+    pub(super) fn globals(self, problem: &Problem<'_>) -> Globals {
+        let nominal = Globals::nominal(problem);
+        match self {
+            Self::Known(known) => Globals {
+                effects: nominal.effects,
+                ..known.globals.clone()
+            },
+            Self::Given | Self::Lengths => nominal,
+        }
+    }
+
+    /// Pose of every row: that of the known solution, else the commanded one, else the external instrument's, else
+    /// that by forward kinematics from the nominal geometry, else home.
+    pub(super) fn poses(
+        self,
+        problem: &Problem<'_>,
+        globals: &Globals,
+        rows: &[usize],
+    ) -> Vec<Pose> {
+        if let Self::Known(known) = self {
+            let home = problem.home_row();
+            let fitted = known.poses.iter().filter(|(row, _)| Some(*row) != home);
+            return fitted.map(|(_, pose)| *pose).collect();
+        }
+        start_poses(problem, globals, rows, matches!(self, Self::Given))
+    }
 }
 
-/// Start pose of every row: that of the solution that is known, else the commanded one, else the external instrument's, else by forward
-/// kinematics from the nominal geometry, else home.
-pub(super) fn start_poses(
+/// Whether a solve that started from given poses ended in a local minimum.
+pub(super) fn is_local_minimum(
+    problem: &Problem<'_>,
+    solution: &Solution,
+    options: &Options,
+) -> bool {
+    let data = &problem.dataset.measurements;
+    let has_given = !(data.commanded.is_empty() && data.tracked_position_m.is_empty());
+    let movable = problem.poses == Poses::Estimated && problem.geometry == Geometry::Estimated;
+    let misfit = solution.chi2 / solution.degrees_of_freedom.max(1.0);
+    let is_bad =
+        solution.termination == Termination::Stalled || misfit > options.local_minimum_misfit;
+    has_given && movable && is_bad && solution.termination != Termination::Cancelled
+}
+
+/// Poses where they were commanded or tracked if `use_given`, else by forward kinematics.
+fn start_poses(
     problem: &Problem<'_>,
     globals: &Globals,
     rows: &[usize],
-    from: Start,
+    use_given: bool,
 ) -> Vec<Pose> {
-    if let Some(known) = problem.start().filter(|_| from == Start::Given) {
-        let home = problem.home_row();
-        let fitted = known.poses.iter().filter(|(row, _)| Some(*row) != home);
-        return fitted.map(|(_, pose)| *pose).collect();
-    }
     let data = &problem.dataset.measurements;
     let mut search = None;
     let mut start = |row: &usize| {
@@ -59,9 +99,9 @@ pub(super) fn start_poses(
         if problem.poses == Poses::HeldAtTracker {
             return tracked.unwrap_or(globals.home);
         }
-        let given = commanded.or(tracked).filter(|_| from == Start::Given);
+        let given = commanded.or(tracked).filter(|_| use_given);
         given.unwrap_or_else(|| {
-            let search = search.get_or_insert_with(|| Search::new(problem, globals));
+            let search = search.get_or_insert_with(|| PoseSearch::new(problem, globals));
             search
                 .as_ref()
                 .map_or(globals.home, |s| s.pose(problem, *row))
@@ -77,8 +117,8 @@ fn tracked_orientation(data: &Measurements, row: usize) -> Option<nalgebra::Unit
         .then(|| Pose::from_parts([0.0; 3], q).orientation)
 }
 
-/// Forward kinematics from the readings of a row; effects and sag are left out of account.
-struct Search<'a> {
+/// Forward kinematics from the readings of a row; effects and sag are not modelled.
+struct PoseSearch<'a> {
     robot: &'a Robot,
     forward: ForwardKinematics,
     start: Pose,
@@ -88,7 +128,7 @@ struct Search<'a> {
     from_m: Vec<f64>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> PoseSearch<'a> {
     fn new(problem: &Problem<'a>, globals: &Globals) -> Option<Self> {
         let robot = &problem.dataset.robot;
         let forward = ForwardKinematics::new(robot).ok()?;
@@ -142,7 +182,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// `1 + T/EA` as the sensor tells; 1 without sensor or reading.
+/// `1 + T/EA` by the sensor's reading; 1 without sensor or reading.
 fn stretch(problem: &Problem<'_>, row: usize, index: usize) -> f64 {
     let cable = &problem.dataset.robot.cables[index];
     let reading = problem.dataset.measurements.force_n.get(row, index);

@@ -1,7 +1,8 @@
 //! Measured elongations are not extrapolated: finds the cables that would need it.
 
 use super::evaluator::Evaluator;
-use super::problem::{Globals, Problem};
+use super::globals::Globals;
+use super::problem::Problem;
 use super::solution::OutsideSurface;
 use crate::effect::CablePort;
 use crate::geometry::Pose;

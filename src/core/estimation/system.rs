@@ -4,9 +4,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::covariance::{covariance_of, is_regular};
 use super::evaluator::{Layout, Sums};
+use super::globals::Globals;
 use super::home::{HomeRow, direct_column};
 use super::parameter::{Parameter, ParameterId};
-use super::problem::{Globals, Problem};
+use super::problem::Problem;
 use crate::geometry::{Coordinate, rotation_vector_jacobian_inverse};
 use crate::real::Packet;
 

@@ -118,7 +118,7 @@ fn explained(found: &Discrepancy, after: &Analysis) -> Option<Vec<[f64; 2]>> {
         _ => return None,
     };
     let left = |row: usize| {
-        let mut readings = after.readings.iter();
+        let mut readings = after.observations.iter();
         readings
             .find(|r| r.kind == kind && r.row == row)?
             .normalised()

@@ -6,7 +6,8 @@ use super::columns::{Column, ColumnStore};
 use crate::effect::{
     BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, PoseContexts, Stage,
 };
-use crate::estimation::problem::{Geometry, Globals, Problem};
+use crate::estimation::globals::Globals;
+use crate::estimation::problem::{Geometry, Problem};
 use crate::geometry::Pose;
 use crate::measurement::Measurements;
 use crate::real::Packet;

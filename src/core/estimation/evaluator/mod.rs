@@ -22,7 +22,8 @@ pub(super) use normal::{Elimination, Sums};
 
 use std::sync::Arc;
 
-use super::problem::{Globals, Poses, Problem};
+use super::globals::Globals;
+use super::problem::{Poses, Problem};
 use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::{Pose, PosePacket};
 use crate::real::{Kernel, Packet};

@@ -2,7 +2,7 @@
 
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
 use tautline_core::diagnosis::{Cause, Finding, FoundParameter, Verdict as Sure};
-use tautline_core::effect::{Effect, EffectSetting, Unknown};
+use tautline_core::effect::{EffectSetting, UNKNOWN};
 
 use super::{Panel, ambiguous, effects, gain};
 use crate::model::edit::Edit;
@@ -119,7 +119,7 @@ fn unknown(
 
 /// The size with its interval.
 pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
-    if finding.cause.effect().id() == Unknown.id() {
+    if finding.cause.effect().id() == UNKNOWN.id() {
         return;
     }
     let Some(size) = diagnosed.size(&finding.parameters) else {

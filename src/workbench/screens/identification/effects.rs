@@ -1,7 +1,7 @@
 //! The effects that were added to the model.
 
 use egui::Ui;
-use tautline_core::effect::{BoundEffect, Effect, EffectSetting, Unknown, find};
+use tautline_core::effect::{BoundEffect, EffectSetting, UNKNOWN, find};
 use tautline_core::estimation::ParameterId;
 
 use super::Panel;
@@ -86,7 +86,7 @@ fn title(settings: &[EffectSetting]) -> String {
         .first()
         .map_or("", |setting| setting.effect.as_str());
     let name = match find(id) {
-        _ if id == Unknown.id() => "Unexplained pattern",
+        _ if id == UNKNOWN.id() => "Unexplained pattern",
         Some(effect) => effect.title(),
         None => id,
     };
@@ -106,7 +106,7 @@ fn size(open: &OpenSession, fit: &Identification, setting: &EffectSetting) -> St
     let Some((index, bound)) = same.next_back() else {
         return "acts at no pose of these data".to_owned();
     };
-    if bound.effect.id() == Unknown.id() {
+    if bound.effect.id() == UNKNOWN.id() {
         return bound.cause(robot);
     }
     if bound.values.is_empty() {

@@ -7,7 +7,7 @@ use tautline_core::diagnosis::{
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
     Variable, Verdict,
 };
-use tautline_core::effect::{BoundEffect, Effect, EffectRequest, Unknown};
+use tautline_core::effect::{BoundEffect, EffectRequest, UNKNOWN};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Dataset;
@@ -110,10 +110,10 @@ fn gain() -> Gain {
 fn unknown() -> Cause {
     Cause {
         instances: vec![BoundEffect {
-            effect: &Unknown,
+            effect: &UNKNOWN,
             cables: vec![2],
             targeted: true,
-            values: Unknown.parameters().iter().map(|p| p.neutral).collect(),
+            values: UNKNOWN.parameters().iter().map(|p| p.neutral).collect(),
         }],
     }
 }

@@ -1,7 +1,7 @@
 //! The diagnosis of the model.
 
 use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
-use tautline_core::effect::{Effect, Unknown};
+use tautline_core::effect::UNKNOWN;
 
 use super::number;
 use crate::documents::diagnosis::Diagnosed;
@@ -61,7 +61,7 @@ fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Sec
 fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
-    if finding.cause.effect().id() != Unknown.id() {
+    if finding.cause.effect().id() != UNKNOWN.id() {
         if let Some(size) = told.size(&finding.parameters) {
             add("Size", size);
         }

@@ -1,0 +1,44 @@
+//! The parameters common to all poses, as values.
+
+use crate::effect::BoundEffect;
+use crate::geometry::Pose;
+use crate::robot::Robot;
+
+/// Values of everything that is common to all poses.
+#[derive(Debug, Clone)]
+pub struct Globals {
+    /// Entry points, base frame (m).
+    pub entry_points: Vec<[f64; 3]>,
+    /// Offset of the laser's target plane (m).
+    pub plane_offset_m: f64,
+    /// Home pose.
+    pub home: Pose,
+    /// Error of the tension readings at home, per cable (N).
+    pub home_tension_error_n: Vec<f64>,
+    /// Effects, the held ones first.
+    pub effects: Vec<BoundEffect>,
+}
+
+impl Globals {
+    /// `robot` with these values: entry points, target plane, home pose and effects.
+    #[must_use]
+    pub fn model(&self, robot: &Robot) -> Robot {
+        let mut model = robot.clone();
+        for (cable, entry) in model.cables.iter_mut().zip(&self.entry_points) {
+            cable.pulley.entry_point_m = *entry;
+        }
+        if let Some(laser) = &mut model.laser {
+            laser.target_plane.offset_m = self.plane_offset_m;
+        }
+        if let Some(home) = &mut model.home {
+            home.position_m = self.home.position.into();
+            home.orientation_wxyz = self.home.orientation_wxyz();
+        }
+        model.effects = self
+            .effects
+            .iter()
+            .map(|bound| bound.setting(robot))
+            .collect();
+        model
+    }
+}

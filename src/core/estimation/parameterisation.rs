@@ -1,0 +1,181 @@
+//! Which parameters a problem has, with their priors, and how a step changes their values.
+
+use super::globals::Globals;
+use super::parameter::{Parameter, ParameterId};
+use super::problem::{Geometry, Problem};
+use crate::geometry::{Pose, Twist};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl Problem<'_> {
+    /// The parameters that are estimated besides the poses, in the order of the columns of each design, covariance and
+    /// information matrix; those with a prior standard deviation of 0 are known and not among them.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = Vec::new();
+        if self.geometry == Geometry::Estimated {
+            push_entry_points(self, &mut parameters);
+            push_plane(self, &mut parameters);
+            push_home(self, &mut parameters);
+        }
+        // The noise of these data, whatever the geometry: the home row enters every row of a cable.
+        push_home_tensions(self, &mut parameters);
+        if self.geometry == Geometry::Estimated {
+            push_effects(self, &mut parameters);
+        }
+        parameters.retain(|parameter| parameter.prior_sd != Some(0.0));
+        parameters
+    }
+}
+
+fn push_entry_points(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    for (cable, description) in problem.dataset.robot.cables.iter().enumerate() {
+        let sd = description.pulley.entry_point_sd_m.each();
+        for (axis, label) in AXES.iter().enumerate() {
+            parameters.push(Parameter {
+                id: ParameterId::EntryPoint { cable, axis },
+                name: format!("{} entry point {label}", description.name),
+                unit: "m",
+                prior_sd: sd[axis],
+            });
+        }
+    }
+}
+
+fn push_plane(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    let distances = &problem.dataset.measurements.laser_m;
+    let measured = distances.iter().any(|d| d.is_finite());
+    if let (Some(laser), true) = (&problem.dataset.robot.laser, measured) {
+        parameters.push(Parameter {
+            id: ParameterId::PlaneOffset,
+            name: "target plane offset".to_owned(),
+            unit: "m",
+            prior_sd: laser.target_plane.offset_sd_m,
+        });
+    }
+}
+
+fn push_home(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    let robot = &problem.dataset.robot;
+    let (Some(home), false) = (
+        &robot.home,
+        problem.dataset.measurements.revolutions.is_empty(),
+    ) else {
+        return;
+    };
+    for coordinate in robot.platform.freedom().coordinates() {
+        let translation = coordinate.index() < 3;
+        parameters.push(Parameter {
+            id: ParameterId::Home(*coordinate),
+            name: format!("home pose, {}", coordinate.describe()),
+            unit: if translation { "m" } else { "rad" },
+            prior_sd: Some(if translation {
+                home.position_sd_m
+            } else {
+                home.orientation_sd_rad
+            }),
+        });
+    }
+}
+
+fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    let robot = &problem.dataset.robot;
+    if robot.home.is_none() || problem.dataset.measurements.revolutions.is_empty() {
+        return;
+    }
+    let forces = &problem.dataset.measurements.force_n;
+    let is_read = |row| forces.row(row).iter().any(|f| f.is_finite());
+    if !(problem.has_latent_tension() && problem.home_row().is_some_and(is_read)) {
+        return;
+    }
+    for (cable, description) in robot.cables.iter().enumerate() {
+        if let Some(sensor) = description.force_sensor {
+            parameters.push(Parameter {
+                id: ParameterId::HomeTension { cable },
+                name: format!("{} tension reading error at home", description.name),
+                unit: "N",
+                prior_sd: Some(sensor.tension_sd_n),
+            });
+        }
+    }
+}
+
+fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    let robot = &problem.dataset.robot;
+    for (effect, bound) in problem.free_effects.iter().enumerate() {
+        let on = match bound.cables.as_slice() {
+            [cable] if bound.targeted => format!(" of {}", robot.cables[*cable].name),
+            _ => String::new(),
+        };
+        for (parameter, description) in bound.effect.parameters().iter().enumerate() {
+            parameters.push(Parameter {
+                id: ParameterId::Effect { effect, parameter },
+                name: format!("{} {}{on}", bound.effect.id(), description.name),
+                unit: description.unit,
+                // What is given and not estimated counts as known exactly.
+                prior_sd: Some(if description.discrete {
+                    0.0
+                } else {
+                    description.prior_sd
+                }),
+            });
+        }
+    }
+}
+
+impl Globals {
+    /// The nominal values of a problem.
+    #[must_use]
+    pub fn nominal(problem: &Problem<'_>) -> Self {
+        let robot = &problem.dataset.robot;
+        let entry = robot.cables.iter().map(|c| c.pulley.entry_point_m);
+        let mut effects = problem.held_effects.clone();
+        effects.extend(problem.free_effects.iter().cloned());
+        Self {
+            entry_points: entry.collect(),
+            plane_offset_m: robot.laser.map_or(0.0, |l| l.target_plane.offset_m),
+            home: robot.home.map_or_else(Pose::identity, |home| home.pose()),
+            home_tension_error_n: vec![0.0; robot.cable_count()],
+            effects,
+        }
+    }
+
+    /// Adds a step, one entry per parameter.
+    pub(super) fn step(&mut self, problem: &Problem<'_>, parameters: &[Parameter], step: &[f64]) {
+        let held = problem.held_effects.len();
+        let mut home = Twist::zeros();
+        for (parameter, delta) in parameters.iter().zip(step) {
+            match parameter.id {
+                ParameterId::EntryPoint { cable, axis } => self.entry_points[cable][axis] += delta,
+                ParameterId::PlaneOffset => self.plane_offset_m += delta,
+                ParameterId::Home(coordinate) => home[coordinate.index()] = *delta,
+                ParameterId::HomeTension { cable } => self.home_tension_error_n[cable] += delta,
+                ParameterId::Effect { effect, parameter } => {
+                    self.effects[held + effect].values[parameter] += delta;
+                }
+            }
+        }
+        self.home = self.home.perturbed(&home);
+    }
+
+    /// Present deviation of each parameter from the centre of its prior.
+    pub(super) fn deviations(&self, problem: &Problem<'_>, parameters: &[Parameter]) -> Vec<f64> {
+        let nominal = Self::nominal(problem);
+        let held = problem.held_effects.len();
+        let home = self.home.difference(&nominal.home);
+        let deviation = |parameter: &Parameter| match parameter.id {
+            ParameterId::EntryPoint { cable, axis } => {
+                self.entry_points[cable][axis] - nominal.entry_points[cable][axis]
+            }
+            ParameterId::PlaneOffset => self.plane_offset_m - nominal.plane_offset_m,
+            ParameterId::Home(coordinate) => home[coordinate.index()],
+            ParameterId::HomeTension { cable } => self.home_tension_error_n[cable],
+            // A free effect starts where the request puts it; its prior is centred at no effect.
+            ParameterId::Effect { effect, parameter } => {
+                let bound = &self.effects[held + effect];
+                bound.values[parameter] - bound.effect.parameters()[parameter].neutral
+            }
+        };
+        parameters.iter().map(deviation).collect()
+    }
+}
