@@ -110,7 +110,7 @@ fn adjusted(film: &mut Film) -> Result<()> {
     film.stage
         .wait("the values", |state| !state.model.link.writing);
     verified(film, "Measure after", 2);
-    film.stage.show("More exact: ");
+    film.stage.show("Improved: ");
     film.shot(LONG)
 }
 

@@ -113,7 +113,7 @@ fn writing_identified_values_improves_the_accuracy() {
     assert!(after < 0.7 * before, "{before} m before, {after} m after");
     bench
         .harness
-        .get_by_label_contains("More exact: pose accuracy, mean");
+        .get_by_label_contains("Improved: pose accuracy, mean");
 
     for (export, name) in [
         (Export::Differences, "a.csv"),

@@ -28,7 +28,7 @@ fn clean_data_have_no_cards() {
     press(&mut harness, ASK);
     harness.get_by_label("The model explains the readings of 26 poses.");
     assert!(harness.query_by_label_contains("Add to model").is_none());
-    harness.get_by_label_contains("Nothing found does not mean that nothing is there");
+    harness.get_by_label_contains("No finding does not mean no fault");
     press(&mut harness, "What these poses cannot show");
     harness.get_by_label_contains("These poses cannot reveal");
     let record = document(&harness)
@@ -101,7 +101,7 @@ fn causes_that_cannot_be_separated_share_a_card_with_poses_for_the_plan() {
     let mut harness = measured.opened();
     press(&mut harness, "Model doctor");
     press(&mut harness, ASK);
-    harness.get_by_label_contains("These data cannot tell the causes below apart");
+    harness.get_by_label_contains("These data cannot distinguish the causes below");
     harness.get_by_label_contains("Separating pose 1:");
     press(&mut harness, "Add these poses to the plan");
     let plan = &document(&harness).session().plan;

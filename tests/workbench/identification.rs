@@ -47,7 +47,7 @@ fn the_published_method_is_shown_beside_the_joint_one() {
     let mut harness = measured.opened();
     press(&mut harness, "Published");
     press(&mut harness, "Identify");
-    harness.get_by_label_contains("The published method misses the readings by");
+    harness.get_by_label_contains("The published method leaves residuals of");
     let record = &document(&harness).session().results()[0];
     assert_eq!(record.document.value()["method"], "published");
     let settings = &document(&harness).session().settings;
@@ -65,7 +65,7 @@ fn a_suspicious_pose_is_excluded_and_included_again() {
     harness.get_by_label("The model explains the data.");
     harness.get_by_label_contains("Last change: exclude pose 7");
     assert!(document(&harness).session().excluded().contains(&7));
-    press(&mut harness, "Take pose 7 back in");
+    press(&mut harness, "Include pose 7");
     harness.get_by_label("The model does not explain the data.");
     press(&mut harness, "Undo: include pose 7");
     harness.get_by_label("The model explains the data.");
@@ -137,5 +137,5 @@ fn a_session_without_poses_says_how_to_get_them() {
         &mut harness,
         tautline_workbench::model::command::ViewCommand::Go(panel),
     );
-    harness.get_by_label_contains("Once poses are measured");
+    harness.get_by_label_contains("Pulley positions and a diagnosis of the model appear here");
 }

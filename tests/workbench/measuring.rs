@@ -33,7 +33,7 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     assert_eq!(bench.session().plan.len(), 26, "home and 25 poses");
     bench
         .harness
-        .get_by_label_contains("The pulleys will be known to");
+        .get_by_label_contains("Expected standard deviation of the pulleys");
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("three poses", |state| measured(state) >= 3);
@@ -55,7 +55,7 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     let ended = bench.session().measurements.len();
     bench
         .harness
-        .get_by_label_contains("What is measured is kept");
+        .get_by_label_contains("Measured poses are saved");
     assert!(ended < 26, "{ended} poses");
     bench.press("Continue measuring");
     bench.wait("all poses", |state| !state.model.link.is_measuring());
@@ -144,7 +144,7 @@ fn a_laser_without_a_reading_is_reported_with_advice() {
     bench.wait("a pause", paused);
     bench
         .harness
-        .get_by_label_contains("Free the way of the beam");
+        .get_by_label_contains("Clear the beam path");
     assert_eq!(bench.session().measurements.len(), 0);
     bench.press("Abort");
     bench.wait("the end", |state| !state.model.link.is_measuring());
@@ -190,7 +190,7 @@ fn the_forecast_of_a_stored_plan_is_computed_on_demand() {
     bench.harness.step();
     bench
         .harness
-        .get_by_label_contains("The pulleys will be known to");
+        .get_by_label_contains("Expected standard deviation of the pulleys");
     let again = bench
         .state()
         .model

@@ -18,7 +18,7 @@ fn robot_has(bench: &Bench, cable: usize) -> f64 {
 fn winches_are_imported_assessed_applied_and_undone() {
     let mut bench = Bench::new();
     assert!(
-        bench.shows("At least three pairs"),
+        bench.shows("Each winch needs at least three pairs"),
         "it says what will be here"
     );
     let before = robot_has(&bench, 1);
@@ -139,7 +139,7 @@ fn the_home_pose_is_measured_and_applied() {
     assert!(bench.shows("Picture of the six sensors"));
     let path = bench.write("home.csv", &home_table());
     bench.import("home.csv", &path);
-    assert!(bench.shows("The six distances fix the platform to"));
+    assert!(bench.shows("The six distances determine the platform position to"));
     // z at 3 mm, 0.1 mm above and below: a standard deviation of 0.141 mm.
     assert!(
         bench.shows("z (mm), 0.000, 3.000, 0.082, 0.141"),

@@ -153,7 +153,7 @@ fn keys_and_buttons_turn_the_view() {
         assert!(harness.query_by_label(name).is_some(), "{name}");
     }
     assert!(
-        harness.query_by_label("Exaggeration").is_none(),
+        harness.query_by_label("Magnification").is_none(),
         "nothing is identified"
     );
 }
