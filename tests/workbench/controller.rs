@@ -40,7 +40,7 @@ fn a_panic_in_the_controller_thread_is_reported_and_loses_nothing() {
     break_down(&bench);
     let told = |state: &State| {
         let all = state.model.messages.all().iter();
-        all.filter(|message| message.text.contains("broke down"))
+        all.filter(|message| message.text.contains("internal error"))
             .count()
     };
     bench.wait("the end of the connection", |state| {
@@ -49,9 +49,9 @@ fn a_panic_in_the_controller_thread_is_reported_and_loses_nothing() {
     let messages = bench.state().model.messages.all();
     let texts: Vec<&str> = messages.iter().map(|m| m.text.as_str()).collect();
     assert!(
-        texts
-            .iter()
-            .any(|text| text.starts_with("Measuring ended after") && text.contains("broke down")),
+        texts.iter().any(
+            |text| text.starts_with("Measuring ended after") && text.contains("internal error")
+        ),
         "{texts:?}"
     );
     assert!(

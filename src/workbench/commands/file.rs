@@ -195,7 +195,7 @@ fn recover(model: &mut Model, place: usize) {
                     is_recovered: true,
                 },
             );
-            // AutosaveEvent again before what was left behind is set aside.
+            // It is saved again before the unsaved session is discarded.
             model.autosave.follow(model.open.as_ref());
             model.autosave.discard(left);
         }
@@ -215,7 +215,7 @@ fn discard(model: &mut Model, place: usize) {
     }
 }
 
-/// Looks for what programs that ended without saving have left behind; each is read whole, which may take a while.
+/// Looks for the unsaved sessions of programs that ended without saving; each is read whole, which may take a while.
 pub fn find_unsaved(model: &mut Model) {
     let folder = model.folders.recovery();
     if !folder.is_dir() {

@@ -1,4 +1,4 @@
-//! Keeps what is not saved yet, on a thread of its own, so that a crash loses nothing.
+//! Writes unsaved changes to the recovery folder, on a thread of its own, so that a crash loses nothing.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
@@ -36,7 +36,7 @@ pub enum AutosaveEvent {
     Failed(String),
 }
 
-/// What of a document was handed over.
+/// What of a session was handed over.
 #[derive(Debug, Clone, Copy)]
 struct Followed {
     identity: u64,
@@ -69,7 +69,7 @@ pub struct Autosave {
     thread: Option<JoinHandle<()>>,
     /// What was handed over last; `None` while nothing is kept.
     followed: Option<Followed>,
-    /// Labels of measured poses that were handed over and that the document does not have yet.
+    /// Labels of measured poses that were handed over and that the session does not have yet.
     ahead: Vec<i64>,
 }
 
@@ -99,7 +99,7 @@ impl Autosave {
         }
     }
 
-    /// Hands the document over if it has changes that neither its file nor the recovery folder has.
+    /// Hands the session over if it has changes that neither its file nor the recovery folder has.
     pub fn follow(&mut self, open: Option<&OpenSession>) {
         let now = open.map(|open| (open.id(), open.revision()));
         let before = self.followed;
@@ -184,7 +184,7 @@ impl Autosave {
     pub fn flush(&mut self) {
         self.jobs = None;
         if let Some(thread) = self.thread.take() {
-            // A thread that broke down has nothing more to write.
+            // A thread that panicked has nothing more to write.
             let _ = thread.join();
         }
     }
@@ -204,14 +204,14 @@ impl Drop for Autosave {
 }
 
 fn work(folder: &Path, jobs: &mpsc::Receiver<Job>, tell: impl Fn(AutosaveEvent)) {
-    let mut keeper = None;
+    let mut writer = None;
     while let Ok(first) = jobs.recv() {
         let mut batch = vec![first];
         batch.extend(jobs.try_iter());
         let batch = newest(batch);
         let wrote_much = batch.iter().any(|job| matches!(job, Job::Snapshot { .. }));
         for job in batch {
-            if let Err(message) = perform(folder, &mut keeper, job, &tell) {
+            if let Err(message) = perform(folder, &mut writer, job, &tell) {
                 tell(AutosaveEvent::Failed(message));
             }
         }
@@ -243,38 +243,38 @@ fn newest(jobs: Vec<Job>) -> Vec<Job> {
 
 fn perform(
     folder: &Path,
-    keeper: &mut Option<RecoveryWriter>,
+    writer: &mut Option<RecoveryWriter>,
     job: Job,
     tell: &impl Fn(AutosaveEvent),
 ) -> Result<(), String> {
     let failed =
         |error: WriteError| format!("The session could not be saved for recovery: {error}");
     match job {
-        Job::Snapshot { session, origin } => match keeper {
-            Some(keeper) => keeper.write_snapshot(&session).map_err(failed),
+        Job::Snapshot { session, origin } => match writer {
+            Some(writer) => writer.write_snapshot(&session).map_err(failed),
             None => {
-                *keeper = Some(
+                *writer = Some(
                     RecoveryWriter::create(folder, origin.as_deref(), &session).map_err(failed)?,
                 );
                 Ok(())
             }
         },
         Job::Changed(changes) => {
-            let keeper = keeper.as_mut().ok_or(
+            let writer = writer.as_mut().ok_or(
                 "A change could not be saved for recovery: the session is not being autosaved.",
             )?;
-            keeper.write_changes(*changes).map_err(failed)
+            writer.write_changes(*changes).map_err(failed)
         }
         Job::Measured(pose) => {
-            let keeper = keeper
+            let writer = writer
                 .as_mut()
                 .ok_or("A measured pose could not be saved for recovery: the session is not being autosaved.")?;
-            keeper.append_pose(&pose).map_err(failed)?;
+            writer.append_pose(&pose).map_err(failed)?;
             tell(AutosaveEvent::Measured(pose.label()));
             Ok(())
         }
         Job::Discard(left) => left.discard().map(drop).map_err(failed),
-        Job::Finish => keeper
+        Job::Finish => writer
             .take()
             .map_or(Ok(()), RecoveryWriter::finish)
             .map_err(failed),
@@ -303,9 +303,9 @@ mod tests {
         })
     }
 
-    fn told(autosave: &Autosave) -> i64 {
-        let told = autosave.events.recv_timeout(Duration::from_secs(60));
-        match told.expect("it is kept") {
+    fn measured_label(autosave: &Autosave) -> i64 {
+        let event = autosave.events.recv_timeout(Duration::from_secs(60));
+        match event.expect("it is kept") {
             AutosaveEvent::Measured(label) => label,
             AutosaveEvent::Failed(text) => panic!("{text}"),
         }
@@ -320,8 +320,8 @@ mod tests {
         autosave.follow(Some(&open));
         let written = open.revision();
         autosave.measured(pose(0));
-        assert_eq!(told(&autosave), 0);
-        // The file was begun before the pose came, and is done before the document has it.
+        assert_eq!(measured_label(&autosave), 0);
+        // The file was begun before the pose came, and is done before the session has it.
         open.saved_as(folder.path().join("saved.json"), written);
         autosave.follow(Some(&open));
         autosave.flush();
@@ -338,7 +338,7 @@ mod tests {
         let mut autosave = Autosave::new(folder.path().into(), egui::Context::default());
         autosave.follow(Some(&open));
         autosave.measured(pose(0));
-        assert_eq!(told(&autosave), 0);
+        assert_eq!(measured_label(&autosave), 0);
         open.append_pose(&pose(0)).expect("it fits");
         autosave.follow(Some(&open));
         open.saved_as(folder.path().join("saved.json"), open.revision());
@@ -361,7 +361,7 @@ mod tests {
         let measure = |autosave: &mut Autosave, open: &mut OpenSession, label| {
             autosave.follow(Some(open));
             autosave.measured(pose(label));
-            assert_eq!(told(autosave), label);
+            assert_eq!(measured_label(autosave), label);
             open.append_pose(&pose(label)).expect("it fits");
             autosave.follow(Some(open));
         };

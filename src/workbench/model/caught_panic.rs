@@ -1,4 +1,4 @@
-//! What remains of a panic: what it said, and a window that tells the operator where the session is kept.
+//! Panics as values, so that the window can show them and go on.
 
 use std::any::Any;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
@@ -15,7 +15,7 @@ pub struct CaughtPanic {
     pub what: String,
 }
 
-/// Remembers what panics say, besides what is done about them anyway.
+/// Records the messages of panics, besides what is done about them anyway.
 pub fn listen() {
     HOOK.call_once(|| {
         let usual = panic::take_hook();
@@ -32,11 +32,11 @@ pub fn listen() {
 /// The panic.
 pub fn guard<T>(work: impl FnOnce() -> T) -> Result<T, CaughtPanic> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| CaughtPanic {
-        what: told(&*payload),
+        what: message(&*payload),
     })
 }
 
-fn told(payload: &(dyn Any + Send)) -> String {
+fn message(payload: &(dyn Any + Send)) -> String {
     let heard = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
     heard.unwrap_or_else(|| {
         let text = payload

@@ -64,13 +64,13 @@ pub struct Options {
 pub struct Dialogs {
     /// What waits for an answer about unsaved changes.
     pub leaving: Option<Leaving>,
-    /// The path to save at, while it is asked for.
+    /// The path to save at, while that dialog is open.
     pub save_as: Option<String>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
-    /// Whether it is asked for leave to write values that did not converge.
+    /// Whether writing values that did not converge has to be confirmed.
     pub unconverged: bool,
-    /// The report that is to be saved, while its place is asked for.
+    /// The report that is to be saved, while that dialog is open.
     pub report: Option<ReportDraft>,
     /// Whether the log is open.
     pub log: bool,
@@ -122,13 +122,13 @@ pub struct Model {
     pub comparison: ComparisonState,
     /// Keeps commands from the file of the open session while it has unsaved changes.
     pub session_lock: SessionLock,
-    /// Keeps what is not saved yet.
+    /// Writes unsaved changes to the recovery folder.
     pub autosave: Autosave,
     /// Where preferences and what is not saved yet lie.
     pub folders: Folders,
     /// Choices of the user.
     pub preferences: Preferences,
-    /// What programs that ended without saving have left behind, once it was looked for.
+    /// Unsaved sessions of programs that ended without saving, once they were looked for.
     pub unsaved_sessions: Vec<UnsavedSession>,
     /// A panic that was caught, until the operator has seen it.
     pub caught_panic: Option<CaughtPanic>,
@@ -136,7 +136,7 @@ pub struct Model {
     pub tasks: Tasks,
     /// The connection to the controller.
     pub link: Link,
-    /// What the program had to say.
+    /// Messages to the operator.
     pub messages: Messages,
     /// Dialogs above the screen.
     pub dialogs: Dialogs,

@@ -15,7 +15,7 @@ pub use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{Identification, IdentificationDocument};
 use tautline_workflow::precalibration::Calibration;
 
-/// Numbers of inputs, never used twice, so that a result that comes late belongs to no other document. A document is known
+/// Numbers of inputs, never used twice, so that a result that comes late belongs to no other session. A session is known
 /// by the first of its own.
 static NUMBERS: AtomicU64 = AtomicU64::new(0);
 
@@ -105,7 +105,7 @@ impl OpenSession {
         }
     }
 
-    /// Tells it from every other document of this run of the program.
+    /// Tells it from every other session of this run of the program.
     #[must_use]
     pub fn id(&self) -> u64 {
         self.id
@@ -147,7 +147,7 @@ impl OpenSession {
         self.inputs
     }
 
-    /// Whether inputs of this number were those of this document once.
+    /// Whether inputs of this number were those of this session once.
     #[must_use]
     pub fn knows(&self, inputs: u64) -> bool {
         inputs >= self.id

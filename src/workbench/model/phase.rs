@@ -115,7 +115,7 @@ pub struct PhaseStatus {
 }
 
 impl PhaseStatus {
-    /// A standing.
+    /// A status.
     #[must_use]
     pub fn new(progress: Progress, line: impl Into<String>) -> Self {
         Self {

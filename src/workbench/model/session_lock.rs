@@ -7,14 +7,14 @@ use std::time::SystemTime;
 use super::OpenSession;
 use tautline_workflow::session_file::{FileLock, LockError, unsaved_folder};
 
-/// What tells a file from one that was written later.
+/// What distinguishes a file from one that was written later.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Look {
+struct FileStamp {
     modified: Option<SystemTime>,
     bytes: u64,
 }
 
-impl Look {
+impl FileStamp {
     fn of(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok()?;
         Some(Self {
@@ -29,7 +29,7 @@ impl Look {
 struct Known {
     identity: u64,
     path: PathBuf,
-    look: Option<Look>,
+    stamp: Option<FileStamp>,
 }
 
 /// Keeps commands from the file of the open session while it has unsaved changes, and the window from writing over what
@@ -91,12 +91,12 @@ impl SessionLock {
             match FileLock::acquire(path) {
                 Ok(held) => self.held = Some(held),
                 Err(error @ LockError::Busy(_)) => return Err(format!("{error}.")),
-                // Whoever saves it is told what is wrong with the place.
+                // Saving says what is wrong with the place.
                 Err(_) => {}
             }
         }
-        match Look::of(path) {
-            Some(now) if Some(now) != known.look => Err(format!(
+        match FileStamp::of(path) {
+            Some(now) if Some(now) != known.stamp => Err(format!(
                 "{}: another program has changed this session since it was opened; open it again, or save your changes under another name.",
                 path.display()
             )),
@@ -112,7 +112,7 @@ impl SessionLock {
         self.known = Some(Known {
             identity,
             path: path.to_owned(),
-            look: Look::of(path),
+            stamp: FileStamp::of(path),
         });
     }
 }

@@ -67,16 +67,16 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     state.model.dialogs.report = Some(draft);
 }
 
-/// What of a report is wanted, and what stands at its head.
+/// Which sections a report has, and its heading.
 fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
-    section(ui, "Head");
+    section(ui, "Heading");
     Grid::new("head of the report")
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID])
         .show(ui, |ui| {
             for (name, text, hint) in [
                 ("Title", &mut choice.title, "That of the session"),
-                ("Line above it", &mut choice.header, "None"),
+                ("Header line", &mut choice.header, "None"),
                 ("Company", &mut choice.company, "None"),
                 ("Operator", &mut choice.operator, "None"),
             ] {
@@ -88,7 +88,7 @@ fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
                 ui.end_row();
             }
         });
-    section(ui, "Parts");
+    section(ui, "Sections");
     Grid::new("parts of the report")
         .num_columns(2)
         .spacing([6.0 * GRID, GRID])

@@ -53,8 +53,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             let memory = (&mut panels.compare, views);
             centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
         }
-        Screen::Phase(step) if ui.available_width() < COMPACT => compact(ui, state, step),
-        Screen::Phase(step) => phase(ui, state, step),
+        Screen::Phase(current) if ui.available_width() < COMPACT => compact(ui, state, current),
+        Screen::Phase(current) => phase(ui, state, current),
     }
     palette::show(ui, state);
     log::show(ui, state);
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 }
 
 /// Rail, 3D view, plots and the panel of the phase beside each other.
-fn phase(ui: &mut Ui, state: &mut State, step: Phase) {
+fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     let side = side(ui);
     let narrow = ui.available_width() < NARROW;
     let rail = Panel::left("rail").frame(side).resizable(false);
@@ -82,7 +82,7 @@ fn phase(ui: &mut Ui, state: &mut State, step: Phase) {
         range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
     };
     let panel = Panel::right("phase").frame(side);
-    let dragged = sized(ui, panel, (width, 0), |ui| panel_of(ui, state, step));
+    let dragged = sized(ui, panel, (width, 0), |ui| panel_of(ui, state, current));
     if let Some(width) = dragged {
         state
             .model
@@ -106,7 +106,7 @@ fn phase(ui: &mut Ui, state: &mut State, step: Phase) {
 }
 
 /// One part at a time, where the window has no room for all of them.
-fn compact(ui: &mut Ui, state: &mut State, step: Phase) {
+fn compact(ui: &mut Ui, state: &mut State, current: Phase) {
     let side = side(ui);
     let rail = Panel::left("narrow rail")
         .frame(side)
@@ -123,7 +123,7 @@ fn compact(ui: &mut Ui, state: &mut State, step: Phase) {
     CentralPanel::no_frame()
         .frame(side)
         .show(ui, |ui| match state.panels.part {
-            Part::Panel => panel_of(ui, state, step),
+            Part::Panel => panel_of(ui, state, current),
             Part::Robot => robot(ui, state),
             Part::Plots => plots(ui, state),
         });
@@ -135,8 +135,14 @@ fn side(ui: &Ui) -> Frame {
         .inner_margin(Margin::same(3 * GRID as i8))
 }
 
-fn panel_of(ui: &mut Ui, state: &mut State, step: Phase) {
-    screens::phase(ui, &state.model, &mut state.panels, &mut state.outbox, step);
+fn panel_of(ui: &mut Ui, state: &mut State, current: Phase) {
+    screens::phase(
+        ui,
+        &state.model,
+        &mut state.panels,
+        &mut state.outbox,
+        current,
+    );
 }
 
 fn robot(ui: &mut Ui, state: &mut State) {

@@ -242,21 +242,21 @@ fn view(state: &State) -> Vec<Item> {
         ),
         item(
             Menu::View,
-            "Larger",
+            "Zoom in",
             keys(CONTROL, Key::Plus),
             true,
             ViewCommand::Scale(scale + 0.1),
         ),
         item(
             Menu::View,
-            "Smaller",
+            "Zoom out",
             keys(CONTROL, Key::Minus),
             true,
             ViewCommand::Scale(scale - 0.1),
         ),
         item(
             Menu::View,
-            "Normal size",
+            "Reset zoom",
             keys(CONTROL, Key::Num0),
             true,
             ViewCommand::Scale(1.0),
@@ -277,7 +277,7 @@ fn view(state: &State) -> Vec<Item> {
         ),
         item(
             Menu::View,
-            "Theme of the system",
+            "System theme",
             None,
             true,
             ViewCommand::Theme(ThemePreference::System),
@@ -305,14 +305,14 @@ fn model(state: &State) -> Vec<Item> {
         ),
         item(
             Menu::Model,
-            "What does the model get wrong?",
+            "Diagnose model",
             keys(CONTROL, Key::D),
             measured,
             IdentificationCommand::Diagnose,
         ),
         item(
             Menu::Model,
-            "Stop computing",
+            "Cancel computation",
             None,
             computing,
             IdentificationCommand::Stop,
@@ -344,6 +344,6 @@ fn robot(state: &State) -> Vec<Item> {
         ),
         robot("Arm the robot", connected && !armed, RobotCommand::Arm),
         robot("Disarm the robot", armed, RobotCommand::Disarm),
-        robot("Stop the robot now", connected, RobotCommand::Stop),
+        robot("Stop the robot", connected, RobotCommand::Stop),
     ]
 }

@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 }
             }
             if items.is_empty() {
-                muted(ui, "No command has these letters.");
+                muted(ui, "No matching commands");
             }
         });
     });

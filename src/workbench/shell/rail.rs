@@ -22,29 +22,29 @@ pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
 }
 
 fn entries(ui: &mut Ui, state: &mut State, narrow: bool) {
-    for step in Phase::ALL {
+    for phase in Phase::ALL {
         let Some(open) = &state.model.open else {
             return;
         };
-        let standing = phase_status::of(open, step);
-        let selected = state.model.screen == Screen::Phase(step);
-        if entry(ui, (step, &standing), selected, narrow) {
-            state.outbox.send(ViewCommand::Go(Screen::Phase(step)));
+        let status = phase_status::of(open, phase);
+        let selected = state.model.screen == Screen::Phase(phase);
+        if entry(ui, (phase, &status), selected, narrow) {
+            state.outbox.send(ViewCommand::Go(Screen::Phase(phase)));
         }
     }
 }
 
 fn entry(
     ui: &mut Ui,
-    (step, standing): (Phase, &PhaseStatus),
+    (phase, status): (Phase, &PhaseStatus),
     selected: bool,
     narrow: bool,
 ) -> bool {
     let palette = theme::of(ui);
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 17.0 * GRID), Sense::click());
-    let title = format!("{}. {}", step.number(), step.title());
-    let name = format!("Phase {}: {}", step.number(), step.title());
+    let title = format!("{}. {}", phase.number(), phase.title());
+    let name = format!("Phase {}: {}", phase.number(), phase.title());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
     if selected || response.hovered() || response.has_focus() {
         let fill = if selected {
@@ -64,43 +64,36 @@ fn entry(
         .layout(Layout::top_down(Align::Min));
     let mut inner = ui.new_child(builder);
     if narrow {
-        icon(&mut inner, step, standing);
+        icon(&mut inner, phase, status);
     } else {
-        words(&mut inner, &title, standing);
+        words(&mut inner, &title, status);
     }
     response
         .on_hover_text(format!(
             "{title}\n{}: {}",
-            standing.progress.words(),
-            standing.line
+            status.progress.words(),
+            status.line
         ))
         .clicked()
 }
 
-fn words(ui: &mut Ui, title: &str, standing: &PhaseStatus) {
+fn words(ui: &mut Ui, title: &str, status: &PhaseStatus) {
     let palette = theme::of(ui);
     ui.spacing_mut().item_spacing = Vec2::new(1.5 * GRID, 0.5 * GRID);
     ui.horizontal(|ui| {
-        let icon = standing.progress.icon().rich_text().size(16.0);
-        ui.label(icon.color(palette.progress(standing.progress)));
+        let icon = status.progress.icon().rich_text().size(16.0);
+        ui.label(icon.color(palette.progress(status.progress)));
         ui.label(RichText::new(title).font(theme::strong(13.0)));
     });
-    let line = RichText::new(&standing.line).small().color(palette.muted);
+    let line = RichText::new(&status.line).small().color(palette.muted);
     ui.add(egui::Label::new(line).wrap());
 }
 
-fn icon(ui: &mut Ui, step: Phase, standing: &PhaseStatus) {
-    let colour = theme::of(ui).progress(standing.progress);
+fn icon(ui: &mut Ui, phase: Phase, status: &PhaseStatus) {
+    let colour = theme::of(ui).progress(status.progress);
     ui.vertical_centered(|ui| {
         ui.spacing_mut().item_spacing.y = 0.5 * GRID;
-        ui.label(
-            standing
-                .progress
-                .icon()
-                .rich_text()
-                .size(18.0)
-                .color(colour),
-        );
-        ui.label(RichText::new(step.number().to_string()).font(theme::strong(13.0)));
+        ui.label(status.progress.icon().rich_text().size(18.0).color(colour));
+        ui.label(RichText::new(phase.number().to_string()).font(theme::strong(13.0)));
     });
 }

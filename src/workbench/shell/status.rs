@@ -86,7 +86,7 @@ fn controller(ui: &mut Ui, state: &mut State) {
     chip(ui, state, (&words, colour));
 }
 
-/// What the controller is and does; a click opens the window that connects.
+/// What the controller is and does; a click opens the connection dialog.
 fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) {
     let icon = icons::ICON_PRECISION_MANUFACTURING.rich_text();
     if state.model.link.connected.is_some() {

@@ -69,7 +69,7 @@ pub enum FileOutcome {
     },
     /// The demonstration is ready, or one sentence.
     Demo(Result<Box<Session>, String>),
-    /// What programs that ended without saving have left behind, or one sentence.
+    /// The unsaved sessions of programs that ended without saving, or one sentence.
     UnsavedSessions(Result<Vec<UnsavedSession>, String>),
     /// A session was written.
     Saved {

@@ -32,7 +32,7 @@ pub enum IdentificationOutcome {
     Identified {
         /// Number of the inputs.
         inputs: u64,
-        /// The document for the session; none where the session has it already.
+        /// The record for the session; none where the session has it already.
         record: Option<Box<ResultRecord>>,
         /// The fit, or one sentence; `None` if it was stopped.
         result: Result<Option<Box<Identification>>, String>,
@@ -51,7 +51,7 @@ pub enum IdentificationOutcome {
 pub struct DiagnosisResult {
     /// The diagnosis.
     pub diagnosed: Diagnosed,
-    /// The document for the session; none where the session has it already.
+    /// The record for the session; none where the session has it already.
     pub record: Option<ResultRecord>,
     /// Plots of the dependences that it found.
     pub figures: BTreeMap<usize, Figure>,

@@ -14,7 +14,7 @@ pub const PLANNING: &str = "Planning poses";
 /// Title of the task that computes what to expect of a plan.
 pub const EXPECTING: &str = "Looking at the plan";
 
-/// Concerns the robot: what to measure, its controller, what it is told.
+/// Concerns the robot: what to measure, its controller, what is written to it.
 #[derive(Debug, Clone)]
 pub enum RobotCommand {
     /// Chooses so many poses to measure.

@@ -1,4 +1,4 @@
-//! A connection to a controller, and how a lost one is made anew.
+//! A connection to a controller, and how a lost one is re-established.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ use super::work::Measuring;
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
-/// Attempts to make a connection anew that broke while values were written, before that goes on in the background.
+/// Attempts to reconnect at once after a connection broke while values were written; later ones are made in the background.
 const ATTEMPTS: u32 = 6;
 /// Time after which nothing arrives any more that was sent over a lost connection (s).
 const LATE_S: f64 = 1.0;
@@ -36,7 +36,7 @@ pub(super) struct Connection {
     pub rig: Box<ConnectionSetup>,
     pub whereabouts: Option<PoseTracker>,
     pub unsettled: Option<Unsettled>,
-    lost: Option<Anew>,
+    lost: Option<Reconnection>,
 }
 
 /// Values that were being written when the connection was lost.
@@ -46,11 +46,11 @@ pub(super) struct Unsettled {
     pub purpose: Purpose,
 }
 
-/// A lost connection that is made anew.
-struct Anew {
+/// A lost connection that is being re-established.
+struct Reconnection {
     since: Instant,
     attempts: Reconnect,
-    told: Lost,
+    status: Lost,
 }
 
 impl Connection {
@@ -76,9 +76,9 @@ impl Connection {
         Some(if armed { ARMED } else { DISARMED })
     }
 
-    /// The connection that is made anew.
+    /// The lost connection that is being re-established.
     pub fn lost(&self) -> Option<&Lost> {
-        self.lost.as_ref().map(|lost| &lost.told)
+        self.lost.as_ref().map(|lost| &lost.status)
     }
 
     /// What the controller does; `None` of a lost connection.
@@ -95,10 +95,10 @@ impl Connection {
     /// The connection is lost; attempts begin at once.
     pub fn lose(&mut self, why: String) {
         let since = Instant::now();
-        self.lost = Some(Anew {
+        self.lost = Some(Reconnection {
             since,
             attempts: Reconnect::new(BackOff::default()),
-            told: Lost { why, due: since },
+            status: Lost { why, due: since },
         });
     }
 
@@ -122,7 +122,7 @@ impl Connection {
             }
             Reconnected::Waiting(_) => {}
             Reconnected::Failed(error, due_s) => {
-                lost.told = Lost {
+                lost.status = Lost {
                     why: error.to_string(),
                     due: lost.since + Duration::from_secs_f64(due_s),
                 };
@@ -177,15 +177,15 @@ impl Connection {
     }
 }
 
-/// Makes a connection anew that broke while values are written.
-pub(super) struct BringBack<W> {
-    /// Lets so many seconds pass, and tells.
+/// Re-establishes a connection that broke while values are written.
+pub(super) struct ReconnectWhileWriting<W> {
+    /// Waits so many seconds, and publishes that it does.
     pub wait: W,
     /// Whether that was necessary.
     pub was_lost: bool,
 }
 
-impl<W: FnMut(f64)> ReconnectPolicy for BringBack<W> {
+impl<W: FnMut(f64)> ReconnectPolicy for ReconnectWhileWriting<W> {
     fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         self.was_lost = true;
         let mut attempts = Attempts {

@@ -1,4 +1,4 @@
-//! What is said between the window and the thread that owns the controller.
+//! Commands, events and status between the window and the thread that owns the controller.
 
 use std::time::Instant;
 
@@ -92,7 +92,7 @@ pub enum DriverEvent {
     },
     /// The connection has ended; why, if not by order.
     Disconnected(Option<String>),
-    /// The connection is lost and is made anew; why.
+    /// The connection is lost and is being re-established; why.
     Lost(String),
     /// A lost connection is there again, not armed; what the controller holds now.
     Regained(Vec<ParameterInfo>),
@@ -176,7 +176,7 @@ pub enum Doing {
     },
 }
 
-/// A connection that is lost, while it is made anew.
+/// A lost connection, while it is being re-established.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lost {
     /// Why.
@@ -190,7 +190,7 @@ pub struct Lost {
 pub struct Live {
     /// State of the controller; `None` without a connection.
     pub state: Option<ControllerState>,
-    /// The connection that is made anew.
+    /// The lost connection that is being re-established.
     pub lost: Option<Lost>,
     /// The last readings.
     pub sample: Option<Sample>,

@@ -143,7 +143,7 @@ impl Link {
         of(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Whether the connection is lost and made anew, and how that goes on.
+    /// The lost connection that is being re-established, if it is.
     #[must_use]
     pub fn lost(&self) -> Option<Lost> {
         self.with_live(|live| live.lost.clone())
@@ -266,7 +266,7 @@ impl Drop for Link {
     fn drop(&mut self) {
         self.commands = None;
         if let Some(thread) = self.thread.take() {
-            // A thread that broke down has nothing to stop any more.
+            // A thread that panicked has nothing to stop any more.
             let _ = thread.join();
         }
     }

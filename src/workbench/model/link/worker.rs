@@ -12,7 +12,7 @@ use tautline_link::verifying::CheckTarget;
 use tautline_link::{Activity, Clock, Controller, LinkError};
 use tautline_session::Stage;
 
-use super::connection::{BringBack, Connection, Unsettled};
+use super::connection::{Connection, ReconnectWhileWriting, Unsettled};
 use super::message::{DriverCommand, DriverEvent, Live, Lost};
 use super::publisher::{PICTURE, StatusPublisher};
 use super::work::{Verifying, Work};
@@ -68,7 +68,7 @@ pub(super) fn serve(commands: &Receiver<DriverCommand>, publisher: StatusPublish
         let done = catch_unwind(AssertUnwindSafe(|| worker.step(command, was_busy)));
         if done.is_err() {
             worker.end(Some(
-                "the part of the program that serves it broke down".to_owned(),
+                "the thread that serves it failed with an internal error".to_owned(),
             ));
         }
     }
@@ -125,7 +125,7 @@ impl Worker {
         }
     }
 
-    /// The connection is lost: that to a real controller is made anew, any other has ended.
+    /// The connection is lost: that to a real controller is re-established, any other has ended.
     fn lose(&mut self, why: String) {
         let Some(connection) = &mut self.connection else {
             return;
@@ -154,7 +154,7 @@ impl Worker {
         self.publisher.report(DriverEvent::Lost(why));
     }
 
-    /// Tries to make the lost connection anew, if that is due.
+    /// Tries to reconnect, if that is due.
     fn try_again(&mut self) {
         let Some(connection) = &mut self.connection else {
             return;
@@ -433,7 +433,7 @@ impl Worker {
     }
 }
 
-/// Writes values; where the connection breaks it is made anew, and what was armed for that is disarmed again.
+/// Writes values; where the connection breaks it is re-established, and a controller that was armed for that is disarmed again.
 fn write(
     connection: &mut Connection,
     publisher: &mut StatusPublisher,
@@ -441,7 +441,7 @@ fn write(
 ) -> Result<Adjustment, LinkError> {
     let why = "the connection was lost while values were written";
     let reconnects = connection.rig.reconnects();
-    let mut policy = BringBack {
+    let mut policy = ReconnectWhileWriting {
         wait: |pause_s: f64| {
             let pause = Duration::from_secs_f64(pause_s);
             let lost = Lost {

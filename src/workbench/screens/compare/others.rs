@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, compared: &Compared) {
 fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
     let palette = theme::of(ui);
     match test {
-        None => Cell::new("cannot be told").coloured(palette.muted),
+        None => Cell::new("not determined").coloured(palette.muted),
         Some(_) if differs(compared, test) => Cell::new("different")
             .with_icon(icons::ICON_WARNING)
             .coloured(palette.warning),

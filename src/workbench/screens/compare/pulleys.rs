@@ -64,7 +64,7 @@ fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec
     let shown = pulley.relative.unwrap_or(pulley.raw);
     let millimetres = |metres: f64| Cell::new(format!("{:.decimals$}", metres * 1e3));
     let verdict = match (pulley.test, pulley.moved) {
-        (None, _) => Cell::new("cannot be told").coloured(palette.muted),
+        (None, _) => Cell::new("not determined").coloured(palette.muted),
         (Some(_), true) => Cell::new("moved")
             .with_icon(icons::ICON_WARNING)
             .coloured(palette.warning),

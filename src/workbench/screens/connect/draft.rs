@@ -1,4 +1,4 @@
-//! What is typed into the window that connects, and the settings that it makes.
+//! What is typed into the connection dialog, and the settings that it makes.
 
 use tautline_core::robot::{FieldError, Robot};
 use tautline_session::{
@@ -25,7 +25,7 @@ pub enum Field {
     NetId,
     /// Its AMS port.
     AmsPort,
-    /// Longest wait.
+    /// Timeout.
     Timeout,
     /// A row of the symbols.
     Symbol(usize),
@@ -37,7 +37,7 @@ pub enum Field {
     LaserPort,
     /// Serial port of the laser.
     Device,
-    /// Bits per second.
+    /// Baud rate.
     Baud,
     /// Pattern of a line.
     Pattern,
@@ -145,7 +145,7 @@ impl Present {
 /// What is typed.
 #[derive(Debug)]
 pub struct Draft {
-    /// Identity of the document that it belongs to.
+    /// Id of the session that it belongs to.
     pub session_id: u64,
     /// The part that is shown.
     pub part: Part,
@@ -163,7 +163,7 @@ pub struct Draft {
     pub net_id: String,
     /// Its AMS port.
     pub ams_port: String,
-    /// Longest wait (s).
+    /// Timeout (s).
     pub timeout: String,
     /// Whether the names of the symbols are one's own.
     pub own: bool,

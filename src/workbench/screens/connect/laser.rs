@@ -210,7 +210,7 @@ impl LaserDraft {
                     );
                     line(
                         ui,
-                        ("Bits per second", "9600"),
+                        ("Baud rate", "9600"),
                         &mut self.baud,
                         problems.of(Field::Baud),
                     );

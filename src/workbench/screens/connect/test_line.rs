@@ -66,7 +66,7 @@ impl Drop for TestLine {
     fn drop(&mut self) {
         if let Some((end, thread)) = self.running.take() {
             drop(end);
-            // A thread that broke down has ended, too.
+            // A thread that panicked has ended, too.
             let _ = thread.join();
         }
     }
