@@ -83,6 +83,15 @@ impl Freedom {
         &self.0
     }
 
+    /// A twist whose free components are `value(index)`, asked in [`Twist`] order; the others are zero.
+    pub fn twist(&self, mut value: impl FnMut(usize) -> f64) -> Twist {
+        let mut twist = Twist::zeros();
+        for coordinate in &self.0 {
+            twist[coordinate.index()] = value(coordinate.index());
+        }
+        twist
+    }
+
     /// A full twist from the free components.
     #[must_use]
     pub fn expand(&self, free: &[f64]) -> Twist {

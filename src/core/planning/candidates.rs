@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::information_model::InformationModel;
 use super::{PlanError, PlanOptions, PlanProgress};
 use crate::estimation::Control;
-use crate::geometry::{Pose, Twist, Vec3};
+use crate::geometry::{Pose, Vec3};
 use crate::kinematics::inverse_kinematics;
 use crate::robot::{Laser, Robot};
 use crate::simulation::{PlannedRow, bounds};
@@ -103,17 +103,11 @@ pub(super) fn draw(
 
 fn draw_pose(model: &InformationModel<'_>, rng: &mut ChaCha8Rng) -> Pose {
     let workspace = &model.workspace;
-    let mut twist = Twist::zeros();
-    for coordinate in model.robot.platform.freedom().coordinates() {
-        let k = coordinate.index();
-        let half = match workspace.half_extent_m.get(k) {
-            Some(half) => *half,
-            None => workspace.half_rotation_rad,
-        };
+    let twist = model.robot.platform.freedom().twist(|k| {
         let place: f64 = rng.random_range(-1.0..=1.0);
         let at_limit = rng.random_range(0.0..1.0) < AT_LIMIT;
-        twist[k] = half * if at_limit { place.signum() } else { place };
-    }
+        workspace.half_range(k) * if at_limit { place.signum() } else { place }
+    });
     workspace.centre.perturbed(&twist)
 }
 

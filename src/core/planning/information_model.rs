@@ -117,11 +117,8 @@ impl<'a> InformationModel<'a> {
             let pose = home.pose();
             rows.push(PlannedRow {
                 label: 0,
-                tensions_n: self.tensions(&pose).ok_or(SimulationError::Infeasible {
-                    lower_n: self.tension.lower_n,
-                    upper_n: self.tension.upper_n,
-                    place: "the home pose",
-                })?,
+                tensions_n: (self.tensions(&pose))
+                    .ok_or_else(|| SimulationError::infeasible(&self.tension, "the home pose"))?,
                 pose,
             });
         }

@@ -58,11 +58,7 @@ impl QuasiStaticRobot {
             epoch: zeroed_at,
             pose: &home,
         };
-        let infeasible = SimulationError::Infeasible {
-            lower_n: range.lower_n,
-            upper_n: range.upper_n,
-            place: "the home pose",
-        };
+        let infeasible = SimulationError::infeasible(&range, "the home pose");
         let home_tensions_n =
             holding_tensions(&truth, &effects, &visit, &range)?.ok_or(infeasible)?;
         Ok(Self {
@@ -106,11 +102,8 @@ impl QuasiStaticRobot {
             pose,
         };
         let held = holding_tensions(&self.truth, &self.effects, &visit, &self.range)?;
-        let tensions_n = held.ok_or(SimulationError::Infeasible {
-            lower_n: self.range.lower_n,
-            upper_n: self.range.upper_n,
-            place: "the commanded pose",
-        })?;
+        let infeasible = SimulationError::infeasible(&self.range, "the commanded pose");
+        let tensions_n = held.ok_or(infeasible)?;
         let visits = [
             (self.zeroed_at, self.home, &self.home_tensions_n),
             (at, *pose, &tensions_n),

@@ -9,7 +9,7 @@ use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
 use crate::effect::{BoundEffect, EffectError, EffectSetting};
 use crate::estimation::EstimationError;
-use crate::geometry::{Pose, Twist};
+use crate::geometry::Pose;
 use crate::kinematics::{KinematicsError, inverse_kinematics};
 use crate::measurement::{Dataset, Grid};
 use crate::robot::Robot;
@@ -106,6 +106,16 @@ pub enum SimulationError {
     },
 }
 
+impl SimulationError {
+    pub(crate) fn infeasible(range: &TensionRange, place: &'static str) -> Self {
+        Self::Infeasible {
+            lower_n: range.lower_n,
+            upper_n: range.upper_n,
+            place,
+        }
+    }
+}
+
 /// Poses drawn for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 200;
 
@@ -183,16 +193,8 @@ fn draw_truth(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) 
         plane.offset_m += normal(rng, plane.offset_sd_m.unwrap_or(0.0));
     }
     if let Some(home) = &mut truth.home {
-        let mut twist = Twist::zeros();
-        for coordinate in robot.platform.freedom().coordinates() {
-            let k = coordinate.index();
-            let sd = if k < 3 {
-                home.position_sd_m
-            } else {
-                home.orientation_sd_rad
-            };
-            twist[k] = normal(rng, sd);
-        }
+        let sd = [home.position_sd_m, home.orientation_sd_rad];
+        let twist = robot.platform.freedom().twist(|k| normal(rng, sd[k / 3]));
         let pose = home.pose().perturbed(&twist);
         home.position_m = pose.position.into();
         home.orientation_wxyz = pose.orientation_wxyz();
@@ -212,11 +214,6 @@ fn visit_poses(
 ) -> Result<Visits, SimulationError> {
     let workspace = options.workspace.unwrap_or_else(|| Workspace::of(robot));
     let range = options.tension.unwrap_or_else(|| TensionRange::of(robot));
-    let infeasible = |place| SimulationError::Infeasible {
-        lower_n: range.lower_n,
-        upper_n: range.upper_n,
-        place,
-    };
     let mut poses = Vec::new();
     let mut commanded = Vec::new();
     let mut tensions = Grid::new(robot.cable_count());
@@ -234,7 +231,10 @@ fn visit_poses(
     if let (Some(home), Some(nominal)) = (&truth.home, &robot.home) {
         let pose = home.pose();
         inverse_kinematics(truth, &pose)?;
-        tensions.push_row(&hold(&poses, &pose)?.ok_or_else(|| infeasible("the home pose"))?);
+        tensions.push_row(
+            &hold(&poses, &pose)?
+                .ok_or_else(|| SimulationError::infeasible(&range, "the home pose"))?,
+        );
         poses.push(pose);
         commanded.push(nominal.pose());
     }
@@ -262,10 +262,13 @@ fn visit_poses(
         }
     }
     if poses.len() < first + wanted {
-        return Err(infeasible(match options.at {
-            Some(_) => "a commanded pose",
-            None => "enough poses of its workspace",
-        }));
+        return Err(SimulationError::infeasible(
+            &range,
+            match options.at {
+                Some(_) => "a commanded pose",
+                None => "enough poses of its workspace",
+            },
+        ));
     }
     Ok((poses, commanded, tensions))
 }
@@ -279,11 +282,7 @@ fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
         .iter()
         .map(|c| nalgebra::Vector3::from(c.platform_anchor_m).norm());
     let arm = arms.fold(1e-9, f64::max);
-    let mut twist = Twist::zeros();
-    for coordinate in robot.platform.freedom().coordinates() {
-        let k = coordinate.index();
-        let size = if k < 3 { sd } else { (sd / arm).min(0.02) };
-        twist[k] = normal(rng, size);
-    }
+    let size = [sd, (sd / arm).min(0.02)];
+    let twist = robot.platform.freedom().twist(|k| normal(rng, size[k / 3]));
     target.perturbed(&twist)
 }

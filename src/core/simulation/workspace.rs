@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 use rand::{Rng, RngExt};
 
-use crate::geometry::{Pose, Twist, Vec3};
+use crate::geometry::{Pose, Vec3};
 use crate::kinematics::{
     Feasibility, KinematicsError, applied_wrench, distribute_tension, structure_matrix,
 };
@@ -80,25 +80,22 @@ impl Workspace {
     #[must_use]
     pub fn contains(&self, pose: &Pose) -> bool {
         let off = pose.difference(&self.centre);
-        (0..6).all(|k| {
-            let half = self.half_extent_m.get(k).copied();
-            off[k].abs() <= half.unwrap_or(self.half_rotation_rad) + 1e-9
-        })
+        (0..6).all(|k| off[k].abs() <= self.half_range(k) + 1e-9)
     }
 
     /// A random pose in the coordinates in which the platform is free.
     pub fn draw(&self, robot: &Robot, rng: &mut impl Rng) -> Pose {
-        let mut twist = Twist::zeros();
-        for coordinate in robot.platform.freedom().coordinates() {
-            let k = coordinate.index();
-            let half = if k < 3 {
-                self.half_extent_m[k]
-            } else {
-                self.half_rotation_rad
-            };
-            twist[k] = half * rng.random_range(-1.0..=1.0);
-        }
+        let freedom = robot.platform.freedom();
+        let twist = freedom.twist(|k| self.half_range(k) * rng.random_range(-1.0..=1.0));
         self.centre.perturbed(&twist)
+    }
+
+    /// Half the extent along coordinate `k` of a [`Twist`](crate::geometry::Twist) (m, rad).
+    pub(crate) fn half_range(&self, k: usize) -> f64 {
+        self.half_extent_m
+            .get(k)
+            .copied()
+            .unwrap_or(self.half_rotation_rad)
     }
 }
 
