@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
-use tautline_core::planning::{Indices, Plan, PlanOptions, PlanProgress, evaluate, plan};
+use tautline_core::planning::{DesignCriteria, Plan, PlanOptions, PlanProgress, evaluate, plan};
 use tautline_session::{PlannedPose, Session};
 
 use crate::controllers::bounds;
@@ -20,9 +20,9 @@ pub struct PlanSummary {
     /// The poses in their order; the home pose comes first where it is still to be measured.
     pub poses: Vec<PlannedPose>,
     /// Precision to expect from all poses together.
-    pub expected: Indices,
+    pub expected: DesignCriteria,
     /// Precision to expect from as many random poses.
-    pub random: Indices,
+    pub random: DesignCriteria,
     /// Standard deviation of the entry points after so many of the poses, home not counted (m).
     pub after_m: Vec<Option<f64>>,
     /// Travel distance (m).
@@ -72,10 +72,10 @@ impl PlanSummary {
     fn of(poses: Vec<PlannedPose>, planned: &Plan) -> Self {
         Self {
             poses,
-            expected: planned.expected.indices,
-            random: planned.random.indices,
+            expected: planned.expected.criteria,
+            random: planned.random.criteria,
             after_m: (0..=planned.poses.len())
-                .map(|count| planned.after(count).indices.mean_m)
+                .map(|count| planned.after(count).criteria.mean_m)
                 .collect(),
             travel_m: planned.order.travel_m,
         }

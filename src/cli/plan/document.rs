@@ -83,10 +83,10 @@ impl VersionedFile for PlanDocument {
 impl PlanDocument {
     pub fn of(robot: &Robot, plan: &Plan) -> Self {
         let expected = |expectation: &Expectation| ExpectedDocument {
-            log_det: Some(expectation.indices.log_det).filter(|value| value.is_finite()),
-            worst_m: expectation.indices.worst_m,
-            mean_m: expectation.indices.mean_m,
-            platform_m: expectation.indices.platform_m,
+            log_det: Some(expectation.criteria.log_det).filter(|value| value.is_finite()),
+            worst_m: expectation.criteria.worst_m,
+            mean_m: expectation.criteria.mean_m,
+            platform_m: expectation.criteria.platform_m,
             parameters: (plan.parameters().iter().zip(&expectation.sd))
                 .map(|(parameter, sd)| ExpectedParameter {
                     name: parameter.name.clone(),
@@ -114,7 +114,7 @@ impl PlanDocument {
             expected: expected(&plan.expected),
             random: expected(&plan.random),
             entry_point_sd_after_m: (0..=plan.poses.len())
-                .map(|count| plan.after(count).indices.mean_m)
+                .map(|count| plan.after(count).criteria.mean_m)
                 .collect(),
         }
     }

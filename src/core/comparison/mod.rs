@@ -42,7 +42,7 @@ use datum::{Datum, FramePart};
 use differences::{effects, home};
 use estimate::Estimate;
 
-/// One identified geometry.
+/// A solved problem, with the description and data that it was solved from.
 #[derive(Debug, Clone, Copy)]
 pub struct Identified<'a> {
     /// What was solved.
@@ -108,7 +108,7 @@ impl Test {
 pub struct Displacement {
     /// Along the axes of the base frame (m).
     pub vector_m: Vec3,
-    /// Its covariance (m^2); zero along coordinates known in both runs.
+    /// Its covariance along the axes (m^2); zero along coordinates known in both runs.
     pub covariance: Matrix3<f64>,
 }
 
@@ -151,7 +151,7 @@ pub struct CommonMotion {
     pub shift_m: Vec3,
     /// Rotation vector about it (rad).
     pub rotation_rad: Vec3,
-    /// Covariance of shift and rotation; zero in directions that cannot move.
+    /// Covariance of `[shift; rotation]` (6 x 6; m^2, m rad, rad^2); zero in directions that cannot move.
     pub covariance: DMatrix<f64>,
     /// Number of directions in which the datum is not held by what is known.
     pub freedom: usize,

@@ -32,10 +32,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Standard deviations are known before anything is measured.
     println!("poses  sd of entry points (mm)");
     for count in [5, 10, 15, 20] {
-        let sd_m = plan.after(count).indices.mean_m.unwrap_or(f64::NAN);
+        let sd_m = plan.after(count).criteria.mean_m.unwrap_or(f64::NAN);
         println!("{count:5}  {:.2}", sd_m * 1e3);
     }
-    let random_m = plan.random.indices.mean_m.unwrap_or(f64::NAN);
+    let random_m = plan.random.criteria.mean_m.unwrap_or(f64::NAN);
     println!("   20  {:.2} at random poses", random_m * 1e3);
     Ok(())
 }

@@ -10,13 +10,13 @@ use nalgebra::DMatrix;
 /// Where the observations' standard deviations are trusted, use the cofactor instead.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitStatistics {
-    /// The parameters.
+    /// Estimates of the parameters, in the order of the columns of the design.
     pub parameters: Vec<f64>,
     /// Standard deviation of each parameter; NaN without redundancy, infinite if undetermined.
     pub standard_deviations: Vec<f64>,
-    /// Covariance of the parameters, scaled by the residual variance.
+    /// Covariance of the parameters (parameters x parameters), scaled by the residual variance.
     pub covariance: DMatrix<f64>,
-    /// Cofactor of the parameters: their covariance if the observations' `sd` are true.
+    /// Cofactor of the parameters (parameters x parameters): their covariance if the observations' `sd` are true.
     pub cofactor: DMatrix<f64>,
     /// Observation minus prediction, in units of the observations.
     pub residuals: Vec<f64>,

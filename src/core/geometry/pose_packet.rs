@@ -122,3 +122,34 @@ impl From<PosePacket<f64>> for Pose {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Twist, Vec3};
+
+    fn pose() -> Pose {
+        Pose::from_parts([0.1, -0.2, 0.3], [0.9, 0.1, -0.2, 0.3])
+    }
+
+    #[test]
+    fn rotates_as_the_pose_does_and_comes_back() {
+        let packet = PosePacket::from(&pose());
+        let point = Vec3::new(0.4, 0.5, -0.6);
+        let rotated = Vec3::from(packet.rotate(point.into()));
+        assert!((rotated - pose().orientation * point).norm() < 1e-15);
+        assert!(Pose::from(packet).difference(&pose()).norm() < 1e-15);
+    }
+
+    #[test]
+    fn small_motions_agree_to_second_order() {
+        let direction = Twist::new(0.3, -0.1, 0.2, 0.5, -0.7, 0.4);
+        let error = |size: f64| {
+            let step = direction * size;
+            let moved = Pose::from(PosePacket::from(&pose()).moved(step.into()));
+            moved.difference(&pose().perturbed(&step)).norm()
+        };
+        assert!(error(1e-3) < 1e-9);
+        assert!((error(2e-2) / error(1e-2) - 8.0).abs() < 0.1);
+    }
+}

@@ -12,7 +12,7 @@ const SETS: usize = 20;
 
 /// Criteria of optimal design of a set of poses (Atkinson, Donev, Tobias, Optimum Experimental Designs, 2007).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Indices {
+pub struct DesignCriteria {
     /// D: `ln det` of the information on all parameters (SI units); only differences mean anything. One more per
     /// parameter is `e` times less variance in the mean.
     pub log_det: f64,
@@ -29,10 +29,11 @@ pub struct Indices {
 /// Expected standard deviations after measuring a set of poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
-    /// Standard deviation of each parameter (SI units); `None` where the poses leave parameters open.
+    /// Standard deviation of each parameter (SI units), in the order of [`super::Plan::parameters`]; `None` where the
+    /// poses do not determine the parameters.
     pub sd: Vec<Option<f64>>,
     /// Criteria of optimal design.
-    pub indices: Indices,
+    pub criteria: DesignCriteria,
 }
 
 impl Expectation {
@@ -50,7 +51,7 @@ impl Expectation {
             .and_then(|c| of_entry_points(&information.parameters, c));
         Self {
             sd: (0..information.parameters.len()).map(sd).collect(),
-            indices: Indices {
+            criteria: DesignCriteria {
                 log_det: log_det(&total),
                 worst_m: entry.as_ref().map(|c| {
                     let eigen = SymmetricEigen::new(c.clone());
@@ -115,17 +116,17 @@ pub(super) fn random_sets(
         let squares: Option<f64> = values.map(|v| v.map(|v| v * v)).sum();
         squares.map(|sum| (sum / SETS as f64).sqrt())
     };
-    let log_dets = || sets.iter().map(|set| set.indices.log_det);
+    let log_dets = || sets.iter().map(|set| set.criteria.log_det);
     RandomSets {
         typical: Expectation {
             sd: (0..information.parameters.len())
                 .map(|k| mean_square(&mut sets.iter().map(|set| set.sd[k])))
                 .collect(),
-            indices: Indices {
+            criteria: DesignCriteria {
                 log_det: log_dets().sum::<f64>() / SETS as f64,
-                worst_m: mean_square(&mut sets.iter().map(|set| set.indices.worst_m)),
-                mean_m: mean_square(&mut sets.iter().map(|set| set.indices.mean_m)),
-                platform_m: mean_square(&mut sets.iter().map(|set| set.indices.platform_m)),
+                worst_m: mean_square(&mut sets.iter().map(|set| set.criteria.worst_m)),
+                mean_m: mean_square(&mut sets.iter().map(|set| set.criteria.mean_m)),
+                platform_m: mean_square(&mut sets.iter().map(|set| set.criteria.platform_m)),
             },
         },
         best_log_det: log_dets().fold(f64::NEG_INFINITY, f64::max),

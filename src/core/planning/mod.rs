@@ -14,7 +14,7 @@ mod position_error;
 mod tests;
 
 pub use candidates::Refused;
-pub use expectation::{Expectation, Indices};
+pub use expectation::{DesignCriteria, Expectation};
 pub use order::Order;
 
 use nalgebra::DMatrix;

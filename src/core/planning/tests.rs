@@ -95,12 +95,12 @@ fn plans_beat_the_best_random_set() {
         let preset = presets::find(name).unwrap();
         let plan = planned(&preset, 15);
         assert_eq!(plan.poses.len(), 15);
-        let d = plan.expected.indices.log_det;
+        let d = plan.expected.criteria.log_det;
         assert!(d > plan.best_random_log_det, "{name} {d}");
-        let planned_mean = plan.expected.indices.mean_m.unwrap();
-        let random_mean = plan.random.indices.mean_m.unwrap();
+        let planned_mean = plan.expected.criteria.mean_m.unwrap();
+        let random_mean = plan.random.criteria.mean_m.unwrap();
         assert!(planned_mean < random_mean, "{name}");
-        assert!(plan.expected.indices.worst_m.unwrap() > planned_mean);
+        assert!(plan.expected.criteria.worst_m.unwrap() > planned_mean);
     }
 }
 
@@ -204,7 +204,7 @@ fn more_poses_tell_more() {
     assert_eq!(plan.after(15), plan.expected);
     assert_eq!(plan.after(99), plan.expected);
     let course: Vec<f64> = (0..=15)
-        .map(|n| plan.after(n).indices.mean_m.unwrap())
+        .map(|n| plan.after(n).criteria.mean_m.unwrap())
         .collect();
     assert!(
         course.windows(2).all(|pair| pair[1] <= pair[0]),

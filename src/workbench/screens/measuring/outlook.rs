@@ -1,7 +1,7 @@
 //! What to expect of the planned poses.
 
 use egui::{CollapsingHeader, DragValue, Ui};
-use tautline_core::planning::Indices;
+use tautline_core::planning::DesignCriteria;
 
 use super::PanelState;
 use crate::model::Model;
@@ -111,33 +111,33 @@ fn details(ui: &mut Ui, outlook: &PlanSummary) {
         "m",
     );
     muted(ui, "These poses / the same number of random poses:");
-    let metres = |of: fn(&Indices) -> Option<f64>| {
+    let metres = |of: fn(&DesignCriteria) -> Option<f64>| {
         [of(&outlook.expected), of(&outlook.random)].map(|value_m| {
             value_m.map_or_else(|| "undetermined".to_owned(), |v| format!("{:.2}", v * 1e3))
         })
     };
-    let [mean, mean_random] = metres(|indices| indices.mean_m);
+    let [mean, mean_random] = metres(|criteria| criteria.mean_m);
     value(
         ui,
         "A-optimality: mean of the coordinates",
         &format!("{mean} / {mean_random}"),
         "mm",
     );
-    let [worst, worst_random] = metres(|indices| indices.worst_m);
+    let [worst, worst_random] = metres(|criteria| criteria.worst_m);
     value(
         ui,
         "E-optimality: worst direction",
         &format!("{worst} / {worst_random}"),
         "mm",
     );
-    let [platform, platform_random] = metres(|indices| indices.platform_m);
+    let [platform, platform_random] = metres(|criteria| criteria.platform_m);
     value(
         ui,
         "I-optimality: platform position after adjustment",
         &format!("{platform} / {platform_random}"),
         "mm",
     );
-    let det = |indices: &Indices| format!("{:.1}", indices.log_det);
+    let det = |criteria: &DesignCriteria| format!("{:.1}", criteria.log_det);
     let numbers = format!("{} / {}", det(&outlook.expected), det(&outlook.random));
     value(
         ui,
