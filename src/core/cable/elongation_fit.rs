@@ -44,7 +44,7 @@ pub enum ElongationFitError {
         /// Number of measurements.
         given: usize,
     },
-    /// The measurements leave coefficients open.
+    /// The measurements do not determine all coefficients.
     #[error("the measurements do not determine a surface of degree {degree}: {reason}")]
     RankDeficient {
         /// The degree.

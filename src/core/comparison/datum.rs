@@ -283,7 +283,7 @@ fn rows(count: usize, rows: impl Iterator<Item = [f64; 6]>) -> DMatrix<f64> {
     DMatrix::from_row_iterator(count, 6, rows.flatten())
 }
 
-/// Orthonormal directions of `[t; w]` in which nothing moves that both runs know exactly.
+/// Orthonormal basis of the motions `[t; w]` that change no coordinate known exactly in both runs (6 x directions).
 fn open_directions(runs: &[Estimate<'_>; 2], middle: Vec3, known: &[ParameterId]) -> DMatrix<f64> {
     let mut still: Vec<[f64; 6]> = known.iter().map(|id| moves(&runs[0], middle, id)).collect();
     let homes = runs

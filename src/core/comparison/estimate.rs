@@ -19,7 +19,7 @@ pub(super) struct Estimate<'a> {
 }
 
 impl<'a> Estimate<'a> {
-    /// `None` where the data leave parameters open.
+    /// `None` where the data do not determine all parameters.
     pub fn of(run: &Identified<'a>) -> Option<Self> {
         let solution = run.solution;
         solution.covariance.as_ref()?;

@@ -1,13 +1,13 @@
 //! Statistical comparison of two identified geometries of the same robot (deformation analysis).
 //!
 //! **Estimates.** Both runs were solved with the same drawing as prior. What they share must not count as agreement,
-//! so the priors `P` of what is the same robot in both (entry points, target plane, effects) are taken out: with the
+//! so the priors `P` of the robot itself (entry points, target plane, effects) are removed: with the
 //! information `I` and the estimate `m` of a run, and the centre `m_0` of its priors,
 //!
 //! `J = I - k P`, `g = m + J^-1 k P (m - m_0)`, `cov g = J^-1`.
 //!
-//! `k = 0.99` leaves a hundredth, so that what the data leave open is uncertain, not infinite. The home pose was taken
-//! anew in each run: its prior stays. The runs are independent: `d = g_B - g_A` has the covariance `S = J_A^-1 + J_B^-1`.
+//! `k = 0.99` keeps a hundredth, so that the variance of undetermined parameters is large, not infinite. The home pose was
+//! approached anew in each run: its prior stays. The runs are independent: `d = g_B - g_A` has the covariance `S = J_A^-1 + J_B^-1`.
 //!
 //! **Datum.** Each run counts from its own home pose, so a common motion of all pulleys and the target plane by a small
 //! shift `t` and rotation `w` about the middle `c` of the pulleys is no change of the robot. With
@@ -70,7 +70,7 @@ pub enum ComparisonError {
         /// `first` or `second`.
         run: &'static str,
     },
-    /// There is nothing that both runs estimate.
+    /// Neither run estimates a coordinate of a pulley.
     #[error("neither run estimates a coordinate of a pulley")]
     NothingEstimated,
 }
@@ -153,7 +153,7 @@ pub struct CommonMotion {
     pub rotation_rad: Vec3,
     /// Covariance of `[shift; rotation]` (6 x 6; m^2, m rad, rad^2); zero in directions that cannot move.
     pub covariance: DMatrix<f64>,
-    /// Number of directions in which the datum is not held by what is known.
+    /// Number of directions of motion that change no coordinate known exactly.
     pub freedom: usize,
     /// Test against the uncertainty of both home poses.
     pub test: Option<Test>,
@@ -207,7 +207,7 @@ pub struct FitQuality {
     #[serde(rename = "dof")]
     pub degrees_of_freedom: f64,
     /// Probability of a chi-square at least as large if model and noise are right: where it is small, differences
-    /// may come from what the model lacks.
+    /// may come from unmodelled effects.
     pub p_value: Option<f64>,
 }
 
@@ -218,7 +218,7 @@ pub struct Comparison {
     pub level: f64,
     /// Every pulley, in the robot's order.
     pub pulleys: Vec<PulleyDifference>,
-    /// Motion that all have in common; `None` where what is known exactly leaves none.
+    /// Common motion of all; `None` where exactly known coordinates allow none.
     pub motion: Option<CommonMotion>,
     /// Offset of the target plane, the common motion taken out; `None` where neither run estimates it.
     pub plane: Option<ScalarDifference>,

@@ -46,7 +46,7 @@ impl Default for CurveFitOptions {
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
-    /// A further step would change nothing that matters.
+    /// A further step would not reduce the sum of squares noticeably.
     Stationary,
     /// No step, however short, lowers the sum of squares.
     NoProgress,
@@ -103,7 +103,7 @@ pub fn fit_curve(problem: &CurveProblem, start: &[f64], options: &CurveFitOption
 /// minimum of NIST's BoxBOD and MGH10 from their first starts; 0.3 to 10 solve all 54 starts.
 const INITIAL_RADIUS: f64 = 1.0;
 
-/// Parameters with what was computed at them.
+/// Parameters with their residuals.
 struct Point {
     parameters: DVector<f64>,
     /// Weighted residuals `(y_i - f_i) / sd_i`.
@@ -246,7 +246,7 @@ impl<'a> Fitter<'a> {
             rank,
         );
         let relative_offset = (removable / count as f64).sqrt() / statistics.residual_sd;
-        // Data that the curve meets exactly leave only rounding, of which the offset is a part.
+        // Where the curve fits exactly, residuals are rounding, and their ratio means nothing.
         let observed = self.problem.observations.iter().enumerate();
         let size: f64 = observed.map(|(i, y)| (y / sd(i)).powi(2)).sum();
         let is_rounding = removable <= (8.0 * f64::EPSILON).powi(2) * size;

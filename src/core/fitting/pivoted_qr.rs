@@ -5,7 +5,7 @@ use super::double_double::DoubleDouble;
 /// Upper triangle `R` of `A P = Q R` and the transformed right-hand side `Q^T b`.
 ///
 /// Householder reflections with column pivoting (Golub, Van Loan, *Matrix Computations*, section
-/// 5.4.2): the columns are taken in the order of what the earlier ones leave of them, so that the
+/// 5.4.2): the column with the longest remainder comes next, so that the
 /// diagonal of `R` falls and shows the numerical rank.
 pub(super) struct PivotedQr {
     /// `columns[j][..=j]` is column `j` of `R`.

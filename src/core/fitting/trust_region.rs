@@ -16,7 +16,7 @@ pub(super) struct Linearization {
     c: DVector<f64>,
 }
 
-/// A step in the parameters and what the linearised problem expects of it.
+/// A step in the parameters and its reduction of the linearised problem.
 pub(super) struct Step {
     /// Change of the parameters.
     pub(super) change: DVector<f64>,

@@ -9,7 +9,7 @@ use crate::robot::DistanceCurve;
 impl DistanceCurve {
     /// Distance (m) at a voltage (V): `d = 1 / (a v + b) + c`.
     ///
-    /// `None` at and beyond the pole `a v + b = 0`, where the curve means nothing.
+    /// `None` at and beyond the pole `a v + b = 0`, where the curve is not defined.
     #[must_use]
     pub fn distance_m(&self, voltage_v: f64) -> Option<f64> {
         let inverse = self.a * voltage_v + self.b;

@@ -2,7 +2,7 @@
 //! by tension and temperature.
 //!
 //! With the run `D` from drum to pulley, the wrapped part `rp theta`, the straight part `l_f` and the extra length by
-//! sag `s`, the cable under load is `D + rp theta + l_f + s` long. It is what is left of the unstrained length `L0` of
+//! sag `s`, the cable under load is `D + rp theta + l_f + s` long. It follows from the unstrained length `L0` of
 //! [`CableLaw`]: `D + rp theta + l_f + s = L0 + elastic + other`, with the elastic part `L0 T / EA` (or the measured
 //! elongation) and the part `L0 eps` of other strains. The winch has paid out `L0 - L0(home)` since home.
 //!
@@ -35,7 +35,7 @@ pub enum LengthBreakdownError {
         expected: usize,
     },
     /// A heavy cable without tension has no shape.
-    #[error("{cable} has weight, but a tension of {tension_n} N does not hold it up")]
+    #[error("{cable} has weight, but its tension of {tension_n} N is not positive")]
     Slack {
         /// Name of the cable.
         cable: String,
@@ -198,7 +198,7 @@ pub(super) fn down(robot: &Robot) -> Vec3 {
 /// home it includes the length paid out since.
 ///
 /// # Errors
-/// A cable that has no path or no tension to hold it up, an effect that does not exist, or tensions that are not
+/// A cable that has no path, or weight but no tension, an effect that does not exist, or tensions that are not
 /// one for each cable.
 pub fn length_breakdown(
     robot: &Robot,

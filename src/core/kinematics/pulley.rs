@@ -32,7 +32,7 @@ pub struct PulleyGeometry<T> {
     pub radius: T,
 }
 
-/// The path of a cable from the entry point to an anchor, with what its derivatives need.
+/// The path of a cable from the entry point to an anchor, with the quantities of its derivatives.
 #[derive(Debug, Clone, Copy)]
 pub struct CablePath<T> {
     /// Length from entry point to anchor (m).

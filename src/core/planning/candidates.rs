@@ -13,7 +13,7 @@ use crate::kinematics::inverse_kinematics;
 use crate::robot::{Laser, Robot};
 use crate::simulation::{PlannedRow, bounds};
 
-/// Poses that are tried for each that is wanted.
+/// Poses drawn for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 20;
 /// Share of coordinates that are drawn at their limits: poses far apart carry more information.
 const AT_LIMIT: f64 = 0.4;

@@ -1,7 +1,7 @@
 //! D-optimal choice: greedy, then exchanges as long as they gain (Fedorov, Theory of Optimal Experiments, 1972).
 //!
-//! With the covariance `C` of what is chosen, a pose with rows `R` raises `ln det I` by `ln det(1 + R C R^T)`. A pose
-//! that comes in or goes out changes `C` by a product of low rank, and with it `R C R^T` of all others.
+//! With the covariance `C` of the design, a pose with rows `R` raises `ln det I` by `ln det(1 + R C R^T)`. Adding
+//! or removing a pose changes `C` by a product of low rank, and with it `R C R^T` of all others.
 
 use nalgebra::{DMatrix, DMatrixView};
 

@@ -21,8 +21,8 @@ pub struct DesignCriteria {
     /// A: root mean square standard deviation of the entry points' coordinates (m).
     pub mean_m: Option<f64>,
     /// I: root mean square position error of the platform over the workspace that the standard deviations lead to
-    /// once the values are written to a controller (m), at the orientation of its centre; what changes of the
-    /// tensions add is left out. `None` also for robots without a home pose.
+    /// once the values are written to a controller (m), at the orientation of its centre, changes of the tensions
+    /// neglected. `None` also for robots without a home pose.
     pub platform_m: Option<f64>,
 }
 
@@ -64,7 +64,7 @@ impl Expectation {
         }
     }
 
-    /// Standard deviations of a cable's entry point (m); `None` along an axis that is not estimated or left open.
+    /// Standard deviations of a cable's entry point (m); `None` along an axis that is not estimated or not determined.
     #[must_use]
     pub fn entry_point_sd_m(&self, parameters: &[Parameter], cable: usize) -> [Option<f64>; 3] {
         [0, 1, 2].map(|axis| {

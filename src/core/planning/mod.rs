@@ -82,9 +82,9 @@ impl PlanOptions<'_> {
 pub enum PlanProgress {
     /// Drawing poses that can be held.
     Candidates {
-        /// Those found.
+        /// Number of candidates found.
         found: usize,
-        /// Those wanted.
+        /// Number of candidates wanted.
         wanted: usize,
     },
     /// Choosing one after the other.
@@ -107,7 +107,7 @@ pub enum PlanError {
     NoPoses,
     /// Every parameter is known exactly.
     #[error(
-        "nothing is to be identified: every entry point, the home pose and the target plane count as known exactly"
+        "nothing to identify: every entry point, the home pose and the target plane count as known exactly"
     )]
     NothingToEstimate,
     /// The robot cannot be held at enough poses.

@@ -46,7 +46,7 @@ impl Default for PerAxis<Option<f64>> {
 
 /// A cable robot: platform, cables with pulleys and winches, and its instruments.
 ///
-/// With a non-empty list of effects it is a *model*: the description plus what was found to
+/// With a non-empty list of effects it is a *model*: the description plus the effects by which the robot was found to
 /// deviate from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Robot {

@@ -79,7 +79,7 @@ pub(super) struct Visit<'a> {
     pub pose: &'a Pose,
 }
 
-/// The robot with what effects change of its geometry and weight at a visit under `tensions` (N).
+/// The robot with its geometry and weight as changed by the effects at a visit under `tensions` (N).
 fn robot_under_effects(
     truth: &Robot,
     effects: &[BoundEffect],

@@ -1,4 +1,4 @@
-//! A virtual robot in static equilibrium: where its platform rests at given motor revolutions, and what is read there.
+//! A virtual robot in static equilibrium: its platform's pose at given motor revolutions, and the readings.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -37,7 +37,7 @@ pub struct RestState {
     pub pose: Pose,
     /// Tensions (N).
     pub tensions_n: Vec<f64>,
-    /// The one row of what is read, without noise, each cable in its own channel.
+    /// One row of readings without noise, each cable in its own channel.
     pub readings: Measurements,
 }
 

@@ -1,4 +1,4 @@
-//! A robot whose true geometry differs from its description, and what is measured on it.
+//! A robot whose true geometry differs from its description, and its measurements.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

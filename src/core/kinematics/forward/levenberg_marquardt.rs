@@ -102,7 +102,7 @@ impl LevenbergMarquardt {
             size = size.max(value.abs());
         }
         let reduction = self.normal.cost - normal.cost;
-        // Costs closer than the rounding of the lengths cannot be told apart.
+        // Differences below the rounding of the lengths are no reduction.
         let rounding = 1e-30 + 1e-14 * self.normal.cost;
         if reduction.is_nan() || reduction < -rounding {
             self.converged = size < STEP_TOLERANCE;

@@ -1,6 +1,6 @@
 //! Consistency of a robot description.
 //!
-//! What one field must look like by itself is in `field`, what fields mean together (pulleys,
+//! Checks of single fields are in `field`, those of fields together (pulleys,
 //! anchors, the size of the frame) in `layout`.
 
 mod field;
@@ -86,7 +86,7 @@ impl Robot {
         Ok(())
     }
 
-    /// The default, a share of the weight, is no standard deviation where nothing weighs anything.
+    /// The default is a share of the weight: without gravity the standard deviation must be stated.
     fn check_wrench_sd(&self, root: &Object) -> Checked {
         let stated = self.platform.wrench_sd.is_some();
         let needed = self.platform.mass_kg.is_some() && self.has_force_sensors();
