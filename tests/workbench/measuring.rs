@@ -142,9 +142,7 @@ fn a_laser_without_a_reading_is_reported_with_advice() {
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("a pause", paused);
-    bench
-        .harness
-        .get_by_label_contains("Clear the beam path");
+    bench.harness.get_by_label_contains("Clear the beam path");
     assert_eq!(bench.session().measurements.len(), 0);
     bench.press("Abort");
     bench.wait("the end", |state| !state.model.link.is_measuring());

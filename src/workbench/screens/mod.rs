@@ -16,7 +16,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::phase::Phase;
 
-/// What the screens remember.
+/// State of all panels between frames.
 #[derive(Debug, Default)]
 pub struct PanelStates {
     /// What a small window shows.
@@ -77,7 +77,7 @@ impl Part {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
 
-    /// What the operator reads.
+    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

@@ -12,7 +12,7 @@ use crate::model::command::Outbox;
 use crate::model::{Model, Selection};
 use crate::theme::{self, GRID};
 
-/// What the views remember.
+/// State of the views between frames.
 #[derive(Default)]
 pub struct ViewStates {
     /// What is under the pointer, in all views.

@@ -22,7 +22,7 @@ const WORDS: f32 = 120.0;
 /// Least distance of two marks (points).
 const APART: f32 = 3.0;
 
-/// What the time line remembers.
+/// State of the timeline.
 #[derive(Debug, Default)]
 pub struct TimelineState {
     /// When the present pose was reached, while poses are played (s).
@@ -197,7 +197,7 @@ fn paint(ui: &Ui, (open, scene): (&OpenSession, Option<&Scene>), line: Rect, pal
     }
 }
 
-/// What its keys ask, while it has the focus or the pointer is over it.
+/// The commands of its keys, while it has the focus or the pointer is over it.
 fn keys(ui: &Ui, response: &Response, plays: bool) -> Vec<ViewCommand> {
     if response.clicked() {
         response.request_focus();

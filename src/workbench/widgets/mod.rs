@@ -1,4 +1,4 @@
-//! Parts that screens are made of.
+//! Widgets that panels are made of.
 
 mod button;
 mod import_row;

@@ -1,4 +1,4 @@
-//! The parts of a phase as rows: how far each is, its name, one line of result; a click opens it.
+//! The parts of a phase as rows with progress, name and a one-line result; a click opens a part.
 
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo};
 

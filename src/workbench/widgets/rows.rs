@@ -76,7 +76,7 @@ impl RowField {
     }
 }
 
-/// What the operator did.
+/// What the operator changed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RowsEdit {
     /// Changed a number: row, column, new value.

@@ -1,4 +1,4 @@
-//! Tables to read: numbers right-aligned, one line for each item, a click selects it.
+//! Tables: numbers right-aligned, one line for each item; a click selects it.
 
 use std::sync::Arc;
 

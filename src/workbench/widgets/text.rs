@@ -33,14 +33,14 @@ pub fn value(ui: &mut Ui, name: &str, number: &str, unit: &str) {
     });
 }
 
-/// How something turned out.
+/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// As it should be.
+    /// Passed.
     Good,
     /// Doubtful.
     Doubtful,
-    /// Not as it should be.
+    /// Failed.
     Bad,
     /// Neither good nor bad.
     Neutral,
@@ -57,7 +57,7 @@ impl Verdict {
     }
 }
 
-/// A verdict: words first, colour and sign second.
+/// A verdict in words, with an icon in its colour.
 pub fn verdict(ui: &mut Ui, verdict: Verdict, text: &str) {
     let palette = theme::of(ui);
     let colour = match verdict {
@@ -72,7 +72,7 @@ pub fn verdict(ui: &mut Ui, verdict: Verdict, text: &str) {
     });
 }
 
-/// What an empty part says: what will be here and how to get it.
+/// Text of an empty area: what will appear here, and how to get it.
 pub fn empty(ui: &mut Ui, text: &str) {
     let colour = theme::of(ui).muted;
     ui.centered_and_justified(|ui| {

@@ -28,7 +28,7 @@ use tautline_workflow::identification::FitVerdict;
 /// Identity and revision of the document, place of its fit, count of the parameters' changes.
 type Key = (u64, u64, Option<usize>, u64);
 
-/// What the panel remembers.
+/// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
     /// Name of the operator while it is typed.
@@ -65,7 +65,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     reveal::show(ui, model, outbox);
 }
 
-/// What the controller lacks; computed again only after a change.
+/// Differences between controller and identified model; computed again only after a change.
 fn differences(model: &Model, panel: &mut PanelState) -> Arc<Vec<Difference>> {
     let Some(open) = &model.open else {
         return Arc::default();
@@ -244,7 +244,7 @@ fn write(
     }
 }
 
-/// Who is responsible for what is written.
+/// Name of the operator, who is responsible for what is written.
 fn operator(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let shown = panel.operator.take();
     let mut name = shown.unwrap_or_else(|| model.preferences.operator.clone());

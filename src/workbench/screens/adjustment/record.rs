@@ -1,4 +1,4 @@
-//! What was written to the controller so far: who, when, what.
+//! History of adjustments: who, when, what.
 
 use egui::{CollapsingHeader, Ui};
 use tautline_session::{Adjustment, Outcome};

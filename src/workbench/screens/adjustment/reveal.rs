@@ -1,4 +1,4 @@
-//! What a demonstration has hidden, beside what was found.
+//! The hidden fault of a demonstration beside what was found.
 
 use egui::Ui;
 use tautline_core::effect::{BoundEffect, EffectSetting};

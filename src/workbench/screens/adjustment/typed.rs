@@ -1,4 +1,4 @@
-//! Where the platform is at a target, as the operator reads it from an instrument of one's own.
+//! Input of the platform's pose at a target, for an instrument that the operator reads.
 
 use egui::{Align, Key, RichText, TextEdit, Ui, WidgetInfo};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -16,7 +16,7 @@ const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
 /// A position this far from the target may be a slip of the keys (m).
 const FAR_M: f64 = 0.1;
 
-/// What is typed, and of which target.
+/// The input of a target.
 #[derive(Debug, Default)]
 pub struct Typed {
     number: Option<usize>,
@@ -24,7 +24,7 @@ pub struct Typed {
     sent: bool,
 }
 
-/// Nothing is asked for at this moment.
+/// Closes the input.
 pub(super) fn forget(panel: &mut PanelState) {
     panel.typed.number = None;
 }

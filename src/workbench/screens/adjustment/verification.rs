@@ -1,4 +1,4 @@
-//! Verification with an external instrument: before, after, and what the adjustment has brought.
+//! Verification with an external instrument, before and after the adjustment.
 
 use egui::{ProgressBar, Ui};
 use egui_material_icons::icons;
@@ -114,7 +114,7 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     }
 }
 
-/// An imported table becomes a run when the operator says which.
+/// Asks to which run an imported table belongs.
 fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;

@@ -21,7 +21,7 @@ use tautline_workflow::comparison::{unexplained, verdict as in_words};
 use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::samples::Sample;
 
-/// What the comparison remembers.
+/// State of the comparison.
 #[derive(Debug, Default)]
 pub struct PanelState {
     /// What is typed.

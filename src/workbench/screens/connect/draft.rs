@@ -75,7 +75,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// What the operator reads.
+    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

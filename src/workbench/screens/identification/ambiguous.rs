@@ -1,4 +1,4 @@
-//! Causes that the data cannot tell apart, on one card.
+//! Causes that the data cannot distinguish, on one card.
 
 use egui::{Align, Layout, Ui};
 use tautline_core::diagnosis::{Cause, Finding, Separation};

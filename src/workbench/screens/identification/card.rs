@@ -148,7 +148,7 @@ fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter) -> Option<String>
     Some(format!("95 % interval of {of}{}: {ends}", parameter.name))
 }
 
-/// How unlikely it is without a cause.
+/// Probability of the finding by chance.
 pub fn evidence(ui: &mut Ui, finding: &Finding) {
     let evidence = &finding.evidence;
     if !evidence.p_value.is_finite() {
@@ -190,7 +190,7 @@ fn runner_up(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     muted(ui, &text).on_hover_text(tip);
 }
 
-/// What to do in the workshop.
+/// Check in the workshop.
 pub fn advice(ui: &mut Ui, advice: &str) {
     if !advice.is_empty() {
         muted(ui, "Check in the workshop");

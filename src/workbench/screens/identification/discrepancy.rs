@@ -1,4 +1,4 @@
-//! Where the model is wrong, and along what.
+//! Dependences of residuals on variables.
 
 use egui::Ui;
 use tautline_core::diagnosis::Discrepancy;

@@ -1,4 +1,4 @@
-//! What the model gets wrong.
+//! The model doctor.
 
 use egui::{CollapsingHeader, Ui};
 use tautline_session::ResultRecord;
@@ -154,7 +154,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     }
 }
 
-/// What the session keeps of a diagnosis from before.
+/// A diagnosis that was stored with the session.
 fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
     let of_diagnosis = |record: &&ResultRecord| record.format() == Some("tautline-diagnosis");
     let results = panel.open.session().results();

@@ -1,4 +1,4 @@
-//! What a cause gains on poses that took no part in fitting, drawn.
+//! Improvement on held-out poses, drawn.
 
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use tautline_core::diagnosis::Gain;

@@ -30,7 +30,7 @@ pub enum Half {
     Doctor,
 }
 
-/// What the panel remembers.
+/// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
     /// Which half is shown.

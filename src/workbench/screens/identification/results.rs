@@ -1,4 +1,4 @@
-//! What identification found.
+//! Results of the identification.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Readings that do not fit, poses that are left out.
+//! Suspicious readings and excluded poses.
 
 use egui::Ui;
 use tautline_core::estimation::Observation;

@@ -1,4 +1,4 @@
-//! The laser distance that the operator reads and types.
+//! Input of the laser distance, for a laser that the operator reads.
 
 use egui::{Align, FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
 
@@ -13,7 +13,7 @@ const LONGEST_MM: f64 = 1e6;
 /// A distance this far from what is expected may be a slip of the keys (m).
 const FAR_M: f64 = 0.02;
 
-/// What is typed, and of which pose.
+/// The input of a pose.
 #[derive(Debug, Default)]
 pub struct Typed {
     label: Option<i64>,
@@ -22,7 +22,7 @@ pub struct Typed {
     sent: bool,
 }
 
-/// Nothing is asked for at this moment.
+/// Closes the input.
 pub(super) fn forget(panel: &mut PanelState) {
     panel.typed.label = None;
 }
@@ -86,7 +86,7 @@ pub(super) fn show(
     }
 }
 
-/// What is to be said of what is typed.
+/// Assesses what is typed.
 fn judge(ui: &mut Ui, text: &str, expected_m: Option<f64>) {
     if text.trim().is_empty() {
         match expected_m {

@@ -21,7 +21,7 @@ use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
 use tautline_workflow::planning::missing;
 
-/// What the panel remembers.
+/// State of the panel between frames.
 #[derive(Debug)]
 pub struct PanelState {
     /// Number of poses to plan.
@@ -121,7 +121,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     }
 }
 
-/// Has it computed, once, what to expect of a plan that was not made in this run of the program.
+/// Requests the prediction for a plan that was stored with the session, once.
 fn ask(model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;
@@ -137,7 +137,7 @@ fn ask(model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     }
 }
 
-/// Says what the robot lacks for measuring.
+/// Warns of instruments that the robot lacks.
 fn instruments(ui: &mut Ui, model: &Model) {
     let Some(open) = &model.open else {
         return;

@@ -1,4 +1,4 @@
-//! What to expect of the planned poses.
+//! Predicted accuracy of the planned poses.
 
 use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::DesignCriteria;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tautline_core::geometry::Pose;
 use tautline_session::Session;
 
-/// How far a pose is.
+/// Progress of a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhaseStatus {
     /// Still to be measured.
@@ -27,7 +27,7 @@ pub struct Row {
     pub position_mm: Option<[f64; 3]>,
     /// Rotation from the home pose (degrees).
     pub rotation_deg: Option<f64>,
-    /// How far it is.
+    /// Its progress.
     pub standing: PhaseStatus,
 }
 

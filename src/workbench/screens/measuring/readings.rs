@@ -1,4 +1,4 @@
-//! Readings as they come, and what still moves.
+//! Live readings, and how far the robot has settled.
 
 use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
@@ -90,7 +90,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// What still moves, against its limit.
+/// Rates of change against their limits.
 pub(super) fn settling(ui: &mut Ui, place: &str, rates: Option<Rates>, limits: Rates) {
     muted(ui, &format!("At {place}, waiting for the robot to settle."));
     let Some(rates) = rates else {

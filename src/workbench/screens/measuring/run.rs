@@ -1,4 +1,4 @@
-//! The measuring run: its buttons, how far it is, what did not look right.
+//! The measuring run: buttons, progress, warnings.
 
 use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
 use egui_material_icons::icons;
@@ -196,7 +196,7 @@ fn outcome(ui: &mut Ui, run: &RunLog) {
     }
 }
 
-/// How far the last poses were from what was expected.
+/// Differences between measured and predicted readings of the last poses.
 fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
@@ -234,7 +234,7 @@ pub(super) fn name_of(model: &Model, cable: usize) -> &str {
     cable.map_or("", |cable| cable.name.as_str())
 }
 
-/// What did not look right, the latest first, each with its cable.
+/// Warnings, the latest first, each with its cable.
 fn warnings(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(run) = model.link.run.as_ref().filter(|r| !r.warnings.is_empty()) else {
         return;

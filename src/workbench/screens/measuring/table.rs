@@ -1,4 +1,4 @@
-//! The table of poses and what can be done with the selected one.
+//! The table of poses, with actions for the selected one.
 
 use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};

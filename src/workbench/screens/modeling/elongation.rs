@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     points(ui, bench, input);
 }
 
-/// What the robot has, in words.
+/// The elongation that the robot has, in words.
 fn now(bench: &Bench<'_>) -> String {
     let cables = bench.robot().cables.iter().map(|cable| &cable.cable);
     let surfaces = cables.clone().filter_map(|c| c.elongation_surface.as_ref());

@@ -1,4 +1,4 @@
-//! Where the length of every cable goes at the pose shown.
+//! Composition of each cable's length at the shown pose.
 
 use egui::{Color32, Rect, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
 use tautline_core::geometry::Pose;
@@ -59,11 +59,11 @@ struct Share {
     free_m: f64,
     /// Around the pulley (m).
     wrapped_m: f64,
-    /// What its tension makes of it; one sentence where that is not known.
+    /// Effect of its tension; one sentence where that is unknown.
     under_load: Result<UnderLoad, String>,
 }
 
-/// What a tension makes of a cable.
+/// Effect of the tension on a cable.
 #[derive(Debug)]
 struct UnderLoad {
     tension_n: f64,

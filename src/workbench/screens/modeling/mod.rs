@@ -23,7 +23,7 @@ enum Part {
     Lengths,
 }
 
-/// What the panel remembers.
+/// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
     part: Part,

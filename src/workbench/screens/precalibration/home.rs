@@ -169,7 +169,7 @@ fn sensors(ui: &mut Ui, measured: &HomeMeasurement) {
     table(ui, &columns, &rows, None);
 }
 
-/// What a reading is: volts if the sensors have curves, else millimetres at the screen.
+/// Unit of the readings: volts if the sensors have curves, else millimetres.
 fn reading_field(platform: &HomePlatform) -> RowField {
     let in_volts = platform.sensors.iter().any(|sensor| sensor.curve.is_some());
     let in_metres = platform.sensors.iter().any(|sensor| sensor.curve.is_none());

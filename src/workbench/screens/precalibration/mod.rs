@@ -27,7 +27,7 @@ pub enum Part {
     Home,
 }
 
-/// What the panel remembers.
+/// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
     /// The part that is shown.

@@ -1,4 +1,4 @@
-//! The lines above a plot: which plot, what of it, cursors, saving.
+//! The rows above a plot: tabs, options, cursor readings, saving.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ use tautline_workflow::plot::{Drawing, Figure};
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
 
-/// The tabs; those that have nothing to show say why.
+/// The tabs; those without data explain why in a tooltip.
 pub fn tabs(ui: &mut Ui, open: &OpenSession, tab: &mut Tab) {
     let tabs = Tab::ALL.map(|tab| TabOf {
         value: tab,
@@ -32,7 +32,7 @@ pub fn tabs(ui: &mut Ui, open: &OpenSession, tab: &mut Tab) {
     tab_row(ui, "More plots", &tabs, tab);
 }
 
-/// What of the plot is shown, the cursors' values, and buttons; while a plot is saved, where to.
+/// Options, cursor readings and buttons; while a plot is being saved, the form for its file.
 pub fn options(
     ui: &mut Ui,
     model: &Model,

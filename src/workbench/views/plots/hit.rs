@@ -1,4 +1,4 @@
-//! What is under the pointer, and the words for it.
+//! Finds the point under the pointer and describes it in a tooltip.
 
 use egui::Pos2;
 
@@ -48,7 +48,7 @@ pub fn nearest(figure: &Figure, scale: &Scale, place: Pos2, selection: Selection
     best.map(|(_, hit)| hit)
 }
 
-/// What a point selects.
+/// Cable and pose of a point.
 #[must_use]
 pub fn selects(figure: &Figure, hit: Hit) -> Selection {
     let series = &figure.series[hit.series];
@@ -58,7 +58,7 @@ pub fn selects(figure: &Figure, hit: Hit) -> Selection {
     }
 }
 
-/// What the label at a point says.
+/// Tooltip of a point.
 #[must_use]
 pub fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
     let series = &figure.series[hit.series];
@@ -92,7 +92,7 @@ fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
     text.trim_end().to_owned()
 }
 
-/// What the label at a cell of a heat map says.
+/// Tooltip of a cell of a heat map.
 #[must_use]
 pub fn cell_words(figure: &Figure, [x, y]: [f64; 2]) -> Option<String> {
     let heat = figure.heat.as_ref()?;

@@ -41,7 +41,7 @@ struct Saving {
     path: String,
 }
 
-/// What a plot among several remembers.
+/// State of one plot among several.
 #[derive(Debug, Default)]
 pub struct PlotState {
     tab: Tab,
@@ -102,7 +102,7 @@ fn pane(
 
 /// Why there is no figure.
 enum Unavailable {
-    /// It has nothing to show.
+    /// There are no data.
     Empty(&'static str),
     /// A task has to prepare it first.
     Unprepared,

@@ -23,7 +23,7 @@ const WHEEL: f64 = 240.0;
 /// Distance at which a cursor is grabbed (points of the screen).
 const GRAB: f32 = 6.0;
 
-/// What a plot remembers between frames.
+/// State of a plot between frames.
 #[derive(Debug, Default)]
 pub struct Panel {
     /// What is shown, if not everything.
@@ -64,12 +64,12 @@ impl fmt::Debug for Dense {
     }
 }
 
-/// What the operator did with a plot.
+/// An interaction with a plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Done {
     /// Selected something, or nothing.
     Selected(Selection),
-    /// Wants a pose left out, or taken in again.
+    /// Asked to exclude a pose, or to include it again.
     Excluded(i64),
 }
 
@@ -85,10 +85,10 @@ pub struct Shown<'a> {
     pub selection: Selection,
 }
 
-/// What a frame came to.
+/// Interactions of a frame.
 #[derive(Debug, Default)]
 pub struct Frame {
-    /// What the operator did.
+    /// What the operator changed.
     pub done: Vec<Done>,
     /// What is under the pointer, while it is over the plot.
     pub hovered: Option<Selection>,

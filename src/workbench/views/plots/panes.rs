@@ -1,4 +1,4 @@
-//! Several plots beside each other: what is the same along x is zoomed and moved together.
+//! Several plots beside each other; plots with the same x axis are zoomed and moved together.
 
 use std::path::Path;
 
@@ -16,19 +16,19 @@ use crate::widgets::{empty, icon_only};
 
 /// Places for plots.
 const PLACES: usize = 4;
-/// What they show to begin with.
+/// Plots of a new window.
 const FIRST: [Tab; PLACES] = [Tab::Residuals, Tab::Tensions, Tab::Variable, Tab::Laser];
 /// Width (points) below which there is one plot at a time.
 const NARROW: f32 = 560.0;
 /// Width of the button that divides the area (points).
 const BUTTON: f32 = 32.0;
 
-/// What the plots remember.
+/// State of the plots.
 #[derive(Debug)]
 pub struct Panes {
     arrangement: Arrangement,
     places: [PlotState; PLACES],
-    /// What preferences have of it.
+    /// The arrangement that the preferences have.
     known: (Arrangement, [Tab; PLACES]),
 }
 
@@ -42,7 +42,7 @@ impl Default for Panes {
 }
 
 impl Panes {
-    /// As they were left.
+    /// The plots as the preferences have them.
     #[must_use]
     pub fn of(plots: &Plots) -> Self {
         let tabs: [Tab; PLACES] = std::array::from_fn(|place| {
@@ -60,7 +60,7 @@ impl Panes {
         }
     }
 
-    /// What preferences are to have of it, if that has changed.
+    /// The arrangement to store in the preferences, if it has changed.
     fn changed(&mut self) -> Option<Plots> {
         let tabs: [Tab; PLACES] = std::array::from_fn(|place| self.places[place].tab);
         let now = (self.arrangement, tabs);
@@ -81,14 +81,14 @@ impl Panes {
         })
     }
 
-    /// Takes what a task computed for all of them.
+    /// Gives all plots what a task has computed.
     pub fn prepared(&mut self, preparation: &Preparation) {
         for place in &mut self.places {
             place.preparation = Some(preparation.clone());
         }
     }
 
-    /// Takes the place that a file dialog gave for the plot that is being saved.
+    /// Sets the file of the plot that is being saved.
     pub fn picked(&mut self, path: &Path) {
         for saving in self.places.iter_mut().filter_map(|p| p.saving.as_mut()) {
             saving.path = path.display().to_string();

@@ -58,7 +58,7 @@ impl Tab {
         Self::ALL.into_iter().find(|tab| tab.name() == name)
     }
 
-    /// What the operator reads.
+    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -73,7 +73,7 @@ impl Tab {
         }
     }
 
-    /// Why this plot has nothing to show, if it has nothing.
+    /// Why this plot has no data, if it has none.
     #[must_use]
     pub fn missing(self, open: &OpenSession) -> Option<&'static str> {
         let fit = open.fit();

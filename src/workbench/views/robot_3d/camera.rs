@@ -42,7 +42,7 @@ impl StandardView {
     /// All, in the order of their keys.
     pub const ALL: [Self; 4] = [Self::Front, Self::Side, Self::Top, Self::Isometric];
 
-    /// What the operator reads.
+    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

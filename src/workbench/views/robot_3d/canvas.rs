@@ -154,7 +154,7 @@ fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
     }
 }
 
-/// What the keys of the view ask, while the pointer is over it or it has the focus.
+/// The camera movement that a key requests while the pointer is over the view or it has the focus.
 pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
     if response.has_focus() {
         let filter = egui::EventFilter {

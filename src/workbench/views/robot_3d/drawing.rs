@@ -36,7 +36,7 @@ impl CableColour {
     /// All.
     pub const ALL: [Self; 3] = [Self::Own, Self::Tension, Self::Residual];
 
-    /// What the operator reads.
+    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

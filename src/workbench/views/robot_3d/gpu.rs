@@ -97,7 +97,7 @@ struct LoadedPoses {
     buffers: PointBuffers,
 }
 
-/// What lies on the graphics card.
+/// Resources on the graphics card.
 struct Card {
     context: Context,
     solid: Program,
@@ -117,7 +117,7 @@ pub struct Gpu {
     draws: u64,
 }
 
-/// What is the same for all programs in one picture.
+/// Uniforms that all programs of a picture share.
 struct Look {
     clip_from_base: Mat4,
     eye: Vec3,

@@ -45,7 +45,7 @@ use tautline_workflow::identification::Identification;
 /// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;
 
-/// What the view remembers.
+/// State of the view between frames.
 #[derive(Default)]
 pub struct Robot3d {
     /// What is drawn and how.
@@ -127,7 +127,7 @@ impl Robot3d {
         self.camera.as_ref()
     }
 
-    /// What there is to see, once the view was shown.
+    /// The scene, once the view was shown.
     #[must_use]
     pub fn scene(&self) -> Option<&Arc<Scene>> {
         self.scene.as_ref().map(|(_, scene)| scene)
@@ -266,7 +266,7 @@ impl Robot3d {
         extent
     }
 
-    /// Forgets from where it was looked at: the next scene is seen from where all of it is seen.
+    /// Resets the camera: the next scene is fitted to the view.
     pub fn look_anew(&mut self) {
         self.camera = None;
     }

@@ -1,4 +1,4 @@
-//! What is written over the picture: numbers of cables, scale, axes, legends, what is under the pointer.
+//! Annotations over the picture: cable numbers, scale, axes, legends, highlights.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 

@@ -9,7 +9,7 @@ use super::scene::{Scene, Wheel};
 /// How far beside a thing the pointer may be (points of the screen).
 const TOLERANCE: f64 = 6.0;
 
-/// A thing that can be picked.
+/// An object that can be picked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Thing {
     /// A cable, by its index.
@@ -37,7 +37,7 @@ pub struct Picture<'a> {
     pub size: [f64; 2],
 }
 
-/// How the pointer meets a thing.
+/// An object near the pointer.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
     thing: Thing,

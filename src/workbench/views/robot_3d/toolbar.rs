@@ -11,7 +11,7 @@ use crate::widgets::{icon_only, muted};
 /// Width of the slider with its number (points).
 const EXAGGERATION: f32 = 240.0;
 
-/// What the row asks of the camera.
+/// A camera movement that was requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
     /// Show everything.

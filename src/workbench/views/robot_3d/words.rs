@@ -1,9 +1,9 @@
-//! What the pointer is told.
+//! Tooltips of the 3D view.
 
 use super::picking::Thing;
 use super::scene::{Besides, Residual, Scene, Shown};
 
-/// What a thing is, and how much of it.
+/// Tooltip of an object.
 #[must_use]
 pub fn describe(scene: &Scene, thing: Thing) -> String {
     match thing {

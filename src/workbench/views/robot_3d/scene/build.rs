@@ -1,4 +1,4 @@
-//! From robot, measurements and identification to what is seen.
+//! Builds a scene from robot, measurements and identification.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::model::link::LivePlatform;
 use crate::views::robot_3d::camera;
 use tautline_workflow::identification::Identification;
 
-/// What is looked at.
+/// What a scene is built from.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The robot of the drawings.
@@ -54,13 +54,13 @@ impl<'a> Subject<'a> {
         self.fit.map_or(self.robot, |fit| &fit.model)
     }
 
-    /// What there is to see.
+    /// Builds the scene.
     #[must_use]
     pub fn scene(&self) -> Scene {
         self.scene_with(None)
     }
 
-    /// What there is to see, with measured poses that are known already; nothing is looked up in the identification then
+    /// Builds the scene with measured poses that are known already, so that nothing is looked up in the identification
     /// while the platform moves.
     #[must_use]
     pub fn scene_with(&self, measured: Option<Arc<MeasuredPoses>>) -> Scene {

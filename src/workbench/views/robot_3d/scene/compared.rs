@@ -1,11 +1,11 @@
-//! A second session beside the one that is shown.
+//! A second session shown beside the first.
 
 use tautline_core::comparison::Comparison;
 
 use super::{Besides, Displacement, Scene, Wheel};
 
 impl Scene {
-    /// Shows the second geometry of a comparison beside the first, which this is a scene of. The common motion is taken
+    /// Adds the second geometry of a comparison to a scene of the first. The common motion is taken
     /// out: the home pose of the first session holds for both. Poses are left out, each session has its own.
     #[must_use]
     pub fn compared(mut self, compared: &Comparison) -> Self {

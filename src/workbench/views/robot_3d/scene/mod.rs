@@ -1,4 +1,4 @@
-//! What there is to see, as plain data: base frame, metres. It knows nothing of colours, cameras or graphics cards.
+//! The scene as plain data (base frame, metres), without colours, camera or graphics card.
 
 mod build;
 mod cable;
