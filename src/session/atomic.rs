@@ -7,15 +7,15 @@ use std::time::Duration;
 
 use crate::error::WriteError;
 
-/// What the names of temporary files begin with.
+/// Prefix of temporary files.
 const PREFIX: &str = ".tautline-";
-/// Random letters and digits after it.
+/// Number of random letters and digits after the prefix.
 const LETTERS: usize = 6;
-/// Nothing takes so long to write: a temporary file of this age is one that a killed program has left.
+/// Age from which a temporary file belongs to a killed program: nothing takes so long to write.
 const STALE: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// Writes a file by way of a temporary one in the same folder, which is then renamed: a reader
-/// sees the old content or the new, also after a power failure.
+/// Writes a temporary file in the same folder and renames it: a reader sees either the old content or the new, also
+/// after a power failure.
 pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -62,7 +62,7 @@ fn replace(
     Ok(())
 }
 
-/// Removes temporary files of programs that were killed while they wrote. What cannot be removed stays: nothing depends
+/// Removes temporary files of programs that were killed while they wrote. Failures are ignored, because nothing depends
 /// on it.
 fn remove_stale(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -73,21 +73,21 @@ fn remove_stale(folder: &Path) {
     }
 }
 
-/// Whether a file is called as [`replace`] calls its temporary ones.
+/// Whether a name is one that [`replace`] gives to temporary files.
 fn is_temporary(name: &str) -> bool {
     let letters = name.strip_prefix(PREFIX);
     letters.is_some_and(|l| l.len() == LETTERS && l.bytes().all(|b| b.is_ascii_alphanumeric()))
 }
 
-/// Whether it is a file, not a link to one, that nobody writes any more.
+/// Whether it is a file (not a link) that is no longer being written.
 fn is_stale(entry: &fs::DirEntry) -> bool {
     let metadata = entry.metadata().ok().filter(fs::Metadata::is_file);
     let modified = metadata.and_then(|metadata| metadata.modified().ok());
-    // One from the future, by a clock that was set, is no older than a day.
+    // A time in the future, after the clock was set back, is not stale.
     modified.is_some_and(|when| when.elapsed().is_ok_and(|age| age > STALE))
 }
 
-/// Waits until the names in a folder are on disk, where the operating system can be asked for it.
+/// Waits until the directory entries of a folder are on disk, where the operating system supports it.
 pub(crate) fn sync_folder(folder: &Path) -> std::io::Result<()> {
     #[cfg(unix)]
     fs::File::open(folder)?.sync_all()?;
@@ -96,7 +96,7 @@ pub(crate) fn sync_folder(folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Those of the file that is replaced, else those of any new file.
+/// The permissions of the file that is replaced, else those of any new file.
 #[cfg(unix)]
 fn permissions(path: &Path) -> fs::Permissions {
     use std::os::unix::fs::PermissionsExt;

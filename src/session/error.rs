@@ -32,7 +32,7 @@ pub enum Place {
     Cell(u64, String),
     /// A character of a text file: line and column.
     Character(u64, u64),
-    /// A JSON pointer, such as `/cables/3/pulley/radius_m`.
+    /// A JSON pointer, such as `/cables/3/pulley/radius_m`; empty for the file as a whole.
     Pointer(String),
 }
 
@@ -43,6 +43,7 @@ impl fmt::Display for Place {
             Self::Line(line) => write!(f, ", line {line}"),
             Self::Cell(line, column) => write!(f, ", line {line}, column {}", quoted(column)),
             Self::Character(line, column) => write!(f, ", line {line}, column {column}"),
+            Self::Pointer(pointer) if pointer.is_empty() => Ok(()),
             Self::Pointer(pointer) => write!(f, ", {}", shown_pointer(pointer)),
         }
     }
@@ -78,20 +79,20 @@ impl ReadError {
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The operating system refused.
-    #[error("{}: cannot be written ({source})", .path.display())]
+    #[error("{}: cannot be written ({error})", .path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
+        /// What the operating system said; not a source, because the message has it already.
+        error: std::io::Error,
     },
     /// The file exists and holds something else that must not be lost.
     #[error("{}: belongs to another dataset, expected an empty folder", .path.display())]
-    InTheWay {
+    OtherDataset {
         /// The file.
         path: PathBuf,
     },
-    /// A number is infinite or "not a number" where the format has no such thing.
+    /// The content is not valid for the format, such as an infinite number.
     #[error("{}: {message}", .path.display())]
     Content {
         /// The file.
@@ -102,10 +103,10 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+    pub(crate) fn io(path: &Path, error: std::io::Error) -> Self {
         Self::Io {
             path: path.into(),
-            source,
+            error,
         }
     }
 }

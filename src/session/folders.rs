@@ -1,4 +1,4 @@
-//! Where the program keeps what belongs to no session.
+//! Folders of the user for preferences and recovery files.
 
 use std::env;
 use std::ffi::OsString;
@@ -8,7 +8,7 @@ use etcetera::BaseStrategy;
 
 use crate::error::{Place, ReadError};
 
-/// One folder for everything, instead of those of the operating system.
+/// Environment variable with one folder for everything, instead of those of the operating system.
 const OVERRIDE: &str = "TAUTLINE_HOME";
 const NAME: &str = "tautline";
 
@@ -25,7 +25,7 @@ impl Folders {
     /// `XDG_STATE_HOME`, else in `HOME`).
     ///
     /// # Errors
-    /// If the operating system names no home folder.
+    /// If the operating system has no home folder for the user.
     pub fn of_user() -> Result<Self, ReadError> {
         Self::chosen(env::var_os(OVERRIDE)).unwrap_or_else(Self::of_system)
     }
@@ -45,7 +45,7 @@ impl Folders {
         self.config.join("preferences.json")
     }
 
-    /// The folder of [`RecoveryWriter`](crate::RecoveryWriter).
+    /// The recovery folder; see [`RecoveryWriter`](crate::RecoveryWriter).
     #[must_use]
     pub fn recovery(&self) -> PathBuf {
         self.state.join("recovery")

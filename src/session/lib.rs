@@ -1,8 +1,8 @@
 //! Files of Tautline: dataset folders, session files, model files.
 //!
-//! Every reader takes bytes from anyone and returns a value that makes sense or a [`ReadError`]
-//! of one sentence; none panics and none needs memory beyond a fixed multiple of the size of its input.
-//! Every writer replaces its file completely or not at all.
+//! Every reader accepts bytes from any source and returns a valid value or a [`ReadError`] of one sentence; none panics,
+//! and the memory that it needs is bounded by a fixed multiple of the size of its input. Every writer replaces its file
+//! completely or not at all.
 
 mod atomic;
 mod dataset;

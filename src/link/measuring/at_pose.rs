@@ -1,4 +1,4 @@
-//! What a run does once a pose is commanded: settling, asking, sampling, checking.
+//! The steps of a run at a pose: approaching, asking, sampling, checking.
 
 use tautline_session::MeasuredPose;
 
@@ -8,10 +8,10 @@ use super::{MeasuringEvent, MeasuringRun, Stage};
 use crate::controller::Sample;
 
 impl MeasuringRun {
-    /// Follows the way, and waits until the platform stands still.
+    /// Records the motion and waits until the platform is at rest.
     pub(super) fn approach(&mut self, sample: Sample, moving: bool) {
-        if let Some(journey) = &mut self.journey {
-            journey.follow(&sample);
+        if let Some(motion) = &mut self.motion {
+            motion.record(&sample);
         }
         let since_s = sample.time_s - self.commanded_at_s.unwrap_or(sample.time_s);
         let late = since_s > self.options.timeout_s;
@@ -56,7 +56,7 @@ impl MeasuringRun {
         });
     }
 
-    /// Warns of a jump since the sample before, of each channel once on the way to a pose.
+    /// Warns of a jump since the previous sample, once per channel and pose.
     fn note_jump(&mut self, sample: &Sample) -> bool {
         let averaged = self.options.samples;
         let before = self.samples.last().or(self.window.last());
@@ -67,17 +67,19 @@ impl MeasuringRun {
         if !self.jumped.contains(&cable) {
             self.jumped.push(cable);
             let expected = self.current.and_then(|(_, pose)| (self.predictor)(&pose));
-            let journey = self.journey.as_ref().zip(expected.as_ref());
-            let multiple = journey.and_then(|(journey, expected)| {
-                journey.multiple(&self.robot, cable, (sample, expected))
+            let motion = self.motion.as_ref().zip(expected.as_ref());
+            let multiple = motion.and_then(|(motion, expected)| {
+                motion.multiple(&self.robot, cable, (sample, expected))
             });
-            let text = multiple.unwrap_or(format!("{text}: the pose is settled anew."));
+            let text = multiple.unwrap_or(format!(
+                "{text}: waiting until the platform is at rest again."
+            ));
             self.warn(cable, text);
         }
         true
     }
 
-    /// Settles anew after a jump; whether there was one.
+    /// Returns to settling after a jump; whether there was one.
     fn settle_anew(&mut self, sample: &Sample) -> bool {
         let jumped = self.note_jump(sample);
         if jumped {
@@ -88,7 +90,7 @@ impl MeasuringRun {
         jumped
     }
 
-    /// Goes on once the laser distance was typed.
+    /// Continues when the laser distance was typed.
     pub(super) fn wait_for_answer(&mut self, sample: &Sample) {
         if self.settle_anew(sample) {
             return;
@@ -104,8 +106,8 @@ impl MeasuringRun {
         if self.settle_anew(&sample) {
             return;
         }
-        if let Some(journey) = &mut self.journey {
-            journey.follow(&sample);
+        if let Some(motion) = &mut self.motion {
+            motion.record(&sample);
         }
         self.samples.push(sample);
         self.pending.push(MeasuringEvent::Sampling {
@@ -117,7 +119,7 @@ impl MeasuringRun {
         }
     }
 
-    /// Checks the mean of the samples, and hands it to the caller unless it cannot be used.
+    /// Checks the mean of the samples and passes it to the caller unless it cannot be used.
     fn accept(&mut self, laser_problem: Option<String>) {
         let Some((label, pose)) = self.current else {
             return;
@@ -132,7 +134,7 @@ impl MeasuringRun {
             samples: &self.samples,
             laser_problem,
         };
-        let warnings = checks.all(self.journey.as_ref(), expected.as_ref());
+        let warnings = checks.all(self.motion.as_ref(), expected.as_ref());
         let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());
         self.pending
             .extend(warnings.into_iter().map(MeasuringEvent::Warning));

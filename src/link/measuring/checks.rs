@@ -1,4 +1,4 @@
-//! What does not look right in measured readings, in words for the operator.
+//! Plausibility checks of measured readings, as warnings for the operator.
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
@@ -21,7 +21,7 @@ const MULTIPLE: f64 = 10.0;
 /// Part of its standard deviation below which a force sensor shows no noise.
 const SILENT: f64 = 1e-3;
 
-/// Something that the operator should look at.
+/// A warning for the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warning {
     /// Label of the pose.
@@ -34,9 +34,9 @@ pub struct Warning {
     pub refuses: bool,
 }
 
-/// Readings before a motion and what was expected of them, and which of them changed on the way.
+/// Readings before a motion, their prediction, and which of them changed during the motion.
 #[derive(Debug, Clone)]
-pub(super) struct Journey {
+pub(super) struct MotionRecord {
     first: Sample,
     expected: Option<Prediction>,
     revolutions_changed: Vec<bool>,
@@ -44,13 +44,13 @@ pub(super) struct Journey {
     laser_changed: bool,
 }
 
-/// Whether a reading is another one; one that is missing says nothing.
+/// Whether a reading changed; a missing one says nothing.
 fn differs(now: f64, then: f64) -> bool {
     now.is_finite() && now.to_bits() != then.to_bits()
 }
 
-impl Journey {
-    /// From a sample; `expected` at the pose that was commanded before.
+impl MotionRecord {
+    /// From the first sample; `expected` is the prediction at the pose before.
     pub fn from(first: Sample, expected: Option<Prediction>) -> Self {
         Self {
             revolutions_changed: vec![false; first.revolutions.len()],
@@ -61,8 +61,8 @@ impl Journey {
         }
     }
 
-    /// Follows the readings on the way and at its end.
-    pub fn follow(&mut self, sample: &Sample) {
+    /// Records another sample.
+    pub fn record(&mut self, sample: &Sample) {
         let first = &self.first;
         for (changed, now, then) in [
             (
@@ -80,8 +80,8 @@ impl Journey {
         self.laser_changed |= laser.is_none_or(|(now, then)| differs(now, then));
     }
 
-    /// That the encoder of a cable or the laser has changed by a multiple of what was expected; the noise of such a
-    /// channel is a multiple, too, so that it never seems to be at rest.
+    /// A sentence if the encoder of a cable or the laser changed by a multiple of the prediction. The noise of such a
+    /// channel is multiplied, too, so that it never seems to be at rest.
     pub fn multiple(
         &self,
         robot: &Robot,
@@ -90,7 +90,7 @@ impl Journey {
     ) -> Option<String> {
         let before = self.expected.as_ref()?;
         let Some(index) = cable else {
-            // Unlike an encoder a laser shows a whole distance.
+            // Unlike an encoder, a laser shows an absolute distance.
             let factor = now.laser_m? / expected.laser_m?;
             return (factor > MULTIPLE).then(|| laser_factor(factor));
         };
@@ -114,7 +114,7 @@ pub(super) struct Checks<'a> {
     pub label: i64,
     /// What the means are of.
     pub samples: &'a [Sample],
-    /// Why there is no laser distance, where that is known.
+    /// Why there is no laser distance, where the reason is known.
     pub laser_problem: Option<String>,
 }
 
@@ -134,16 +134,20 @@ impl Checks<'_> {
         }
     }
 
-    /// Everything that can be seen at this pose alone and on the way to it.
-    pub fn all(&self, journey: Option<&Journey>, expected: Option<&Prediction>) -> Vec<Warning> {
+    /// All checks of this pose and of the motion to it.
+    pub fn all(
+        &self,
+        motion: Option<&MotionRecord>,
+        expected: Option<&Prediction>,
+    ) -> Vec<Warning> {
         let mut found = self.missing();
         found.extend(self.tensions());
-        found.extend(journey.into_iter().flat_map(|j| self.frozen_forces(j)));
+        found.extend(motion.into_iter().flat_map(|j| self.frozen_forces(j)));
         if let Some(expected) = expected {
             for index in 0..self.robot.cable_count() {
-                found.extend(self.winch(index, journey, expected));
+                found.extend(self.winch(index, motion, expected));
             }
-            found.extend(self.laser(journey, expected));
+            found.extend(self.laser(motion, expected));
         }
         found
     }
@@ -156,7 +160,7 @@ impl Checks<'_> {
             }
         }
         for (index, value) in self.at.force_n.row(0).iter().enumerate() {
-            // Lengths count from home: without the tension there a cable cannot be used at all.
+            // Lengths count from home, so a cable without a tension there cannot be used at all.
             if !value.is_finite() {
                 let refuses = self.label == 0;
                 found.push(self.warning(Some(index), refuses, "its force sensor shows no number"));
@@ -203,10 +207,10 @@ impl Checks<'_> {
         found
     }
 
-    /// Force sensors that did not change by a single bit, while most others show noise even at rest: without noise a cable
-    /// that is kept at the lowest tension shows the same everywhere.
-    fn frozen_forces(&self, journey: &Journey) -> Vec<Warning> {
-        let changed = &journey.forces_changed;
+    /// Force sensors that did not change by a single bit while most others show noise at rest. Without noise, a cable that
+    /// is kept at the lowest tension has the same reading everywhere.
+    fn frozen_forces(&self, motion: &MotionRecord) -> Vec<Warning> {
+        let changed = &motion.forces_changed;
         let noisy = self
             .robot
             .cables
@@ -231,21 +235,21 @@ impl Checks<'_> {
             .collect()
     }
 
-    /// The most telling of what is wrong with a winch's reading.
+    /// The most specific fault of a winch's reading.
     fn winch(
         &self,
         index: usize,
-        journey: Option<&Journey>,
+        motion: Option<&MotionRecord>,
         expected: &Prediction,
     ) -> Option<Warning> {
         let winch = self.robot.cables.get(index)?.winch;
         let per_revolution = winch.cable_per_revolution_m();
         let now = self.at.revolutions.get(0, index);
         let expected_now = *expected.revolutions.get(index)?;
-        if let Some((journey, before)) = journey.and_then(|j| Some((j, j.expected.as_ref()?))) {
+        if let Some((motion, before)) = motion.and_then(|j| Some((j, j.expected.as_ref()?))) {
             let should_m = (expected_now - before.revolutions.get(index)?) * per_revolution;
-            let did_m = (now - journey.first.revolutions.get(index)?) * per_revolution;
-            let changed = journey.revolutions_changed.get(index).copied();
+            let did_m = (now - motion.first.revolutions.get(index)?) * per_revolution;
+            let changed = motion.revolutions_changed.get(index).copied();
             let changed = changed.unwrap_or(true);
             if !changed && should_m.abs() > TURNS * winch.length_sd_m {
                 let text = "its encoder shows exactly the same before and after the motion: is it connected?";
@@ -264,12 +268,12 @@ impl Checks<'_> {
             off_m * 1e3,
             self.options.plausible_m * 1e3
         );
-        // NaN has been told.
+        // NaN is reported by another check.
         (off_m.abs() > self.options.plausible_m).then(|| self.warning(Some(index), false, &text))
     }
 
-    fn laser(&self, journey: Option<&Journey>, expected: &Prediction) -> Option<Warning> {
-        let before = journey.filter(|journey| !journey.laser_changed);
+    fn laser(&self, motion: Option<&MotionRecord>, expected: &Prediction) -> Option<Warning> {
+        let before = motion.filter(|motion| !motion.laser_changed);
         if let (Some(before), Some(laser)) = (before, self.robot.laser) {
             let then_m = before.expected.as_ref()?.laser_m?;
             if (expected.laser_m? - then_m).abs() > TURNS * laser.sd_m {
@@ -287,7 +291,7 @@ impl Checks<'_> {
     }
 }
 
-/// A reading that jumped between two samples of a platform at rest: cable, or `None` for the laser, and words.
+/// A reading that jumped between two samples at rest: its cable, or `None` for the laser, and a sentence.
 pub(super) fn jump(
     robot: &Robot,
     averaged: usize,

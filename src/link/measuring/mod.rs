@@ -29,17 +29,17 @@ use crate::controller::{Activity, Controller, Sample};
 use crate::error::LinkError;
 use crate::laser::ManualLaser;
 use channels::Channels;
-use checks::Journey;
+use checks::MotionRecord;
 use settling::Window;
 
-/// Answers that may be missing one after the other before the run gives up.
+/// Consecutive missing answers after which the run fails.
 const LOST_ANSWERS: usize = 5;
 
-/// Why a run waits whose connection is lost.
+/// Reason of a pause after the connection was lost.
 pub const LOST: &str =
-    "the connection to the controller is lost; once it is there again, arm it and resume";
+    "the connection to the controller is lost; when it is restored, arm it and resume";
 
-/// What happened.
+/// An event of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuringEvent {
     /// The controller was sent to a pose.
@@ -47,13 +47,13 @@ pub enum MeasuringEvent {
         /// Label of the pose.
         label: i64,
     },
-    /// The platform has arrived and is waited for to stand still.
+    /// The platform has arrived and comes to rest.
     Settling {
-        /// How fast readings change; `None` until enough samples tell it.
+        /// How fast readings change; `None` until there are enough samples.
         rates: Option<Rates>,
-        /// How fast they may.
+        /// How fast they may change at rest.
         limits: Rates,
-        /// At least this much time is left (s).
+        /// Shortest remaining time (s).
         remaining_s: f64,
     },
     /// A sample was taken.
@@ -63,8 +63,8 @@ pub enum MeasuringEvent {
         /// Samples wanted.
         of: usize,
     },
-    /// The platform stands still: the operator is to read the laser distance there and to answer the
-    /// [`ManualLaser`] of the run. Nothing moves until then.
+    /// The platform is at rest: the operator has to read the laser distance and answer the [`ManualLaser`] of the run.
+    /// Nothing moves until then.
     LaserWanted {
         /// Label of the pose.
         label: i64,
@@ -73,46 +73,46 @@ pub enum MeasuringEvent {
     Measured(Box<MeasuredPose>),
     /// Something does not look right.
     Warning(Warning),
-    /// A pose was left out.
+    /// A pose was skipped.
     Skipped {
         /// Label of the pose.
         label: i64,
     },
     /// The run waits for [`MeasuringRun::resume`], [`MeasuringRun::skip`] or [`MeasuringRun::abort`].
     Paused {
-        /// Why, as for the operator.
+        /// The reason, for the operator.
         reason: String,
     },
     /// All poses are measured or skipped.
     Finished,
-    /// The run has ended early; the text says why. Begin a new one with what is measured.
+    /// The run has failed; the text says why. A new run can continue with what is measured.
     Failed(String),
 }
 
-/// Where a run is.
+/// Stage of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// The next pose can be commanded.
     Ready,
-    /// On the way or settling.
+    /// Moving or settling.
     Approaching,
-    /// The platform stands still and waits for the laser distance that the operator types.
+    /// At rest, waiting for the laser distance that the operator types.
     Asking,
     /// Samples are taken.
     Sampling,
-    /// The measured pose waits to be stored.
+    /// Waiting until the measured pose is stored.
     Storing,
-    /// Over.
+    /// Ended.
     Ended,
 }
 
-/// A measuring run; plain state, moved on by [`Self::tick`].
+/// A measuring run: a state machine that [`Self::tick`] advances.
 pub struct MeasuringRun {
     robot: Robot,
     plan: Vec<(i64, Pose)>,
     options: MeasuringOptions,
     predictor: Predictor,
-    /// The laser to which the operator answers, if there is one.
+    /// The laser whose distance the operator types, if there is one.
     asked: Option<ManualLaser>,
     queue: VecDeque<(i64, Pose)>,
     current: Option<(i64, Pose)>,
@@ -120,10 +120,10 @@ pub struct MeasuringRun {
     paused: bool,
     window: Window,
     samples: Vec<Sample>,
-    journey: Option<Journey>,
+    motion: Option<MotionRecord>,
     /// Cables whose encoders jumped on the way to the present pose; `None` is the laser.
     jumped: Vec<Option<usize>>,
-    /// Pose commanded before the present one.
+    /// The pose before the present one.
     before: Option<Pose>,
     commanded_at_s: Option<f64>,
     /// Caller's time of the last new sample, and the controller's time in it.
@@ -134,8 +134,7 @@ pub struct MeasuringRun {
 }
 
 impl MeasuringRun {
-    /// A run over labelled poses; what is expected follows from `robot` unless
-    /// [`Self::predicting`] says otherwise.
+    /// A run over labelled poses; readings are predicted by `robot` unless [`Self::predicting`] replaces it.
     #[must_use]
     pub fn new(plan: Vec<(i64, Pose)>, robot: &Robot, options: MeasuringOptions) -> Self {
         Self {
@@ -150,7 +149,7 @@ impl MeasuringRun {
             paused: false,
             window: Window::default(),
             samples: Vec::new(),
-            journey: None,
+            motion: None,
             jumped: Vec::new(),
             before: None,
             commanded_at_s: None,
@@ -182,7 +181,7 @@ impl MeasuringRun {
         self
     }
 
-    /// Where the run is.
+    /// The stage of the run.
     #[must_use]
     pub fn stage(&self) -> Stage {
         self.stage
@@ -194,13 +193,13 @@ impl MeasuringRun {
         self.paused
     }
 
-    /// Label of the pose under way.
+    /// Label of the present pose.
     #[must_use]
     pub fn current(&self) -> Option<i64> {
         self.current.map(|(label, _)| label)
     }
 
-    /// Label of the pose under way, else of that which comes next: what a pause is about.
+    /// Label of the present or else the next pose, to which a pause refers.
     #[must_use]
     pub fn under_way(&self) -> Option<i64> {
         let next = || self.queue.front().map(|(label, _)| *label);
@@ -221,12 +220,12 @@ impl MeasuringRun {
         }
     }
 
-    /// Waits before the next step; a motion under way ends.
+    /// Pauses before the next step; a motion in progress is completed.
     pub fn pause(&mut self) {
         self.hold("paused by the operator".to_owned());
     }
 
-    /// Waits before the next step for a reason, unless it waits already.
+    /// Pauses for a reason, unless the run is paused already.
     pub fn hold(&mut self, reason: String) {
         if !self.paused && self.stage != Stage::Ended {
             self.paused = true;
@@ -234,7 +233,7 @@ impl MeasuringRun {
         }
     }
 
-    /// Goes on. The pose under way is approached anew, unless it waits to be stored.
+    /// Resumes. The present pose is approached again, unless it waits to be stored.
     pub fn resume(&mut self) {
         if std::mem::take(&mut self.paused) {
             self.heard = None;
@@ -251,7 +250,7 @@ impl MeasuringRun {
         }
     }
 
-    /// Leaves out the pose under way, or the next one; goes on where the run was paused.
+    /// Skips the present or else the next pose, and resumes.
     pub fn skip(&mut self) {
         if matches!(self.stage, Stage::Storing | Stage::Ended) {
             return;
@@ -284,15 +283,15 @@ impl MeasuringRun {
     /// Stops the platform and ends the run.
     ///
     /// # Errors
-    /// If the controller cannot be told to stop; the run has ended all the same.
+    /// If the controller cannot be stopped; the run has ended anyway.
     pub fn abort(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         self.stage = Stage::Ended;
         controller.stop()
     }
 
-    /// Moves the run on: takes at most one sample and says what happened.
+    /// Advances the run by at most one sample and returns what happened.
     ///
-    /// `now_s` is the caller's time, by which silence of the controller is noticed; rates and the settling time count by
+    /// `now_s` is the caller's time, by which a silent controller is detected; rates and the settling time are measured by
     /// the controller's own clock.
     pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Vec<MeasuringEvent> {
         let waits = self.paused || matches!(self.stage, Stage::Storing | Stage::Ended);
@@ -338,7 +337,7 @@ impl MeasuringRun {
             _ => {}
         }
         if !state.armed {
-            let reason = "the controller is not armed: arm it, then go on";
+            let reason = "the controller is not armed: arm it, then resume";
             return self.hold(reason.to_owned());
         }
         let Some(sample) = self.listen(controller, now_s) else {
@@ -356,7 +355,7 @@ impl MeasuringRun {
         }
     }
 
-    /// A sample that was not seen before.
+    /// A new sample.
     fn listen(&mut self, controller: &mut dyn Controller, now_s: f64) -> Option<Sample> {
         match controller.sample() {
             Ok(sample) => {
@@ -411,8 +410,8 @@ impl MeasuringRun {
         self.jumped.clear();
         self.commanded_at_s = Some(sample.time_s);
         let expected = self.before.and_then(|before| (self.predictor)(&before));
-        // At home the encoders are set to zero: nothing can be told from how they change.
-        self.journey = (label != 0).then(|| Journey::from(sample, expected));
+        // At home the encoders are zeroed, so that their change says nothing.
+        self.motion = (label != 0).then(|| MotionRecord::from(sample, expected));
         self.pending.push(MeasuringEvent::Commanded { label });
     }
 }

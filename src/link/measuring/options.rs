@@ -1,4 +1,4 @@
-//! How a run measures.
+//! Options of a measuring run and the prediction of readings.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
@@ -6,7 +6,7 @@ use tautline_core::simulation::{Epoch, QuasiStaticRobot, TensionRange, ambient_t
 
 /// A single sample's standard deviations that a rate may show while the platform stands still, per settling time.
 const STILL: f64 = 6.5;
-/// Prior standard deviations by which a reading may miss its prediction.
+/// Largest plausible error of a prediction, in prior standard deviations.
 const PLAUSIBLE: f64 = 4.0;
 
 /// Rates of change, of the fastest channel of each kind.
@@ -20,24 +20,24 @@ pub struct Rates {
     pub laser_m_per_s: f64,
 }
 
-/// How to measure.
+/// Options of a measuring run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuringOptions {
     /// Samples that are averaged at each pose.
     pub samples: usize,
-    /// Rates below which the platform stands still.
+    /// Rates below which the platform is at rest.
     pub still: Rates,
-    /// How long it must do so (s), by the controller's clock.
+    /// Time for which it has to be at rest (s), by the controller's clock.
     pub settle_time_s: f64,
-    /// Longest time from command to standstill (s), by the controller's clock; and longest silence by the caller's.
+    /// Timeout from command to rest (s), by the controller's clock; and of new readings, by the caller's.
     pub timeout_s: f64,
     /// Tensions without a warning.
     pub tension: TensionRange,
     /// Whether a pose without laser distance is refused.
     pub laser_required: bool,
-    /// Whether a run whose connection is lost waits until it is made anew, instead of ending.
+    /// Whether a run pauses when the connection is lost, instead of failing.
     pub waits_for_connection: bool,
-    /// By how much a length or laser distance may miss its prediction without a warning (m).
+    /// Largest deviation of a length or laser distance from its prediction without a warning (m).
     pub plausible_m: f64,
 }
 
@@ -77,7 +77,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// What is expected at a pose.
+/// Predicted readings at a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// Motor revolutions since home.
@@ -89,8 +89,8 @@ pub struct Prediction {
 /// Predicts the readings at a commanded pose; `None` where it cannot.
 pub type Predictor = Box<dyn Fn(&Pose) -> Option<Prediction> + Send>;
 
-/// Predicts by a robot or model as its cables are tensioned within a range, elasticity and sag included; effects
-/// as they are when the run begins. Nothing is predicted for a robot without a home pose.
+/// Prediction by a robot or model with tensions in a range, elasticity and sag included; effects are as at the beginning
+/// of the run. Nothing is predicted for a robot without a home pose.
 #[must_use]
 pub fn predict_by(robot: &Robot, tension: TensionRange) -> Predictor {
     let begin = Epoch {

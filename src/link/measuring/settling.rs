@@ -1,4 +1,4 @@
-//! Whether the platform stands still.
+//! Detects when the platform is at rest.
 
 use std::collections::VecDeque;
 
@@ -7,7 +7,7 @@ use tautline_core::robot::Robot;
 use super::options::Rates;
 use crate::controller::Sample;
 
-/// Fewest samples that tell a rate.
+/// Fewest samples for a rate.
 const FEWEST: usize = 5;
 
 /// The latest samples of a platform that may still settle.
@@ -16,12 +16,12 @@ pub(super) struct Window {
     samples: VecDeque<Sample>,
 }
 
-/// How fast what is read changes, and which reading changes fastest compared with its limit.
+/// Rates of change, and the reading that exceeds its limit most.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Settled {
     pub rates: Rates,
     pub still: bool,
-    /// What changes too fast, in words.
+    /// What changes too fast, as a sentence.
     pub restless: Option<String>,
 }
 
@@ -71,7 +71,7 @@ impl Window {
         ends.map_or(0.0, |(first, last)| last.time_s - first.time_s)
     }
 
-    /// Time that is still missing (s).
+    /// Time until the window is long enough (s).
     pub fn missing_s(&self, span_s: f64) -> f64 {
         (span_s - self.span_s()).max(0.0)
     }

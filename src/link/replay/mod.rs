@@ -1,9 +1,8 @@
-//! A recorded dataset that answers like a controller.
+//! Playback of a recorded dataset as a controller.
 //!
-//! It knows the recorded poses alone: a commanded pose is looked up among them, the way to it takes a time, and then the
-//! recorded readings are given. Where the recording has time stamps the controller's clock shows them, as far
-//! as the pauses between the poses are short enough to wait for. Parameters are those of the recorded
-//! robot; they can be read and not changed.
+//! Only recorded poses can be commanded: the nearest one is looked up, moving to it takes some time, and then the
+//! recorded readings are returned. If the recording has time stamps, the controller's clock shows them, as long as the
+//! pauses between poses are short enough to wait for. Parameters are those of the recorded robot; they are read only.
 
 mod recording;
 #[cfg(test)]
@@ -20,14 +19,14 @@ use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, parameters_of, values_of};
 use recording::Recording;
 
-/// Time for a way where the recording has no time stamps (s).
+/// Duration of a motion where the recording has no time stamps (s).
 const WAY_S: f64 = 1.0;
-/// Shortest and longest time for a way (s): a pause of the operators is not waited for.
+/// Shortest and longest duration of a motion (s): longer pauses of the recording are cut.
 const WAY_LIMITS_S: [f64; 2] = [0.1, 30.0];
 /// The platform arrives so long (s) before the recorded time, which is that of the mean of the samples.
 const REST_S: f64 = 1.5;
 
-/// A way between two recorded poses.
+/// A motion between two recorded poses.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     from: usize,
@@ -42,7 +41,7 @@ pub struct ReplayController {
     name: String,
     parameters: Vec<ParameterInfo>,
     clock: Arc<dyn Clock>,
-    /// What the clock showed, and what the controller's showed then (s).
+    /// Corresponding times of the clock and of the controller (s).
     start_s: (f64, f64),
     way: Way,
     commanded: Option<Pose>,
@@ -87,7 +86,7 @@ impl ReplayController {
         self.clock.now_s() - clock_s + begins_s
     }
 
-    /// Part of the way that lies behind.
+    /// Completed part of the motion.
     fn part(&self, now_s: f64) -> f64 {
         let passed_s = now_s - self.way.start_s;
         if passed_s < self.way.duration_s {

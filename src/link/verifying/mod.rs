@@ -1,4 +1,4 @@
-//! Verification: drive to commanded targets and let an external instrument say where the platform is.
+//! Verification: the platform moves to targets, where an external instrument measures its pose.
 //!
 //! Every target is approached in the given order, once per cycle, and measured at rest; so are the points of a path:
 //! its figures are those of the geometry, without what a controller adds while it moves.
@@ -17,7 +17,7 @@ pub use typed::TypedInstrument;
 use crate::controller::{Activity, Controller, Instrument, Sample};
 use crate::error::LinkError;
 
-/// How to verify.
+/// Options of a verification run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerifyingOptions {
     /// How often every target is approached; ISO 9283 asks for 30.
@@ -31,7 +31,7 @@ pub struct VerifyingOptions {
 }
 
 impl VerifyingOptions {
-    /// For poses that somebody reads and types: each target once.
+    /// For poses that the operator reads and types: each target once.
     #[must_use]
     pub fn typed() -> Self {
         Self {
@@ -53,7 +53,7 @@ impl Default for VerifyingOptions {
     }
 }
 
-/// What happened.
+/// An event of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VerifyingEvent {
     /// The controller was sent to a target.
@@ -63,7 +63,7 @@ pub enum VerifyingEvent {
         /// Targets over all cycles.
         of: usize,
     },
-    /// The platform stands still: the operator is to read where it is and to answer the [`TypedInstrument`] of the run.
+    /// The platform is at rest: the operator has to read its pose and answer the [`TypedInstrument`] of the run.
     Wanted {
         /// Number of the target, that of [`Self::Commanded`].
         number: usize,
@@ -72,11 +72,11 @@ pub enum VerifyingEvent {
     Attained(CheckRow),
     /// Everything is measured.
     Finished,
-    /// The run has ended early; the text says why.
+    /// The run has failed; the text says why.
     Failed(String),
 }
 
-/// A verification run; plain state, moved on by [`Self::tick`].
+/// A verification run: a state machine that [`Self::tick`] advances.
 #[derive(Debug, Clone)]
 pub struct VerifyingRun {
     targets: Vec<CheckTarget>,
@@ -125,13 +125,13 @@ impl VerifyingRun {
     /// Stops the platform and ends the run.
     ///
     /// # Errors
-    /// If the controller cannot be told to stop; the run has ended all the same.
+    /// If the controller cannot be stopped; the run has ended anyway.
     pub fn abort(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         self.ended = true;
         controller.stop()
     }
 
-    /// Moves the run on by at most one command or measurement.
+    /// Advances the run by at most one command or measurement.
     pub fn tick(
         &mut self,
         controller: &mut dyn Controller,

@@ -184,7 +184,7 @@ pub fn write_dataset(
     for (name, is_absent) in optional {
         let path = folder.join(name);
         if is_absent && path.exists() {
-            return Err(WriteError::InTheWay { path });
+            return Err(WriteError::OtherDataset { path });
         }
     }
     let robot = &dataset.robot;

@@ -103,7 +103,7 @@ fn tables_of_another_dataset_are_neither_adopted_nor_deleted() {
     write_dataset(folder.path(), &dataset(), &phases()).expect("written");
     let error = write_dataset(folder.path(), &dataset(), &PhaseData::default());
     assert!(
-        matches!(error, Err(WriteError::InTheWay { .. })),
+        matches!(error, Err(WriteError::OtherDataset { .. })),
         "{error:?}"
     );
     assert!(folder.path().join("winch.csv").exists());

@@ -1,7 +1,6 @@
-//! What a file or folder is that somebody drops on the window, found out from its content.
+//! Import of any file or folder, recognised by its content.
 
-use std::fs::{self, File};
-use std::io::Read;
+use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
@@ -10,7 +9,7 @@ use tautline_core::robot::Robot;
 
 use crate::dataset::{DatasetFolder, POSES, ROBOT, read_calibration_tables, read_dataset};
 use crate::error::{Loaded, Place, ReadError, quoted};
-use crate::json::{VersionedFile, kind, parse_object, versioned_from};
+use crate::json::{VersionedFile, check_size, kind, parse_object, read_limited, versioned_from};
 use crate::phases::{
     self, CheckRow, ElongationPoint, ForcePair, HomeReading, WinchPair, read_check,
     read_elongation, read_home,
@@ -72,13 +71,13 @@ const MARKS: [(TableKind, &[&str]); 5] = [
     ),
 ];
 
-const UNDERSTOOD: &str = "expected a session, a robot, a dataset folder, or a table of poses, \
+const EXPECTED: &str = "expected a session, a robot, a dataset folder, or a table of poses, \
                           a plan, or winch, force, home, elongation or check readings";
 
 /// Reads whatever `path` is; tables are read for the robot of the session `into`.
 ///
 /// # Errors
-/// If it is nothing that is understood, a table needs a robot and there is no session, or the
+/// If it is not recognised, a table needs a robot and there is no session, or the
 /// content is wrong, with the place in the file.
 pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, ReadError> {
     let file = path.display().to_string();
@@ -86,21 +85,12 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
     if fs::metadata(path).map_err(fail)?.is_dir() {
         return import_folder(path, &file);
     }
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|f| f.take(SessionFile::MAX_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(fail)?;
-    if bytes.len() as u64 > SessionFile::MAX_BYTES {
-        let message = format!(
-            "found more than {} MB, too large",
-            SessionFile::MAX_BYTES >> 20
-        );
-        return Err(ReadError::new(&file, Place::File, message));
-    }
+    let bytes = read_limited(path, &file, SessionFile::MAX_BYTES)?;
+    check_size(&bytes, &file, SessionFile::MAX_BYTES)?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     match text.trim_ascii_start().first() {
         None => {
-            let message = format!("found an empty file, {UNDERSTOOD}");
+            let message = format!("found an empty file, {EXPECTED}");
             Err(ReadError::new(&file, Place::File, message))
         }
         Some(b'{' | b'[') => import_json(&bytes, &file),
@@ -110,7 +100,7 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
 
 fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError> {
     if !folder.join(ROBOT).exists() {
-        let message = format!("found a folder without {ROBOT}, {UNDERSTOOD}");
+        let message = format!("found a folder without {ROBOT}, {EXPECTED}");
         return Err(ReadError::new(file, Place::File, message));
     }
     let dataset = if folder.join(POSES).exists() {
@@ -159,14 +149,14 @@ fn import_table(
     into: Option<&Session>,
 ) -> Result<Loaded<Import>, ReadError> {
     if is_binary(bytes) {
-        let message = format!("found no text, {UNDERSTOOD}");
+        let message = format!("found a binary file, {EXPECTED}");
         return Err(ReadError::new(file, Place::File, message));
     }
     let names = Table::open(bytes, file)?.names().to_vec();
     let Some(kind) = recognise(&names) else {
         let names: Vec<String> = names.iter().take(6).map(|name| quoted(name)).collect();
         let message = format!(
-            "found a table with the columns {}, {UNDERSTOOD}",
+            "found a table with the columns {}, {EXPECTED}",
             names.join(", ")
         );
         return Err(ReadError::new(file, Place::File, message));
@@ -174,7 +164,7 @@ fn import_table(
     let robot = || {
         into.map(|session| &session.robot).ok_or_else(|| {
             let what = kind.describe();
-            let message = format!("found {what}, expected a session to be open that it belongs to");
+            let message = format!("found {what}, expected an open session that it belongs to");
             ReadError::new(file, Place::File, message)
         })
     };
@@ -191,7 +181,7 @@ fn import_table(
     })
 }
 
-/// Pictures and programs have zeros early on; UTF-16 has them too, but its reader says what to do.
+/// Images and programs have zero bytes early on. UTF-16 has them too, but the table reader says what to do about it.
 fn is_binary(bytes: &[u8]) -> bool {
     let is_utf_16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     !is_utf_16 && bytes.iter().take(1024).any(|byte| *byte == 0)
@@ -211,7 +201,7 @@ impl TableKind {
     }
 }
 
-/// The table that has such columns. One column may be missing, its reader will name it.
+/// The table with such columns. One column may be missing; the reader of the table will name it.
 fn recognise(names: &[String]) -> Option<TableKind> {
     let columns: Vec<Column> = names
         .iter()

@@ -141,7 +141,7 @@ fn what_is_not_understood_is_named_beside_what_is() {
     assert!(
         error
             .to_string()
-            .contains("b: found no text, expected a session"),
+            .contains("b: found a binary file, expected a session"),
         "{error}"
     );
     fs::write(bench.path("b"), b"\xff\xfep\0").expect("written");
@@ -165,7 +165,7 @@ fn tables_of_cables_need_a_robot() {
     fs::write(&path, "cable,rev,length_m\n1,1,1\n").expect("written");
     let error = import(&path, None).expect_err("no robot").to_string();
     assert!(
-        error.contains("w.csv: found a table of winch readings, expected a session to be open"),
+        error.contains("w.csv: found a table of winch readings, expected an open session"),
         "{error}"
     );
     fs::write(&path, "sensor,reading\n1,1\n").expect("written");

@@ -49,12 +49,25 @@ pub trait VersionedFile: Serialize + DeserializeOwned + JsonSchema {
 /// If the file cannot be read or is not valid for this type.
 pub fn read_versioned<T: VersionedFile>(path: &Path) -> Result<Loaded<T>, ReadError> {
     let file = path.display().to_string();
-    let fail = |error| ReadError::io(&file, Place::File, &error);
+    parse_versioned(&read_limited(path, &file, T::MAX_BYTES)?, &file)
+}
+
+/// Reads at most one byte more than `limit`, which is enough for [`check_size`].
+pub(crate) fn read_limited(path: &Path, file: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     File::open(path)
-        .and_then(|f| f.take(T::MAX_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(fail)?;
-    parse_versioned(&bytes, &file)
+        .and_then(|f| f.take(limit + 1).read_to_end(&mut bytes))
+        .map_err(|error| ReadError::io(file, Place::File, &error))?;
+    Ok(bytes)
+}
+
+/// Refuses content of more than `limit` bytes.
+pub(crate) fn check_size(bytes: &[u8], file: &str, limit: u64) -> Result<(), ReadError> {
+    if bytes.len() as u64 <= limit {
+        return Ok(());
+    }
+    let message = format!("found more than {} MB, too large", limit >> 20);
+    Err(ReadError::new(file, Place::File, message))
 }
 
 /// Reads a versioned file from memory; `file` is the name for messages.
@@ -62,10 +75,7 @@ pub fn read_versioned<T: VersionedFile>(path: &Path) -> Result<Loaded<T>, ReadEr
 /// # Errors
 /// If the bytes are not valid for this type.
 pub fn parse_versioned<T: VersionedFile>(bytes: &[u8], file: &str) -> Result<Loaded<T>, ReadError> {
-    if bytes.len() as u64 > T::MAX_BYTES {
-        let message = format!("found more than {} MB, too large", T::MAX_BYTES >> 20);
-        return Err(ReadError::new(file, Place::File, message));
-    }
+    check_size(bytes, file, T::MAX_BYTES)?;
     versioned_from(strict::parse(bytes, file)?, file)
 }
 

@@ -16,7 +16,7 @@ use crate::table::{Row, Table, TableWriter};
 pub enum CheckKind {
     /// A commanded pose that is approached once per cycle.
     Pose,
-    /// A path that is travelled once per cycle and sampled on the way.
+    /// A path that is travelled once per cycle and sampled along it.
     Path,
 }
 
@@ -59,15 +59,12 @@ const ATTAINED: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 /// Reads `check.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is no attained pose.
+/// The first row that is not an attained pose.
 pub fn read_check(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<CheckRow>>, ReadError> {
     let table = Table::open(reader, file)?;
-    let [kind, target, cycle] = [
-        table.require(HEAD[0])?,
-        table.require(HEAD[1])?,
-        table.require(HEAD[2])?,
-    ];
-    let (sample, time) = (table.find(HEAD[3]), table.find(HEAD[4]));
+    let [required @ .., sample, time] = HEAD;
+    let [kind, target, cycle] = table.require_all(required)?;
+    let (sample, time) = (table.find(sample), table.find(time));
     let commanded = PoseColumns::find(&table, &COMMANDED)?;
     let attained = PoseColumns::find(&table, &ATTAINED)?;
     let known = [HEAD.as_slice(), &COMMANDED, &ATTAINED].concat();
@@ -82,16 +79,12 @@ pub fn read_check(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<CheckRo
         let sample = read_sample(row, sample, kind)?;
         let key = (kind, target_name.clone(), cycle_number, sample);
         once(&mut seen, key, row, cycle, "cycle of a target")?;
-        let time_s = match time {
-            Some(column) => Some(row.number(column)?).filter(|value| !value.is_nan()),
-            None => None,
-        };
         Ok(CheckRow {
             kind,
             target: target_name,
             cycle: cycle_number,
             sample,
-            time_s,
+            time_s: row.optional(time)?,
             commanded: commanded.read(row)?,
             attained: attained.read(row)?,
         })
@@ -116,23 +109,22 @@ fn read_sample(row: &Row<'_>, column: Option<usize>, kind: CheckKind) -> Result<
     }
 }
 
-/// Where the seven numbers of a pose are.
+/// Columns of the seven numbers of a pose.
 pub(crate) struct PoseColumns {
     position: [usize; 3],
     quaternion: Option<[usize; 4]>,
 }
 
 impl PoseColumns {
-    /// Finds them by name; a quaternion is there as a whole or not at all.
+    /// Finds them by name; a quaternion has all its columns or none.
     pub fn find<R: BufRead>(table: &Table<R>, names: &[&str; 7]) -> Result<Self, ReadError> {
-        let require = |k: usize| table.require(names[k]);
-        let measured = (3..7).any(|k| table.find(names[k]).is_some());
+        let [x, y, z, quaternion @ ..] = *names;
+        let measured = quaternion.iter().any(|name| table.find(name).is_some());
         Ok(Self {
-            position: [require(0)?, require(1)?, require(2)?],
-            quaternion: match measured {
-                true => Some([require(3)?, require(4)?, require(5)?, require(6)?]),
-                false => None,
-            },
+            position: table.require_all([x, y, z])?,
+            quaternion: measured
+                .then(|| table.require_all(quaternion))
+                .transpose()?,
         })
     }
 
@@ -146,13 +138,10 @@ impl PoseColumns {
                 "a position in metres, at most 1 km",
             )?;
         }
-        let orientation_wxyz = match self.quaternion {
-            Some(columns) => row.quaternion(columns)?,
-            None => None,
-        };
+        let orientation = self.quaternion.map(|columns| row.quaternion(columns));
         Ok(CheckPose {
             position_m,
-            orientation_wxyz,
+            orientation_wxyz: orientation.transpose()?.flatten(),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! `elongation.csv`: how much a cable of some length is stretched by some tension.
+//! `elongation.csv`: elongation of a cable by its length and tension.
 
 use std::io::{BufRead, Result as IoResult, Write};
 
@@ -25,17 +25,13 @@ const COLUMNS: [&str; 3] = ["length_m", "tension_n", "elongation_m"];
 /// Reads `elongation.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is no elongation of a cable.
+/// The first row that is not an elongation of a cable.
 pub fn read_elongation(
     reader: impl BufRead,
     file: &str,
 ) -> Result<Loaded<Vec<ElongationPoint>>, ReadError> {
     let table = Table::open(reader, file)?;
-    let [length, tension, elongation] = [
-        table.require(COLUMNS[0])?,
-        table.require(COLUMNS[1])?,
-        table.require(COLUMNS[2])?,
-    ];
+    let [length, tension, elongation] = table.require_all(COLUMNS)?;
     read_rows(table, &COLUMNS, |row| {
         let length_m = row.required_if(
             length,

@@ -26,18 +26,14 @@ const COLUMNS: [&str; 3] = ["cable", "reading_n", "load_n"];
 /// Reads `force.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is no calibration pair.
+/// The first row that is not a calibration pair.
 pub fn read_force(
     reader: impl BufRead,
     file: &str,
     robot: &Robot,
 ) -> Result<Loaded<Vec<ForcePair>>, ReadError> {
     let table = Table::open(reader, file)?;
-    let [name, reading, load] = [
-        table.require(COLUMNS[0])?,
-        table.require(COLUMNS[1])?,
-        table.require(COLUMNS[2])?,
-    ];
+    let [name, reading, load] = table.require_all(COLUMNS)?;
     read_rows(table, &COLUMNS, |row| {
         Ok(ForcePair {
             cable: cable(row, name, robot)?,

@@ -26,10 +26,10 @@ const COLUMNS: [&str; 2] = ["sensor", "reading"];
 /// Reads `home.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is no reading of one of the six sensors.
+/// The first row that is not a reading of one of the six sensors.
 pub fn read_home(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<HomeReading>>, ReadError> {
     let table = Table::open(reader, file)?;
-    let (sensor, reading) = (table.require(COLUMNS[0])?, table.require(COLUMNS[1])?);
+    let [sensor, reading] = table.require_all(COLUMNS)?;
     read_rows(table, &COLUMNS, |row| {
         let number = row.integer(sensor)?;
         if !(1..=SENSORS).contains(&number) {

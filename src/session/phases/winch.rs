@@ -29,24 +29,17 @@ const COLUMNS: [&str; 4] = ["cable", "rev", "length_m", "tension_n"];
 /// Reads `winch.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is no calibration pair.
+/// The first row that is not a calibration pair.
 pub fn read_winch(
     reader: impl BufRead,
     file: &str,
     robot: &Robot,
 ) -> Result<Loaded<Vec<WinchPair>>, ReadError> {
     let table = Table::open(reader, file)?;
-    let [name, rev, length] = [
-        table.require(COLUMNS[0])?,
-        table.require(COLUMNS[1])?,
-        table.require(COLUMNS[2])?,
-    ];
-    let tension = table.find(COLUMNS[3]);
+    let [required @ .., optional] = COLUMNS;
+    let [name, rev, length] = table.require_all(required)?;
+    let tension = table.find(optional);
     read_rows(table, &COLUMNS, |row| {
-        let tension_n = match tension {
-            Some(column) => Some(row.number(column)?).filter(|value| !value.is_nan()),
-            None => None,
-        };
         Ok(WinchPair {
             cable: cable(row, name, robot)?,
             revolutions: row.required(rev)?,
@@ -55,7 +48,7 @@ pub fn read_winch(
                 |value| value.abs() <= 1e3,
                 "a length in metres, at most 1 km",
             )?,
-            tension_n,
+            tension_n: row.optional(tension)?,
         })
     })
 }

@@ -25,7 +25,7 @@ pub struct Adjustment {
     pub controller: String,
     /// The parameters concerned.
     pub changes: Vec<ValueChange>,
-    /// What came of it.
+    /// Its outcome.
     pub outcome: Outcome,
 }
 
@@ -36,23 +36,23 @@ pub struct ValueChange {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// The value that was there.
+    /// The old value.
     pub before: f64,
-    /// The value that was to be written.
+    /// The new value.
     pub after: f64,
 }
 
-/// What came of an adjustment.
+/// Outcome of an adjustment.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// Values are about to be written. Whoever finds this as the last outcome finds an attempt that the end of the
-    /// program interrupted: the controller may hold old and new values.
+    /// Values are about to be written. If this is the last outcome, the program ended during the attempt, and the
+    /// controller may hold both old and new values.
     Begun,
     /// All values were written and read back.
     Written,
     /// The old values were written back.
     RolledBack,
-    /// It failed, and why, one sentence.
+    /// It failed; one sentence says why.
     Failed(String),
 }

@@ -1,4 +1,4 @@
-//! What results are computed from, as a fingerprint: it tells whether a result is out of date.
+//! Fingerprint of the inputs of results, by which results that are out of date are recognised.
 
 use std::collections::BTreeSet;
 
@@ -19,8 +19,8 @@ struct Inputs<'a> {
 }
 
 impl Session {
-    /// Fingerprint of robot, measurements, poses left out and settings of identification: 16
-    /// hexadecimal digits that are the same as long as these are, in every version of the program.
+    /// Fingerprint of robot, measurements, excluded poses and identification settings: 16 hexadecimal digits, the same in
+    /// every version of the program.
     #[must_use]
     pub fn basis(&self) -> String {
         let inputs = Inputs {
@@ -29,7 +29,7 @@ impl Session {
             excluded: &self.excluded,
             identification: &self.settings.identification,
         };
-        // Only keys that are no texts could fail, and there are none.
+        // Only keys that are not strings could fail, and there are none.
         let value = serde_json::to_value(inputs).unwrap_or(Value::Null);
         Fingerprint::new().and_value(&value).to_hex()
     }

@@ -1,7 +1,6 @@
-//! What has to hold in the parts of a session beside the robot and its measurements.
+//! Checks of the parts of a session other than the robot and its measurements.
 //!
-//! Every number that JSON cannot carry is refused here, before a file is written that could not be
-//! read again.
+//! Every number that JSON cannot represent is refused here, before a file is written that could not be read again.
 
 use std::collections::HashSet;
 
@@ -14,7 +13,7 @@ use crate::table::quaternion_fault;
 
 type Checked = Result<(), FieldError>;
 
-/// A pose that can be left out: not the home pose.
+/// Checks that a pose can be excluded: not the home pose.
 pub(super) fn excludable(label: i64) -> Checked {
     if label == 0 {
         let message = "found 0, the home pose, which all revolutions count from, \
@@ -24,7 +23,7 @@ pub(super) fn excludable(label: i64) -> Checked {
     Ok(())
 }
 
-/// Raw data name cables and sensors that exist, and all their numbers are finite.
+/// Checks that raw data refer to cables and sensors that exist, and that all numbers are finite.
 pub(super) fn phases(phases: &PhaseData, robot: &Robot) -> Checked {
     let cables = robot.cable_count();
     for (k, pair) in phases.winch.iter().enumerate() {
@@ -67,7 +66,7 @@ pub(super) fn effects(effects: &[EffectSetting], robot: &Robot) -> Checked {
     checked.map_err(|error| below("/settings/identification", error))
 }
 
-/// Planned poses have labels of their own, and are poses.
+/// Checks that planned poses have different labels and are poses.
 pub(super) fn plan(plan: &[PlannedPose]) -> Checked {
     let mut labels = HashSet::with_capacity(plan.len());
     for (k, planned) in plan.iter().enumerate() {
@@ -82,7 +81,7 @@ pub(super) fn plan(plan: &[PlannedPose]) -> Checked {
     Ok(())
 }
 
-/// Parameters of the controller have names of their own and values.
+/// Checks that parameters of the controller have different names and finite values.
 pub(super) fn controller(values: &[NamedValue]) -> Checked {
     let mut names = HashSet::with_capacity(values.len());
     for (k, value) in values.iter().enumerate() {
@@ -96,7 +95,7 @@ pub(super) fn controller(values: &[NamedValue]) -> Checked {
     Ok(())
 }
 
-/// Adjustments have values before and after.
+/// Checks that adjustments have finite values before and after.
 pub(super) fn adjustments(adjustments: &[Adjustment]) -> Checked {
     for (k, adjustment) in adjustments.iter().enumerate() {
         for (j, change) in adjustment.changes.iter().enumerate() {
@@ -108,7 +107,7 @@ pub(super) fn adjustments(adjustments: &[Adjustment]) -> Checked {
     Ok(())
 }
 
-/// Verification runs hold poses.
+/// Checks the poses of verification runs.
 pub(super) fn verifications(runs: &[Verification]) -> Checked {
     for (k, run) in runs.iter().enumerate() {
         check_rows(&format!("/verifications/{k}/rows"), &run.rows)?;
@@ -139,7 +138,7 @@ fn index(at: &str, key: &str, index: usize, count: usize) -> Checked {
         return Ok(());
     }
     let message = format!(
-        "found a {key} that is not there, expected 0 to {}",
+        "found a {key} that does not exist, expected 0 to {}",
         count - 1
     );
     fail(format!("{at}/{key}"), message)

@@ -53,7 +53,7 @@ impl<R: BufRead> Table<R> {
             let message = "found no line, expected a header row";
             return Err(ReadError::new(file, Place::File, message));
         };
-        // German Excel: the semicolon separates because the comma is the decimal sign.
+        // German Excel separates by semicolons, because the comma is the decimal separator.
         let count = |c: u8| record.iter().filter(|byte| **byte == c).count();
         let decimal_comma = count(b';') > count(b',');
         let delimiter = if decimal_comma { b';' } else { b',' };
@@ -109,6 +109,15 @@ impl<R: BufRead> Table<R> {
     pub fn require(&self, name: &str) -> Result<usize, ReadError> {
         self.find(name)
             .ok_or_else(|| self.header_error(name, "missing, expected in the header row"))
+    }
+
+    /// Indices of columns that have to be there.
+    pub fn require_all<const N: usize>(&self, names: [&str; N]) -> Result<[usize; N], ReadError> {
+        let mut columns = [0; N];
+        for (column, name) in columns.iter_mut().zip(names) {
+            *column = self.require(name)?;
+        }
+        Ok(columns)
     }
 
     /// An error about the column called `name`.
@@ -265,6 +274,12 @@ impl Row<'_> {
             .map_err(|expected| self.unexpected(column, expected))
     }
 
+    /// A number of a column that may be missing, `None` if the cell is empty.
+    pub fn optional(&self, column: Option<usize>) -> Result<Option<f64>, ReadError> {
+        let value = column.map(|column| self.number(column)).transpose()?;
+        Ok(value.filter(|value| !value.is_nan()))
+    }
+
     /// A number that has to be there.
     pub fn required(&self, column: usize) -> Result<f64, ReadError> {
         let value = self.number(column)?;
@@ -274,7 +289,7 @@ impl Row<'_> {
         Ok(value)
     }
 
-    /// A number that has to be there and to satisfy a condition.
+    /// A number that has to be there and satisfy a condition.
     pub fn required_if(
         &self,
         column: usize,
@@ -289,7 +304,7 @@ impl Row<'_> {
         }
     }
 
-    /// A quaternion of norm one, all of it or (if the cells are empty) none.
+    /// A quaternion of norm one, or `None` if all its cells are empty.
     pub fn quaternion(&self, columns: [usize; 4]) -> Result<Option<[f64; 4]>, ReadError> {
         let mut wxyz = [0.0; 4];
         for (value, column) in wxyz.iter_mut().zip(columns) {

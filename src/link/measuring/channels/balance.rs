@@ -1,4 +1,5 @@
-//! Do the tensions hold the platform? This needs no knowledge of how a controller distributes them.
+//! Checks that the measured tensions are in equilibrium with the weight of the platform, however the controller
+//! distributes them.
 
 use nalgebra::{DMatrix, DVector};
 use tautline_core::geometry::Vec3;
@@ -6,7 +7,7 @@ use tautline_core::kinematics::{applied_wrench, structure_matrix};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
-use super::{Finding, What, rounded};
+use super::{FaultKind, Finding, rounded};
 
 /// Root mean square of what is missing to the balance that is looked into, in standard deviations of a tension and
 /// in parts of the mean tension: less is friction and geometry.
@@ -36,7 +37,7 @@ enum Cause {
 }
 
 impl Balance {
-    /// At a measured pose; `None` where it cannot be told.
+    /// At a measured pose; `None` without all tensions.
     pub fn of(robot: &Robot, at: &Measurements) -> Option<Self> {
         let readings = robot.cables.iter().zip(at.force_n.row(0));
         let tensions = readings.map(|(c, reading)| Some(c.force_sensor?.tension_n(*reading)));
@@ -64,7 +65,7 @@ impl Balance {
         })
     }
 
-    /// What is missing if the tension of a cable were so much higher.
+    /// Adds the change of a tension.
     fn plus(&self, missing_n: &mut DVector<f64>, cable: usize, more_n: f64) {
         missing_n.axpy(more_n, &self.structure.row(cable).transpose(), 1.0);
     }
@@ -96,7 +97,7 @@ fn factor_of(cable: usize, poses: &[&Balance]) -> f64 {
     1.0 / (1.0 - with / own)
 }
 
-/// The one fault of the force sensors that explains why the tensions do not hold the platform, if there is one.
+/// The one fault of the force sensors that explains why the tensions are not in equilibrium, if there is one.
 pub(super) fn explained(robot: &Robot, poses: &[&Balance]) -> Option<Finding> {
     let cables = robot.cable_count();
     let squares: f64 = poses.iter().map(|p| p.missing_n.norm_squared()).sum();
@@ -128,7 +129,7 @@ fn words(robot: &Robot, cause: Cause) -> Option<Finding> {
     let name = |cable: usize| robot.cables.get(cable).map_or("", |c| c.name.as_str());
     match cause {
         Cause::Exchanged([a, b]) => Some(Finding {
-            what: What::ForcesExchanged(b),
+            what: FaultKind::ForcesExchanged(b),
             cable: Some(a),
             text: format!(
                 "{} and {}: the platform is in balance only with their force readings exchanged. Are their plugs exchanged?",
@@ -138,7 +139,7 @@ fn words(robot: &Robot, cause: Cause) -> Option<Finding> {
         }),
         Cause::Factor(_, factor) if (factor - 1.0).abs() < FACTOR => None,
         Cause::Factor(cable, factor) => Some(Finding {
-            what: What::ForceFactor,
+            what: FaultKind::ForceFactor,
             cable: Some(cable),
             text: format!(
                 "{}: its force sensor shows about {} times the tension that holds the platform in balance. Are its zero, sign and unit right?",

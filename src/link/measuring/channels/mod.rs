@@ -10,7 +10,7 @@ use tautline_core::robot::Robot;
 use super::options::Prediction;
 use balance::Balance;
 
-/// Fewest and most poses that are compared.
+/// Smallest and largest number of poses that are compared.
 const POSES: [usize; 2] = [4, 8];
 /// Correlation with the own prediction below which, and with each other's above which, two channels are exchanged.
 const OWN: f64 = 0.9;
@@ -18,19 +18,19 @@ const OTHERS: f64 = 0.98;
 /// Part by which a factor has to differ from 1: more than any error of a drawing, less than any gear.
 const FACTOR: f64 = 0.2;
 
-/// What was read and expected at the latest poses.
+/// Readings and predictions at the latest poses.
 #[derive(Debug, Default)]
 pub(super) struct Channels {
     revolutions: VecDeque<(Vec<f64>, Vec<f64>)>,
     laser_m: VecDeque<(f64, f64)>,
     balances: VecDeque<Balance>,
-    /// Said already.
-    told: Vec<(What, Option<usize>)>,
+    /// What was reported already.
+    reported: Vec<(FaultKind, Option<usize>)>,
 }
 
-/// What is wrong with a channel.
+/// Kinds of faults of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum What {
+pub(super) enum FaultKind {
     /// An encoder is exchanged with that of a later cable.
     EncodersExchanged(usize),
     /// An encoder or the laser shows a multiple.
@@ -41,9 +41,9 @@ pub(super) enum What {
     ForceFactor,
 }
 
-/// Something that is wrong, and a sentence that names it.
+/// A fault of a channel and a sentence that names it.
 pub(super) struct Finding {
-    what: What,
+    what: FaultKind,
     /// The cable, where it is about one.
     pub cable: Option<usize>,
     pub text: String,
@@ -57,7 +57,7 @@ fn keep<T>(list: &mut VecDeque<T>, row: T) {
 }
 
 impl Channels {
-    /// Takes another pose and says what has become clear by it, each thing once.
+    /// Adds a pose and returns what is recognised by it, each fault once.
     pub fn compare(
         &mut self,
         robot: &Robot,
@@ -76,7 +76,7 @@ impl Channels {
             keep(&mut self.balances, balance);
         }
         let mut found: Vec<Finding> = Vec::new();
-        // A fault may have begun lately.
+        // The fewest poses are enough for a fault that began recently.
         for poses in POSES {
             if self.revolutions.len() >= poses {
                 found.extend(self.lengths(robot, poses, plausible_m));
@@ -87,14 +87,14 @@ impl Channels {
             }
         }
         found.retain(|f| {
-            let new = !self.told.contains(&(f.what, f.cable));
-            self.told.extend(new.then_some((f.what, f.cable)));
+            let new = !self.reported.contains(&(f.what, f.cable));
+            self.reported.extend(new.then_some((f.what, f.cable)));
             new
         });
         found
     }
 
-    /// What the latest poses say of encoders and the laser.
+    /// Faults of encoders and the laser over the latest poses.
     fn lengths(&self, robot: &Robot, poses: usize, plausible_m: f64) -> Vec<Finding> {
         let rows = latest(&self.revolutions, poses);
         let counts = rows.clone().map(|(m, p)| m.len().min(p.len())).min();
@@ -105,10 +105,10 @@ impl Channels {
         };
         let mut found = Vec::new();
         let own: Vec<Line> = (0..cables).map(|i| line(i, i)).collect();
-        let strangers = (0..cables).filter(|i| own[*i].correlation < OWN);
-        let strangers: Vec<usize> = strangers.collect();
-        for (k, a) in strangers.iter().enumerate() {
-            for b in &strangers[k + 1..] {
+        let uncorrelated = (0..cables).filter(|i| own[*i].correlation < OWN);
+        let uncorrelated: Vec<usize> = uncorrelated.collect();
+        for (k, a) in uncorrelated.iter().enumerate() {
+            for b in &uncorrelated[k + 1..] {
                 if line(*a, *b).correlation > OTHERS && line(*b, *a).correlation > OTHERS {
                     let [a, b] = [*a, *b];
                     let text = format!(
@@ -117,7 +117,7 @@ impl Channels {
                         name(b)
                     );
                     found.push(Finding {
-                        what: What::EncodersExchanged(b),
+                        what: FaultKind::EncodersExchanged(b),
                         cable: Some(a),
                         text,
                     });
@@ -128,7 +128,7 @@ impl Channels {
             if line.has_factor(plausible_m / known.winch.cable_per_revolution_m()) {
                 let text = encoder_factor(name(cable), line.slope);
                 found.push(Finding {
-                    what: What::LengthFactor,
+                    what: FaultKind::LengthFactor,
                     cable: Some(cable),
                     text,
                 });
@@ -138,7 +138,7 @@ impl Channels {
         if laser.has_factor(plausible_m) {
             let text = laser_factor(laser.slope);
             found.push(Finding {
-                what: What::LengthFactor,
+                what: FaultKind::LengthFactor,
                 cable: None,
                 text,
             });
@@ -151,7 +151,7 @@ fn latest<T>(list: &VecDeque<T>, count: usize) -> impl Iterator<Item = &T> + Clo
     list.iter().skip(list.len().saturating_sub(count))
 }
 
-/// That an encoder counts a multiple.
+/// The sentence for an encoder that counts a multiple.
 pub(super) fn encoder_factor(cable: &str, factor: f64) -> String {
     format!(
         "{cable}: its encoder counts about {} times what is expected. Are its unit, gear and drum right?",
@@ -159,7 +159,7 @@ pub(super) fn encoder_factor(cable: &str, factor: f64) -> String {
     )
 }
 
-/// That the laser shows a multiple.
+/// The sentence for a laser that shows a multiple.
 pub(super) fn laser_factor(factor: f64) -> String {
     format!(
         "the laser shows about {} times the distance that is expected. Is its unit right?",
@@ -167,7 +167,7 @@ pub(super) fn laser_factor(factor: f64) -> String {
     )
 }
 
-/// Two digits.
+/// The factor with two digits.
 fn rounded(factor: f64) -> String {
     let digits = 1 - factor.abs().log10().floor().clamp(-6.0, 1.0) as i32;
     let text = format!("{factor:.*}", digits.max(0) as usize);
@@ -177,13 +177,13 @@ fn rounded(factor: f64) -> String {
     }
 }
 
-/// The line through readings over what was expected.
+/// Regression line of readings over predictions.
 struct Line {
     slope: f64,
     /// Pearson's; NaN without variation.
     correlation: f64,
     /// Standard deviation of what was expected.
-    spread: f64,
+    expected_sd: f64,
 }
 
 impl Line {
@@ -200,14 +200,14 @@ impl Line {
         Self {
             slope: ab / bb,
             correlation: ab / (aa * bb).sqrt(),
-            spread: (bb / n).sqrt(),
+            expected_sd: (bb / n).sqrt(),
         }
     }
 
-    /// Whether readings are a multiple of what was expected, by more than what half of the `plausible` errors make.
+    /// Whether readings are a multiple of the predictions, by more than half of the `plausible` error.
     fn has_factor(&self, plausible: f64) -> bool {
         let off = (self.slope - 1.0).abs();
-        self.correlation > OTHERS && off > FACTOR && off * self.spread > 0.5 * plausible
+        self.correlation > OTHERS && off > FACTOR && off * self.expected_sd > 0.5 * plausible
     }
 }
 

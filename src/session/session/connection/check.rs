@@ -1,4 +1,4 @@
-//! What has to hold in a mapping.
+//! Checks of connection settings.
 
 use std::collections::HashSet;
 
@@ -14,17 +14,17 @@ use crate::json::VersionedFile;
 
 type Checked = Result<(), FieldError>;
 
-/// Longest name of a symbol that controllers know (characters).
+/// Longest symbol name of a controller (characters).
 const LONGEST: usize = 255;
 
-/// Names are names, scales can be inverted, every cable has its symbol.
+/// Checks that symbols have names, scales can be inverted and every cable has its symbol.
 pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Checked {
     let below = |part: &'static str| {
         let at = format!("/connection/{part}");
         move |error| super::super::below(&at, error)
     };
     let missing = |part: &str| {
-        let message = "found nothing, expected where the controller is found";
+        let message = "found nothing, expected the address of the controller";
         fail(format!("/connection/{part}"), message)
     };
     match &connection.recording {
@@ -70,7 +70,7 @@ impl AdsMapping {
             single("/command/number", &command.number)?;
             single("/command/acknowledged", &command.acknowledged)?;
             if state.moving.is_none() {
-                let message = "found no symbol, expected one: a controller that is told to move has to tell when it moves";
+                let message = "found no symbol, expected one: a controller that takes commands has to report when it moves";
                 return fail("/state/moving", message);
             }
         }

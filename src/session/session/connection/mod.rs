@@ -1,4 +1,4 @@
-//! How a session reaches the robot's own controller: what the controller calls what is read and told.
+//! Connection to the robot's controller: which one, its address, and the symbols that are read and written.
 
 mod check;
 mod defaults;
@@ -12,20 +12,20 @@ use serde::{Deserialize, Serialize};
 pub(super) use check::check;
 pub use place::{AdsPlace, ControllerKind, RecordingPlace};
 
-/// What is known of the controller of the robot: which one it is, and what belongs to each kind.
+/// Settings of the connection to the robot's controller.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Connection {
     /// Which controller is connected.
     #[serde(skip_serializing_if = "ControllerKind::is_simulated")]
     pub controller: ControllerKind,
-    /// The recording that is or was played.
+    /// The recording that is or was played back.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingPlace>,
-    /// Where a controller that speaks ADS is or was found.
+    /// Address of the ADS controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<AdsPlace>,
-    /// Symbols of a controller that speaks ADS; absent: the default names.
+    /// Symbols of the ADS controller; absent: the default names.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ads: Option<AdsMapping>,
 }
@@ -38,7 +38,7 @@ impl Connection {
     }
 }
 
-/// Symbols of a controller that speaks ADS.
+/// Symbols of an ADS controller.
 ///
 /// A reading is `raw * scale + offset`, in SI units after that; what is written is the inverse of that. Names of
 /// one symbol per cable may contain `{cable}`, the cable's name, and `{n}`, its number from 1.
@@ -46,16 +46,16 @@ impl Connection {
 pub struct AdsMapping {
     /// What is read at every sample.
     pub readings: AdsReadings,
-    /// What the controller tells of itself.
+    /// State of the controller.
     #[serde(default)]
     pub state: AdsStatus,
-    /// How it is told to move; absent: it is read only.
+    /// Symbols of commands; absent: the controller is only read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<AdsCommand>,
     /// BOOL that is TRUE while the operator allows motion and writing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub release: Option<String>,
-    /// Integer that counts the samples while armed, so that the controller can stop when they cease.
+    /// Integer that counts the samples while armed, so that the controller can stop if they end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub watchdog: Option<String>,
     /// Parameters of the controller's kinematics that can be read and written.
@@ -74,7 +74,7 @@ pub struct AdsReadings {
     /// Swivel angles of the pulleys (rad), per cable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub swivel: Option<AdsSymbols>,
-    /// Laser distance (m); not a number where there is no return.
+    /// Laser distance (m); NaN where there is no return.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laser: Option<AdsSymbol>,
     /// BOOL that is TRUE while the laser has a return.
@@ -83,13 +83,13 @@ pub struct AdsReadings {
     /// Temperature (degrees Celsius).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature: Option<AdsSymbol>,
-    /// Time by the controller's clock (s); absent: when the answer arrived.
+    /// Time by the controller's clock (s); absent: time of arrival of the answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<AdsSymbol>,
     /// Roll, pitch and yaw of the platform (rad): three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inclination: Option<AdsSymbols>,
-    /// The pose that the controller was told last.
+    /// The pose that was commanded last.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose: Option<AdsPose>,
 }
@@ -170,31 +170,31 @@ pub struct AdsPose {
     pub angle_scale: f64,
 }
 
-/// Symbols by which the controller tells what it does.
+/// Symbols of the state of the controller.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct AdsStatus {
-    /// BOOL that is TRUE from taking a command until the drives have reached its end.
+    /// BOOL that is TRUE from acknowledging a command until the drives have completed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moving: Option<String>,
     /// Integer or BOOL; 0 or FALSE: no fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
-    /// STRING that says what the fault is.
+    /// STRING that describes the fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault_text: Option<String>,
 }
 
-/// Symbols by which the controller is told what to do.
+/// Symbols of a command to the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AdsCommand {
-    /// Where to move.
+    /// Target pose.
     pub target: AdsPose,
     /// Integer; 1: home, 2: move to the target, 3: stop.
     pub kind: String,
     /// UDINT; written last, a new number is a new command.
     pub number: String,
-    /// UDINT; the controller copies the number to it when it has taken the command.
+    /// UDINT; the controller copies the number to it to acknowledge the command.
     pub acknowledged: String,
 }
 

@@ -1,4 +1,4 @@
-//! Which controller it is, and where it is found.
+//! Which controller is connected, and its address.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,9 +6,9 @@ use tautline_core::robot::FieldError;
 
 use super::super::fail;
 
-/// Waits for an answer that make sense (s).
+/// Valid timeouts (s).
 pub(super) const TIMEOUT_S: std::ops::RangeInclusive<f64> = 0.05..=60.0;
-/// Speeds at which a recording is played, 1 for that of the recording.
+/// Valid playback speeds, relative to that of the recording.
 const SPEED: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 
 /// Which controller is connected.
@@ -20,7 +20,7 @@ pub enum ControllerKind {
     Simulated,
     /// A recorded dataset that is played back.
     Recording,
-    /// A Beckhoff controller, which speaks ADS.
+    /// A Beckhoff controller, by ADS.
     Ads,
 }
 
@@ -38,7 +38,7 @@ impl ControllerKind {
 pub struct RecordingPlace {
     /// Its folder.
     pub folder: String,
-    /// How many times faster it is played than it was recorded, 0.1 to 100.
+    /// Playback speed relative to the recording, 0.1 to 100.
     #[serde(default = "super::one")]
     pub speed: f64,
 }
@@ -61,7 +61,7 @@ impl RecordingPlace {
     }
 }
 
-/// Where a controller that speaks ADS is found.
+/// Address of an ADS controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdsPlace {
@@ -75,7 +75,7 @@ pub struct AdsPlace {
     /// The AMS port of its program.
     #[serde(default = "program_port")]
     pub ams_port: u16,
-    /// Longest wait for a connection or an answer (s), 0.05 to 60.
+    /// Timeout of a connection or an answer (s), 0.05 to 60.
     #[serde(default = "super::one")]
     pub timeout_s: f64,
 }

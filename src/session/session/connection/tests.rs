@@ -98,7 +98,7 @@ fn faults_of_a_mapping_are_told_with_their_place() {
             json!({"symbol": "two words"}),
             "/readings/laser/symbol",
         ),
-        ("/state", json!({}), "has to tell when it moves"),
+        ("/state", json!({}), "has to report when it moves"),
         ("/release", json!(""), "/connection/ads/release"),
         ("/parameters/0/name", json!("home.x_m"), "one per cable"),
         ("/parameters/0/stride", json!(0), "/parameters/0/stride"),

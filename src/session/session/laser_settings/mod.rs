@@ -1,4 +1,4 @@
-//! Where the laser distance comes from.
+//! Source of the laser distance.
 
 mod text;
 
@@ -10,16 +10,16 @@ use tautline_core::robot::FieldError;
 
 use super::fail;
 
-/// Bauds that a serial port may have.
+/// Valid baud rates.
 const BAUD: RangeInclusive<u32> = 50..=4_000_000;
-/// Ages from which a reading may be no longer used (s).
+/// Valid values of the age from which a reading is no longer used (s).
 const FRESH_S: RangeInclusive<f64> = 0.05..=60.0;
-/// Longest text of a setting (bytes).
+/// Longest text setting (bytes).
 const LONGEST: usize = 250;
-/// Memory that a pattern may take (bytes).
+/// Memory limit of a pattern (bytes).
 const PATTERN_BYTES: usize = 1 << 20;
 
-/// Where the laser distance comes from.
+/// Source of the laser distance.
 ///
 /// As text: `controller`, `manual`, `tcp:HOST:PORT` or `serial:PORT` or `serial:PORT:BAUD`; the last three with
 /// settings `?key=value&key=value`, in which `%XX` is the byte of this hexadecimal number. Keys: `pattern`, `unit`,
@@ -28,7 +28,7 @@ const PATTERN_BYTES: usize = 1 << 20;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum LaserSettings {
-    /// From the controller, with its other readings.
+    /// The controller, with its other readings.
     #[default]
     Controller,
     /// The operator types it.
@@ -41,7 +41,7 @@ pub enum LaserSettings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LineLaserSettings {
-    /// What it is connected to.
+    /// Its port.
     pub port: LaserPort,
     /// Regular expression that a line with a distance matches; its group `distance` is the number, and its group
     /// `unit`, where there is one, has to be the unit. Without it: the first number that stands alone.
@@ -53,21 +53,21 @@ pub struct LineLaserSettings {
     /// Factor between the number and the distance in that unit.
     #[serde(default = "one")]
     pub scale: f64,
-    /// What is added to the distance (m).
+    /// Offset added to the distance (m).
     #[serde(default)]
     pub offset_m: f64,
-    /// Texts of which one is in a line that says that there is no return.
+    /// Texts that mark a line without a return.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub no_return: Vec<String>,
-    /// What asks for a reading, its line end included; without it the device sends by itself.
+    /// Command that requests a reading, its line end included; without it the device sends unasked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// Age from which a reading is not used any more (s).
+    /// Age from which a reading is no longer used (s).
     #[serde(default = "one")]
     pub fresh_s: f64,
 }
 
-/// What a device that sends lines is connected to.
+/// Port of a device that sends lines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum LaserPort {
@@ -186,15 +186,14 @@ impl LineLaserSettings {
     /// # Errors
     /// What is wrong with the pattern.
     pub fn expression(&self) -> Result<regex::Regex, String> {
-        // Not "E255", not one half of "12,5", not "1.2.3": what is no plain number is no distance.
+        // Only plain numbers are distances: not "E255", one half of "12,5" or "1.2.3".
         const PLAIN: &str = r"(?:^|[\s:=;])(?<distance>[+-]?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)(?:\s*(?<unit>m|mm|um))?(?:[\s;]|$)";
         let pattern = self.pattern.as_deref().unwrap_or(PLAIN);
         let built = regex::RegexBuilder::new(pattern)
             .size_limit(PATTERN_BYTES)
             .build();
-        let expression = built.map_err(|_| {
-            format!("found {pattern:?}, expected a regular expression that can be understood")
-        })?;
+        let expression =
+            built.map_err(|_| format!("found {pattern:?}, expected a valid regular expression"))?;
         let mut names = expression.capture_names().flatten();
         match names.any(|name| name == "distance") {
             true => Ok(expression),
@@ -275,10 +274,10 @@ fn short(at: &str, text: &str) -> Result<(), FieldError> {
 }
 
 impl LaserSettings {
-    /// Whether the settings make sense.
+    /// Checks the settings.
     ///
     /// # Errors
-    /// Where not, and why.
+    /// The first field that is wrong.
     pub fn check(&self) -> Result<(), FieldError> {
         match self {
             Self::Controller | Self::Manual => Ok(()),

@@ -230,7 +230,7 @@ mod tests {
             ("tcp:h:1?command=%+1", "expected %XX"),
             (
                 "tcp:h:1?pattern=(?<distance>(\\w{1000}){1000})",
-                "understood",
+                "a valid regular expression",
             ),
         ] {
             let told = text.parse::<LaserSettings>().unwrap_err();
