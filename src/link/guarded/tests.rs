@@ -252,7 +252,7 @@ fn samples_have_the_channels_of_the_robot() {
     station.inner.sample.revolutions.pop();
     let told = station.sample().unwrap_err().to_string();
     assert!(
-        told.contains("7 revolutions of a robot with 8 cables"),
+        told.contains("7 revolutions for a robot with 8 cables"),
         "{told}"
     );
     station.inner.sample.revolutions.push(0.0);
