@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
         if width > NARROW {
             aim = views(ui).or(aim);
         } else {
-            ui.menu_button("View", |ui| aim = views(ui).or(aim));
+            ui.menu_button("Views", |ui| aim = views(ui).or(aim));
         }
         ui.separator();
         if width > MEDIUM {
