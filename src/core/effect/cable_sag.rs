@@ -3,38 +3,24 @@
 //! An estimate starts at 0.1 N/m: without weight nothing depends on it to first order. Typical 0.01 to
 //! 5 N/m. Source: Irvine, Cable Structures, 1981.
 
-use super::words::sentence;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
+use super::{Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_sag",
     title: "Cable weight",
     scope: Scope::CableOrAll,
     parameters: &[EffectParameter::new("weight", "N/m", 5.0, [0.01, 5.0]).starting_at(0.1)],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say(
+            "{cable} {weighs|weigh} {0:unit} {0:more|less} than stated and {sags|sag} accordingly.",
+        )
+    },
+    workshop: |found| {
+        found.say("Weigh a piece of the cable of known length and enter its weight per metre. Higher tensions make the sag smaller.")
+    },
     check: Some("Weigh a few metres of the cable."),
     source: "Irvine, Cable Structures, 1981: parabola, first order",
     needs_sag: true,
-    change_cable,
+    change_cable: |parameters, _, ports| ports.weight += parameters[0],
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    sentence(&format!(
-        "{} {} {} {} than stated and {} accordingly.",
-        found.name(Part::Cable),
-        found.either("weighs", "weigh"),
-        found.in_its_unit(0),
-        found.way(0, "more", "less"),
-        found.either("sags", "sag"),
-    ))
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Weigh a piece of the cable of known length and enter its weight per metre. Higher tensions make the sag smaller.".to_owned()
-}
-
-fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
-    ports.weight += parameters[0];
-}

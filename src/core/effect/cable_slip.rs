@@ -1,10 +1,8 @@
 //! A step in the cable paid out: `paid += step` at the pose labelled `pose` and at all later labels; metres.
 //! Assumes that the cable slipped once. Typical 1 to 20 mm.
 
-use super::words::{self, sentence};
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
-};
+use super::words;
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_slip",
@@ -14,40 +12,18 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("step", "m", 0.02, [0.001, 0.02]),
         EffectParameter::given("pose", "1", [1.0, 100.0]),
     ],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("{cable} slipped: from {1:pose} on, {it is|they are} {0:mm} {0:longer|shorter} than {its reading says|their readings say}.")
+    },
+    workshop: |found| {
+        found.say("Check how {cable} {is|are} fastened to the drum, and the coupling and the set screws of {winch}.{revolutions: Then zero the encoders at home again.|}")
+    },
     check: Some(words::GO_BACK),
     source: "Geometry: one step in the cable paid out",
     search: Search::FromPose(1),
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    sentence(&format!(
-        "{} slipped: from {} on, {} {} {} than {}.",
-        found.name(Part::Cable),
-        found.pose(1),
-        found.either("it is", "they are"),
-        found.millimetres(0),
-        found.way(0, "longer", "shorter"),
-        found.either("its reading says", "their readings say"),
-    ))
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Check how {} {} fastened to the drum, and the coupling and the set screws of {}.{}",
-        found.name(Part::Cable),
-        found.either("is", "are"),
-        found.name(Part::Winch),
-        if found.counts_revolutions() {
-            " Then zero the encoders at home again."
-        } else {
-            ""
-        },
-    )
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.is_from(parameters[1].value) {

@@ -5,18 +5,19 @@
 //! replaces it. Approximation: the correction factor is taken at the reading, not at the estimated
 //! tension. Typical 0.1 to 0.5: fibre ropes stiffen under load (then `c` is negative), first-order term.
 
-use super::words::sentence;
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
-};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_stiffening",
     title: "Cable stiffness that depends on tension",
     scope: Scope::CableOrAll,
     parameters: &[EffectParameter::new("c", "1", 0.5, [0.1, 0.5])],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("{cable} {0:soften|stiffen}{s|} with load: at twice the mean tension {it stretches|they stretch} {0:%} {0:more|less} than in proportion.")
+    },
+    workshop: |found| {
+        found.say("Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.")
+    },
     check: Some(
         "Pull a piece of the cable with several known forces and measure by how much it gets longer.",
     ),
@@ -25,24 +26,6 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    sentence(&format!(
-        "{} {} with load: at twice the mean tension {} {} {} than in proportion.",
-        found.name(Part::Cable),
-        found.either(
-            found.way(0, "softens", "stiffens"),
-            found.way(0, "soften", "stiffen"),
-        ),
-        found.either("it stretches", "they stretch"),
-        found.percent(0),
-        found.way(0, "more", "less"),
-    ))
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.".to_owned()
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.mean_tension_n > 0.0 {

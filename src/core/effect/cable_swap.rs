@@ -2,7 +2,7 @@
 //! poses. Force and swivel readings are not. There is nothing to fit: a model that names the exchange is
 //! compared with readings in which it was undone.
 
-use super::{Effect, FoundEffect, Part, Scope, Search};
+use super::{Effect, FoundEffect, Scope, Search};
 use crate::measurement::Measurements;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -19,31 +19,19 @@ pub(super) static EFFECT: Effect = Effect {
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
-    if found.counts_revolutions() {
-        format!(
-            "The encoders of {} are connected the wrong way round.",
-            found.name(Part::Winch)
-        )
+    found.say(if found.counts_revolutions() {
+        "The encoders of {winch} are connected the wrong way round."
     } else {
-        format!(
-            "The length readings of {} are connected the wrong way round.",
-            found.name(Part::Cable)
-        )
-    }
+        "The length readings of {cable} are connected the wrong way round."
+    })
 }
 
 fn workshop(found: &FoundEffect<'_>) -> String {
-    if found.counts_revolutions() {
-        format!(
-            "Exchange the encoder plugs of {}, or their channels in the controller.",
-            found.name(Part::Winch),
-        )
+    found.say(if found.counts_revolutions() {
+        "Exchange the encoder plugs of {winch}, or their channels in the controller."
     } else {
-        format!(
-            "Exchange the plugs of the length sensors of {}, or their channels in the controller.",
-            found.name(Part::Cable),
-        )
-    }
+        "Exchange the plugs of the length sensors of {cable}, or their channels in the controller."
+    })
 }
 
 fn exchange_channels(cables: &[usize], data: &mut Measurements) {

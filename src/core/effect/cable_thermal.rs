@@ -2,8 +2,8 @@
 //! the cable has the temperature measured. Typical -1e-5 (aramid, polyethylene: shorter when warm) to 5e-5 per
 //! kelvin; steel 12e-6.
 
-use super::words::{self, sentence};
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
+use super::words;
+use super::{Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_thermal",
@@ -15,28 +15,16 @@ pub(super) static EFFECT: Effect = Effect {
         0.00005,
         [-0.00001, 0.00005],
     )],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say(
+            "{cable} {gets|get} {0:mm} {0:longer|shorter} per metre and per kelvin of warming.",
+        )
+    },
+    workshop: |found| {
+        found.say("Measure at a steady temperature, or correct the cable lengths for temperature in the controller.")
+    },
     check: Some(words::REPEAT_WARMER),
     source: "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm",
-    change_cable,
+    change_cable: |parameters, at, ports| ports.strain += parameters[0] * at.temperature_change_k,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    sentence(&format!(
-        "{} {} {} {} per metre and per kelvin of warming.",
-        found.name(Part::Cable),
-        found.either("gets", "get"),
-        found.millimetres(0),
-        found.way(0, "longer", "shorter"),
-    ))
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Measure at a steady temperature, or correct the cable lengths for temperature in the controller.".to_owned()
-}
-
-fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
-    ports.strain += parameters[0] * at.temperature_change_k;
-}

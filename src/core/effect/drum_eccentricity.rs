@@ -1,9 +1,7 @@
 //! Drum out of round: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
 //! out. Typical amplitude 0.1 to 1 mm.
 
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
-};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "drum_eccentricity",
@@ -18,8 +16,12 @@ pub(super) static EFFECT: Effect = Effect {
             [-std::f64::consts::PI, std::f64::consts::PI],
         ),
     ],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("The {drum|drums} of {winch} {is|are} out of round: once per turn the cable paid out swings by {0:mm} to either side.")
+    },
+    workshop: |found| {
+        found.say("Measure the runout of the {drum|drums} of {winch} with a dial gauge; centre or replace what runs out.")
+    },
     check: Some("Turn the drum once under a dial gauge."),
     source: "Geometry of an eccentric drum; sizes from ovalisation reported for winches of cable robots",
     search: Search::Wave {
@@ -29,24 +31,6 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    format!(
-        "The {} of {} {} out of round: once per turn the cable paid out swings by {} to either side.",
-        found.either("drum", "drums"),
-        found.name(Part::Winch),
-        found.either("is", "are"),
-        found.millimetres(0),
-    )
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Measure the runout of the {} of {} with a dial gauge; centre or replace what runs out.",
-        found.either("drum", "drums"),
-        found.name(Part::Winch),
-    )
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     let [amplitude, phase] = [parameters[0], parameters[1]];

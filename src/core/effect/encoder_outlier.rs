@@ -2,9 +2,7 @@
 //! at the pose labelled `pose`.
 
 use super::words;
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
-};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "encoder_outlier",
@@ -14,36 +12,18 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::given("pose", "1", [1.0, 100.0]),
         EffectParameter::new("error", "m", 0.1, [0.005, 0.1]),
     ],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("The length {reading|readings} of {cable} at {0:pose} {is|are} {1:mm} too {1:long|short}.")
+    },
+    workshop: |found| {
+        found.say("Measure {0:pose} again, or leave the length {reading|readings} of {cable} out there. If it happens again, check encoder, plug and wiring of {winch}.")
+    },
     check: Some(words::GO_THERE_AGAIN),
     source: "A single wrong reading",
     search: Search::AtPose(0),
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    format!(
-        "The length {} of {} at {} {} {} too {}.",
-        found.either("reading", "readings"),
-        found.name(Part::Cable),
-        found.pose(0),
-        found.either("is", "are"),
-        found.millimetres(1),
-        found.way(1, "long", "short"),
-    )
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Measure {} again, or leave the length {} of {} out there. If it happens again, check encoder, plug and wiring of {}.",
-        found.pose(0),
-        found.either("reading", "readings"),
-        found.name(Part::Cable),
-        found.name(Part::Winch),
-    )
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.is_at(parameters[0].value) {

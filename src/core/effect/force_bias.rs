@@ -1,42 +1,25 @@
 //! A constant in the raw reading of a force sensor: `F = g T + f0 + bias` (N), so `T = T_nominal - bias / g`. Typical
 //! 2 to 50 N.
 
-use super::words::sentence;
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
-};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "force_bias",
     title: "Bias of a force sensor",
     scope: Scope::Cable,
     parameters: &[EffectParameter::new("bias", "N", 50.0, [2.0, 50.0])],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("{force sensor} {reads|read} {0:unit} too {0:high|low}, whatever the tension.")
+    },
+    workshop: |found| {
+        found.say("Support the platform, slacken {cable} and zero {force sensor} again.")
+    },
     check: Some("Slacken the cable and read its force sensor."),
     source: "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2",
     stage: Stage::Sensor,
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    sentence(&format!(
-        "{} {} {} too {}, whatever the tension.",
-        found.name(Part::ForceSensor),
-        found.either("reads", "read"),
-        found.in_its_unit(0),
-        found.way(0, "high", "low"),
-    ))
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Support the platform, slacken {} and zero {} again.",
-        found.name(Part::Cable),
-        found.name(Part::ForceSensor),
-    )
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.tension_gain != 0.0 {

@@ -1,7 +1,7 @@
 //! An effect that was found on a robot, in the words of those who repair it.
 
 use super::BoundEffect;
-use super::words::{degrees, list, millimetres, percent, size};
+use super::words::{degrees, displacement, list, millimetres, percent, sentence, size};
 use crate::robot::Robot;
 
 /// An effect with its targets and values, on its robot.
@@ -61,54 +61,77 @@ impl<'a> FoundEffect<'a> {
         self.bound.values[parameter]
     }
 
-    /// Size of a parameter in metres, in words: `5.2 mm`.
+    /// A sentence about this effect: a text with fields in braces, its first letter a capital.
+    ///
+    /// - `{cable}`, `{winch}`, `{pulley}`, `{force sensor}`: these parts of the cables concerned, see [`Self::name`];
+    /// - `{is|are}`: the first for one cable, the second for several;
+    /// - `{0:more|less}`: the first for a value of parameter 0 that is not negative, the second for one below 0;
+    /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:unit}`: size of parameter 0 in millimetres, percent, degrees, its own unit;
+    /// - `{0:pose}`: the pose of which parameter 0 is the label;
+    /// - `{displacement}`: the first three parameters as a displacement;
+    /// - `{revolutions:a|b}`: the first where winches count revolutions, the second where lengths are read.
     #[must_use]
-    pub fn millimetres(&self, parameter: usize) -> String {
-        millimetres(self.value(parameter))
+    pub fn say(&self, text: &str) -> String {
+        self.say_with(text, "")
     }
 
-    /// Size of a ratio in words: `0.31 %`.
+    /// The same with `insert` in place of the field `{}`.
     #[must_use]
-    pub fn percent(&self, parameter: usize) -> String {
-        percent(self.value(parameter))
-    }
-
-    /// Size of a parameter in radians, in words: `2.1 degrees`.
-    #[must_use]
-    pub fn degrees(&self, parameter: usize) -> String {
-        degrees(self.value(parameter))
-    }
-
-    /// Size of a parameter in its own unit: `12 N`.
-    #[must_use]
-    pub fn in_its_unit(&self, parameter: usize) -> String {
-        let unit = self.bound.effect.parameters()[parameter].unit;
-        format!("{} {unit}", size(self.value(parameter)))
-    }
-
-    /// A parameter that is the label of a pose: `pose 17`.
-    #[must_use]
-    pub fn pose(&self, parameter: usize) -> String {
-        format!("pose {:.0}", self.value(parameter))
-    }
-
-    /// The first word for a value of 0 or more, the second for one below.
-    #[must_use]
-    pub fn way(&self, parameter: usize, positive: &'a str, negative: &'a str) -> &'a str {
-        if self.value(parameter) < 0.0 {
-            negative
-        } else {
-            positive
+    pub fn say_with(&self, text: &str, insert: &str) -> String {
+        let mut said = String::new();
+        let mut rest = text;
+        while let Some((before, after)) = rest.split_once('{') {
+            let (field, after) = after.split_once('}').unwrap_or((after, ""));
+            said += before;
+            said += &match field {
+                "" => insert.to_owned(),
+                _ => self.field(field),
+            };
+            rest = after;
         }
+        said += rest;
+        sentence(&said)
     }
 
-    /// The first word for one cable, the second for several.
-    #[must_use]
-    pub fn either(&self, one: &'a str, several: &'a str) -> &'a str {
-        if self.bound.cables.len() == 1 {
-            one
-        } else {
-            several
+    /// What stands for a field; the field itself, in braces, if it is none.
+    fn field(&self, field: &str) -> String {
+        let unknown = || format!("{{{field}}}");
+        let either = |choice: &str, first: bool| match choice.split_once('|') {
+            Some((one, other)) => if first { one } else { other }.to_owned(),
+            None => unknown(),
+        };
+        match field.split_once(':') {
+            None => match field {
+                "cable" => self.name(Part::Cable),
+                "winch" => self.name(Part::Winch),
+                "pulley" => self.name(Part::Pulley),
+                "force sensor" => self.name(Part::ForceSensor),
+                "displacement" => displacement(&self.bound.values[..3]),
+                _ => either(field, self.cables().len() == 1),
+            },
+            Some(("revolutions", choice)) => either(choice, self.counts_revolutions()),
+            Some((parameter, form)) => {
+                let Some(index) = parameter
+                    .parse()
+                    .ok()
+                    .filter(|k| *k < self.bound.values.len())
+                else {
+                    return unknown();
+                };
+                let value = self.value(index);
+                match form {
+                    "mm" => millimetres(value),
+                    "%" => percent(value),
+                    "deg" => degrees(value),
+                    "unit" => format!(
+                        "{} {}",
+                        size(value),
+                        self.bound.effect.parameters[index].unit
+                    ),
+                    "pose" => format!("pose {value:.0}"),
+                    _ => either(form, value >= 0.0),
+                }
+            }
         }
     }
 
@@ -127,7 +150,7 @@ impl<'a> FoundEffect<'a> {
         if cables.len() > 1 && cables.len() == self.robot.cable_count() {
             return format!("all {several}");
         }
-        let noun = self.either(one, several);
+        let noun = if cables.len() == 1 { one } else { several };
         let numbers: Option<Vec<String>> = cables.iter().map(|i| self.number(*i)).collect();
         if let Some(numbers) = numbers {
             return format!("{noun} {}", list(&numbers));

@@ -19,7 +19,9 @@ pub(super) static EFFECT: Effect = Effect {
         [0.0000001, 0.0001],
     )],
     cause,
-    workshop,
+    workshop: |found| {
+        found.say("Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.")
+    },
     check: Some("Put a dial gauge at a pulley and pull its cable with a known force."),
     source: "Linear elasticity, one compliance for all pulleys",
     change_cable,
@@ -27,15 +29,10 @@ pub(super) static EFFECT: Effect = Effect {
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
-    format!(
-        "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {} the platform.",
-        millimetres(100.0 * found.value(0)),
-        found.way(0, "towards", "away from"),
+    found.say_with(
+        "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {0:towards|away from} the platform.",
+        &millimetres(100.0 * found.value(0)),
     )
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.".to_owned()
 }
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {

@@ -2,9 +2,7 @@
 //! and at all later labels. Typical 1 to 20 mm.
 
 use super::words::{self, displacement};
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Search,
-};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_shift",
@@ -16,33 +14,18 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("z", "m", 0.02, [0.001, 0.02]),
         EffectParameter::given("pose", "1", [1.0, 100.0]),
     ],
-    cause,
-    workshop,
+    cause: |found| found.say("From {3:pose} on, {pulley} {is|are} displaced by {displacement}."),
+    workshop: |found| {
+        found.say(
+            "Check {the bracket|the brackets} of {pulley}, tighten the bolts and measure again.",
+        )
+    },
     check: Some(words::GO_BACK),
     source: "Geometry",
     search: Search::FromPose(3),
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    let shift_m = [0, 1, 2].map(|k| found.value(k));
-    format!(
-        "From {} on, {} {} displaced by {}.",
-        found.pose(3),
-        found.name(Part::Pulley),
-        found.either("is", "are"),
-        displacement(&shift_m),
-    )
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Check {} of {}, tighten the bolts and measure again.",
-        found.either("the bracket", "the brackets"),
-        found.name(Part::Pulley),
-    )
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     if at.is_from(parameters[3].value) {

@@ -3,7 +3,7 @@
 //! (steel) to 24e-6 (aluminium) per kelvin.
 
 use super::words;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_thermal",
@@ -15,25 +15,17 @@ pub(super) static EFFECT: Effect = Effect {
         0.00002,
         [0.000012, 0.000024],
     )],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("The frame gets {0:mm} {0:longer|shorter} per metre and per kelvin of warming.")
+    },
+    workshop: |found| {
+        found.say("Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.")
+    },
     check: Some(words::REPEAT_WARMER),
     source: "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin",
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    format!(
-        "The frame gets {} {} per metre and per kelvin of warming.",
-        found.millimetres(0),
-        found.way(0, "longer", "shorter"),
-    )
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Measure at a steady temperature, or record the temperature of the frame with every pose so that it can be corrected for.".to_owned()
-}
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     for k in 0..3 {

@@ -16,7 +16,9 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052]),
     ],
     cause,
-    workshop,
+    workshop: |found| {
+        found.say("Check how the inclinometer is fastened, and zero it on the levelled platform.")
+    },
     check: Some(
         "Read the inclinometer, turn it by half a turn about the vertical, and read it again.",
     ),
@@ -39,10 +41,6 @@ fn cause(found: &FoundEffect<'_>) -> String {
             list(&words)
         },
     )
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Check how the inclinometer is fastened, and zero it on the levelled platform.".to_owned()
 }
 
 fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {

@@ -16,7 +16,9 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
     ],
     cause,
-    workshop,
+    workshop: |found| {
+        found.say("Check the screws of the laser's mount, and align the beam with a square on the platform.")
+    },
     check: Some(
         "Move the platform straight up and look whether the spot of the laser wanders on its target.",
     ),
@@ -29,11 +31,6 @@ fn cause(found: &FoundEffect<'_>) -> String {
     let stated = found.robot().laser.map(|laser| laser.direction);
     let tilt = inclination(stated, found.value(0), found.value(1));
     format!("The laser beam is tilted by {tilt} (platform axes).")
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Check the screws of the laser's mount, and align the beam with a square on the platform."
-        .to_owned()
 }
 
 fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {

@@ -5,9 +5,7 @@
 //! stay below 1. A fit finds the period only if it starts within about a tenth of `P^2 / range` of it.
 //! Typical amplitude 0.3 to 3 mm.
 
-use super::{
-    Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope, Search,
-};
+use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_cyclic",
@@ -23,8 +21,12 @@ pub(super) static EFFECT: Effect = Effect {
             [-std::f64::consts::PI, std::f64::consts::PI],
         ),
     ],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("The reading of the laser swings by {0:mm} to either side as the distance changes, once every {1:mm}.")
+    },
+    workshop: |found| {
+        found.say("Clean the optics of the laser and use a matt target without reflections. If the error stays, have the laser checked or replace it.")
+    },
     check: Some("Move the target of the laser along a steel ruler in steps of a few millimetres."),
     source: "Cyclic error of distance meters that compare phases",
     search: Search::Wave {
@@ -34,18 +36,6 @@ pub(super) static EFFECT: Effect = Effect {
     change_platform,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    format!(
-        "The reading of the laser swings by {} to either side as the distance changes, once every {}.",
-        found.millimetres(0),
-        found.millimetres(1),
-    )
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Clean the optics of the laser and use a matt target without reflections. If the error stays, have the laser checked or replace it.".to_owned()
-}
 
 fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     let [amplitude, period, phase] = [parameters[0], parameters[1], parameters[2]];

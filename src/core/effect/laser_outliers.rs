@@ -2,9 +2,7 @@
 //! For several poses name the effect several times.
 
 use super::words;
-use super::{
-    Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope, Search,
-};
+use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_outliers",
@@ -14,30 +12,16 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::given("pose", "1", [1.0, 100.0]),
         EffectParameter::new("error", "m", 0.1, [0.005, 0.1]),
     ],
-    cause,
-    workshop,
+    cause: |found| found.say("The laser reading at {0:pose} is {1:mm} too {1:long|short}."),
+    workshop: |found| {
+        found.say("Check whether something stood in the beam at {0:pose} or the spot missed the target. Measure that pose again or leave its laser reading out.")
+    },
     check: Some(words::GO_THERE_AGAIN),
     source: "A single wrong reading",
     search: Search::AtPose(0),
     change_platform,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    format!(
-        "The laser reading at {} is {} too {}.",
-        found.pose(0),
-        found.millimetres(1),
-        found.way(1, "long", "short"),
-    )
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Check whether something stood in the beam at {pose} or the spot missed the target. Measure that pose again or leave its laser reading out.",
-        pose = found.pose(0),
-    )
-}
 
 fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
     if at.is_at(parameters[0].value) {

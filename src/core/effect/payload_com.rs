@@ -2,7 +2,7 @@
 //! component along gravity only where the platform tilts. Typical 5 to 50 mm.
 
 use super::words::displacement;
-use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
+use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "payload_com",
@@ -13,25 +13,17 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("y", "m", 0.05, [0.005, 0.05]),
         EffectParameter::new("z", "m", 0.05, [0.005, 0.05]),
     ],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("The centre of mass of the platform is off by {displacement} (platform axes).")
+    },
+    workshop: |found| {
+        found.say("Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.")
+    },
     check: Some("Balance the platform on an edge to find its centre of mass."),
     source: "Static equilibrium",
     change_platform,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    let offset_m = [0, 1, 2].map(|k| found.value(k));
-    format!(
-        "The centre of mass of the platform is off by {} (platform axes).",
-        displacement(&offset_m),
-    )
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Check what was mounted on the platform or moved there since it was described. Hang the platform from one point after another to find its centre of mass.".to_owned()
-}
 
 fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
     for k in 0..3 {

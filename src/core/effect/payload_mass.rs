@@ -2,7 +2,7 @@
 //! sensors on all cables. Typical 5 to 30 %.
 
 use super::words::size;
-use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
+use super::{Effect, EffectParameter, FoundEffect, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "payload_mass",
@@ -10,10 +10,12 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::Robot,
     parameters: &[EffectParameter::new("change", "1", 0.3, [0.05, 0.3])],
     cause,
-    workshop,
+    workshop: |found| {
+        found.say("Weigh the platform with everything that it carries, and enter that mass.")
+    },
     check: Some("Weigh the platform on a scale, with everything that it carries."),
     source: "Static equilibrium",
-    change_platform,
+    change_platform: |parameters, _, ports| ports.mass *= parameters[0] + 1.0,
     ..Effect::NEUTRAL
 };
 
@@ -23,18 +25,8 @@ fn cause(found: &FoundEffect<'_>) -> String {
         let [is, stated] = [mass_kg * (1.0 + found.value(0)), mass_kg].map(size);
         format!(": {is} kg instead of {stated} kg")
     });
-    format!(
-        "The platform is {} {} than stated{}.",
-        found.percent(0),
-        found.way(0, "heavier", "lighter"),
-        masses.unwrap_or_default(),
+    found.say_with(
+        "The platform is {0:%} {0:heavier|lighter} than stated{}.",
+        &masses.unwrap_or_default(),
     )
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Weigh the platform with everything that it carries, and enter that mass.".to_owned()
-}
-
-fn change_platform(parameters: &[Dual], _at: &PlatformContext, ports: &mut PlatformPorts) {
-    ports.mass *= parameters[0] + 1.0;
 }

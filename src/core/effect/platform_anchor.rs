@@ -2,7 +2,7 @@
 //! 10 mm.
 
 use super::words::displacement;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
+use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "platform_anchor",
@@ -13,32 +13,17 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("y", "m", 0.01, [0.001, 0.01]),
         EffectParameter::new("z", "m", 0.01, [0.001, 0.01]),
     ],
-    cause,
-    workshop,
+    cause: |found| {
+        found.say("The attachment {point|points} of {cable} on the platform {is|are} off by {displacement} (platform axes).")
+    },
+    workshop: |found| {
+        found.say("Measure on the platform where {cable} {is|are} attached, and enter that point.")
+    },
     check: Some("Measure with calipers where the cable is attached to the platform."),
     source: "Geometry",
     change_cable,
     ..Effect::NEUTRAL
 };
-
-fn cause(found: &FoundEffect<'_>) -> String {
-    let offset_m = [0, 1, 2].map(|k| found.value(k));
-    format!(
-        "The attachment {} of {} on the platform {} off by {} (platform axes).",
-        found.either("point", "points"),
-        found.name(Part::Cable),
-        found.either("is", "are"),
-        displacement(&offset_m),
-    )
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Measure on the platform where {} {} attached, and enter that point.",
-        found.name(Part::Cable),
-        found.either("is", "are"),
-    )
-}
 
 fn change_cable(parameters: &[Dual], _at: &CableContext, ports: &mut CablePorts) {
     for k in 0..3 {

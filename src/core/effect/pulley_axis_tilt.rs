@@ -4,7 +4,7 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope};
+use super::{Effect, EffectParameter, FoundEffect, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_axis_tilt",
@@ -15,33 +15,22 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("tilt_2", "rad", 0.17, [0.017, 0.17]),
     ],
     cause,
-    workshop,
+    workshop: |found| {
+        found.say("Check the {bracket|brackets} of {pulley} with a square or a spirit level, and align the swivel axis with the arriving cable.")
+    },
     check: Some("Hold a spirit level against the swivel axis of the pulley."),
     source: "Geometry",
-    change_cable,
+    change_cable: |parameters, at, ports| {
+        ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1])
+    },
     ..Effect::NEUTRAL
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
     // The axis points along the arriving cable; where axes differ there is no common direction to name.
     let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
-    let tilt = inclination(stated, found.value(0), found.value(1));
-    format!(
-        "The swivel {} of {}, along the arriving cable, {} tilted by {tilt}.",
-        found.either("axis", "axes"),
-        found.name(Part::Pulley),
-        found.either("is", "are"),
+    found.say_with(
+        "The swivel {axis|axes} of {pulley}, along the arriving cable, {is|are} tilted by {}.",
+        &inclination(stated, found.value(0), found.value(1)),
     )
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Check the {} of {} with a square or a spirit level, and align the swivel axis with the arriving cable.",
-        found.either("bracket", "brackets"),
-        found.name(Part::Pulley),
-    )
-}
-
-fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
-    ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
 }

@@ -6,10 +6,8 @@
 //! home pose); the direction is that of the readings. Typical 0.005 to 0.1; 3 % of the tension for 90
 //! degrees at 0.02. Source: belt friction (Euler, Eytelwein).
 
-use super::words::{self, percent, sentence};
-use super::{
-    CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Part, Scope, Stage,
-};
+use super::words::{self, percent};
+use super::{Effect, EffectParameter, FoundEffect, Scope, Stage};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_friction",
@@ -17,36 +15,22 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::CableOrAll,
     parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1])],
     cause,
-    workshop,
+    workshop: |found| {
+        found.say("Clean and lubricate the {bearing|bearings} of {pulley}, and check that the cable runs freely in the groove.")
+    },
     check: Some(words::GO_FROM_EITHER_SIDE),
     source: "Belt friction (Euler, Eytelwein)",
     stage: Stage::Ratio,
-    change_cable,
+    change_cable: |parameters, at, ports| {
+        ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp()
+    },
     ..Effect::NEUTRAL
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
     let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();
-    let (paid_out, reeled_in) = (
-        found.way(0, "higher", "lower"),
-        found.way(0, "lower", "higher"),
-    );
-    sentence(&format!(
-        "{} {}: with 90 degrees of wrap the tension at the platform is {} {paid_out} than at the sensor after paying out, and about as much {reeled_in} after reeling in.",
-        found.name(Part::Pulley),
-        found.either("rubs", "rub"),
-        percent(quarter_turn),
-    ))
-}
-
-fn workshop(found: &FoundEffect<'_>) -> String {
-    format!(
-        "Clean and lubricate the {} of {}, and check that the cable runs freely in the groove.",
-        found.either("bearing", "bearings"),
-        found.name(Part::Pulley),
+    found.say_with(
+        "{pulley} {rubs|rub}: with 90 degrees of wrap the tension at the platform is {} {0:higher|lower} than at the sensor after paying out, and about as much {0:lower|higher} after reeling in.",
+        &percent(quarter_turn),
     )
-}
-
-fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
-    ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
 }

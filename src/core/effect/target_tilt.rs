@@ -16,7 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
     ],
     cause,
-    workshop,
+    workshop: |found| found.say("Check the target with a spirit level or a square, and align it."),
     check: Some("Put a spirit level on the target of the laser."),
     source: "Geometry",
     change_platform,
@@ -27,10 +27,6 @@ fn cause(found: &FoundEffect<'_>) -> String {
     let stated = found.robot().laser.map(|laser| laser.target_plane.normal);
     let tilt = inclination(stated, found.value(0), found.value(1));
     format!("The target of the laser is not square: its normal is tilted by {tilt}.")
-}
-
-fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Check the target with a spirit level or a square, and align it.".to_owned()
 }
 
 fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {

@@ -80,6 +80,10 @@ fn every_effect_says_whole_sentences() {
             assert!(!text.contains("  ") && !text.contains(" ."), "{text}");
             assert!(!text.contains("NaN") && !text.contains("inf "), "{text}");
             assert!(!has_negative_number(&text), "{text}");
+            assert!(
+                !text.contains(['{', '}', '|']),
+                "a field without meaning: {text}"
+            );
         }
         let cause = bound.cause(robot);
         assert_eq!(cause.matches(". ").count(), 0, "{cause}");
