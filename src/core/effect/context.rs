@@ -76,13 +76,11 @@ pub struct PlatformContext {
 impl CableContext {
     /// Whether this is the pose with this label or a later one; the home pose is before all others.
     /// NaN stands for every pose: so a search sees all of them at once.
-    #[must_use]
     pub fn is_from(&self, label: f64) -> bool {
         !self.is_home && (label.is_nan() || self.label as f64 >= label)
     }
 
     /// Whether this is the pose with this label, and not the home pose; NaN stands for every pose.
-    #[must_use]
     pub fn is_at(&self, label: f64) -> bool {
         !self.is_home && (label.is_nan() || self.label as f64 == label)
     }
@@ -90,7 +88,6 @@ impl CableContext {
 
 impl PlatformContext {
     /// Whether this is the pose with this label; NaN stands for every pose.
-    #[must_use]
     pub fn is_at(&self, label: f64) -> bool {
         label.is_nan() || self.label as f64 == label
     }

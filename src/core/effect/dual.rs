@@ -13,13 +13,11 @@ pub struct Dual {
 
 impl Dual {
     /// A constant.
-    #[must_use]
     pub fn constant(value: f64) -> Self {
         Self { value, slope: 0.0 }
     }
 
     /// The parameter itself.
-    #[must_use]
     pub fn variable(value: f64) -> Self {
         Self { value, slope: 1.0 }
     }
@@ -32,26 +30,22 @@ impl Dual {
     }
 
     /// Sine.
-    #[must_use]
     pub fn sin(self) -> Self {
         self.chain(self.value.sin(), self.value.cos())
     }
 
     /// Cosine.
-    #[must_use]
     pub fn cos(self) -> Self {
         self.chain(self.value.cos(), -self.value.sin())
     }
 
     /// Square root.
-    #[must_use]
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
     }
 
     /// Angle of the point `(x, self)`.
-    #[must_use]
     pub fn atan2(self, x: Self) -> Self {
         let square = self.value.mul_add(self.value, x.value * x.value);
         let slope = (self.slope * x.value - self.value * x.slope) / square;
@@ -62,13 +56,11 @@ impl Dual {
     }
 
     /// Exponential.
-    #[must_use]
     pub fn exp(self) -> Self {
         self.chain(self.value.exp(), self.value.exp())
     }
 
     /// Reciprocal.
-    #[must_use]
     pub fn recip(self) -> Self {
         let inverse = self.value.recip();
         self.chain(inverse, -inverse * inverse)

@@ -38,25 +38,21 @@ impl Part {
 
 impl<'a> FoundEffect<'a> {
     /// `bound` on `robot`.
-    #[must_use]
     pub fn new(robot: &'a Robot, bound: &'a BoundEffect) -> Self {
         Self { robot, bound }
     }
 
     /// The robot.
-    #[must_use]
     pub fn robot(&self) -> &'a Robot {
         self.robot
     }
 
     /// Indices of the cables that share the values.
-    #[must_use]
     pub fn cables(&self) -> &'a [usize] {
         &self.bound.cables
     }
 
     /// Value of a parameter (SI units).
-    #[must_use]
     pub fn value(&self, parameter: usize) -> f64 {
         self.bound.values[parameter]
     }
@@ -70,13 +66,11 @@ impl<'a> FoundEffect<'a> {
     /// - `{0:pose}`: the pose of which parameter 0 is the label;
     /// - `{displacement}`: the first three parameters as a displacement;
     /// - `{revolutions:a|b}`: the first where winches count revolutions, the second where lengths are read.
-    #[must_use]
     pub fn say(&self, text: &str) -> String {
         self.say_with(text, "")
     }
 
     /// The same with `insert` in place of the field `{}`.
-    #[must_use]
     pub fn say_with(&self, text: &str, insert: &str) -> String {
         let mut said = String::new();
         let mut rest = text;
@@ -136,14 +130,12 @@ impl<'a> FoundEffect<'a> {
     }
 
     /// Whether winches count revolutions from a home pose, rather than reading the length of a cable.
-    #[must_use]
     pub fn counts_revolutions(&self) -> bool {
         self.robot.home.is_some()
     }
 
     /// The part of the cables concerned, without capital: `winch 3`, `winches 1, 4 and 5`, `all winches`, `the
     /// winch of left-front`.
-    #[must_use]
     pub fn name(&self, part: Part) -> String {
         let [one, several] = part.nouns();
         let cables = self.cables();
@@ -184,13 +176,11 @@ impl<'a> FoundEffect<'a> {
 
 impl BoundEffect {
     /// What is the matter, in the sentence that a technician reads.
-    #[must_use]
     pub fn cause(&self, robot: &Robot) -> String {
         (self.effect.cause)(&FoundEffect::new(robot, self))
     }
 
     /// What to do about it in the workshop.
-    #[must_use]
     pub fn workshop(&self, robot: &Robot) -> String {
         (self.effect.workshop)(&FoundEffect::new(robot, self))
     }

@@ -1,6 +1,6 @@
 //! Physical effects that extend the nominal model.
 //!
-//! Each effect is one file: what it changes in the prediction (through [`CablePorts`] and
+//! Each effect is one file with one static [`Effect`]: what it changes in the prediction (through [`CablePorts`] and
 //! [`PlatformPorts`]), its parameters with unit, prior and typical size, and what a technician reads when
 //! it was found ([`FoundEffect`]). The same code hides an effect in simulated data and adds it to a model.
 
@@ -55,11 +55,10 @@ mod words;
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, find};
 pub use channels::measurements_as_modelled;
-pub use context::{CableContext, PlatformContext};
-pub(crate) use context::{PoseContexts, sign, travel};
-pub use dual::Dual;
-pub use found::{FoundEffect, Part};
-pub use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
+pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, travel};
+pub(crate) use dual::Dual;
+pub(crate) use found::FoundEffect;
+pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
 

@@ -53,47 +53,30 @@ pub struct PlatformPorts<T = Dual> {
     pub inclination_offset: [T; 3],
 }
 
-/// One scalar of [`CablePorts`].
+/// Names a scalar of [`CablePorts`]; vectors by component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CablePort {
-    /// Cable paid out.
     Paid,
-    /// Tension.
     Tension,
-    /// Extra strain.
     Strain,
-    /// Reciprocal stiffness.
     Compliance,
-    /// Weight per metre.
     Weight,
-    /// Pulley radius.
     Radius,
-    /// Component of the entry point's shift.
     EntryShift(usize),
-    /// Component of the swivel axis.
     Axis(usize),
-    /// Component of the platform anchor.
     Anchor(usize),
-    /// Swivel reading offset.
     SwivelOffset,
 }
 
-/// One scalar of [`PlatformPorts`].
+/// Names a scalar of [`PlatformPorts`]; vectors by component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlatformPort {
-    /// Mass.
     Mass,
-    /// Component of the centre of mass.
     CenterOfMass(usize),
-    /// Laser gain.
     LaserGain,
-    /// Laser bias.
     LaserBias,
-    /// Component of the beam direction.
     LaserDirection(usize),
-    /// Component of the target normal.
     TargetNormal(usize),
-    /// Component of the inclination offset.
     InclinationOffset(usize),
 }
 
@@ -153,7 +136,6 @@ fn constants(values: [f64; 3]) -> [Dual; 3] {
 impl CablePorts {
     /// The ports of a cable before any effect, for the cable paid out (m) and the tension (N) that its
     /// readings tell.
-    #[must_use]
     pub fn nominal(cable: &Cable, paid: f64, tension: f64) -> Self {
         Self {
             paid: Dual::constant(paid),
@@ -184,7 +166,6 @@ impl CablePorts {
 
 impl<T: Copy> CablePorts<T> {
     /// The scalar that a port names.
-    #[must_use]
     pub fn get(&self, port: CablePort) -> T {
         match port {
             CablePort::Paid => self.paid,
@@ -201,7 +182,6 @@ impl<T: Copy> CablePorts<T> {
     }
 
     /// The ports with the value of a function at each.
-    #[must_use]
     pub fn from_fn(mut value: impl FnMut(CablePort) -> T) -> Self {
         Self {
             paid: value(CablePort::Paid),
@@ -220,7 +200,6 @@ impl<T: Copy> CablePorts<T> {
 
 impl PlatformPorts {
     /// The ports of the platform before any effect.
-    #[must_use]
     pub fn nominal(robot: &Robot) -> Self {
         let laser = robot.laser;
         Self {
@@ -237,7 +216,6 @@ impl PlatformPorts {
 
 impl<T: Copy> PlatformPorts<T> {
     /// The scalar that a port names.
-    #[must_use]
     pub fn get(&self, port: PlatformPort) -> T {
         match port {
             PlatformPort::Mass => self.mass,
@@ -251,7 +229,6 @@ impl<T: Copy> PlatformPorts<T> {
     }
 
     /// The ports with the value of a function at each.
-    #[must_use]
     pub fn from_fn(mut value: impl FnMut(PlatformPort) -> T) -> Self {
         Self {
             mass: value(PlatformPort::Mass),

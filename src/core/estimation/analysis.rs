@@ -8,12 +8,13 @@
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::evaluated::Evaluated;
 use super::evaluator::{Elimination, Evaluator, Layout};
 use super::home::HomeRow;
 use super::observation::{Observation, ObservationKind};
 use super::problem::Problem;
 use super::solution::Solution;
-use super::system::{ColumnMap, Priors, System};
+use super::system::{Priors, System};
 use crate::real::{Kernel, Lanes, Packet};
 
 /// Residuals of all readings at a solution.
@@ -85,39 +86,23 @@ impl WithSimd for Dispatch<'_> {
 }
 
 fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solution) -> Analysis {
-    let globals = &solution.globals;
-    let counts_from_home = !problem.dataset.measurements.revolutions.is_empty();
-    let home_row = problem.home_row().filter(|_| counts_from_home);
-    let fitted = &solution.poses[usize::from(home_row.is_some())..];
-    let rows: Vec<usize> = fitted.iter().map(|(row, _)| *row).collect();
-    let poses: Vec<_> = fitted.iter().map(|(_, pose)| *pose).collect();
-    let mut home_evaluator = home_row.map(|row| Evaluator::home((), problem, globals, row));
-    let home = match &mut home_evaluator {
-        Some(e) => HomeRow::evaluate(e, problem, globals, &solution.parameters, None),
-        None => HomeRow::absolute(problem),
+    let mut at = Evaluated::<T>::at(token, problem, solution);
+    let own = covariance_at(&mut at, problem, solution);
+    let covariance = own.as_ref();
+    let observations = match &mut at.home_evaluator {
+        Some((row, evaluator)) => home_observations(evaluator, problem, covariance, &at.home, *row),
+        None => Vec::new(),
     };
-    let mut evaluator = Evaluator::<T>::new(token, problem, globals, rows, &poses);
-    evaluator.set_globals(globals, Some(&home.lengths));
-    evaluator.detailed = true;
-    let map = ColumnMap::new(problem, &solution.parameters, &evaluator.layout);
-    let own = covariance_at(&mut evaluator, problem, solution, &map, &home);
-    let covariance = own.as_ref().map(|c| map.column_covariance(&home, c));
-    let observations = home_row.map_or_else(Vec::new, |row| {
-        let evaluator = home_evaluator.as_mut();
-        evaluator.map_or_else(Vec::new, |e| {
-            home_observations(e, problem, own.as_ref(), &home, row)
-        })
-    });
     let mut collector = Collector {
         problem,
-        covariance,
+        covariance: covariance.map(|c| at.map.column_covariance(&at.home, c)),
         observations,
         tension_errors_n: Vec::new(),
     };
     T::run(
         token,
         AnalysePoses {
-            evaluator: &mut evaluator,
+            evaluator: &mut at.poses,
             collector: &mut collector,
             token,
         },
@@ -125,25 +110,23 @@ fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solutio
     Analysis {
         observations: collector.observations,
         tension_errors_n: collector.tension_errors_n,
-        prior_redundancies: prior_redundancies(problem, solution, own.as_ref()),
+        prior_redundancies: prior_redundancies(problem, solution, covariance),
     }
 }
 
 /// Covariance of the parameters with the equations linearised at the solution itself; that of the
 /// solution belongs to the state before the last step.
 fn covariance_at<T: Packet>(
-    evaluator: &mut Evaluator<'_, T>,
+    at: &mut Evaluated<'_, T>,
     problem: &Problem<'_>,
     solution: &Solution,
-    map: &ColumnMap,
-    home: &HomeRow,
 ) -> Option<DMatrix<f64>> {
     solution.covariance.as_ref()?;
-    // Twice: the first pass finds the tensions at which the balance is linearised.
-    evaluator.assemble(None, None, 0.0);
-    evaluator.assemble(None, None, 0.0);
+    // Twice: the first pass finds the tensions at which the equilibrium is linearised.
+    at.poses.assemble(None, None, 0.0);
+    at.poses.assemble(None, None, 0.0);
     let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
-    System::build(&evaluator.sums, map, home, &priors).covariance()
+    System::build(&at.poses.sums, &at.map, &at.home, &priors).covariance()
 }
 
 /// Standard deviation of a reading; `length_weight` is the whitening factor of its length row.

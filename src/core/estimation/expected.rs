@@ -7,12 +7,12 @@
 
 use nalgebra::DMatrix;
 
-use super::evaluator::{Elimination, Evaluator, Sums};
+use super::evaluated::Evaluated;
+use super::evaluator::{Elimination, Sums};
 use super::globals::Globals;
-use super::home::HomeRow;
 use super::parameter::Parameter;
 use super::problem::Problem;
-use super::system::{ColumnMap, Priors, System};
+use super::system::{Priors, System};
 use crate::geometry::Pose;
 
 /// Length of a column of `Q` that a coordinate which the readings leave open does not have.
@@ -23,9 +23,9 @@ const DETERMINED: f64 = 0.5;
 pub struct ExpectedInformation {
     /// The parameters, in the order of the columns.
     pub parameters: Vec<Parameter>,
-    /// `I_0`: priors and the readings of the home pose.
+    /// `I_0`: priors and the readings of the home pose; parameters x parameters.
     pub common: DMatrix<f64>,
-    /// `R_k` of each pose, in their order.
+    /// `R_k` of each pose, in their order; rows x parameters, in standard deviations.
     pub poses: Vec<DMatrix<f64>>,
 }
 
@@ -41,28 +41,19 @@ impl ExpectedInformation {
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
         assert_eq!(rows.len(), poses.len(), "one pose per row");
-        let home = match problem.home_row() {
-            Some(row) => {
-                let mut evaluator = Evaluator::<f64>::home((), problem, &globals, row);
-                HomeRow::evaluate(&mut evaluator, problem, &globals, &parameters, None)
-            }
-            None => HomeRow::absolute(problem),
-        };
-        let mut evaluator = Evaluator::<f64>::new((), problem, &globals, rows, poses);
-        evaluator.set_globals(&globals, Some(&home.lengths));
-        let map = ColumnMap::new(problem, &parameters, &evaluator.layout);
+        let mut at = Evaluated::<f64>::new((), problem, &globals, &parameters, (rows, poses));
         let priors = Priors::evaluate(problem, &globals, &parameters);
-        let nothing = Sums::<f64>::new((), &evaluator.layout);
+        let nothing = Sums::<f64>::new((), &at.poses.layout);
         Self {
-            common: System::build(&nothing, &map, &home, &priors).information,
+            common: System::build(&nothing, &at.map, &at.home, &priors).information,
             poses: (0..poses.len())
-                .map(|index| remaining_rows(&mut evaluator, index, &map, &home))
+                .map(|index| remaining_rows(&mut at, index))
                 .collect(),
             parameters,
         }
     }
 
-    /// The information of the poses picked and of all that is common.
+    /// The information of the poses picked and of all that is common, parameters x parameters.
     #[must_use]
     pub fn of(&self, picked: impl IntoIterator<Item = usize>) -> DMatrix<f64> {
         let mut sum = self.common.clone();
@@ -74,14 +65,9 @@ impl ExpectedInformation {
     }
 }
 
-fn remaining_rows(
-    evaluator: &mut Evaluator<'_, f64>,
-    index: usize,
-    map: &ColumnMap,
-    home: &HomeRow,
-) -> DMatrix<f64> {
-    let layout = evaluator.layout.clone();
-    let equations = evaluator.equations_at(index);
+fn remaining_rows(at: &mut Evaluated<'_, f64>, index: usize) -> DMatrix<f64> {
+    let layout = at.poses.layout.clone();
+    let equations = at.poses.equations_at(index);
     let mut elimination = Elimination::new(&layout, 0.0);
     elimination.eliminate(equations, &layout, 0.0);
     let measured: Vec<usize> = (0..layout.rows)
@@ -93,7 +79,7 @@ fn remaining_rows(
         let y = elimination.half_solve(equations.by_pose[*r]);
         basis.row_mut(k).copy_from_slice(&y);
         let gradient = elimination.remaining_gradient(equations, &layout, *r, y);
-        let mapped = map.map_row(home, &gradient);
+        let mapped = at.map.map_row(&at.home, &gradient);
         let rows = rows.get_or_insert_with(|| DMatrix::zeros(measured.len(), mapped.len()));
         rows.row_mut(k).copy_from_slice(&mapped);
     }

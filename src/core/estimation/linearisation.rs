@@ -9,13 +9,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::analysis::sd_of;
-use super::evaluator::{Elimination, Equations, Evaluator};
-use super::home::HomeRow;
+use super::evaluated::Evaluated;
+use super::evaluator::{Elimination, Equations};
 use super::observation::ObservationKind;
 use super::parameter::Parameter;
 use super::problem::Problem;
 use super::solution::Solution;
-use super::system::{ColumnMap, Priors};
+use super::system::Priors;
 
 /// What a row stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,9 +46,11 @@ pub struct PoseBlock {
     pub row: usize,
     /// The rows of the linearisation that belong to the pose.
     pub rows: std::ops::Range<usize>,
-    /// `C` with `C C^T = M`, the covariance of these rows if the common parameters were known.
+    /// `C` with `C C^T = M`, the covariance of these rows if the common parameters were known: one row for each of
+    /// `rows`, one column for each reading but tensions.
     pub remainder: DMatrix<f64>,
-    /// Derivative of the fitted pose (translation, rotation vector; base frame) with respect to the parameters.
+    /// Derivative of the fitted pose (translation, rotation vector; base frame) with respect to the parameters:
+    /// 6 x parameters (m or rad per unit of the parameter).
     pub pose_by_parameter: DMatrix<f64>,
 }
 
@@ -59,9 +61,10 @@ pub struct Linearisation {
     pub parameters: Vec<Parameter>,
     /// What the rows are: pose by pose, then those of the home pose, then priors.
     pub rows: Vec<LinearRow>,
-    /// Estimated noise of each row, in its standard deviations, sign as prediction minus reading.
+    /// Estimated noise of each row, in its standard deviations, sign as prediction minus reading: one entry per row.
     pub residual: DVector<f64>,
-    /// Derivative of the rows with respect to the parameters, poses and tensions following.
+    /// Derivative of the rows with respect to the parameters, poses and tensions following: rows x parameters (1 per
+    /// unit of the parameter).
     pub design: DMatrix<f64>,
     /// The poses.
     pub poses: Vec<PoseBlock>,
@@ -78,10 +81,7 @@ impl Linearisation {
 struct Builder<'a> {
     problem: &'a Problem<'a>,
     solution: &'a Solution,
-    home_evaluator: Option<(usize, Evaluator<'a, f64>)>,
-    home: HomeRow,
-    evaluator: Evaluator<'a, f64>,
-    map: ColumnMap,
+    at: Evaluated<'a, f64>,
     rows: Vec<LinearRow>,
     residual: Vec<f64>,
     /// Blocks of the design, stacked at the end.
@@ -91,27 +91,10 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(problem: &'a Problem<'a>, solution: &'a Solution) -> Self {
-        let globals = &solution.globals;
-        let home_row = problem.home_row();
-        let fitted = &solution.poses[usize::from(home_row.is_some())..];
-        let rows: Vec<usize> = fitted.iter().map(|(row, _)| *row).collect();
-        let poses: Vec<_> = fitted.iter().map(|(_, pose)| *pose).collect();
-        let mut home_evaluator =
-            home_row.map(|row| (row, Evaluator::home((), problem, globals, row)));
-        let home = match &mut home_evaluator {
-            Some((_, e)) => HomeRow::evaluate(e, problem, globals, &solution.parameters, None),
-            None => HomeRow::absolute(problem),
-        };
-        let mut evaluator = Evaluator::<f64>::new((), problem, globals, rows, &poses);
-        evaluator.set_globals(globals, Some(&home.lengths));
-        evaluator.detailed = true;
         Self {
             problem,
             solution,
-            map: ColumnMap::new(problem, &solution.parameters, &evaluator.layout),
-            home_evaluator,
-            home,
-            evaluator,
+            at: Evaluated::at((), problem, solution),
             rows: Vec::new(),
             residual: Vec::new(),
             blocks: Vec::new(),
@@ -120,7 +103,7 @@ impl<'a> Builder<'a> {
     }
 
     fn build(mut self) -> Linearisation {
-        for index in 0..self.evaluator.rows().len() {
+        for index in 0..self.at.poses.rows().len() {
             self.add_pose(index);
         }
         self.add_home();
@@ -143,11 +126,11 @@ impl<'a> Builder<'a> {
 
     fn add_pose(&mut self, index: usize) {
         // Twice: the first time finds the tensions at which the second linearises.
-        self.evaluator.equations_at(index);
-        self.evaluator.equations_at(index);
-        let row = self.evaluator.rows()[index];
-        let layout = self.evaluator.layout.clone();
-        let mut equations = self.evaluator.equations().clone();
+        self.at.poses.equations_at(index);
+        self.at.poses.equations_at(index);
+        let row = self.at.poses.rows()[index];
+        let layout = self.at.poses.layout.clone();
+        let mut equations = self.at.poses.equations().clone();
         let mut elimination = Elimination::new(&layout, 0.0);
         elimination.eliminate(&equations, &layout, 0.0);
         let present: Vec<usize> = (0..layout.rows)
@@ -159,7 +142,7 @@ impl<'a> Builder<'a> {
             let y = elimination.half_solve(equations.by_pose[*r]);
             basis.row_mut(k).copy_from_slice(&y);
             let gradient = elimination.remaining_gradient(&equations, &layout, *r, y);
-            let mapped = self.map.map_row(&self.home, &gradient);
+            let mapped = self.at.map.map_row(&self.at.home, &gradient);
             design.row_mut(k).copy_from_slice(&mapped);
         }
         let whitened = DVector::from_iterator(
@@ -189,10 +172,10 @@ impl<'a> Builder<'a> {
         equations: &mut Equations<f64>,
         present: &[usize],
     ) -> (Vec<LinearRow>, DMatrix<f64>) {
-        let layout = &self.evaluator.layout;
+        let layout = &self.at.poses.layout;
         let latent = self.problem.has_latent_tension();
         let forces = &self.problem.dataset.measurements.force_n;
-        let tension_sd = |cable: usize| self.evaluator.tension_sd(cable);
+        let tension_sd = |cable: usize| self.at.poses.tension_sd(cable);
         let weights: Vec<f64> = equations.length_by_cable.iter().map(|g| -g[3]).collect();
         let mut kinds: Vec<LinearRow> = Vec::new();
         let of = |kind, sd| LinearRow {
@@ -204,8 +187,8 @@ impl<'a> Builder<'a> {
             let kind = layout.kinds[*r];
             let weight = weights.get(*r).copied().unwrap_or(1.0);
             let sd = match kind {
-                ObservationKind::Length(cable) => self.evaluator.length_sd(cable),
-                ObservationKind::Equilibrium(k) => self.evaluator.wrench_variance(k.index()).sqrt(),
+                ObservationKind::Length(cable) => self.at.poses.length_sd(cable),
+                ObservationKind::Equilibrium(k) => self.at.poses.wrench_variance(k.index()).sqrt(),
                 _ => sd_of(self.problem, kind, row, weight),
             };
             kinds.push(of(RowKind::Observation(kind), sd));
@@ -252,14 +235,14 @@ impl<'a> Builder<'a> {
         let mut mapped = DMatrix::zeros(6, self.solution.parameters.len());
         for k in 0..6 {
             let row: Vec<f64> = by_column.row(k).iter().copied().collect();
-            let row = self.map.map_row(&self.home, &row);
+            let row = self.at.map.map_row(&self.at.home, &row);
             mapped.row_mut(k).copy_from_slice(&row);
         }
         mapped
     }
 
     fn add_home(&mut self) {
-        let Some((row, evaluator)) = &mut self.home_evaluator else {
+        let Some((row, evaluator)) = &mut self.at.home_evaluator else {
             return;
         };
         let layout = evaluator.layout.clone();
@@ -273,8 +256,8 @@ impl<'a> Builder<'a> {
                 kind: RowKind::Observation(kind),
                 sd: sd_of(self.problem, kind, *row, 1.0),
             });
-            self.residual.push(self.home.residuals[index]);
-            let gradient = &self.home.gradients[index * n..(index + 1) * n];
+            self.residual.push(self.at.home.residuals[index]);
+            let gradient = &self.at.home.gradients[index * n..(index + 1) * n];
             self.blocks.push(DMatrix::from_row_slice(1, n, gradient));
         }
     }

@@ -1,7 +1,12 @@
-//! Identification: problems, solver, summary.
+//! Identification: the geometry of a robot, and the size of effects, from what was measured on it.
+//!
+//! [`Problem`] is what is estimated from which data, [`solve`] finds the weighted least-squares estimate, [`Solution`]
+//! is the estimate with its covariance. What the residuals say is in [`Analysis`], what the data leave open in
+//! [`rank_defects`]; [`Linearisation`] and [`ExpectedInformation`] are the matrices behind it.
 
 mod analysis;
 mod covariance;
+mod evaluated;
 mod evaluator;
 mod expected;
 mod globals;

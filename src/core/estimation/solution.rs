@@ -17,9 +17,10 @@ pub struct Solution {
     pub poses: Vec<(usize, Pose)>,
     /// The estimated parameters, in the order of the covariance.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters (SI units squared); `None` where the data do not determine them.
+    /// Covariance of the parameters, parameters x parameters (products of their SI units); `None` where the data do not
+    /// determine them.
     pub covariance: Option<DMatrix<f64>>,
-    /// Information matrix of the parameters, the poses eliminated.
+    /// Information matrix of the parameters, the poses eliminated: the inverse of the covariance, parameters x parameters.
     pub information: DMatrix<f64>,
     /// Why the solve ended.
     pub termination: Termination,
@@ -48,7 +49,8 @@ pub struct OutsideSurface {
 }
 
 impl Solution {
-    /// Whether the solve converged.
+    /// Whether the solve ended at a minimum: the next step was predicted to gain nothing worth taking. One that stalled, was
+    /// cancelled or ran out of steps did not converge, however few steps it took.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
@@ -66,7 +68,7 @@ impl Solution {
         self.covariance.as_ref().map(|c| c[(index, index)].sqrt())
     }
 
-    /// Correlations of the parameters, in the order of the covariance; `None` where the data do not
+    /// Correlations of the parameters, parameters x parameters, in the order of the covariance; `None` where the data do not
     /// determine them.
     #[must_use]
     pub fn correlations(&self) -> Option<DMatrix<f64>> {

@@ -21,6 +21,28 @@ use crate::tolerances::PERFECT_FIT;
 
 /// Solves an estimation problem from the nominal values, or from a solution that is known.
 ///
+/// The observer sees every step and can cancel; the state so far is returned then.
+///
+/// ```
+/// use tautline_core::estimation::{Control, Options, Problem, solve};
+/// use tautline_core::robot::presets;
+/// use tautline_core::simulation::{SimulationOptions, simulate};
+///
+/// let planar = presets::find("planar").unwrap();
+/// let options = SimulationOptions {
+///     workspace: Some(planar.workspace),
+///     tension: Some(planar.tension),
+///     ..SimulationOptions::new(20, 1)
+/// };
+/// let run = simulate(&planar.robot, &options)?;
+///
+/// let problem = Problem::new(&run.dataset)?;
+/// let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
+/// assert!(solution.converged());
+/// assert!(solution.p_value().unwrap() > 1e-3, "the model explains its own data");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the measurements cannot be used with this robot at all, or no reading depends on a free effect.
 /// Non-convergence is no error.

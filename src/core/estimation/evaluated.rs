@@ -1,0 +1,58 @@
+//! A problem evaluated at given parameters and poses: what analysis and linearisation start from.
+
+use super::evaluator::Evaluator;
+use super::globals::Globals;
+use super::home::HomeRow;
+use super::parameter::Parameter;
+use super::problem::Problem;
+use super::solution::Solution;
+use super::system::ColumnMap;
+use crate::geometry::Pose;
+use crate::real::Packet;
+
+/// The evaluators of the poses and of the home row, and how columns depend on parameters.
+pub(super) struct Evaluated<'a, T: Packet> {
+    pub poses: Evaluator<'a, T>,
+    /// Row and evaluator of the home pose, if revolutions count from it.
+    pub home_evaluator: Option<(usize, Evaluator<'a, f64>)>,
+    pub home: HomeRow,
+    pub map: ColumnMap,
+}
+
+impl<'a, T: Packet> Evaluated<'a, T> {
+    pub fn new(
+        token: T::Token,
+        problem: &'a Problem<'a>,
+        globals: &Globals,
+        parameters: &[Parameter],
+        (rows, poses): (Vec<usize>, &[Pose]),
+    ) -> Self {
+        let home_row = problem.home_row();
+        let evaluator = |row| (row, Evaluator::home((), problem, globals, row));
+        let mut home_evaluator = home_row.map(evaluator);
+        let home = match &mut home_evaluator {
+            Some((_, evaluator)) => {
+                HomeRow::evaluate(evaluator, problem, globals, parameters, None)
+            }
+            None => HomeRow::absolute(problem),
+        };
+        let mut poses = Evaluator::<T>::new(token, problem, globals, rows, poses);
+        poses.set_globals(globals, Some(&home.lengths));
+        Self {
+            map: ColumnMap::new(problem, parameters, &poses.layout),
+            poses,
+            home_evaluator,
+            home,
+        }
+    }
+
+    /// At a solution, with all details.
+    pub fn at(token: T::Token, problem: &'a Problem<'a>, solution: &Solution) -> Self {
+        let fitted = &solution.poses[usize::from(problem.home_row().is_some())..];
+        let (rows, poses): (Vec<usize>, Vec<Pose>) = fitted.iter().copied().unzip();
+        let (globals, parameters) = (&solution.globals, &solution.parameters);
+        let mut evaluated = Self::new(token, problem, globals, parameters, (rows, &poses));
+        evaluated.poses.detailed = true;
+        evaluated
+    }
+}
