@@ -114,25 +114,23 @@ impl EffectRequest {
         if !effect.is_estimable() {
             return Err(EffectError::NothingToEstimate(self.effect.clone()));
         }
-        let all: Vec<usize> = (0..robot.cable_count()).collect();
-        let given = self.values.iter().map(|(name, value)| (name, *value));
-        let values = values_of(effect, given, |p| p.start)?;
-        let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
-            effect,
-            cables,
-            targeted,
-            values: values.clone(),
-        };
-        match (&self.cable, effect.scope()) {
-            (Some(_), Scope::Robot) => Err(EffectError::NoTarget(self.effect.clone())),
-            (_, Scope::Pair) => Err(EffectError::NeedsPair(self.effect.clone())),
-            (Some(name), _) => {
-                let cable = cable_called(robot, &self.effect, name)?;
-                Ok(vec![bound(vec![cable], true)])
+        let targets: Vec<Vec<String>> = match &self.cable {
+            Some(name) => vec![vec![name.clone()]],
+            None if effect.scope == Scope::Cable => {
+                let cables = robot.cables.iter();
+                cables.map(|cable| vec![cable.name.clone()]).collect()
             }
-            (None, Scope::Cable) => Ok(all.iter().map(|i| bound(vec![*i], true)).collect()),
-            (None, _) => Ok(vec![bound(all, false)]),
-        }
+            None => vec![Vec::new()],
+        };
+        let bound = |targets| {
+            let setting = EffectSetting {
+                effect: self.effect.clone(),
+                targets,
+                parameters: self.values.iter().cloned().collect(),
+            };
+            BoundEffect::to_estimate(&setting, robot)
+        };
+        targets.into_iter().map(bound).collect()
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(words::GO_BACK),
     source: "Logarithmic creep of fibre ropes",
     change_cable: |parameters, at, ports| {
-        ports.strain += parameters[0] * (at.time_s.max(0.0) / 600.0).ln_1p()
+        ports.strain += parameters[0] * (at.time_s.max(0.0) / 600.0).ln_1p();
     },
     ..Effect::NEUTRAL
 };

@@ -1,5 +1,5 @@
 //! Strain that is not proportional to tension: `strain = T/EA (1 + c (T/Tref - 1))` with the tension `T` (N) and
-//! its mean over the data set `Tref`, both as the sensor of the cable tells.
+//! its mean over the data set `Tref`, both by the force sensor of the cable.
 //!
 //! Nothing changes without force sensor, without stated stiffness, or where a measured elongation surface
 //! replaces it. Approximation: the correction factor is taken at the reading, not at the estimated

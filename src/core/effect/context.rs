@@ -1,4 +1,4 @@
-//! Under which contexts readings were taken: what effects may depend on besides their parameters.
+//! The contexts in which readings were taken: what effects may depend on besides their parameters.
 //!
 //! Everything here follows from the readings and from the nominal geometry at approximate poses. It is
 //! found once per problem and held while parameters and poses are estimated.
@@ -10,13 +10,11 @@ use crate::kinematics::PulleyGeometry;
 use crate::measurement::{Grid, Measurements, Variable};
 use crate::robot::{Cable, Robot};
 
-/// PoseContexts of one cable at one pose.
+/// Context of the readings of one cable at one pose.
 #[derive(Debug, Clone, Copy)]
 pub struct CableContext {
     /// Whether this is the home pose, at which the encoders were zeroed.
     pub is_home: bool,
-    /// Row in the measurements.
-    pub row: usize,
     /// Label of the pose.
     pub label: i64,
     /// Time since the home row, or the first row where there is none (s); 0 if not measured.
@@ -30,7 +28,7 @@ pub struct CableContext {
     /// +1 where the cable was paid out since the row before, -1 where it was reeled in, else 0: by the readings, or by
     /// approximate poses where one is missing.
     pub direction: f64,
-    /// Tension as the sensor tells, or the mean where it was not read (N); 0 without a sensor.
+    /// Tension by its sensor, or the mean where it was not read (N); 0 without a sensor.
     pub tension_n: f64,
     /// Mean of these tensions over all rows where there is a reading (N).
     pub mean_tension_n: f64,
@@ -38,7 +36,7 @@ pub struct CableContext {
     pub tension_gain: f64,
     /// Wrap angle on the pulley, nominal geometry at an approximate pose (rad).
     pub wrap_rad: f64,
-    /// Horizontal part of the unit vector from the pulley to the platform, likewise.
+    /// Horizontal part of the unit vector from the pulley to the platform, from the same geometry and pose.
     pub pull_horizontal: [f64; 3],
     /// Nominal entry point (m).
     pub entry_point_m: [f64; 3],
@@ -48,7 +46,7 @@ pub struct CableContext {
     pub variables: [f64; Variable::COUNT],
 }
 
-/// PoseContexts of the platform's readings at one pose.
+/// Context of the platform's readings at one pose.
 #[derive(Debug, Clone, Copy)]
 pub struct PlatformContext {
     /// Whether this is the home pose.
@@ -93,7 +91,7 @@ impl PlatformContext {
     }
 }
 
-/// PoseContexts of all rows of a dataset.
+/// Contexts of all rows of a dataset.
 #[derive(Debug, Clone)]
 pub(crate) struct PoseContexts {
     cable_count: usize,
@@ -106,7 +104,7 @@ fn or_zero(value: Option<f64>) -> f64 {
 }
 
 impl PoseContexts {
-    /// PoseContexts when the platform is at approximate poses, one per row. The directions of travel are
+    /// The contexts when the platform is at approximate poses, one per row. The directions of travel are
     /// taken from the readings unless given.
     pub fn new(
         robot: &Robot,
@@ -177,7 +175,6 @@ impl PoseContexts {
                 cables.push(CableContext {
                     variables: own.with(at.variables),
                     is_home: at.is_home,
-                    row,
                     label: at.label,
                     time_s: at.time_s,
                     temperature_change_k: at.temperature_change_k,

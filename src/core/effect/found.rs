@@ -11,7 +11,7 @@ pub struct FoundEffect<'a> {
     bound: &'a BoundEffect,
 }
 
-/// What a cable has of its own.
+/// Parts of the robot of which each cable has one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The cable itself.

@@ -1,7 +1,7 @@
 //! An entry point that jumps, as after a knock: `a += (x, y, z)`, base frame, metres, at the pose labelled `pose`
 //! and at all later labels. Typical 1 to 20 mm.
 
-use super::words::{self, displacement};
+use super::words;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 
 pub(super) static EFFECT: Effect = Effect {

@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
     ),
     source: "Exponential warm-up of first order",
     change_platform: |parameters, at, ports| {
-        ports.laser_bias += parameters[0] * -(-at.time_s.max(0.0) / 900.0).exp_m1()
+        ports.laser_bias += parameters[0] * -(-at.time_s.max(0.0) / 900.0).exp_m1();
     },
     ..Effect::NEUTRAL
 };

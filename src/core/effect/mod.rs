@@ -57,7 +57,7 @@ pub use catalogue::{CATALOGUE, find};
 pub use channels::measurements_as_modelled;
 pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, travel};
 pub(crate) use dual::Dual;
-pub(crate) use found::FoundEffect;
+pub(crate) use found::{FoundEffect, Part};
 pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};

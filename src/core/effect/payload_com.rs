@@ -1,7 +1,6 @@
 //! Centre of mass elsewhere: `c += (x, y, z)`, platform frame, metres. Seen through static equilibrium only; the
 //! component along gravity only where the platform tilts. Typical 5 to 50 mm.
 
-use super::words::displacement;
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {

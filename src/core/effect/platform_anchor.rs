@@ -1,7 +1,6 @@
 //! Attachment point of a cable elsewhere on the platform: `b += (x, y, z)`, platform frame, metres. Typical 1 to
 //! 10 mm.
 
-use super::words::displacement;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {

@@ -134,8 +134,8 @@ fn constants(values: [f64; 3]) -> [Dual; 3] {
 }
 
 impl CablePorts {
-    /// The ports of a cable before any effect, for the cable paid out (m) and the tension (N) that its
-    /// readings tell.
+    /// The ports of a cable before any effect, for the cable paid out (m) and the tension (N) by its
+    /// readings.
     pub fn nominal(cable: &Cable, paid: f64, tension: f64) -> Self {
         Self {
             paid: Dual::constant(paid),

@@ -21,7 +21,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Hold a spirit level against the swivel axis of the pulley."),
     source: "Geometry",
     change_cable: |parameters, at, ports| {
-        ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1])
+        ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
     },
     ..Effect::NEUTRAL
 };

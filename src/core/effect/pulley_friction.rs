@@ -22,7 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Belt friction (Euler, Eytelwein)",
     stage: Stage::Ratio,
     change_cable: |parameters, at, ports| {
-        ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp()
+        ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
     },
     ..Effect::NEUTRAL
 };

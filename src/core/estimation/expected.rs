@@ -1,6 +1,6 @@
-//! What poses tell about the common parameters before anything is solved.
+//! Information of planned poses on the common parameters, before anything is measured or solved.
 //!
-//! Information adds up: `I = I_0 + sum R_k^T R_k`, where `I_0` is what priors and the home pose tell and `R_k` are
+//! Information adds up: `I = I_0 + sum R_k^T R_k`, where `I_0` is that of the priors and the home pose and `R_k` are
 //! the whitened rows of pose `k` that remain once its coordinates (and tensions) are eliminated. With the
 //! derivative `Q` of the rows by the pose, orthonormal, and the complement `Z` of its range, `R = Z^T G` for rows
 //! `G` by the common parameters: as few rows as the pose has readings more than coordinates.

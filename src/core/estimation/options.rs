@@ -23,7 +23,7 @@ pub struct Options {
     /// Passes in which latent tensions settle when the solve starts at a known solution; from afar steps need more.
     pub settling_passes: usize,
     /// Chi-square per degree of freedom up to which a known solution is started from: beyond, what its model lacks may
-    /// have led it into a minimum of its own.
+    /// have led it into a local minimum.
     pub largest_start_misfit: f64,
     /// Chi-square per degree of freedom of a local minimum, from which the solve starts again at the poses that forward
     /// kinematics gives: no drawing or instrument is wrong by so much.

@@ -36,7 +36,7 @@ pub fn residuals_at(
     residuals_in(None, problem, globals, (rows, poses))
 }
 
-/// The same under contexts of which more is known than the readings tell, as in a simulation.
+/// The same in contexts that are known better than from the readings, as in a simulation.
 pub(crate) fn residuals_in(
     contexts: Option<Arc<PoseContexts>>,
     problem: &Problem<'_>,

@@ -101,7 +101,7 @@ impl WithSimd for Dispatch<'_, '_> {
         if !is_local_minimum(problem, &first, self.options) {
             return Ok(first);
         }
-        // The given poses have led nowhere: try those that follow from the lengths themselves.
+        // The given poses have led to a local minimum: start from those that follow from the lengths.
         let second = from(Start::Lengths).run(self.options, self.observer);
         let better = second.chi2 < first.chi2 || first.chi2.is_nan();
         Ok(if better || second.termination == Termination::Cancelled {
@@ -254,7 +254,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             self.damp(search, options.raised(search.damping));
             return None;
         };
-        let predicted = predicted + self.poses.sums.decrease;
+        let predicted = predicted + self.poses.sums.predicted_reduction;
         let negligible = match self.problem.method {
             Method::Joint => options.negligible,
             Method::Simple => 0.0,

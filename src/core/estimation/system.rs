@@ -229,7 +229,7 @@ impl System {
         covariance_of(&self.information)
     }
 
-    /// Damped step, and the decrease of the loss that it promises at the undamped system; `None`
+    /// Damped step, and the reduction of the loss that the undamped system predicts for it; `None`
     /// if the damped system is singular.
     pub fn step(&self, damping: f64) -> Option<(DVector<f64>, f64)> {
         let mut damped = self.information.clone();

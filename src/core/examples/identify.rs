@@ -6,7 +6,7 @@ use std::error::Error;
 
 use nalgebra::Vector3;
 use tautline_core::estimation::{Control, Options, Problem, rank_defects, solve};
-use tautline_core::geometry::{Pose, Twist};
+use tautline_core::geometry::Twist;
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::{Dataset, Grid, Measurements};
 use tautline_core::robot::{Robot, presets};

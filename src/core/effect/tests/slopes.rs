@@ -10,7 +10,6 @@ pub(super) fn at_cable() -> CableContext {
     CableContext {
         variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
-        row: 4,
         label: 41,
         time_s: 1200.0,
         temperature_change_k: 3.0,

@@ -27,9 +27,9 @@ pub(in crate::estimation) struct Equations<T> {
     pub present: Vec<T>,
     /// Cholesky factor of the equilibrium rows' covariance, its diagonal inverted.
     pub equilibrium_factor: [T; TRIANGLE],
-    /// `dL0/dT` of each cable (m/N), if asked for.
+    /// `dL0/dT` of each cable (m/N); filled in for latent tensions and details only.
     pub length_by_tension: Vec<T>,
-    /// Force and torque per tension of each cable, if asked for.
+    /// Force and torque per tension of each cable; likewise.
     pub structure: Vec<[T; 6]>,
 }
 

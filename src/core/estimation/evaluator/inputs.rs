@@ -85,7 +85,7 @@ fn nominal_home(problem: &Problem<'_>) -> Pose {
     home.map_or_else(Pose::identity, |home| home.pose())
 }
 
-/// Cable paid out since home as the reading tells, or the absolute length read (m).
+/// Cable paid out since home by the reading, or the absolute length read (m).
 fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home: bool) -> f64 {
     if is_home {
         0.0
@@ -96,7 +96,7 @@ fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home:
     }
 }
 
-/// Tension as the sensor tells (N); 0 without a sensor, NaN where it was not read.
+/// Tension by its sensor (N); 0 without a sensor, NaN where it was not read.
 fn nominal_tension(cable: &Cable, data: &Measurements, at: (usize, usize)) -> f64 {
     match cable.force_sensor {
         Some(sensor) if !data.force_n.is_empty() => sensor.tension_n(data.force_n.get(at.0, at.1)),
@@ -321,7 +321,7 @@ fn pack_cable<T: Packet>(
                 (effect.change_cable)(&values[*k], at, &mut ports);
             }
         }
-        // The error of the tension at home is a parameter of its own; like the errors at the other
+        // The error of the tension at home is a separate parameter; like the errors at the other
         // poses it concerns the tension that the effects have made of the reading.
         if selection.is_home {
             ports.tension += Dual::constant(globals.home_tension_error_n[index]);

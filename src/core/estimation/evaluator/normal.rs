@@ -32,8 +32,8 @@ pub(in crate::estimation) struct Sums<T: Packet> {
     gradient: Packed,
     /// Loss of the rows.
     pub loss: f64,
-    /// `sum y.y`: decrease of the loss that the poses alone promise.
-    pub decrease: f64,
+    /// `sum y.y`: predicted reduction of the loss by the steps of the poses alone.
+    pub predicted_reduction: f64,
     /// Number of rows that were measured.
     pub readings: f64,
     /// Number of pose coordinates that the rows determine.
@@ -209,7 +209,7 @@ impl<T: Packet> Sums<T> {
             information: packed(n * (n + 1) / 2 * T::LANES),
             gradient: packed(n * T::LANES),
             loss: 0.0,
-            decrease: 0.0,
+            predicted_reduction: 0.0,
             readings: 0.0,
             coordinates: 0.0,
         }
@@ -219,7 +219,7 @@ impl<T: Packet> Sums<T> {
         self.information.fill(0.0);
         self.gradient.fill(0.0);
         self.loss = 0.0;
-        self.decrease = 0.0;
+        self.predicted_reduction = 0.0;
         self.readings = 0.0;
         self.coordinates = 0.0;
     }
@@ -228,7 +228,7 @@ impl<T: Packet> Sums<T> {
     #[inline(always)]
     pub fn add(&mut self, equations: &Equations<T>, elimination: &Elimination<T>, layout: &Layout) {
         let y = &elimination.residual;
-        self.decrease += square_norm(*y).sum();
+        self.predicted_reduction += square_norm(*y).sum();
         let zero = y[0].lift(0.0);
         let one = y[0].lift(1.0);
         let mut readings = zero;

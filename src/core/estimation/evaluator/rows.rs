@@ -47,7 +47,7 @@ impl<T: Packet> Evaluator<'_, T> {
     ) {
         let columns = &self.ports.cables[cable];
         let swivel = self.platform.swivel.get(cable);
-        // Far from the solution the estimates are wild, and the readings are better.
+        // Far from the solution the estimated errors are meaningless, and the readings are better.
         let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
         let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
         let inputs = CableInputs {
