@@ -176,8 +176,8 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
         tensions_n: vec![25.0; 8],
     });
     let plan = vec![PlannedPose::new(9, &pose)];
-    let open = state.model.open.as_mut().expect("a session");
-    assert!(open.edit(Edit::SetPlan(plan, "plan".into())));
+    let document = state.model.open.as_mut().expect("a session");
+    assert!(document.edit(Edit::SetPlan(plan, "plan".into())));
     harness.run_ok();
     assert_eq!(scene(&harness).shown, Shown::Live);
     assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));
