@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tautline_core::estimation::Progress;
 use tautline_session::{Session, import};
 
-use super::pick;
+use super::file_tasks::pick;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{Compared, Run, Side, Source};
 use crate::model::phase::Screen;

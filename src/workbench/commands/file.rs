@@ -6,7 +6,8 @@ use egui::ViewportCommand;
 use tautline_session::Outcome::Begun;
 use tautline_session::{Import, Loaded, Session, find_unsaved_sessions, import, write_session};
 
-use super::{pick, tables};
+use super::file_tasks::pick;
+use super::tables;
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use tautline_session::Loaded;
 
-use super::pick;
+use super::file_tasks::pick;
 use crate::model::command::{ImportCommand, ImportOutcome, Outcome};
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Screen};

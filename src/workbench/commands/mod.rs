@@ -2,6 +2,7 @@
 
 mod compare;
 mod file;
+mod file_tasks;
 mod identification;
 mod import;
 mod plots;
@@ -13,8 +14,6 @@ mod view;
 
 pub use self::file::find_unsaved;
 pub use self::view::restore;
-
-use std::path::{Path, PathBuf};
 
 use crate::model::autosave::AutosaveEvent;
 use crate::model::command::{Command, Outcome};
@@ -98,27 +97,4 @@ pub fn receive(model: &mut Model, outcome: Outcome) {
             model.caught_panic = Some(caught_panic);
         }
     }
-}
-
-/// Opens a file dialog on a thread of its own; with the file that was picked, `command` is done.
-fn pick<C: Into<Command>>(
-    model: &mut Model,
-    dialog: impl FnOnce() -> Option<PathBuf> + Send + 'static,
-    command: impl FnOnce(PathBuf) -> C + Send + 'static,
-) {
-    model.tasks.start("File dialog", move |_| {
-        Outcome::Picked(dialog().map(|path| Box::new(command(path).into())))
-    });
-}
-
-/// Writes a file in a task of this title; `work` may give a warning.
-fn write(
-    model: &mut Model,
-    title: &str,
-    path: PathBuf,
-    work: impl FnOnce(&Path) -> Result<Option<String>, String> + Send + 'static,
-) {
-    model.tasks.start(title, move |_| {
-        Outcome::Written(work(&path).map(|warning| (path, warning)))
-    });
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use egui::{ColorImage, Rect};
 use tautline_session::{write_bytes, write_text};
 
-use super::{pick, write};
+use super::file_tasks::{pick, write};
 use crate::model::command::{Outcome, PlotCommand};
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, UiRequest};

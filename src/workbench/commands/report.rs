@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{pick, write};
+use super::file_tasks::{pick, write};
 use crate::model::Model;
 use crate::model::command::{ReportCommand, ReportDraft};
 use tautline_workflow::clock;

@@ -9,7 +9,7 @@ use tautline_session::{
     write_versioned,
 };
 
-use super::pick;
+use super::file_tasks::pick;
 use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
 use crate::model::edit::Edit;
 use crate::model::{ConnectionRequest, Model, UiRequest};
@@ -78,8 +78,8 @@ fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
     if !connection.is_empty() && model.preferences.last_connection != reached {
         model.change_preferences(|preferences| preferences.last_connection = reached);
     }
-    if is_new {
-        super::perform(model, Edit::SetConnection(settings).into());
+    if is_new && let Some(open) = &mut model.open {
+        open.edit(Edit::SetConnection(settings));
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tautline_link::export::{differences_csv, structured_text};
 use tautline_session::{write_check, write_plan, write_text};
 
-use crate::commands::{pick, write as write_file};
+use crate::commands::file_tasks::{pick, write as write_file};
 use crate::model::Model;
 use crate::model::command::{Export, RobotCommand};
 
