@@ -65,7 +65,7 @@ fn figures(poses: usize, method: &str, seed: u64) -> Result<Figures> {
     told("measure", &file, &[&robot[..], &new].concat())?;
     let targets = ["--targets", "cube,circle"];
     told("verify", &file, &[&robot[..], &targets].concat())?;
-    let by = ["--method", method, "--unconverged"];
+    let by = ["--method", method, "--allow-unconverged"];
     told("adjust", &file, &[&robot[..], &by].concat())?;
     let both = told("verify", &file, &[&robot[..], &targets].concat())?;
     let figure = |pointer: &str| {

@@ -12,7 +12,7 @@ use tautline_workflow::identification::{IdentificationRequest, identify};
 use crate::identify::print;
 use crate::input;
 use crate::not_converged::NotConverged;
-use crate::output::{is_readable, write_json};
+use crate::output::JsonOutput;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -25,9 +25,8 @@ pub struct Arguments {
     /// Also hold the poses, at the external instrument's positions
     #[arg(long)]
     poses_held: bool,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -57,11 +56,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .refuse_extrapolation()
         .map_err(BadInput::new)?
         .document();
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        print(&document, &drawing);
-    }
+    arguments
+        .json
+        .deliver(&document, || print(&document, &drawing))?;
     NotConverged::check(document.converged)
 }

@@ -183,3 +183,20 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
         },
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exit_code_says_what_went_wrong() {
+        for (error, code) in [
+            (BadInput::new("poses.csv: not found"), 2),
+            (NotConverged.into(), 3),
+            (anyhow::anyhow!("the connection is lost"), 1),
+        ] {
+            assert_eq!(finish(Err(error)), ExitCode::from(code));
+        }
+        assert_eq!(finish(Ok(())), ExitCode::SUCCESS);
+    }
+}

@@ -1,10 +1,11 @@
 //! Where results go: a file written atomically, or standard output.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use serde::Serialize;
+use tautline_session::VersionedFile;
 
 /// A line on standard output. A reader may stop reading (`tautline ... | head`), which is no error.
 pub fn line(text: &str) {
@@ -24,6 +25,32 @@ macro_rules! say {
 }
 pub(crate) use say;
 
+/// `--json`.
+#[derive(Debug, clap::Args)]
+pub struct JsonOutput {
+    /// Write the machine form; - is standard output
+    #[arg(long = "json", value_name = "FILE")]
+    file: Option<PathBuf>,
+}
+
+impl JsonOutput {
+    /// Whether readable text goes to standard output, and not JSON.
+    pub fn is_text(&self) -> bool {
+        self.file.as_deref() != Some(Path::new("-"))
+    }
+
+    /// Writes the machine form of a document where it was asked for, and prints the readable one.
+    pub fn deliver<D: VersionedFile>(&self, document: &D, print: impl FnOnce()) -> Result<()> {
+        if let Some(path) = &self.file {
+            write_json(path, &tautline_session::versioned(document))?;
+        }
+        if self.is_text() {
+            print();
+        }
+        Ok(())
+    }
+}
+
 /// Writes `value` as JSON to `target`; `-` is standard output.
 pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
     let mut text = serde_json::to_string_pretty(value)?;
@@ -34,9 +61,4 @@ pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
     }
     tautline_session::write_text(target, &text)
         .with_context(|| format!("{} cannot be written", target.display()))
-}
-
-/// Whether the readable form should be printed: not where JSON goes to standard output.
-pub fn is_readable(json: Option<&Path>) -> bool {
-    json != Some(Path::new("-"))
 }

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_session::read_check_file;
 
-use super::output::{is_readable, write_json};
 use crate::BadInput;
+use crate::output::JsonOutput;
 pub use report::print;
 use tautline_workflow::accuracy::{accuracy, group, is_partly_oriented, word};
 
@@ -17,9 +17,8 @@ pub struct Arguments {
     /// The check.csv
     #[arg(value_name = "CHECK.csv")]
     check: PathBuf,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -38,11 +37,5 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             group.name
         );
     }
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&accuracy))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        print(&accuracy);
-    }
-    Ok(())
+    arguments.json.deliver(&accuracy, || print(&accuracy))
 }

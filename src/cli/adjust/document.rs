@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use tautline_link::adjusting::{Difference, Holds};
 use tautline_session::{Outcome, VersionedFile};
 
-use super::interrupted::Found;
-use super::writing::Written;
+use super::interrupted::InterruptedState;
+use super::writing::WriteOutcome;
 use crate::output::say;
 use crate::table;
 use tautline_workflow::wording::units::display_unit;
@@ -89,17 +89,17 @@ impl AdjustmentDocument {
     }
 
     /// Sets the state that an interrupted adjustment was found in.
-    pub fn set_interrupted(&mut self, found: Found) {
+    pub fn set_interrupted(&mut self, found: InterruptedState) {
         let word = match found {
-            Found::Old => "old",
-            Found::New => "new",
-            Found::Mixed(_) => "mixed",
+            InterruptedState::Old => "old",
+            InterruptedState::New => "new",
+            InterruptedState::Mixed(_) => "mixed",
         };
         self.interrupted = Some(word.to_owned());
     }
 
     /// Sets the outcome.
-    pub fn set_outcome(&mut self, written: &Written) {
+    pub fn set_outcome(&mut self, written: &WriteOutcome) {
         self.outcome = match written.outcome {
             Outcome::Written => "written",
             Outcome::RolledBack => "rolled_back",

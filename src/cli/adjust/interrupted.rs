@@ -6,7 +6,7 @@ use tautline_link::adjusting::Difference;
 use tautline_session::{Adjustment, Outcome, Session, ValueChange};
 
 use super::document::AdjustmentDocument;
-use super::writing::{Written, attempt, conclude};
+use super::writing::{WriteOutcome, attempt, conclude};
 use super::{Arguments, message, parameters};
 use crate::live::{Connection, SessionFile, link_error};
 use tautline_workflow::adjusting::Purpose;
@@ -15,7 +15,7 @@ use tautline_workflow::wording::count;
 
 /// Values of a controller after an interrupted adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Found {
+pub enum InterruptedState {
     /// All old values.
     Old,
     /// All new values.
@@ -31,7 +31,7 @@ pub fn is(session: &Session) -> bool {
 }
 
 /// Compares the values of a controller with those from before and those that were to be written.
-pub fn found(adjustment: &Adjustment, parameters: &[ParameterInfo]) -> Found {
+pub fn found(adjustment: &Adjustment, parameters: &[ParameterInfo]) -> InterruptedState {
     let is_held = |change: &ValueChange, value: f64| {
         let known = parameters.iter().find(|p| p.name == change.name);
         known.is_some_and(|p| {
@@ -49,11 +49,11 @@ pub fn found(adjustment: &Adjustment, parameters: &[ParameterInfo]) -> Found {
     let changes = &adjustment.changes;
     let others = changes.iter().filter(|c| !is_held(c, c.before)).count();
     if others == 0 {
-        Found::Old
+        InterruptedState::Old
     } else if changes.iter().all(|c| is_held(c, c.after)) {
-        Found::New
+        InterruptedState::New
     } else {
-        Found::Mixed(others)
+        InterruptedState::Mixed(others)
     }
 }
 
@@ -69,9 +69,11 @@ pub fn settle(
     let found = found(&begun, &parameters(connection)?);
     let values = count(begun.changes.len(), "value");
     let what = match found {
-        Found::Old => format!("the controller still holds all {values} from before"),
-        Found::New => format!("the controller holds all {values} that were to be written"),
-        Found::Mixed(others) => {
+        InterruptedState::Old => format!("the controller still holds all {values} from before"),
+        InterruptedState::New => {
+            format!("the controller holds all {values} that were to be written")
+        }
+        InterruptedState::Mixed(others) => {
             format!(
                 "{others} of {values} in the controller differ from before: old and new ones are mixed"
             )
@@ -88,17 +90,17 @@ pub fn settle(
         return arguments.deliver(&document);
     }
     let written = match found {
-        Found::New => Written {
+        InterruptedState::New => WriteOutcome {
             attempt: None,
             outcome: Outcome::Written,
             text: "The adjustment is complete.".to_owned(),
         },
-        Found::Old => Written {
+        InterruptedState::Old => WriteOutcome {
             attempt: None,
             outcome: Outcome::Failed("The program ended before a value was written.".to_owned()),
             text: "Nothing was written; the same command writes the values.".to_owned(),
         },
-        Found::Mixed(_) => {
+        InterruptedState::Mixed(_) => {
             let robot = &arguments.robot_arguments;
             robot.require_arm("The old values were not restored")?;
             connection.controller.arm().map_err(link_error)?;
@@ -109,7 +111,7 @@ pub fn settle(
     document.set_outcome(&written);
     arguments.deliver(&document)?;
     match (found, &written.outcome) {
-        (Found::Mixed(_), Outcome::Failed(text)) => Err(anyhow!("{text}")),
+        (InterruptedState::Mixed(_), Outcome::Failed(text)) => Err(anyhow!("{text}")),
         _ => Ok(()),
     }
 }
@@ -145,9 +147,9 @@ mod tests {
             });
             found(&adjustment, &parameters.collect::<Vec<_>>())
         };
-        assert_eq!(holding([1.0, 1.0, 1.0]), Found::Old);
-        assert_eq!(holding([1.5, 1.5, 1.5 + 1e-8]), Found::New);
-        assert_eq!(holding([1.5, 1.0, 1.0]), Found::Mixed(1));
-        assert_eq!(holding([1.5, 1.5, 1.2]), Found::Mixed(3));
+        assert_eq!(holding([1.0, 1.0, 1.0]), InterruptedState::Old);
+        assert_eq!(holding([1.5, 1.5, 1.5 + 1e-8]), InterruptedState::New);
+        assert_eq!(holding([1.5, 1.0, 1.0]), InterruptedState::Mixed(1));
+        assert_eq!(holding([1.5, 1.5, 1.2]), InterruptedState::Mixed(3));
     }
 }

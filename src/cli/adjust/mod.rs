@@ -19,7 +19,7 @@ use tautline_workflow::controllers::ConnectionSetup;
 use crate::live::{Connection, RobotArguments, SessionFile, link_error};
 use crate::measure::require_simulated;
 use crate::method::MethodName;
-use crate::output::{is_readable, notice, say, write_json};
+use crate::output::{JsonOutput, notice, say};
 pub use document::AdjustmentDocument;
 use identified::Identified;
 use writing::write;
@@ -49,20 +49,13 @@ pub struct Arguments {
     /// Write the identified values as constants in Structured Text
     #[arg(long, value_name = "FILE")]
     structured_text: Option<PathBuf>,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 impl Arguments {
     fn deliver(&self, document: &AdjustmentDocument) -> Result<()> {
-        if let Some(path) = &self.json {
-            write_json(path, &tautline_session::versioned(document))?;
-        }
-        if is_readable(self.json.as_deref()) {
-            document::print(document);
-        }
-        Ok(())
+        self.json.deliver(document, || document::print(document))
     }
 }
 
@@ -175,7 +168,7 @@ fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
 
 /// Prints a message that is not part of the document, on standard error where that goes to standard output.
 fn message(arguments: &Arguments, text: &str) {
-    if is_readable(arguments.json.as_deref()) {
+    if arguments.json.is_text() {
         say!("{text}");
     } else {
         eprintln!("{text}");

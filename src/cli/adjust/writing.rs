@@ -20,7 +20,7 @@ const ATTEMPTS: u32 = 8;
 const LATE_S: f64 = 1.5;
 
 /// Outcome of writing values.
-pub struct Written {
+pub struct WriteOutcome {
     /// The attempt; `None` where nothing was written.
     pub attempt: Option<Attempt>,
     /// For the record.
@@ -36,7 +36,7 @@ pub fn write(
     parameters: &[ParameterInfo],
     values: &[(String, f64)],
     purpose: Purpose,
-) -> Result<Written> {
+) -> Result<WriteOutcome> {
     connection.controller.arm().map_err(link_error)?;
     let now = clock::now();
     file.session.controller = held(parameters);
@@ -54,7 +54,11 @@ pub fn write(
 }
 
 /// Writes values, reconnecting where the connection is lost.
-pub fn attempt(connection: &mut Connection, values: &[(String, f64)], purpose: Purpose) -> Written {
+pub fn attempt(
+    connection: &mut Connection,
+    values: &[(String, f64)],
+    purpose: Purpose,
+) -> WriteOutcome {
     let mut policy = Attempts {
         back_off: BackOff::default(),
         attempts: ATTEMPTS,
@@ -70,7 +74,7 @@ pub fn attempt(connection: &mut Connection, values: &[(String, f64)], purpose: P
         Err(error) => (None, format!("Nothing was written: {error}.")),
     };
     let holds = attempt.as_ref().map(|attempt| &attempt.holds);
-    Written {
+    WriteOutcome {
         outcome: outcome(holds, purpose, &text),
         attempt,
         text,
@@ -81,7 +85,7 @@ pub fn attempt(connection: &mut Connection, values: &[(String, f64)], purpose: P
 pub fn conclude(
     file: &mut SessionFile,
     connection: &mut Connection,
-    written: &Written,
+    written: &WriteOutcome,
 ) -> Result<()> {
     let concluded = written.outcome.clone();
     file.session.conclude_adjustment(concluded, clock::now());

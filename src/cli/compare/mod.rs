@@ -13,7 +13,7 @@ use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_
 use tautline_workflow::identification::Identification;
 
 use crate::input;
-use crate::output::{is_readable, write_json};
+use crate::output::JsonOutput;
 pub use document::ComparisonDocument;
 
 #[derive(Debug, clap::Args)]
@@ -27,9 +27,8 @@ pub struct Arguments {
     /// Probability of calling two runs of the same robot different
     #[arg(long, value_name = "P", default_value_t = LEVEL)]
     level: f64,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -45,13 +44,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
     let document = ComparisonDocument::of(&compared);
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        report::print(&compared, &document);
-    }
-    Ok(())
+    arguments
+        .json
+        .deliver(&document, || report::print(&compared, &document))
 }
 
 fn identified(path: &Path) -> Result<Identification> {

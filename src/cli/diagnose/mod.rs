@@ -17,7 +17,7 @@ use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{extrapolation, identified};
 
 use crate::input;
-use crate::output::{is_readable, line, write_json};
+use crate::output::{JsonOutput, line};
 use progress::ProgressLine;
 
 #[derive(Debug, clap::Args)]
@@ -28,9 +28,8 @@ pub struct Arguments {
     /// Probability of a false finding where the model is right
     #[arg(long, value_name = "PROBABILITY", default_value_t = DiagnosisOptions::default().alpha)]
     alpha: f64,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Write the robot with the geometry and the effects of the extended model
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
@@ -70,11 +69,7 @@ fn deliver(arguments: &Arguments, diagnosed: &Diagnosed) -> Result<()> {
         let solution = &diagnosed.diagnosis.extended_solution;
         write_robot(path, &identified(diagnosed.robot(), solution))?;
     }
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&diagnosed.document()))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
+    arguments.json.deliver(&diagnosed.document(), || {
         line(&report::text(diagnosed, arguments.explain));
-    }
-    Ok(())
+    })
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::BadInput;
 use anyhow::Result;
+use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Loss};
 use tautline_core::measurement::Dataset;
 use tautline_session::{Method, write_robot};
@@ -18,7 +19,7 @@ use crate::effect_arguments::FreedEffects;
 use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
-use crate::output::{is_readable, write_json};
+use crate::output::JsonOutput;
 pub use report::print;
 
 #[derive(Debug, clap::Args)]
@@ -38,9 +39,8 @@ pub struct Arguments {
     /// Solve N times and report the least time
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub repeat: usize,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Write the identified robot
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
@@ -48,14 +48,20 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let request = request(arguments, input::dataset(&arguments.dataset)?)?;
-    let (model, document) = match arguments.method {
+    let (model, document, is_usable) = match arguments.method {
         MethodName::Published => {
             let published = fastest(
                 arguments.repeat,
                 |p: &PublishedIdentification| p.seconds,
                 || identify_published(&request.dataset).map_err(BadInput::new),
             )?;
-            (published.poses.model.clone(), published.document())
+            // As published, the method ends after a given number of steps whether it has converged or not.
+            let is_usable = published.result.stop != PublishedStop::Diverged;
+            (
+                published.poses.model.clone(),
+                published.document(),
+                is_usable,
+            )
         }
         MethodName::Joint | MethodName::Simple => {
             let identified = fastest(
@@ -64,19 +70,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 || identify(&request, &mut |_| Control::Continue).map_err(BadInput::new),
             )?;
             let identified = identified.refuse_extrapolation().map_err(BadInput::new)?;
-            (identified.model.clone(), identified.document())
+            let converged = identified.solution.converged();
+            (identified.model.clone(), identified.document(), converged)
         }
     };
     if let Some(path) = &arguments.model_out {
         write_robot(path, &model)?;
     }
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        print(&document, &request.dataset.robot);
-    }
-    NotConverged::check(document.converged)
+    arguments
+        .json
+        .deliver(&document, || print(&document, &request.dataset.robot))?;
+    NotConverged::check(is_usable)
 }
 
 /// Runs `work` `repeat` times, at least once; the result whose `seconds` are least.

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_session::{Session, VersionedFile};
 
-use super::drive::{End, Ended};
+use super::drive::{RunEnd, RunOutcome};
 use crate::output::say;
 use tautline_workflow::wording::{count, units};
 
@@ -47,16 +47,16 @@ impl VersionedFile for MeasuringDocument {
 
 impl MeasuringDocument {
     /// Of a run and the session that it left.
-    pub fn of(session: &Session, ended: &Ended, enough: bool) -> Self {
+    pub fn of(session: &Session, ended: &RunOutcome, enough: bool) -> Self {
         let measured = session.measurements.labels.clone();
         let planned = session.plan.iter().map(|pose| pose.label);
         let skipped = ended.skipped.iter();
         Self {
             end: match ended.end {
-                End::Finished => "finished",
-                End::GoodEnough => "good_enough",
-                End::Interrupted => "stopped",
-                End::Failed(_) | End::NotTyped(_) => "failed",
+                RunEnd::Finished => "finished",
+                RunEnd::GoodEnough => "good_enough",
+                RunEnd::Interrupted => "stopped",
+                RunEnd::Failed(_) | RunEnd::NotTyped(_) => "failed",
             }
             .to_owned(),
             measured_now: ended.measured.clone(),

@@ -22,7 +22,7 @@ const LEAST: usize = 6;
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum End {
+pub enum RunEnd {
     /// Every pose is measured or left out.
     Finished,
     /// The precision that was asked for is reached.
@@ -37,9 +37,9 @@ pub enum End {
 
 /// What a run did.
 #[derive(Debug, Clone)]
-pub struct Ended {
+pub struct RunOutcome {
     /// How it ended.
-    pub end: End,
+    pub end: RunEnd,
     /// Labels of the poses that were measured in it.
     pub measured: Vec<i64>,
     /// Poses that were left out, and why.
@@ -55,7 +55,7 @@ pub struct Drive {
     stop_at_m: Option<f64>,
     retries: usize,
     tried: HashMap<i64, usize>,
-    ended: Ended,
+    ended: RunOutcome,
 }
 
 impl Drive {
@@ -80,8 +80,8 @@ impl Drive {
             stop_at_m,
             retries,
             tried: HashMap::new(),
-            ended: Ended {
-                end: End::Finished,
+            ended: RunOutcome {
+                end: RunEnd::Finished,
                 measured: Vec::new(),
                 skipped: Vec::new(),
                 largest_sd_m: None,
@@ -90,7 +90,11 @@ impl Drive {
     }
 
     /// Drives until the end; then everything is in the session's file and nothing is left beside it.
-    pub fn run(mut self, file: &mut SessionFile, connection: &mut Connection) -> Result<Ended> {
+    pub fn run(
+        mut self,
+        file: &mut SessionFile,
+        connection: &mut Connection,
+    ) -> Result<RunOutcome> {
         let mut keeper = file.autosave()?;
         self.run = self.run.asking(connection.manual_laser.clone());
         let measured = self.measure(file, connection, &mut keeper);
@@ -101,9 +105,9 @@ impl Drive {
             Ok(end) => self.ended.end = end,
             // If saving fails below, the autosaved poses stay beside the file for the next command.
             Err(error) if error.is::<BadInput>() => {
-                self.ended.end = End::NotTyped(error.to_string());
+                self.ended.end = RunEnd::NotTyped(error.to_string());
             }
-            Err(error) => self.ended.end = End::Failed(format!("{error:#}")),
+            Err(error) => self.ended.end = RunEnd::Failed(format!("{error:#}")),
         }
         super::log(file, &self.ended);
         file.save()?;
@@ -116,13 +120,13 @@ impl Drive {
         file: &mut SessionFile,
         connection: &mut Connection,
         keeper: &mut RecoveryWriter,
-    ) -> Result<End> {
+    ) -> Result<RunEnd> {
         if self.is_good_enough(&file.session) {
-            return Ok(End::GoodEnough);
+            return Ok(RunEnd::GoodEnough);
         }
         loop {
             if interrupt::requested() {
-                return Ok(End::Interrupted);
+                return Ok(RunEnd::Interrupted);
             }
             connection.step();
             let now_s = connection.now_s();
@@ -131,7 +135,7 @@ impl Drive {
                     MeasuringEvent::Measured(pose) => {
                         self.store(&pose, &mut file.session, keeper)?;
                         if self.is_good_enough(&file.session) {
-                            return Ok(End::GoodEnough);
+                            return Ok(RunEnd::GoodEnough);
                         }
                     }
                     MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
@@ -141,8 +145,8 @@ impl Drive {
                         }
                     }
                     MeasuringEvent::Paused { reason } => self.paused(&reason, connection)?,
-                    MeasuringEvent::Finished => return Ok(End::Finished),
-                    MeasuringEvent::Failed(text) => return Ok(End::Failed(text)),
+                    MeasuringEvent::Finished => return Ok(RunEnd::Finished),
+                    MeasuringEvent::Failed(text) => return Ok(RunEnd::Failed(text)),
                     MeasuringEvent::Commanded { .. }
                     | MeasuringEvent::Settling { .. }
                     | MeasuringEvent::Sampling { .. }

@@ -18,9 +18,9 @@ use tautline_workflow::wording::count;
 use crate::effect_arguments::HiddenEffects;
 use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
-use crate::output::{is_readable, notice, write_json};
+use crate::output::{JsonOutput, notice};
 pub use document::MeasuringDocument;
-use drive::{Drive, End};
+use drive::{Drive, RunEnd};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -53,9 +53,8 @@ pub struct Arguments {
     /// How often a pose at which the run pauses is retried before it is skipped
     #[arg(long, value_name = "N", default_value_t = 1)]
     retries: usize,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 impl Arguments {
@@ -112,12 +111,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let ended = drive.run(&mut file, &mut connection)?;
     let enough = is_enough(&file.session);
     let document = MeasuringDocument::of(&file.session, &ended, enough);
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        document::print(&document, &arguments.session);
-    }
+    arguments
+        .json
+        .deliver(&document, || document::print(&document, &arguments.session))?;
     result(&document, &ended, arguments)
 }
 
@@ -169,23 +165,27 @@ fn is_enough(session: &Session) -> bool {
     })
 }
 
-fn result(document: &MeasuringDocument, ended: &drive::Ended, arguments: &Arguments) -> Result<()> {
+fn result(
+    document: &MeasuringDocument,
+    ended: &drive::RunOutcome,
+    arguments: &Arguments,
+) -> Result<()> {
     let on_disk = count(document.measured.len(), "pose");
     let place = arguments.session.display();
     match &ended.end {
-        End::Interrupted => Err(anyhow!(
+        RunEnd::Interrupted => Err(anyhow!(
             "Stopped by the operator: {on_disk} are in {place}; the same command continues"
         )),
-        End::Failed(why) => Err(anyhow!(
+        RunEnd::Failed(why) => Err(anyhow!(
             "{} {on_disk} are in {place}; the same command continues",
             ensure_full_stop(why)
         )),
-        End::NotTyped(why) => Err(BadInput::new(format!(
+        RunEnd::NotTyped(why) => Err(BadInput::new(format!(
             "{} {on_disk} are in {place}; the same command continues",
             ensure_full_stop(why)
         ))),
-        End::Finished | End::GoodEnough if document.enough => Ok(()),
-        End::Finished | End::GoodEnough => Err(anyhow!(
+        RunEnd::Finished | RunEnd::GoodEnough if document.enough => Ok(()),
+        RunEnd::Finished | RunEnd::GoodEnough => Err(anyhow!(
             "{on_disk} in {place} are not enough to identify the robot: measure more"
         )),
     }
@@ -196,15 +196,15 @@ fn ensure_full_stop(text: &str) -> String {
 }
 
 /// Adds a run to the session's log.
-fn log(file: &mut SessionFile, ended: &drive::Ended) {
+fn log(file: &mut SessionFile, ended: &drive::RunOutcome) {
     let text = format!(
         "Measured {} by command{}.",
         count(ended.measured.len(), "pose"),
         match &ended.end {
-            End::Finished => String::new(),
-            End::GoodEnough => ", precision reached".to_owned(),
-            End::Interrupted => ", then stopped by the operator".to_owned(),
-            End::Failed(why) | End::NotTyped(why) =>
+            RunEnd::Finished => String::new(),
+            RunEnd::GoodEnough => ", precision reached".to_owned(),
+            RunEnd::Interrupted => ", then stopped by the operator".to_owned(),
+            RunEnd::Failed(why) | RunEnd::NotTyped(why) =>
                 format!(", then it failed: {}", why.trim_end_matches('.')),
         }
     );

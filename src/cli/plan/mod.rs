@@ -12,7 +12,7 @@ use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
 
 use crate::effect_arguments::FreedEffects;
 use crate::input::{self, RobotSource};
-use crate::output::{is_readable, say, write_json};
+use crate::output::{JsonOutput, say};
 pub use document::PlanDocument;
 
 #[derive(Debug, clap::Args)]
@@ -34,9 +34,8 @@ pub struct Arguments {
     /// Write the poses in the order of measurement
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -58,16 +57,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_poses(path, &planned)?;
     }
     let document = PlanDocument::of(&robot, &planned);
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
+    arguments.json.deliver(&document, || {
         report::print(&document);
         if let Some(path) = &arguments.out {
             say!("the poses are in {}", path.display());
         }
-    }
-    Ok(())
+    })
 }
 
 /// `pose,x_m,y_m,z_m,qw,qx,qy,qz`.

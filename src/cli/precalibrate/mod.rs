@@ -9,8 +9,8 @@ use anyhow::Result;
 use tautline_session::{PhaseData, read_calibration_tables, write_robot};
 use tautline_workflow::precalibration::Calibration;
 
-use super::output::{is_readable, write_json};
 use crate::BadInput;
+use crate::output::JsonOutput;
 pub use document::Precalibration;
 
 #[derive(Debug, clap::Args)]
@@ -18,9 +18,8 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Write the robot with the fitted values
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
@@ -48,13 +47,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         write_robot(path, &model)?;
     }
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        report::print(&document);
-    }
-    Ok(())
+    arguments
+        .json
+        .deliver(&document, || report::print(&document))
 }
 
 fn require_any(arguments: &Arguments, phases: &PhaseData) -> Result<()> {

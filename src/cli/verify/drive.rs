@@ -5,7 +5,7 @@ use tautline_link::Instrument;
 use tautline_link::verifying::{CheckTarget, VerifyingEvent, VerifyingOptions, VerifyingRun};
 use tautline_session::{CheckKind, CheckRow};
 
-use super::typed::{Target, Typed};
+use super::typed::{Target, TypedInstrument};
 use crate::BadInput;
 use crate::live::{Connection, interrupt};
 use tautline_workflow::wording::sentence;
@@ -23,7 +23,7 @@ pub fn drive(
     let target = Target::default();
     let mut instrument: Box<dyn Instrument> = match connection.instrument.take() {
         Some(instrument) => instrument,
-        None => Box::new(Typed(target.clone())),
+        None => Box::new(TypedInstrument(target.clone())),
     };
     let mut options = VerifyingOptions {
         cycles,

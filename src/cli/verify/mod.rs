@@ -18,8 +18,8 @@ use super::live::{
     Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
 };
 use super::measure::{refuse_interrupted, require_simulated};
-use super::output::{is_readable, notice, write_json};
 use crate::BadInput;
+use crate::output::{JsonOutput, notice};
 pub use document::VerificationDocument;
 use tautline_workflow::adjusting::title;
 use tautline_workflow::clock;
@@ -62,9 +62,8 @@ pub struct Arguments {
     /// Whether this is before or after the adjustment; by default from the session's records
     #[arg(long, value_enum)]
     stage: Option<StageName>,
-    /// Write the machine form; - is standard output
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -114,13 +113,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let stage = stage(arguments, &file.session);
     keep(&mut file, stage, rows, &source)?;
     let document = VerificationDocument::of(&file.session, stage)?;
-    if let Some(path) = &arguments.json {
-        write_json(path, &tautline_session::versioned(&document))?;
-    }
-    if is_readable(arguments.json.as_deref()) {
-        document::print(&document);
-    }
-    Ok(())
+    arguments
+        .json
+        .deliver(&document, || document::print(&document))
 }
 
 fn check(arguments: &Arguments) -> Result<()> {

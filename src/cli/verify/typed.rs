@@ -33,9 +33,9 @@ impl Target {
 }
 
 /// Asks for a position when the platform is there, and reads `x y z` in millimetres from standard input.
-pub struct Typed(pub Target);
+pub struct TypedInstrument(pub Target);
 
-impl Instrument for Typed {
+impl Instrument for TypedInstrument {
     fn identity(&self) -> String {
         "Typed readings".to_owned()
     }

@@ -14,8 +14,7 @@ use super::request::IdentificationRequest;
 
 /// Relative change of chi-square below which the poses have settled.
 const SETTLED: f64 = 1e-9;
-/// Most solves with the effects. Each starts at the one before and changes the wrap angles by micrometres of the poses;
-/// more than three have not been seen.
+/// Most solves with the effects. Each starts at the one before; two or three are enough in practice.
 const MOST_SOLVES: usize = 10;
 
 /// Solves a request; the problem is as it was solved last.

@@ -66,3 +66,28 @@ pub fn reading_name(robot: &Robot, kind: ObservationKind) -> String {
         ObservationKind::Inclination(k) => ["roll", "pitch", "yaw"][k].to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::estimation::{Control, Method};
+
+    use super::*;
+    use crate::documents::diagnosis::samples::dataset;
+    use crate::identification::{IdentificationRequest, identify};
+
+    #[test]
+    fn the_first_line_says_whether_it_converged() {
+        let request = IdentificationRequest::new(dataset(), Method::Joint, &[]);
+        let request = request.expect("a request");
+        let found = identify(&request, &mut |_| Control::Continue).expect("identified");
+        let summary = found.summary();
+        assert!(summary.starts_with("planar: 13 poses, joint method converged after "));
+        let unconverged = IdentificationDocument {
+            converged: false,
+            ..found.document()
+        };
+        let summary = unconverged.summary("planar");
+        assert!(summary.contains("did NOT converge"), "{summary}");
+        assert_eq!(summary.lines().count(), 1);
+    }
+}

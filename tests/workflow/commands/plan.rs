@@ -57,5 +57,6 @@ fn a_plan_is_written_in_the_order_of_measurement() {
 fn impossible_plans_are_refused() {
     tautline(&["plan", "no-such-robot"]).refused(&["no-such-robot", "mini"]);
     tautline(&["plan", "mini", "--poses", "0"]).refused(&["--poses", "at least 1"]);
-    tautline(&["plan", "mini", "--effects", "gremlins"]).refused(&["--effects", "gremlins"]);
+    tautline(&["plan", "mini", "--effects", "gremlins"])
+        .refused(&["--effect gremlins", "unknown effect"]);
 }

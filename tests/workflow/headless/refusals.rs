@@ -227,7 +227,7 @@ fn typed_readings_need_a_terminal() {
     tautline(&["measure", &real, "--controller", &replay, "--arm"]).succeeded();
     tautline(&["verify", &real, "--controller", &replay, "--arm"]).refused(&[
         "not moved",
-        "has to be typed",
+        "have to be typed",
         "terminal",
     ]);
 }

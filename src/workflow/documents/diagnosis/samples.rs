@@ -36,7 +36,7 @@ fn solution(dataset: &Dataset, effects: &[&str]) -> Solution {
     solve(&problem, &Options::default(), &mut |_| Control::Continue).expect("a solution")
 }
 
-/// A cause as `--effects` names it.
+/// A cause as `--effect` names it.
 pub fn cause(robot: &Robot, request: &str) -> Cause {
     Cause {
         instances: EffectRequest::parse(request)
