@@ -7,11 +7,13 @@ pub mod connect;
 pub mod identification;
 pub mod measuring;
 pub mod modeling;
+pub mod part;
 pub mod precalibration;
 pub mod start;
 
 use egui::{ScrollArea, Ui};
 
+use self::part::Part;
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::phase::Phase;
@@ -59,31 +61,4 @@ pub fn phase(
         }
         Phase::Adjustment => adjustment::show(ui, model, &mut panels.adjustment, outbox),
     });
-}
-
-/// Part of a phase's screen.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
-    /// Instruction, inputs, tables.
-    #[default]
-    Panel,
-    /// The robot in 3D.
-    Robot,
-    /// Plots.
-    Plots,
-}
-
-impl Part {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
-
-    /// Label in the window.
-    #[must_use]
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Panel => "Panel",
-            Self::Robot => "3D view",
-            Self::Plots => "Plots",
-        }
-    }
 }

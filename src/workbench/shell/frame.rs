@@ -5,7 +5,8 @@ use egui::{CentralPanel, Frame, Margin, Panel, Rangef, Ui};
 use super::sized::{Size, sized};
 use super::{State, dialogs, log, palette, rail, save_as, status, top};
 use crate::model::phase::{Phase, Screen};
-use crate::screens::{self, Part};
+use crate::screens;
+use crate::screens::part::Part;
 use crate::theme::{self, GRID};
 use crate::views;
 

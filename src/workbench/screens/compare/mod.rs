@@ -11,7 +11,7 @@ use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
 use crate::model::comparison::{Compared, Source};
 use crate::model::{Model, OpenSession};
-use crate::screens::Part;
+use crate::screens::part::Part;
 use crate::theme::{self, GRID};
 use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};

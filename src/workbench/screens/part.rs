@@ -1,0 +1,28 @@
+//! The parts of a screen that a small window shows one at a time.
+
+/// Part of a phase's screen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Instruction, inputs, tables.
+    #[default]
+    Panel,
+    /// The robot in 3D.
+    Robot,
+    /// Plots.
+    Plots,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
+
+    /// Label in the window.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Panel => "Panel",
+            Self::Robot => "3D view",
+            Self::Plots => "Plots",
+        }
+    }
+}
