@@ -58,7 +58,7 @@ fn a_cause_is_named_added_removed_and_undone() {
     // Outside of five standard deviations once in a million times.
     assert!((size.value - 0.02).abs() < 5.0 * sd, "{size:?}");
     harness.get_by_label_contains("Held-out poses:");
-    harness.get_by_label_contains("Residuals along");
+    harness.get_by_label_contains("Residuals against");
     press(&mut harness, "Add to model: Winch scale (cable-3)");
     assert_eq!(effects(&harness.state().state), ["winch_scale"]);
     harness.get_by_label("The model explains the data.");

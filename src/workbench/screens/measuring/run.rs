@@ -109,7 +109,7 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         } else {
             Verdict::Doubtful
         };
-        verdict(ui, kind, &full_sentence(&format!("Paused: {reason}")));
+        verdict(ui, kind, &full_sentence(&format!("Waiting: {reason}")));
         if reason.contains("laser") {
             muted(
                 ui,
