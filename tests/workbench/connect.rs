@@ -241,7 +241,7 @@ fn a_typed_laser_distance_is_requested_at_every_pose() {
         type_text(&mut bench, "12,x");
         assert!(shows(&bench, "expected a number such as 12.5"));
         type_text(&mut bench, &format!("{:.2}", 10.0 * expected_mm));
-        let far = format!("Expected about {expected_mm:.0} mm: read it once more");
+        let far = format!("Expected about {expected_mm:.0} mm. Check the reading");
         assert!(shows(&bench, &far), "{:?}", words(&bench.harness));
         let text = format!("{expected_mm:.2}");
         type_text(&mut bench, &text);
