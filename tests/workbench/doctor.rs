@@ -118,7 +118,7 @@ fn causes_that_cannot_be_separated_share_a_card_with_poses_for_the_plan() {
         &format!("Undo: add {added} poses to the plan"),
     );
     assert!(document(&harness).session().plan.is_empty());
-    let chosen = harness.get_all_by_label_contains("Use this anyway:").next();
+    let chosen = harness.get_all_by_label_contains("Add anyway:").next();
     chosen.expect("an alternative").click_accesskit();
     harness.step();
     settle(&mut harness);

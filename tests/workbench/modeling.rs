@@ -23,7 +23,7 @@ fn elongation_is_imported_assessed_applied_and_undone() {
     assert!(bench.shows("a constant stiffness of 40000 N is used"));
     let path = bench.write("elongation.csv", &elongation_table());
     bench.import("elongation.csv", &path);
-    assert!(bench.shows("A surface of degree 2 follows all 64 points"));
+    assert!(bench.shows("A surface of degree 2 fits all 64 points"));
     assert!(bench.shows("1000 to 2750"), "where it is valid");
     assert!(bench.shows("2, 6, 0.00"), "the degree with its error");
     bench.press("Apply surface");
