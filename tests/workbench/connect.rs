@@ -342,7 +342,7 @@ fn a_reconnected_controller_is_disarmed_and_the_run_continues() {
     plant.server.fault("read", 1, "before");
     bench.wait("the loss", |state| state.model.link.lost().is_some());
     assert!(!bench.state().model.link.is_armed() && bench.state().model.link.is_measuring());
-    bench.wait("the message", |state| told(state, "not armed any more"));
+    bench.wait("the message", |state| told(state, "The robot is disarmed"));
     bench.wait("a failed attempt", |state| {
         let lost = state.model.link.lost();
         lost.is_some_and(|lost| lost.why.contains("does not run"))
