@@ -291,8 +291,8 @@ fn answer_wave(
     }
     let answer = best.map(|(block, period)| {
         let cause = question.estimated(&block.estimate, period);
-        // The period is one parameter more.
-        let visible = block.visible + 1;
+        // The period is one parameter more, where there is a wave at all.
+        let visible = block.visible + usize::from(block.visible > 0);
         Scored {
             visible,
             ..block.scored(cause, visible as f64 * price, 0.0)
