@@ -174,19 +174,19 @@ fn result(
     let place = arguments.session.display();
     match &ended.end {
         RunEnd::Interrupted => Err(anyhow!(
-            "Stopped by the operator: {on_disk} are in {place}; the same command continues"
+            "Stopped by the operator: {place} has {on_disk}; the same command continues"
         )),
         RunEnd::Failed(why) => Err(anyhow!(
-            "{} {on_disk} are in {place}; the same command continues",
+            "{} {place} has {on_disk}; the same command continues",
             ensure_full_stop(why)
         )),
         RunEnd::NotTyped(why) => Err(BadInput::new(format!(
-            "{} {on_disk} are in {place}; the same command continues",
+            "{} {place} has {on_disk}; the same command continues",
             ensure_full_stop(why)
         ))),
         RunEnd::Finished | RunEnd::GoodEnough if document.enough => Ok(()),
         RunEnd::Finished | RunEnd::GoodEnough => Err(anyhow!(
-            "{on_disk} in {place} are not enough to identify the robot: measure more"
+            "{place} has {on_disk}: not enough to identify the robot, measure more"
         )),
     }
 }

@@ -119,12 +119,22 @@ impl Drawing {
         }
     }
 
-    /// As an SVG element, which is a file of its own or stands in HTML as it is.
+    /// As an SVG element inside of HTML.
     #[must_use]
     pub fn svg(&self) -> String {
+        self.element("")
+    }
+
+    /// As an SVG file.
+    #[must_use]
+    pub fn svg_file(&self) -> String {
+        self.element(" xmlns=\"http://www.w3.org/2000/svg\"")
+    }
+
+    fn element(&self, namespace: &str) -> String {
         let [width, height] = self.size;
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width:.2} {height:.2}\" \
+            "<svg{namespace} role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {width:.2} {height:.2}\" \
              width=\"{width:.2}pt\" height=\"{height:.2}pt\" font-family=\"Inter, sans-serif\">",
             escaped(&self.label)
         );

@@ -204,7 +204,7 @@ fn the_words_say_how_sure_they_are() {
         "0.31 ± 0.04 %",
         "0.232 to 0.388 %",
         "2. Pulley radius (cable-3), cannot be distinguished from: Winch offset (cable-3)",
-        "These data cannot tell which of these it is",
+        "These data cannot distinguish between",
         "Measure far from cable-3.",
         "3. Unknown cause (cable-3)",
         "no effect of the catalogue explains",

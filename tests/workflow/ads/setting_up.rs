@@ -138,7 +138,7 @@ fn a_command_that_waits_or_a_fault_prevents_arming() {
     client.connect().expect("connected");
     plant.server.order(json!({"set": {global("number"): [8]}}));
     let told = client.arm().expect_err("a command waits").to_string();
-    assert!(told.contains("command 8 waits"), "{told}");
+    assert!(told.contains("command 8 is pending"), "{told}");
     plant.server.order(json!({"set": {
         global("number"): [7], global("fault"): [3], global("fault_text"): ["drive 4 is hot"]}}));
     let told = client.arm().expect_err("a fault").to_string();

@@ -80,14 +80,10 @@ fn simulated_entry_points_are_found_and_hold_in_evaluation() {
 fn a_fit_that_does_not_converge_has_an_exit_code_of_its_own() {
     let folder = Folder::new();
     let dataset = simulate(&folder, "mini", 12, &[]);
-    let poses = folder.join("data/poses.csv");
-    let text = std::fs::read_to_string(&poses).expect("poses.csv");
-    let mut lines: Vec<Vec<&str>> = text.lines().map(|l| l.split(',').collect()).collect();
-    let column = lines[0].iter().position(|name| *name == "laser_m");
-    // A number, but none of which the square is finite.
-    lines[3][column.expect("a column")] = "1e300";
-    let lines: Vec<String> = lines.into_iter().map(|cells| cells.join(",")).collect();
-    std::fs::write(&poses, lines.join("\n")).expect("poses.csv");
+    let mut robot = folder.json("data/robot.json");
+    // A number, but none of which the squares of residuals are finite.
+    robot["laser"]["sd_m"] = 1e-160.into();
+    folder.write("data/robot.json", &robot.to_string());
     let answer = tautline(&["identify", &dataset]);
     assert_eq!(answer.code, Some(3), "{}", answer.stderr);
     assert!(

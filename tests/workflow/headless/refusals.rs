@@ -219,7 +219,7 @@ fn typed_readings_need_a_terminal() {
     assert_eq!(answer.status.code(), Some(2), "{told}");
     let last = told.lines().last().expect("a sentence");
     assert!(
-        last.contains("No laser distance was typed for pose") && last.contains("goes on"),
+        last.contains("No laser distance was typed for pose") && last.contains("continues"),
         "{told}"
     );
     let replay = format!("replay:{recording}");

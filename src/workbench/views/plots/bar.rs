@@ -261,7 +261,7 @@ fn command(
                 canvas.fill(whole, palette.raised);
                 plot.draw(canvas);
             });
-            PlotCommand::SaveText(path, drawing.svg())
+            PlotCommand::SaveText(path, drawing.svg_file())
         }
         Format::Png => PlotCommand::SavePicture(path, plot.layout.whole),
     })
