@@ -29,7 +29,7 @@ pub(crate) use say;
 #[derive(Debug, clap::Args)]
 pub struct JsonOutput {
     /// Write the machine form; - is standard output
-    #[arg(long = "json", value_name = "FILE")]
+    #[arg(id = "json", long, value_name = "FILE")]
     file: Option<PathBuf>,
 }
 

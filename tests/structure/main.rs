@@ -27,6 +27,8 @@ struct Rules<'a> {
     crates: &'a [&'a str],
     /// Top-level modules, from the bottom to the top; empty where circles are all that is checked.
     order: &'a [&'a str],
+    /// Circles that are still to be opened: they are listed, and one more is a violation.
+    known_circles: usize,
 }
 
 /// The crates in the order of their dependencies. `main.rs` of the workbench is not looked at: it
@@ -36,21 +38,25 @@ const CRATES: [Rules; 6] = [
         folder: "src/core",
         crates: &[],
         order: &[],
+        known_circles: 0,
     },
     Rules {
         folder: "src/session",
         crates: &["tautline_core"],
         order: &[],
+        known_circles: 1,
     },
     Rules {
         folder: "src/link",
         crates: &["tautline_core", "tautline_session"],
         order: &[],
+        known_circles: 1,
     },
     Rules {
         folder: "src/workflow",
         crates: &["tautline_core", "tautline_session", "tautline_link"],
         order: &[],
+        known_circles: 1,
     },
     Rules {
         folder: "src/cli",
@@ -61,6 +67,7 @@ const CRATES: [Rules; 6] = [
             "tautline_workflow",
         ],
         order: &[],
+        known_circles: 0,
     },
     Rules {
         folder: "src/workbench",
@@ -73,6 +80,7 @@ const CRATES: [Rules; 6] = [
         order: &[
             "model", "commands", "theme", "widgets", "views", "screens", "shell", "lib",
         ],
+        known_circles: 2,
     },
 ];
 
@@ -83,8 +91,9 @@ fn main() -> ExitCode {
         let root = repository.join(rules.folder);
         match violations(&root, rules) {
             Ok(found) => {
-                count += found.len();
-                found.iter().for_each(|line| println!("{line}"));
+                count += found.wrong.len() + found.circles.saturating_sub(rules.known_circles);
+                let lines = found.wrong.iter().chain(&found.in_circles);
+                lines.for_each(|line| println!("{line}"));
             }
             Err(error) => {
                 count += 1;
@@ -100,14 +109,26 @@ fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// One line for each violation in the crate whose `lib.rs` lies in `root`.
-fn violations(root: &Path, rules: &Rules) -> Result<Vec<String>, String> {
+/// What is against the rules in one crate.
+#[derive(Debug, Default)]
+struct Violations {
+    /// Imports that point the wrong way, a line each.
+    wrong: Vec<String>,
+    /// Number of circles.
+    circles: usize,
+    /// What ties them, a line each.
+    in_circles: Vec<String>,
+}
+
+/// The violations in the crate whose `lib.rs` lies in `root`.
+fn violations(root: &Path, rules: &Rules) -> Result<Violations, String> {
     let krate = Crate::read(&root.join("lib.rs"))?;
     let name = |file: &Path| {
         let below = file.strip_prefix(root).unwrap_or(file);
         format!("{}/{}", rules.folder, below.display())
     };
-    let mut found = Vec::new();
+    let mut violations = Violations::default();
+    let found = &mut violations.wrong;
     for (other, file, line) in crates_mentioned(&krate) {
         if other.starts_with("tautline_") && !rules.crates.contains(&other.as_str()) {
             found.push(format!("{}:{line}: may not import {other}", name(&file)));
@@ -131,18 +152,19 @@ fn violations(root: &Path, rules: &Rules) -> Result<Vec<String>, String> {
         }
     }
     for circle in circles(&imports) {
+        violations.circles += 1;
         let size = circle.files.len();
-        found.push(format!(
+        violations.in_circles.push(format!(
             "{}: {size} files import each other in a circle, by way of",
             rules.folder
         ));
         for import in &circle.between_folders {
             let (from, to) = (name(&import.from), name(&import.to));
-            found.push(format!(
+            violations.in_circles.push(format!(
                 "    {from}:{} -> {to} ({})",
                 import.line, import.path
             ));
         }
     }
-    Ok(found)
+    Ok(violations)
 }
