@@ -90,7 +90,7 @@ fn a_cause_is_named_added_removed_and_undone() {
     assert!(document(&harness).fit_is_current());
     harness.get_by_label("The model explains the data.");
     press(&mut harness, ASK);
-    harness.get_by_label_contains("are held at the values identified");
+    harness.get_by_label_contains("are held at their identified values");
     harness.get_by_label("The model explains the readings of 41 poses.");
 }
 
