@@ -207,7 +207,7 @@ fn the_words_say_how_sure_they_are() {
         "These data cannot distinguish between",
         "Measure far from cable-3.",
         "3. Unknown cause (cable-3)",
-        "no effect of the catalogue explains",
+        "no effect in the catalogue explains",
         "12 mm before the adjustment, 0.6 mm after it, 95 % better",
         "all values were written and read back",
         "pose 5",
