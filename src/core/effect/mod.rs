@@ -1,8 +1,8 @@
 //! Physical effects that extend the nominal model.
 //!
-//! Each effect is one file with one static [`Effect`]: what it changes in the prediction (through [`CablePorts`] and
-//! [`PlatformPorts`]), its parameters with unit, prior and typical size, and what a technician reads when
-//! it was found ([`FoundEffect`]). The same code hides an effect in simulated data and adds it to a model.
+//! Each effect is one file with one static [`Effect`]: what it changes in the prediction (through `CablePorts` and
+//! `PlatformPorts`), its parameters with unit, prior and typical size, and what a technician reads when
+//! it was found (`FoundEffect`). The same code hides an effect in simulated data and adds it to a model.
 
 mod binding;
 mod cable_creep;
