@@ -56,7 +56,7 @@ const CRATES: [Rules; 6] = [
         folder: "src/workflow",
         crates: &["tautline_core", "tautline_session", "tautline_link"],
         order: &[],
-        known_circles: 1,
+        known_circles: 0,
     },
     Rules {
         folder: "src/cli",
