@@ -80,7 +80,7 @@ const CRATES: [Rules; 6] = [
         order: &[
             "model", "commands", "theme", "widgets", "views", "screens", "shell", "lib",
         ],
-        known_circles: 2,
+        known_circles: 1,
     },
 ];
 
