@@ -60,8 +60,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         geometry,
         effects: arguments.effects.settings(&robot)?,
         noise: !arguments.no_noise,
-        workspace: preset.as_ref().map(|p| p.workspace),
-        tension: preset.as_ref().map(|p| p.tension),
         ..SimulationOptions::new(arguments.poses, arguments.seed)
     };
     let run = simulate(&robot, &options).map_err(|error| match error {

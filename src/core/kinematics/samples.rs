@@ -70,6 +70,7 @@ pub(crate) fn robot(free: &[Coordinate], cables: Vec<Cable>) -> Robot {
         inclinometer: None,
         tracker: None,
         cables,
+        limits: None,
         home_platform: None,
         effects: Vec::new(),
     }

@@ -1,8 +1,10 @@
 //! Plain data of a robot; field names and units are those of `robot.json` (a public format).
 
+use nalgebra::Matrix6;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Limits;
 use crate::cable::ElongationSurface;
 use crate::effect::EffectSetting;
 use crate::geometry::{Coordinate, Freedom, Pose, Vec3};
@@ -60,6 +62,9 @@ pub struct Robot {
     pub gravity_m_s2: [f64; 3],
     /// The moving platform.
     pub platform: Platform,
+    /// Where the platform may move and how hard the cables may pull; what is absent follows from the rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limits: Option<Limits>,
     /// Laser distance sensor on the platform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laser: Option<Laser>,
@@ -95,9 +100,24 @@ pub struct Home {
     pub position_sd_m: f64,
     /// Standard deviation of each component of the rotation vector (rad); 0: known exactly.
     pub orientation_sd_rad: f64,
+    /// Covariance of the pose `[x y z, phi_x phi_y phi_z]` in the base frame (m, rad), where it was measured; the standard
+    /// deviations above are those of its worst coordinates then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<[[f64; 6]; 6]>,
 }
 
 impl Home {
+    /// Covariance of the pose as a [`Twist`](crate::geometry::Twist) in the base frame (m, rad): the measured one, else
+    /// that of the standard deviations.
+    #[must_use]
+    pub fn covariance(&self) -> Matrix6<f64> {
+        let sd = [self.position_sd_m, self.orientation_sd_rad];
+        match self.covariance {
+            Some(rows) => Matrix6::from_fn(|i, k| rows[i][k]),
+            None => Matrix6::from_fn(|i, k| if i == k { sd[i / 3].powi(2) } else { 0.0 }),
+        }
+    }
+
     /// The home pose as a rigid pose.
     #[must_use]
     pub fn pose(&self) -> Pose {

@@ -2,6 +2,7 @@
 
 mod check;
 mod description;
+mod limits;
 pub mod presets;
 
 pub use check::FieldError;
@@ -10,3 +11,4 @@ pub use description::{
     HomeSensor, Inclinometer, Laser, PerAxis, Plane, Platform, Pulley, Robot, TargetPlane, Tracker,
     Winch, WrenchSd,
 };
+pub use limits::{Limits, TensionLimits, WorkspaceLimits};

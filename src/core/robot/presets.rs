@@ -5,8 +5,8 @@
 //! mount; those values are assumed, see [`Preset::assumed`].
 
 use super::{
-    Cable, CableMaterial, ForceSensor, Home, Laser, PerAxis, Platform, Pulley, Robot, TargetPlane,
-    Winch,
+    Cable, CableMaterial, ForceSensor, FrameTransform, Home, Laser, Limits, PerAxis, Platform,
+    Pulley, Robot, TargetPlane, TensionLimits, Winch, WorkspaceLimits,
 };
 use crate::geometry::{Coordinate, Pose};
 use crate::simulation::{TensionRange, Workspace};
@@ -36,12 +36,36 @@ pub const NAMES: [&str; 4] = ["mini", "hall", "suspended", "planar"];
 /// The preset called `name`.
 #[must_use]
 pub fn find(name: &str) -> Option<Preset> {
-    match name {
-        "mini" => Some(mini()),
-        "hall" => Some(hall()),
-        "suspended" => Some(suspended()),
-        "planar" => Some(planar()),
-        _ => None,
+    let preset = match name {
+        "mini" => mini(),
+        "hall" => hall(),
+        "suspended" => suspended(),
+        "planar" => planar(),
+        _ => return None,
+    };
+    Some(preset.with_stated_limits())
+}
+
+impl Preset {
+    /// The same with its limits in the description of the robot, where files keep them.
+    fn with_stated_limits(mut self) -> Self {
+        let (workspace, tension) = (&self.workspace, self.tension);
+        self.robot.limits = Some(Limits {
+            workspace: Some(WorkspaceLimits {
+                center: FrameTransform {
+                    position_m: workspace.centre.position.into(),
+                    orientation_wxyz: workspace.centre.orientation_wxyz(),
+                },
+                half_extent_m: workspace.half_extent_m,
+                half_rotation_rad: workspace.half_rotation_rad,
+            }),
+            tension: Some(TensionLimits {
+                lower_n: tension.lower_n,
+                reference_n: tension.reference_n,
+                upper_n: tension.upper_n,
+            }),
+        });
+        self
     }
 }
 
@@ -130,6 +154,7 @@ fn robot(name: &str, home: Home, platform: Platform, laser: Laser, cables: Vec<C
         home: Some(home),
         gravity_m_s2: [0.0, 0.0, -9.80665],
         platform,
+        limits: None,
         laser: Some(laser),
         inclinometer: None,
         tracker: None,
@@ -145,6 +170,7 @@ fn home(position_m: [f64; 3], position_sd_m: f64, orientation_sd_rad: f64) -> Ho
         orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
         position_sd_m,
         orientation_sd_rad,
+        covariance: None,
     }
 }
 
@@ -382,6 +408,8 @@ mod tests {
             let preset = find(name).unwrap();
             assert_eq!(preset.name, name);
             preset.robot.check().unwrap();
+            assert_eq!(Workspace::of(&preset.robot), preset.workspace);
+            assert_eq!(TensionRange::of(&preset.robot), preset.tension);
             let home = preset.robot.home.unwrap().pose();
             let tensions = preset.tension.tensions(&preset.robot, &home).unwrap();
             assert!(tensions.is_some(), "{name}");

@@ -7,7 +7,11 @@ use crate::geometry::{Pose, Vec3};
 use crate::kinematics::{
     Feasibility, KinematicsError, applied_wrench, distribute_tension, structure_matrix,
 };
-use crate::robot::Robot;
+use crate::robot::{Robot, TensionLimits, WorkspaceLimits};
+
+/// Strain of a cable (1) that a derived upper tension does not exceed: a quarter of that at which a steel rope breaks, an
+/// eighth of that of a rope of high-modulus polyethylene.
+const WORKING_STRAIN: f64 = 4e-3;
 
 /// A box of positions with a range of rotations about its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,9 +36,13 @@ pub struct TensionRange {
 }
 
 impl Workspace {
-    /// A workspace around the home pose (or the middle of the pulleys): 30 % of the frame.
+    /// The workspace that the description states, else one around the home pose (or the middle of the pulleys): 30 % of
+    /// the frame.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
+        if let Some(stated) = robot.limits.and_then(|limits| limits.workspace) {
+            return stated.into();
+        }
         let (low, high) = bounds(robot);
         let middle = (low + high) / 2.0;
         let centre = robot.home.map_or(
@@ -111,18 +119,48 @@ pub(crate) fn bounds(robot: &Robot) -> (Vec3, Vec3) {
     })
 }
 
+impl From<WorkspaceLimits> for Workspace {
+    fn from(stated: WorkspaceLimits) -> Self {
+        Self {
+            centre: stated.center.pose(),
+            half_extent_m: stated.half_extent_m,
+            half_rotation_rad: stated.half_rotation_rad,
+        }
+    }
+}
+
+impl From<TensionLimits> for TensionRange {
+    fn from(stated: TensionLimits) -> Self {
+        Self {
+            lower_n: stated.lower_n,
+            reference_n: stated.reference_n,
+            upper_n: stated.upper_n,
+        }
+    }
+}
+
 impl TensionRange {
-    /// A range that suits the weight of the platform and the force sensors.
+    /// The range that the description states, else one that suits the weight of the platform, the force sensors and the
+    /// stiffness of the cables.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
+        if let Some(stated) = robot.limits.and_then(|limits| limits.tension) {
+            return stated.into();
+        }
         let weight_n = robot.platform.mass_kg.unwrap_or(0.0) * robot.gravity().norm();
         let sensors = robot.cables.iter().filter_map(|c| c.force_sensor);
         let noise_n = sensors.map(|s| s.tension_sd_n).fold(0.0, f64::max);
         let reference_n = (0.5 * weight_n).max(20.0 * noise_n);
+        let stiffnesses = robot
+            .cables
+            .iter()
+            .filter_map(|c| c.cable.axial_stiffness_n);
+        let strained_n = WORKING_STRAIN * stiffnesses.fold(f64::INFINITY, f64::min);
         Self {
             lower_n: 0.1 * reference_n,
             reference_n,
-            upper_n: 10.0 * reference_n,
+            // A platform that is held at all needs room above the reference, however soft its cables are.
+            upper_n: (10.0 * reference_n).min(strained_n.max(2.0 * reference_n)),
         }
     }
 
@@ -157,5 +195,42 @@ impl TensionRange {
             &all(self.upper_n),
         );
         Ok((found.feasibility == Feasibility::Feasible).then_some(found.tensions_n))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::presets;
+
+    #[test]
+    fn limits_are_those_of_the_description_whatever_the_robot_is_called() {
+        let mini = presets::find("mini").unwrap();
+        let hall = presets::find("hall").unwrap();
+        let renamed = Robot {
+            name: "another".into(),
+            ..mini.robot.clone()
+        };
+        assert_eq!(TensionRange::of(&renamed), mini.tension);
+        assert_eq!(Workspace::of(&renamed), mini.workspace);
+        let posing_as_mini = Robot {
+            name: "mini".into(),
+            ..hall.robot
+        };
+        assert_eq!(TensionRange::of(&posing_as_mini), hall.tension);
+        assert_eq!(Workspace::of(&posing_as_mini), hall.workspace);
+    }
+
+    #[test]
+    fn noisy_sensors_do_not_raise_a_derived_limit_beyond_what_the_cables_bear() {
+        let mut robot = presets::find("mini").unwrap().robot;
+        robot.limits = None;
+        for sd_n in [0.1, 1.0, 2.5, 3.9] {
+            for cable in &mut robot.cables {
+                cable.force_sensor.as_mut().unwrap().tension_sd_n = sd_n;
+            }
+            // 4e4 N of stiffness at a strain of 0.4 %.
+            assert!(TensionRange::of(&robot).upper_n <= 160.0, "{sd_n} N");
+        }
     }
 }

@@ -12,5 +12,5 @@ mod stored;
 pub use choice::{ControllerChoice, ControllerChoiceError};
 pub use clock::SimulationClock;
 pub use opened::{OpenError, Opened};
-pub use setup::{ConnectionSetup, Kind, bounds};
-pub use stored::{beside, held_values};
+pub use setup::{ConnectionSetup, Kind};
+pub use stored::{beside, held_values, is_held_values};

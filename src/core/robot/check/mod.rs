@@ -6,11 +6,17 @@
 mod field;
 mod layout;
 
-use super::{Cable, Home, HomePlatform, Laser, Platform, Robot, Tracker};
+use super::{Cable, Home, HomePlatform, Laser, Limits, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
 use crate::effect::{BoundEffect, EffectSetting};
 use crate::kinematics::MAX_CABLES;
 use field::Object;
+use nalgebra::Matrix6;
+
+/// Largest asymmetry of a correlation matrix: what rounding leaves.
+const SYMMETRY: f64 = 1e-9;
+/// Smallest pivot of a correlation matrix that can be inverted.
+const LEAST_PIVOT: f64 = 1e-6;
 
 /// What is wrong with one field of a robot description.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,6 +46,9 @@ impl Robot {
             check_home(&root.child("home"), home)?;
         }
         check_platform(&root.child("platform"), &self.platform)?;
+        if let Some(limits) = &self.limits {
+            check_limits(&root.child("limits"), limits)?;
+        }
         self.check_instruments(&root)?;
         self.check_cables(&root)?;
         self.check_layout()?;
@@ -132,7 +141,29 @@ fn check_home(object: &Object, home: &Home) -> Checked {
     object.vector("position_m", &home.position_m)?;
     object.quaternion("orientation_wxyz", &home.orientation_wxyz)?;
     object.not_negative("position_sd_m", home.position_sd_m)?;
-    object.not_negative("orientation_sd_rad", home.orientation_sd_rad)
+    object.not_negative("orientation_sd_rad", home.orientation_sd_rad)?;
+    match home.covariance {
+        Some(rows) => check_covariance(object, &rows),
+        None => Ok(()),
+    }
+}
+
+/// Metres and radians mix in it, so that symmetry and rank are judged in units of its own standard deviations.
+fn check_covariance(object: &Object, rows: &[[f64; 6]; 6]) -> Checked {
+    let list = object.child("covariance");
+    for (k, row) in rows.iter().enumerate() {
+        list.vector(k, row)?;
+        list.child(k).positive(k, row[k])?;
+    }
+    let correlation = Matrix6::from_fn(|i, k| rows[i][k] / (rows[i][i] * rows[k][k]).sqrt());
+    let is_symmetric = (correlation - correlation.transpose()).amax() < SYMMETRY;
+    let factor = correlation.cholesky();
+    let least = factor.map_or(0.0, |factor| factor.l_dirty().diagonal().min());
+    if is_symmetric && least > LEAST_PIVOT {
+        return Ok(());
+    }
+    let message = "found a matrix that is no covariance, expected one that is symmetric and positive definite";
+    object.fail("covariance", message)
 }
 
 fn check_platform(object: &Object, platform: &Platform) -> Checked {
@@ -156,6 +187,34 @@ fn check_platform(object: &Object, platform: &Platform) -> Checked {
         let object = object.child("wrench_sd");
         object.positive("force_n", sd.force_n)?;
         object.positive("torque_nm", sd.torque_nm)?;
+    }
+    Ok(())
+}
+
+fn check_limits(object: &Object, limits: &Limits) -> Checked {
+    if let Some(workspace) = &limits.workspace {
+        let object = object.child("workspace");
+        let center = object.child("center");
+        center.vector("position_m", &workspace.center.position_m)?;
+        center.quaternion("orientation_wxyz", &workspace.center.orientation_wxyz)?;
+        for (k, half) in workspace.half_extent_m.iter().enumerate() {
+            object.child("half_extent_m").not_negative(k, *half)?;
+        }
+        object.not_negative("half_rotation_rad", workspace.half_rotation_rad)?;
+    }
+    if let Some(tension) = &limits.tension {
+        let object = object.child("tension");
+        object.not_negative("lower_n", tension.lower_n)?;
+        object.finite("reference_n", tension.reference_n)?;
+        object.finite("upper_n", tension.upper_n)?;
+        let within = tension.lower_n..=tension.upper_n;
+        if !within.contains(&tension.reference_n) || within.start() == within.end() {
+            let message = format!(
+                "found {}, expected a tension from lower_n to upper_n, which is larger",
+                tension.reference_n
+            );
+            return object.fail("reference_n", message);
+        }
     }
     Ok(())
 }

@@ -18,6 +18,7 @@ fn robot() -> Robot {
         inclinometer: None,
         tracker: None,
         cables: corners.iter().enumerate().map(cable).collect(),
+        limits: None,
         home_platform: None,
         effects: Vec::new(),
     }
