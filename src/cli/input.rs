@@ -1,5 +1,6 @@
 //! What commands read; notices about it go to standard error.
 
+use crate::output::note;
 use std::path::Path;
 
 use crate::BadInput;
@@ -14,7 +15,7 @@ use tautline_workflow::comparison::as_session;
 /// What was read, its notices printed.
 pub fn noticed<T>(read: Loaded<T>) -> T {
     for notice in &read.notices {
-        eprintln!("{notice}");
+        note!("{notice}");
     }
     read.value
 }
@@ -24,7 +25,7 @@ pub fn session(path: &Path) -> Result<Session> {
     let imported = noticed(import(path, None)?);
     let (session, notices) = as_session(path, imported, clock::now()).map_err(BadInput::new)?;
     for notice in &notices {
-        eprintln!("{notice}");
+        note!("{notice}");
     }
     Ok(session)
 }
@@ -33,7 +34,7 @@ pub fn session(path: &Path) -> Result<Session> {
 pub fn dataset(folder: &Path) -> Result<Dataset> {
     let read = read_dataset(folder)?;
     for notice in &read.notices {
-        eprintln!("{notice}");
+        note!("{notice}");
     }
     Ok(read.dataset)
 }

@@ -1,20 +1,44 @@
 //! Where results go: a file written atomically, or standard output.
 
+use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::Serialize;
 use tautline_session::VersionedFile;
 
 /// A line on standard output. A reader may stop reading (`tautline ... | head`), which is no error.
 pub fn line(text: &str) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+    let _ = writeln!(std::io::stdout(), "{}", printable(text));
 }
 
 /// A line on standard error, beside the result.
-pub fn notice(text: String) {
-    eprintln!("{text}");
+pub fn notice(text: impl AsRef<str>) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(text.as_ref()));
+}
+
+/// Text whose control characters are shown and not obeyed: names of files and controllers are anybody's, and an escape
+/// sequence in one could rewrite what the terminal shows. Line ends and tabs stay.
+fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_obeyed) {
+        return text.into();
+    }
+    let mut shown = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match is_obeyed(letter) {
+            true => shown.extend(letter.escape_unicode()),
+            false => shown.push(letter),
+        }
+    }
+    shown.into()
+}
+
+/// Whether a terminal may do something else with a character than show it; marks that turn the direction of writing
+/// included.
+fn is_obeyed(letter: char) -> bool {
+    let turns = matches!(letter, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || letter.is_control() && !matches!(letter, '\n' | '\t')
 }
 
 /// `println!` through [`line()`].
@@ -24,6 +48,14 @@ macro_rules! say {
     };
 }
 pub(crate) use say;
+
+/// `eprintln!` through [`notice()`].
+macro_rules! note {
+    ($($text:tt)*) => {
+        $crate::output::notice(format!($($text)*))
+    };
+}
+pub(crate) use note;
 
 /// `--json`.
 #[derive(Debug, clap::Args)]
@@ -56,9 +88,49 @@ pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
     let mut text = serde_json::to_string_pretty(value)?;
     text.push('\n');
     if target == Path::new("-") {
-        line(text.trim_end());
+        line(&json_printable(text.trim_end()));
         return Ok(());
     }
-    tautline_session::write_text(target, &text)
-        .with_context(|| format!("{} cannot be written", target.display()))
+    Ok(tautline_session::write_text(target, &text)?)
+}
+
+/// JSON that means the same, without the characters that a terminal would obey: all of them are in strings.
+fn json_printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_obeyed) {
+        return text.into();
+    }
+    let mut safe = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match is_obeyed(letter) {
+            true => safe.push_str(&format!("\\u{:04x}", u32::from(letter))),
+            false => safe.push(letter),
+        }
+    }
+    safe.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_shown_and_not_obeyed() {
+        let name = "PLC\u{1b}]0;owned\u{7}\u{1b}[2J\r\u{9b}1m\u{202e}";
+        let shown = printable(name);
+        assert_eq!(
+            shown,
+            r"PLC\u{1b}]0;owned\u{7}\u{1b}[2J\u{d}\u{9b}1m\u{202e}"
+        );
+        assert_eq!(printable("a\tb\nµ ± 1"), "a\tb\nµ ± 1");
+    }
+
+    #[test]
+    fn json_on_a_terminal_means_the_same() {
+        let name = "PLC\u{1b}[2J\u{7f}\u{9b}1m";
+        let text = serde_json::to_string(name).expect("text");
+        let shown = json_printable(&text);
+        assert!(!shown.contains(is_obeyed), "{shown}");
+        let read: String = serde_json::from_str(&shown).expect("JSON");
+        assert_eq!(read, name);
+    }
 }

@@ -1,5 +1,6 @@
 //! `tautline report`.
 
+use crate::output::note;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -94,7 +95,7 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     };
     let picture = (window.picture)(&session, fit.as_ref());
     if let Err(error) = &picture {
-        eprintln!("the report has no picture of the robot: {error}");
+        note!("the report has no picture of the robot: {error}");
     }
     let input = ReportInput {
         session: &session,

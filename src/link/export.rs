@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::fmt::Write;
 
+use tautline_session::escape_formula;
+
 use crate::adjusting::Difference;
 use crate::parameters::ParameterInfo;
 
@@ -12,10 +14,10 @@ pub fn differences_csv(differences: &[Difference]) -> String {
     let mut text = "name,unit,controller,identified,difference,sd\n".to_owned();
     let cell = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for line in differences {
-        let name = if line.name.contains([',', '"', '\n', '\r']) {
-            format!("\"{}\"", line.name.replace('"', "\"\""))
-        } else {
-            line.name.clone()
+        let name = escape_formula(&line.name);
+        let name = match name.contains([',', '"', '\n', '\r']) {
+            true => format!("\"{}\"", name.replace('"', "\"\"")),
+            false => name.into_owned(),
         };
         let cells = [
             name,
@@ -60,9 +62,10 @@ fn unit(unit: &str) -> &str {
     if unit == "1" { "ratio" } else { unit }
 }
 
-/// Text that does not end a comment.
+/// Text that neither ends a comment nor begins one in it, which some compilers count, on one line.
 fn comment(text: &str) -> String {
-    text.replace("*)", "* )").replace(['\n', '\r'], " ")
+    let one_line = text.replace(char::is_control, " ");
+    one_line.replace("*)", "* )").replace("(*", "( *")
 }
 
 /// A name of letters, digits and single underscores that begins with a letter.
@@ -101,12 +104,14 @@ mod tests {
             parameter("cable-1.entry_point.x_m", 0.5),
             parameter("cable 1.entry_point.x_m", -1e-7),
             parameter("1 *) x", 2.0),
+            parameter("(*) y\u{1b}[2J", 3.0),
         ];
         let text = structured_text("MINI\n", &parameters);
         let expected = "(* MINI  *)\nVAR_GLOBAL CONSTANT\n    \
                         cable_1_entry_point_x_m : LREAL := 0.5; (* cable-1.entry_point.x_m, m *)\n    \
                         cable_1_entry_point_x_m_2 : LREAL := -1e-7; (* cable 1.entry_point.x_m, m *)\n    \
-                        p_1_x : LREAL := 2.0; (* 1 * ) x, m *)\nEND_VAR\n";
+                        p_1_x : LREAL := 2.0; (* 1 * ) x, m *)\n    \
+                        y_2J : LREAL := 3.0; (* ( * ) y [2J, m *)\nEND_VAR\n";
         assert_eq!(text, expected);
     }
 
@@ -122,5 +127,20 @@ mod tests {
         }];
         let expected = "name,unit,controller,identified,difference,sd\n\"a,b\",m,,0.25,,0.001\n";
         assert_eq!(differences_csv(&lines), expected);
+    }
+
+    #[test]
+    fn a_name_is_never_a_formula_and_a_number_stays_one() {
+        let lines = [Difference {
+            name: "=1+1.entry_point.x_m".into(),
+            unit: "m",
+            controller: Some(-1.5),
+            identified: -1.25,
+            difference: Some(0.25),
+            sd: None,
+        }];
+        let table = differences_csv(&lines);
+        let row = table.lines().nth(1);
+        assert_eq!(row, Some("'=1+1.entry_point.x_m,m,-1.5,-1.25,0.25,"));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::error::WriteError;
@@ -43,6 +43,7 @@ fn replace(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
+    let path = &link_target(path);
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -62,6 +63,23 @@ fn replace(
     Ok(())
 }
 
+/// Most links from one to the next that are followed, as operating systems do.
+const MAX_LINKS: usize = 40;
+
+/// The file itself where `path` is a link to it: written through a link, a file stays one file.
+#[must_use]
+pub fn link_target(path: &Path) -> PathBuf {
+    let mut target = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        let Ok(next) = fs::read_link(&target) else {
+            break;
+        };
+        // A relative target counts from the folder of its link.
+        target = target.parent().unwrap_or(Path::new("")).join(next);
+    }
+    target
+}
+
 /// Removes temporary files of programs that were killed while they wrote. Failures are ignored, because nothing depends
 /// on it.
 fn remove_stale(folder: &Path) {
@@ -74,7 +92,7 @@ fn remove_stale(folder: &Path) {
 }
 
 /// Whether a name is one that [`replace`] gives to temporary files.
-fn is_temporary(name: &str) -> bool {
+pub(crate) fn is_temporary(name: &str) -> bool {
     let letters = name.strip_prefix(PREFIX);
     letters.is_some_and(|l| l.len() == LETTERS && l.bytes().all(|b| b.is_ascii_alphanumeric()))
 }
@@ -111,6 +129,24 @@ mod tests {
     use std::time::SystemTime;
 
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_written_through_links_stays_one_file() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("real")).expect("a folder");
+        write_text(&path("real/file"), "old").expect("written");
+        symlink("real/file", path("one")).expect("a link");
+        symlink(path("one"), path("two")).expect("a link");
+        write_text(&path("two"), "new").expect("written");
+        assert_eq!(fs::read_to_string(path("real/file")).expect("read"), "new");
+        assert!(path("one").is_symlink() && path("two").is_symlink());
+        assert_eq!(link_target(&path("two")), path("real/file"));
+        symlink("round", path("round")).expect("a link");
+        assert_eq!(link_target(&path("round")), path("round"));
+    }
 
     #[test]
     fn only_old_temporary_files_are_removed() {

@@ -10,6 +10,7 @@ mod error;
 mod fingerprint;
 mod folders;
 mod import;
+mod input_file;
 mod json;
 mod phases;
 mod plan_table;
@@ -21,7 +22,7 @@ mod session;
 mod symbols_file;
 mod table;
 
-pub use atomic::{write_bytes, write_text};
+pub use atomic::{link_target, write_bytes, write_text};
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
     write_dataset,
@@ -34,9 +35,9 @@ pub use json::{
     versioned_schema, write_versioned,
 };
 pub use phases::{
-    CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
-    read_check, read_elongation, read_force, read_home, read_winch, write_check, write_elongation,
-    write_force, write_home, write_winch,
+    CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomePose, HomeReading, PhaseData,
+    WinchPair, read_check, read_elongation, read_force, read_home, read_winch, write_check,
+    write_elongation, write_force, write_home, write_winch,
 };
 pub use plan_table::{read_plan, write_plan};
 pub use poses::{read_poses, write_poses};
@@ -45,6 +46,7 @@ pub use preferences::{
 };
 pub use recovery::{
     RecoveredSession, RecoveryWriter, SessionChanges, UnsavedSession, find_unsaved_sessions,
+    remove_discarded,
 };
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
@@ -57,6 +59,7 @@ pub use session::{
     write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
+pub use table::escape_formula;
 
 /// The schemas of all files that are read.
 #[must_use]

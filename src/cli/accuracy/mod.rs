@@ -8,7 +8,7 @@ use anyhow::Result;
 use tautline_session::read_check_file;
 
 use crate::BadInput;
-use crate::output::JsonOutput;
+use crate::output::{JsonOutput, note};
 pub use report::print;
 use tautline_workflow::accuracy::{accuracy, group, is_partly_oriented, word};
 
@@ -28,11 +28,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let groups = group(&rows.value).map_err(at_file)?;
     let accuracy = accuracy(&groups).map_err(at_file)?;
     for notice in &rows.notices {
-        eprintln!("{notice}");
+        note!("{notice}");
     }
     for group in groups.iter().filter(|g| is_partly_oriented(g)) {
         let kind = word(group.kind);
-        eprintln!(
+        note!(
             "{file}: {kind} \"{}\" has rows without orientation, so it gets no orientation figures",
             group.name
         );

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::BadInput;
+use crate::output::note;
 use anyhow::{Result, anyhow};
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Solution};
@@ -43,7 +44,7 @@ impl Identified {
         let identified = identify_session(&session, &mut |_| Control::Continue)
             .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
         for open in &identified.open {
-            eprintln!("undetermined: {}", open.sentence);
+            note!("undetermined: {}", open.sentence);
         }
         let document = identified.document();
         Ok(Self {

@@ -21,7 +21,7 @@ use tautline_workflow::controllers::ConnectionSetup;
 use crate::live::{Connection, RobotArguments, SessionFile, link_error};
 use crate::measure::require_simulated;
 use crate::method::MethodName;
-use crate::output::{JsonOutput, notice, say};
+use crate::output::{JsonOutput, note, notice, say};
 pub use document::AdjustmentDocument;
 use identified::Identified;
 use interrupted::Next;
@@ -125,7 +125,7 @@ fn check_doubts(arguments: &Arguments, identified: &Identified) -> Result<()> {
                 "{why}: nothing was written to the controller; {flag} writes the values anyway"
             ));
         }
-        eprintln!("{why}.");
+        note!("{why}.");
     }
     Ok(())
 }
@@ -196,7 +196,7 @@ fn message(arguments: &Arguments, text: &str) {
     if arguments.json.is_text() {
         say!("{text}");
     } else {
-        eprintln!("{text}");
+        note!("{text}");
     }
 }
 

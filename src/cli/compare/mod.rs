@@ -13,7 +13,7 @@ use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_
 use tautline_workflow::identification::Identification;
 
 use crate::input;
-use crate::output::JsonOutput;
+use crate::output::{JsonOutput, note};
 pub use document::ComparisonDocument;
 
 #[derive(Debug, clap::Args)]
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn identified(path: &Path) -> Result<Identification> {
     let session = input::session(path)?;
     if session.settings.identification.method == Method::Published {
-        eprintln!(
+        note!(
             "{}: the published method has no standard deviations to compare with; the joint one is used",
             path.display()
         );

@@ -7,6 +7,7 @@ pub mod typed;
 pub use connection::{Connection, link_error};
 pub use tautline_workflow::session_file::SessionFile;
 
+use crate::output::note;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -52,7 +53,7 @@ impl SymbolsArgument {
         }
         let read = read_symbols(path, &session.robot)?;
         for notice in &read.notices {
-            eprintln!("{notice}");
+            note!("{notice}");
         }
         let new = Some(read.value);
         let differs = session.connection.ads != new;

@@ -8,7 +8,7 @@ use tautline_session::{Session, VersionedFile};
 
 use super::drive::{RunEnd, RunOutcome};
 use crate::output::say;
-use tautline_workflow::wording::{count, units};
+use tautline_workflow::wording::{count, count_are, units};
 
 /// A measuring run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -92,7 +92,7 @@ pub fn print(document: &MeasuringDocument, session: &Path) {
         );
     }
     if document.end == "good_enough" {
-        let rest = count(document.missing.len(), "planned pose");
+        let rest = count_are(document.missing.len(), "planned pose");
         say!("the precision is reached: {rest} not needed");
     }
 }

@@ -1,5 +1,6 @@
 //! The measuring run: no pose is commanded before the previous one is on disk.
 
+use crate::output::note;
 use std::collections::HashMap;
 
 use crate::BadInput;
@@ -142,7 +143,7 @@ impl Drive {
                             return Ok(RunEnd::GoodEnough);
                         }
                     }
-                    MeasuringEvent::Warning(warning) => eprintln!("{}", sentence(&warning.text)),
+                    MeasuringEvent::Warning(warning) => note!("{}", sentence(&warning.text)),
                     MeasuringEvent::LaserWanted { label } => {
                         if let Some(laser) = &connection.manual_laser {
                             ask_distance(label, laser)?;
@@ -176,7 +177,7 @@ impl Drive {
         let appended = session.append_pose(pose);
         appended.map_err(|error| anyhow!("pose {label} cannot be used: {error}"))?;
         self.ended.measured.push(label);
-        eprintln!(
+        note!(
             "pose {label} is on disk ({} of {})",
             session.measurements.len(),
             self.poses
@@ -195,7 +196,7 @@ impl Drive {
         let tried = self.tried.entry(label).or_default();
         *tried += 1;
         if *tried <= self.retries {
-            eprintln!("{}: retrying.", sentence(reason.trim_end_matches('.')));
+            note!("{}: retrying.", sentence(reason.trim_end_matches('.')));
             self.run.resume();
             return Ok(());
         }
@@ -204,7 +205,7 @@ impl Drive {
                 "the home pose, which all lengths refer to, cannot be measured: {reason}"
             ));
         }
-        eprintln!(
+        note!(
             "{}: pose {label} is skipped.",
             sentence(reason.trim_end_matches('.'))
         );

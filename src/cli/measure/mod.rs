@@ -19,7 +19,7 @@ use tautline_workflow::wording::count;
 use crate::effect_arguments::HiddenEffects;
 use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
-use crate::output::{JsonOutput, notice};
+use crate::output::{JsonOutput, note, notice};
 pub use document::MeasuringDocument;
 use drive::{Drive, RunEnd};
 
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     )?;
     if !is_new.get() && !arguments.effects.is_empty() {
         let place = arguments.session.display();
-        eprintln!("{place}: continues with its own simulated robot; --effect is ignored");
+        note!("{place}: continues with its own simulated robot; --effect is ignored");
     }
     check(&file, arguments, &choice)?;
     let symbols = &arguments.robot_arguments.symbols;

@@ -1,5 +1,6 @@
 //! The plan of a run.
 
+use crate::output::note;
 use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_session::{PlannedPose, Session, read_plan, read_table_file};
@@ -22,7 +23,7 @@ pub fn complete(
     if let Some(path) = &arguments.plan {
         let read = read_table_file(path, |reader, file| read_plan(reader, file, &session.robot))?;
         for notice in &read.notices {
-            eprintln!("{notice}");
+            note!("{notice}");
         }
         return take(session, read.value, &path.display().to_string());
     }
@@ -35,7 +36,7 @@ pub fn complete(
         let poses = rows.filter_map(|(label, pose)| Some(PlannedPose::new(*label, pose.as_ref()?)));
         return take(session, poses.collect(), &folder.display().to_string());
     }
-    eprintln!("Planning {}.", count(arguments.poses, "pose"));
+    note!("Planning {}.", count(arguments.poses, "pose"));
     let planned = plan_poses(session, (arguments.poses, arguments.seed), &mut |_| {
         Control::Continue
     });

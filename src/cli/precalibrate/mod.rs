@@ -10,7 +10,7 @@ use tautline_session::{PhaseData, read_calibration_tables, write_robot};
 use tautline_workflow::precalibration::Calibration;
 
 use crate::BadInput;
-use crate::output::JsonOutput;
+use crate::output::{JsonOutput, note};
 pub use document::Precalibration;
 
 #[derive(Debug, clap::Args)]
@@ -36,14 +36,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     let proposal = fits.with_all();
     for notice in &tables.notices {
-        eprintln!("{notice}");
+        note!("{notice}");
     }
     if let Some(path) = &arguments.model_out {
         let model = proposal
             .robot
             .map_err(|error| BadInput::new(format!("{}: {error}", arguments.dataset.display())))?;
         for notice in &proposal.left_out {
-            eprintln!("{notice}");
+            note!("{notice}");
         }
         write_robot(path, &model)?;
     }

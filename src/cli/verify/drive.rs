@@ -1,5 +1,6 @@
 //! Driving to the targets of a verification.
 
+use crate::output::note;
 use anyhow::{Result, anyhow};
 use tautline_link::Instrument;
 use tautline_link::verifying::{CheckTarget, VerifyingEvent, VerifyingOptions, VerifyingRun};
@@ -48,7 +49,7 @@ pub fn drive(
         match run.tick(&mut *connection.controller, instrument.as_mut()) {
             Some(VerifyingEvent::Commanded { done, of }) => {
                 let name = name(&targets, done);
-                eprintln!("target {done} of {of}: {name}");
+                note!("target {done} of {of}: {name}");
                 target.set(name);
             }
             Some(VerifyingEvent::Attained(row)) => rows.push(row),

@@ -19,7 +19,7 @@ use super::live::{
 };
 use super::measure::{refuse_unsettled, require_simulated};
 use crate::BadInput;
-use crate::output::{JsonOutput, notice};
+use crate::output::{JsonOutput, note, notice};
 pub use document::VerificationDocument;
 use tautline_workflow::adjusting::{in_effect, title};
 use tautline_workflow::clock;
@@ -148,7 +148,7 @@ fn choice(arguments: &Arguments) -> Result<Option<ControllerChoice>> {
 fn from_file(path: &std::path::Path) -> Result<Vec<CheckRow>> {
     let read = read_check_file(path)?;
     for notice in &read.notices {
-        eprintln!("{notice}");
+        note!("{notice}");
     }
     Ok(read.value)
 }

@@ -9,6 +9,7 @@ use tautline_core::robot::Robot;
 
 use crate::atomic::write_atomically;
 use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::input_file::open_input;
 use crate::phases::{self, PhaseData};
 use crate::poses::{read_poses, write_poses};
 use crate::robot_file::{read_robot, write_robot};
@@ -114,9 +115,8 @@ fn require_folder(folder: &Path) -> Result<(), ReadError> {
 }
 
 fn open(path: &Path, file: &str) -> Result<BufReader<File>, ReadError> {
-    File::open(path)
-        .map(|file| BufReader::with_capacity(1 << 16, file))
-        .map_err(|error| ReadError::io(file, Place::File, &error))
+    let input = open_input(path, file)?;
+    Ok(BufReader::with_capacity(1 << 16, input))
 }
 
 /// The tables of one folder, with the notices so far.
@@ -132,6 +132,7 @@ impl Files<'_> {
             winch: self.find(WINCH, phases::read_winch)?,
             force: self.find(FORCE, phases::read_force)?,
             home: self.find(HOME, |reader, file, _| phases::read_home(reader, file))?,
+            home_poses: Vec::new(),
             elongation: self.find(ELONGATION, |reader, file, _| {
                 phases::read_elongation(reader, file)
             })?,

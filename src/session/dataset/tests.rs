@@ -61,6 +61,7 @@ fn phases() -> PhaseData {
             sensor: 0,
             reading: 0.1,
         }],
+        home_poses: Vec::new(),
         elongation: vec![ElongationPoint {
             length_m: 2.0,
             tension_n: 9.0,
@@ -107,4 +108,25 @@ fn tables_of_another_dataset_are_neither_adopted_nor_deleted() {
         "{error:?}"
     );
     assert!(folder.path().join("winch.csv").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_and_not_waited_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pipe = folder.path().join("poses.csv");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.expect("mkfifo").success());
+    let refused = read_table_file(&pipe, |reader, file| {
+        std::io::read_to_string(reader).map_err(|e| ReadError::io(file, Place::File, &e))
+    });
+    let refused = refused.expect_err("a pipe").to_string();
+    assert!(
+        refused.ends_with("is a pipe or a device, expected a file"),
+        "{refused}"
+    );
+    for path in [pipe.as_path(), Path::new("/dev/zero")] {
+        let refused = crate::import(path, None).expect_err("no file").to_string();
+        assert!(refused.ends_with("expected a file"), "{refused}");
+    }
 }

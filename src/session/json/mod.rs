@@ -5,7 +5,6 @@ pub(crate) mod migrate;
 mod schema;
 mod strict;
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -17,6 +16,7 @@ use tautline_core::robot::FieldError;
 
 use crate::atomic::write_atomically;
 use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::input_file::open_input;
 pub(crate) use explain::kind;
 pub use migrate::Migration;
 pub use schema::{Schema, schema_for, versioned_schema};
@@ -55,8 +55,9 @@ pub fn read_versioned<T: VersionedFile>(path: &Path) -> Result<Loaded<T>, ReadEr
 /// Reads at most one byte more than `limit`, which is enough for [`check_size`].
 pub(crate) fn read_limited(path: &Path, file: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|f| f.take(limit + 1).read_to_end(&mut bytes))
+    open_input(path, file)?
+        .take(limit + 1)
+        .read_to_end(&mut bytes)
         .map_err(|error| ReadError::io(file, Place::File, &error))?;
     Ok(bytes)
 }

@@ -21,6 +21,19 @@ pub struct HomeReading {
     pub reading: f64,
 }
 
+/// One measurement of the platform's pose while its encoders read zero, by whatever instrument.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HomePose {
+    /// Platform origin in the base frame (m).
+    pub position_m: [f64; 3],
+    /// Orientation, quaternion w first.
+    pub orientation_wxyz: [f64; 4],
+    /// Standard deviation of each position coordinate (m).
+    pub position_sd_m: f64,
+    /// Standard deviation of each component of the rotation vector (rad).
+    pub orientation_sd_rad: f64,
+}
+
 const COLUMNS: [&str; 2] = ["sensor", "reading"];
 
 /// Reads `home.csv`; `file` is the name for messages.

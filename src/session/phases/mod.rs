@@ -20,7 +20,7 @@ pub(crate) use check::PoseColumns;
 pub use check::{CheckKind, CheckPose, CheckRow, read_check, write_check};
 pub use elongation::{ElongationPoint, read_elongation, write_elongation};
 pub use force::{ForcePair, read_force, write_force};
-pub use home::{HomeReading, read_home, write_home};
+pub use home::{HomePose, HomeReading, read_home, write_home};
 pub use winch::{WinchPair, read_winch, write_winch};
 
 /// Raw data of phases 1, 2 and 5; empty where nothing was measured.
@@ -33,6 +33,9 @@ pub struct PhaseData {
     pub force: Vec<ForcePair>,
     /// Readings of the home reference platform of phase 1 (`home.csv`).
     pub home: Vec<HomeReading>,
+    /// Measurements of the home pose by other instruments; a session has them, a dataset folder does not.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub home_poses: Vec<HomePose>,
     /// Elongation measurements of phase 2 (`elongation.csv`).
     pub elongation: Vec<ElongationPoint>,
     /// Poses and paths checked by an external instrument in phase 5 (`check.csv`).

@@ -27,38 +27,39 @@ impl Columns {
     }
 }
 
-fn assemble(columns: Columns, robot: &Robot) -> Result<Measurements, Fault> {
+/// Each column is taken out as it is used, so that no more than one quantity is there twice.
+fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> {
     check_labels(&columns.labels)?;
     let cables = robot.cable_count();
-    let single = |column| columns.get(column).map(<[f64]>::to_vec).unwrap_or_default();
-    let tracked_orientation_wxyz = group::<4>(&columns, Group::Tracked, 3);
+    let columns = &mut columns;
+    let tracked_orientation_wxyz = group::<4>(columns, Group::Tracked, 3);
     for (row, quaternion) in tracked_orientation_wxyz.iter().enumerate() {
         check_quaternion(row, quaternion, Group::Tracked)?;
     }
-    let truth = poses(&columns, Group::TruePose, robot)?;
+    let truth = poses(columns, Group::TruePose, robot)?;
     if let Some(row) = truth.iter().position(Option::is_none) {
         return Fault::at(row, "true_x_m", "found an empty cell, expected a number");
     }
     Ok(Measurements {
-        time_s: single(Column::Time),
-        temperature_c: single(Column::Temperature),
-        commanded: poses(&columns, Group::Commanded, robot)?,
-        revolutions: grid(&columns, PerCable::Revolutions, cables),
-        length_m: grid(&columns, PerCable::Length, cables),
-        force_n: grid(&columns, PerCable::Force, cables),
-        laser_m: single(Column::Laser),
-        swivel_rad: grid(&columns, PerCable::Swivel, cables),
-        inclination_rad: group(&columns, Group::Inclination, 0),
-        tracked_position_m: group(&columns, Group::Tracked, 0),
-        tracked_orientation_wxyz,
-        tracked_position_sd_m: group(&columns, Group::TrackedSd, 0),
         truth: Truth {
             poses: truth.into_iter().flatten().collect(),
-            tension_n: grid(&columns, PerCable::TrueTension, cables),
+            tension_n: grid(columns, PerCable::TrueTension, cables),
         },
-        labels: columns.labels,
-        groups: columns.groups,
-        other: columns.other,
+        time_s: columns.take(Column::Time).unwrap_or_default(),
+        temperature_c: columns.take(Column::Temperature).unwrap_or_default(),
+        commanded: poses(columns, Group::Commanded, robot)?,
+        revolutions: grid(columns, PerCable::Revolutions, cables),
+        length_m: grid(columns, PerCable::Length, cables),
+        force_n: grid(columns, PerCable::Force, cables),
+        laser_m: columns.take(Column::Laser).unwrap_or_default(),
+        swivel_rad: grid(columns, PerCable::Swivel, cables),
+        inclination_rad: group(columns, Group::Inclination, 0),
+        tracked_position_m: group(columns, Group::Tracked, 0),
+        tracked_orientation_wxyz,
+        tracked_position_sd_m: group(columns, Group::TrackedSd, 0),
+        labels: std::mem::take(&mut columns.labels),
+        groups: std::mem::take(&mut columns.groups),
+        other: std::mem::take(&mut columns.other),
     })
 }
 
@@ -77,36 +78,36 @@ fn check_labels(labels: &[i64]) -> Result<(), Fault> {
 }
 
 /// Components `first..first + N` of a group by row; empty if none of them was measured.
-fn group<const N: usize>(columns: &Columns, group: Group, first: usize) -> Vec<[f64; N]> {
-    let parts: [Option<&[f64]>; N] =
-        std::array::from_fn(|k| columns.get(Column::Component(group, first + k)));
+fn group<const N: usize>(columns: &mut Columns, group: Group, first: usize) -> Vec<[f64; N]> {
+    let parts: [Option<Vec<f64>>; N] =
+        std::array::from_fn(|k| columns.take(Column::Component(group, first + k)));
     if parts.iter().all(Option::is_none) {
         return Vec::new();
     }
-    let value = |part: Option<&[f64]>, row: usize| part.map_or(f64::NAN, |values| values[row]);
+    let value = |part: &Option<Vec<f64>>, row: usize| part.as_ref().map_or(f64::NAN, |v| v[row]);
     (0..columns.labels.len())
-        .map(|row| parts.map(|part| value(part, row)))
+        .map(|row| parts.each_ref().map(|part| value(part, row)))
         .collect()
 }
 
-fn grid(columns: &Columns, quantity: PerCable, cables: usize) -> Grid {
-    let parts: Option<Vec<&[f64]>> = (1..=cables)
-        .map(|number| columns.get(Column::Cable(quantity, number)))
+fn grid(columns: &mut Columns, quantity: PerCable, cables: usize) -> Grid {
+    let parts: Option<Vec<Vec<f64>>> = (1..=cables)
+        .map(|number| columns.take(Column::Cable(quantity, number)))
         .collect();
     let Some(parts) = parts else {
         return Grid::default();
     };
     let mut grid = Grid::missing(columns.labels.len(), cables);
     for (cable, values) in parts.into_iter().enumerate() {
-        for (row, value) in values.iter().enumerate() {
-            grid.set(row, cable, *value);
+        for (row, value) in values.into_iter().enumerate() {
+            grid.set(row, cable, value);
         }
     }
     grid
 }
 
 /// Poses of a group; a row without any number has none.
-fn poses(columns: &Columns, of: Group, robot: &Robot) -> Result<Vec<Option<Pose>>, Fault> {
+fn poses(columns: &mut Columns, of: Group, robot: &Robot) -> Result<Vec<Option<Pose>>, Fault> {
     let positions = group::<3>(columns, of, 0);
     let mut quaternions = group::<4>(columns, of, 3);
     if quaternions.is_empty() {

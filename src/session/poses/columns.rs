@@ -60,6 +60,15 @@ impl Columns {
             .map(|(_, values)| values.as_slice())
     }
 
+    /// Takes the values of a column out.
+    pub fn take(&mut self, column: Column) -> Option<Vec<f64>> {
+        let place = self
+            .numbers
+            .iter()
+            .position(|(known, _)| *known == column)?;
+        Some(self.numbers.swap_remove(place).1)
+    }
+
     /// Whether any column of a group is there.
     pub fn has(&self, group: Group) -> bool {
         (0..group.names().len()).any(|k| self.get(Column::Component(group, k)).is_some())

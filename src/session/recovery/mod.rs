@@ -22,6 +22,7 @@
 
 mod changes;
 mod journal;
+mod own_files;
 mod results;
 mod unsaved;
 mod writer;
@@ -34,6 +35,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::WriteError;
 use crate::json::{VersionedFile, write_versioned};
 pub use changes::SessionChanges;
+pub use own_files::remove_discarded;
 pub use unsaved::{RecoveredSession, UnsavedSession, find_unsaved_sessions};
 pub use writer::RecoveryWriter;
 

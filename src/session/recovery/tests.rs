@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use tautline_core::measurement::{Grid, Measurements};
 
 use super::*;
+use crate::error::Loaded;
 use crate::phases::PhaseData;
 use crate::session::tests::session;
 use crate::session::{
@@ -535,4 +536,86 @@ fn a_recovered_session_is_kept_again_before_the_remains_go() {
     drop(writer);
     let left = bench.left();
     assert_eq!((left.len(), left[0].poses), (1, 3));
+}
+
+#[cfg(unix)]
+#[test]
+fn only_files_of_ours_are_removed_and_no_link_is_followed() {
+    use std::os::unix::fs::symlink;
+    let bench = Bench::new();
+    let root = bench.root.path();
+    let outside = tempfile::tempdir().expect("a folder");
+    let theirs = outside.path().join(SNAPSHOT);
+    fs::write(&theirs, "theirs").expect("written");
+    let writer = bench.begin(&session());
+    let own = bench.own();
+    fs::write(own.join("notes.txt"), "theirs").expect("written");
+    symlink(&theirs, own.join("results.jsonl")).expect("a link");
+    writer.finish().expect("removed");
+    let rest = own.with_extension(FINISHED);
+    assert!(rest.join("notes.txt").exists() && rest.join("results.jsonl").is_symlink());
+    assert!(!rest.join(SNAPSHOT).exists() && !rest.join(JOURNAL).exists());
+    // Folders that are links, whatever they are called, and what is not named by us.
+    for name in ["session-aaaaaa", "session-bbbbbb.finished"] {
+        symlink(outside.path(), root.join(name)).expect("a link");
+    }
+    fs::create_dir_all(root.join(DISCARDED).join("session-cccccc")).expect("a folder");
+    fs::write(root.join(DISCARDED).join("letter"), "theirs").expect("written");
+    symlink(outside.path(), root.join(DISCARDED).join("session-dddddd")).expect("a link");
+    fs::write(root.join("session-report.lock.txt"), "theirs").expect("written");
+    symlink(&theirs, root.join("session-eeeeee.lock")).expect("a link");
+    assert!(bench.left().is_empty());
+    remove_discarded(root).expect("removed");
+    assert_eq!(fs::read_to_string(&theirs).expect("there"), "theirs");
+    assert!(root.join(DISCARDED).join("letter").exists());
+    assert!(!root.join(DISCARDED).join("session-cccccc").exists());
+    for name in ["session-report.lock.txt", "session-eeeeee.lock"] {
+        assert!(root.join(name).symlink_metadata().is_ok(), "{name}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_lock_that_is_a_link_is_not_opened() {
+    let bench = Bench::new();
+    drop(bench.begin(&session()));
+    let outside = tempfile::tempdir().expect("a folder");
+    let lock = bench.own().with_extension(LOCK);
+    fs::remove_file(&lock).expect("removed");
+    std::os::unix::fs::symlink(outside.path().join("made"), &lock).expect("a link");
+    let refused = find_unsaved_sessions(bench.root.path()).expect_err("a link");
+    assert!(refused.to_string().contains("is a link"), "{refused}");
+    assert!(!outside.path().join("made").exists());
+}
+
+#[test]
+fn a_damaged_snapshot_does_not_keep_the_journal_from_coming_back() {
+    let bench = Bench::new();
+    let file = bench.root.path().join("file.json");
+    write_session(&file, &with_poses([])).expect("written");
+    let writer = RecoveryWriter::create(bench.root.path(), Some(&file), &with_poses([]));
+    let mut writer = writer.expect("a writer");
+    for label in [5, 6] {
+        writer.append_pose(&pose(label)).expect("on disk");
+    }
+    drop(writer);
+    let snapshot = fs::read(bench.file(SNAPSHOT)).expect("a file");
+    fs::write(bench.file(SNAPSHOT), &snapshot[..snapshot.len() / 2]).expect("written");
+    let left = bench.left();
+    let Loaded { value, notices } = left[0].recover().expect("a session");
+    assert!(!value.is_whole);
+    // As text, because what was not measured is no number and equals nothing.
+    let expected = with_poses([5, 6]).measurements;
+    assert_eq!(
+        format!("{:?}", value.session.measurements),
+        format!("{expected:?}")
+    );
+    assert!(
+        notices[0].contains("the session is that of its file"),
+        "{notices:?}"
+    );
+    // Without a file there is nothing that the poses could belong to.
+    fs::remove_file(&file).expect("removed");
+    let refused = left[0].recover().expect_err("nothing");
+    assert!(refused.to_string().contains(SNAPSHOT), "{refused}");
 }

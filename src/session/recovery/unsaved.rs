@@ -8,10 +8,9 @@ use std::time::UNIX_EPOCH;
 
 use super::changes::ChangesFile;
 use super::journal::{Entry, Journal};
+use super::own_files::{Name, check_lock, is_folder, named, remove_session};
 use super::writer::Lock;
-use super::{
-    CHANGES, DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, Origin, PREFIX, RESULTS, SNAPSHOT, results,
-};
+use super::{CHANGES, DISCARDED, JOURNAL, LOCK, ORIGIN, Origin, RESULTS, SNAPSHOT, results};
 use crate::atomic::sync_folder;
 use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::fingerprint::Fingerprint;
@@ -43,6 +42,9 @@ pub struct RecoveredSession {
     pub session: Session,
     /// The file that it was opened from or saved to, if any; what is in that file is older.
     pub origin: Option<PathBuf>,
+    /// Whether everything came back. Else the snapshot was damaged: the session is that of its file with the poses
+    /// measured since, without the edits since.
+    pub is_whole: bool,
 }
 
 /// Finds the unsaved sessions in a recovery folder, the latest first. Sessions that cannot be read are in the list, too.
@@ -58,7 +60,7 @@ pub fn find_unsaved_sessions(folder: &Path) -> Result<Vec<UnsavedSession>, ReadE
         };
         if own.extension().is_some() || holds_nothing(&own) {
             // Nothing is lost if this fails: the next search tries again.
-            let _ = fs::remove_dir_all(&own);
+            let _ = remove_session(&own);
             let _ = lock.remove();
         } else {
             found.push(UnsavedSession::examine(own, lock));
@@ -70,17 +72,10 @@ pub fn find_unsaved_sessions(folder: &Path) -> Result<Vec<UnsavedSession>, ReadE
 
 /// Folders of sessions, and of saved ones that were not removed completely.
 fn candidates(folder: &Path) -> IoResult<Vec<PathBuf>> {
-    let entries = match fs::read_dir(folder) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
-    let paths: IoResult<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
-    let is_candidate = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let extension = path.extension();
-        name.starts_with(PREFIX) && extension.is_none_or(|e| e == FINISHED) && path.is_dir()
-    };
-    Ok(paths?.into_iter().filter(is_candidate).collect())
+    let mut found = named(folder, Name::Session)?;
+    found.extend(named(folder, Name::Finished)?);
+    found.retain(|path| is_folder(path));
+    Ok(found)
 }
 
 /// The lock, or `None` if a running program holds it.
@@ -88,7 +83,7 @@ fn locked(path: PathBuf) -> Result<Option<Lock>, ReadError> {
     let open = || {
         let mut options = File::options();
         options.read(true).write(true).create(true).truncate(false);
-        options.open(&path)
+        check_lock(&path).and_then(|()| options.open(&path))
     };
     let fail = |error| ReadError::io(&path.display().to_string(), Place::File, &error);
     let file = open().map_err(fail)?;
@@ -122,7 +117,9 @@ impl UnsavedSession {
         };
         match unsaved.recover() {
             Ok(recovered) => {
-                let RecoveredSession { session, origin } = recovered.value;
+                let RecoveredSession {
+                    session, origin, ..
+                } = recovered.value;
                 unsaved.poses = session.measurements.len();
                 unsaved.name = session.name;
                 unsaved.origin = origin;
@@ -141,11 +138,23 @@ impl UnsavedSession {
     /// The session as it was, the poses of the journal included. The files stay: write the session with a new
     /// [`RecoveryWriter`](super::RecoveryWriter) first, then [`discard`](Self::discard) these.
     ///
+    /// A snapshot that cannot be read does not keep the poses of the journal from coming back: the session is then that of
+    /// its file, and [`RecoveredSession::is_whole`] is false.
+    ///
     /// # Errors
-    /// If the snapshot cannot be read.
+    /// If neither the snapshot nor the file of the session can be read.
     pub fn recover(&self) -> Result<Loaded<RecoveredSession>, ReadError> {
-        let Loaded { value, mut notices } = read_session(&self.folder.join(SNAPSHOT))?;
-        let mut session = value;
+        let mut notices = Vec::new();
+        let origin = self.read_origin(&mut notices);
+        let snapshot = read_session(&self.folder.join(SNAPSHOT));
+        let is_whole = snapshot.is_ok();
+        let mut session = match snapshot {
+            Ok(loaded) => {
+                notices.extend(loaded.notices);
+                loaded.value
+            }
+            Err(error) => session_of_file(origin.as_deref(), error, &mut notices)?,
+        };
         let journal = self.journal(&mut notices);
         if let Some(changes) = self.changes(&mut notices) {
             session = changed(session, changes, &journal, &mut notices);
@@ -153,17 +162,24 @@ impl UnsavedSession {
         notices.extend(results::add(&self.folder.join(RESULTS), &mut session));
         let file = self.folder.join(JOURNAL).display().to_string();
         notices.extend(replay(&mut session, journal, &file));
-        let origin = match read_versioned::<Origin>(&self.folder.join(ORIGIN)) {
+        Ok(Loaded {
+            value: RecoveredSession {
+                session,
+                origin,
+                is_whole,
+            },
+            notices,
+        })
+    }
+
+    fn read_origin(&self, notices: &mut Vec<String>) -> Option<PathBuf> {
+        match read_versioned::<Origin>(&self.folder.join(ORIGIN)) {
             Ok(loaded) => loaded.value.path.map(PathBuf::from),
             Err(error) => {
                 notices.push(format!("{error}; save the session under a new name"));
                 None
             }
-        };
-        Ok(Loaded {
-            value: RecoveredSession { session, origin },
-            notices,
-        })
+        }
     }
 
     fn journal(&self, notices: &mut Vec<String>) -> Journal {
@@ -214,6 +230,22 @@ impl UnsavedSession {
             .map_err(|error| WriteError::io(&self.folder, error))?;
         Ok(target)
     }
+}
+
+/// The session of the file that it was opened from, in place of a snapshot that cannot be read because of `damage`.
+fn session_of_file(
+    origin: Option<&Path>,
+    damage: ReadError,
+    notices: &mut Vec<String>,
+) -> Result<Session, ReadError> {
+    let Some(loaded) = origin.and_then(|file| read_session(file).ok()) else {
+        return Err(damage);
+    };
+    notices.push(format!(
+        "{damage}; the session is that of its file with the poses measured since then, and edits since then are missing"
+    ));
+    notices.extend(loaded.notices);
+    Ok(loaded.value)
 }
 
 /// The snapshot with the changes after it; poses of the journal that the session did not have at that time are added

@@ -8,6 +8,7 @@ use tautline_core::robot::FieldError;
 
 use super::changes::SessionChanges;
 use super::journal::{self, Entry, Journal};
+use super::own_files::remove_session;
 use super::{CHANGES, FINISHED, JOURNAL, LOCK, PREFIX, RESULTS, SNAPSHOT, results, write_origin};
 use crate::atomic::sync_folder;
 use crate::error::WriteError;
@@ -141,7 +142,7 @@ impl RecoveryWriter {
         // Renamed first, so that a kill in between leaves nothing that looks like a crash.
         let finished = self.folder.with_extension(FINISHED);
         fs::rename(&self.folder, &finished)
-            .and_then(|()| fs::remove_dir_all(&finished))
+            .and_then(|()| remove_session(&finished))
             .and_then(|()| self.lock.remove())
             .map_err(|error| WriteError::io(&self.folder, error))
     }

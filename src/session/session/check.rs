@@ -45,6 +45,13 @@ pub(super) fn phases(phases: &PhaseData, robot: &Robot) -> Checked {
         index(&at, "sensor", reading.sensor, 6)?;
         finite(&at, "reading", reading.reading)?;
     }
+    for (k, pose) in phases.home_poses.iter().enumerate() {
+        let at = format!("/phases/home_poses/{k}");
+        numbers(&at, "position_m", &pose.position_m)?;
+        quaternion(&at, &pose.orientation_wxyz)?;
+        positive(&at, "position_sd_m", pose.position_sd_m)?;
+        positive(&at, "orientation_sd_rad", pose.orientation_sd_rad)?;
+    }
     for (k, point) in phases.elongation.iter().enumerate() {
         let at = format!("/phases/elongation/{k}");
         finite(&at, "length_m", point.length_m)?;
@@ -148,6 +155,14 @@ fn finite(at: &str, key: &str, value: f64) -> Checked {
         return Ok(());
     }
     let message = format!("found {value}, expected a finite number");
+    fail(format!("{at}/{key}"), message)
+}
+
+fn positive(at: &str, key: &str, value: f64) -> Checked {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    let message = format!("found {value}, expected a number greater than 0");
     fail(format!("{at}/{key}"), message)
 }
 

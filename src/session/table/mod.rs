@@ -1,5 +1,6 @@
 //! CSV tables: columns by name, cells with their place in the file.
 
+mod formula;
 mod lines;
 mod number;
 mod quaternion;
@@ -9,6 +10,8 @@ use std::collections::HashMap;
 use std::io::BufRead;
 
 use crate::error::{Place, ReadError, quoted};
+pub use formula::escape_formula;
+use formula::unescape_formula;
 use lines::Lines;
 pub(crate) use quaternion::quaternion_fault;
 pub(crate) use write::TableWriter;
@@ -33,6 +36,7 @@ struct Header {
 /// The fields of one record: their text in one piece, and where each ends.
 struct Cells {
     parser: csv_core::Reader,
+    delimiter: u8,
     text: Vec<u8>,
     ends: Vec<usize>,
 }
@@ -192,6 +196,7 @@ impl Header {
 impl Cells {
     fn new(delimiter: u8) -> Self {
         Self {
+            delimiter,
             parser: csv_core::ReaderBuilder::new()
                 .delimiter(delimiter)
                 .terminator(csv_core::Terminator::Any(b'\n'))
@@ -203,6 +208,10 @@ impl Cells {
 
     /// Splits one record into its cells.
     fn split(&mut self, record: &[u8], file: &str, line: u64) -> Result<(), ReadError> {
+        if !record.contains(&b'"') {
+            self.split_plain(record);
+            return Ok(());
+        }
         // Unquoting only shortens, and there is at most one cell more than there are bytes.
         self.text.resize(record.len() + 1, 0);
         self.ends.resize(record.len() + 2, 0);
@@ -224,6 +233,18 @@ impl Cells {
     }
 }
 
+impl Cells {
+    /// Splits a record without quotation marks: nearly all are, and this is several times as fast as a parser.
+    fn split_plain(&mut self, record: &[u8]) {
+        self.text.clear();
+        self.ends.clear();
+        for cell in record.split(|byte| *byte == self.delimiter) {
+            self.text.extend_from_slice(cell);
+            self.ends.push(self.text.len());
+        }
+    }
+}
+
 fn utf8<'a>(text: &'a [u8], file: &str, line: u64) -> Result<&'a str, ReadError> {
     std::str::from_utf8(text).map_err(|error| {
         let byte = text[error.valid_up_to()];
@@ -235,7 +256,7 @@ fn utf8<'a>(text: &'a [u8], file: &str, line: u64) -> Result<&'a str, ReadError>
 fn cell<'a>(text: &'a str, ends: &[usize], k: usize) -> &'a str {
     let start = if k == 0 { 0 } else { ends[k - 1] };
     // A cell boundary inside a character is possible only if the text was not UTF-8 per cell.
-    text.get(start..ends[k]).unwrap_or_default().trim()
+    unescape_formula(text.get(start..ends[k]).unwrap_or_default().trim())
 }
 
 impl Row<'_> {

@@ -5,6 +5,8 @@ use std::io::{Error, ErrorKind, Result, Write};
 
 use tautline_core::robot::Robot;
 
+use super::escape_formula;
+
 /// Writes a table cell by cell; NaN becomes an empty cell.
 pub(crate) struct TableWriter<W: Write> {
     csv: csv::Writer<W>,
@@ -54,9 +56,9 @@ impl<W: Write> TableWriter<W> {
         }
     }
 
-    /// A text, quoted where necessary.
+    /// A text, quoted where necessary, and never a formula.
     pub fn text(&mut self, text: &str) -> Result<()> {
-        Ok(self.csv.write_field(text)?)
+        Ok(self.csv.write_field(&*escape_formula(text))?)
     }
 
     /// Ends the row.

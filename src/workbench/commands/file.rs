@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
-use tautline_session::{Import, Loaded, Session, find_unsaved_sessions, import, write_session};
+use tautline_session::{
+    Import, Loaded, Session, find_unsaved_sessions, import, link_target, write_session,
+};
 
 use super::file_tasks::pick;
 use super::tables;
@@ -26,14 +28,15 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             || dialog().set_file_name("session.json").save_file(),
             FileCommand::SaveAs,
         ),
-        FileCommand::Open(path) => read(model, path),
+        // Behind a link is the same file, which is open once and saved in its place.
+        FileCommand::Open(path) => read(model, link_target(&path)),
         FileCommand::Save => match model.open.as_ref().and_then(OpenSession::path) {
             Some(path) => save(model, path.to_owned()),
             None => ask_save_as(model),
         },
         FileCommand::SaveAs(path) => {
             model.dialogs.save_as = None;
-            save(model, path);
+            save(model, link_target(&path));
         }
         FileCommand::Close => leave(model, Leaving::Close),
         FileCommand::Quit => leave(model, Leaving::Quit),

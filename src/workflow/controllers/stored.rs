@@ -42,6 +42,13 @@ pub fn held_values(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     Ok(Some(read.value.values))
 }
 
+/// Whether a file is one of those: a plain file with the content of one.
+#[must_use]
+pub fn is_held_values(path: &Path) -> bool {
+    let found = std::fs::symlink_metadata(path);
+    found.is_ok_and(|found| found.is_file()) && read_versioned::<HeldValues>(path).is_ok()
+}
+
 /// A controller that saves its values to a file, one by one as they are written.
 pub(super) struct Stored<C> {
     pub inner: C,

@@ -1,5 +1,7 @@
 //! The values of a figure as a table (CSV).
 
+use tautline_session::escape_formula;
+
 use super::figure::{Figure, Heat, Point};
 
 /// All values in the view, also those that share a pixel: one row per point, place of a line, column or cell.
@@ -82,13 +84,13 @@ fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> St
     table
 }
 
-/// A row of a table; cells with separators are quoted.
+/// A row of a table; cells with separators are quoted, and none is a formula.
 fn row(cells: &[&str]) -> String {
     let quoted = cells.iter().map(|cell| {
-        if cell.contains([',', '"', '\n']) {
-            format!("\"{}\"", cell.replace('"', "\"\""))
-        } else {
-            (*cell).to_owned()
+        let cell = escape_formula(cell);
+        match cell.contains([',', '"', '\n', '\r']) {
+            true => format!("\"{}\"", cell.replace('"', "\"\"")),
+            false => cell.into_owned(),
         }
     });
     let mut line = quoted.collect::<Vec<_>>().join(",");
@@ -120,5 +122,18 @@ mod tests {
         assert!(lines[0].contains("\"Residual, length (mm)\""));
         assert_eq!(lines[1], "cable-1,1,1,0.5,,,");
         assert_eq!(lines[2], "cable-1,2,2,0.5,,,yes");
+    }
+    #[test]
+    fn names_are_no_formulas_and_numbers_stay_numbers() {
+        let points = vec![Point {
+            pose: Some(1),
+            ..Point::new(1.0, -1.5)
+        }];
+        let figure = Figure {
+            series: vec![Series::of_cable(0, "=cable", points)],
+            ..Figure::default()
+        };
+        let table = csv(&figure, [[0.0, 2.0], [-2.0, 1.0]]);
+        assert_eq!(table.lines().nth(1), Some("'=cable,1,1,-1.5,,,"));
     }
 }

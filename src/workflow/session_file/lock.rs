@@ -1,8 +1,10 @@
 //! The lock of a session file.
 
-use std::fs::{self, File, Metadata, TryLockError};
+use std::fs::{self, File, FileType, Metadata, TryLockError};
 use std::io::{Error as IoError, ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
+
+use tautline_session::link_target;
 
 use crate::controllers::beside;
 
@@ -11,10 +13,11 @@ const UNSAVED: &str = ".unsaved";
 /// The file in it that is locked.
 pub(super) const LOCK_NAME: &str = "lock";
 
-/// The folder beside a session file with what is not in the file yet.
+/// The folder beside a session file with what is not in the file yet; beside the file itself where `session` is a link to
+/// it, so that whoever opens it either way finds the same.
 #[must_use]
 pub fn unsaved_folder(session: &Path) -> PathBuf {
-    beside(session, UNSAVED)
+    beside(&link_target(session), UNSAVED)
 }
 
 /// The lock of a session file: no other program changes the file while this value lives.
@@ -66,6 +69,8 @@ impl FileLock {
                 }
                 made => made.map_err(failed)?,
             }
+            check_own(&folder, FileType::is_dir).map_err(failed)?;
+            check_own(&lock, FileType::is_file).map_err(failed)?;
             let mut options = File::options();
             options.read(true).write(true).create(true).truncate(false);
             let file = match options.open(&lock) {
@@ -99,9 +104,24 @@ impl Drop for FileLock {
     }
 }
 
+/// Refuses a link, or anything else than what this program makes at this place: what is written there would be elsewhere.
+fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        Ok(found) if is_ours(&found.file_type()) => Ok(()),
+        Ok(_) => {
+            let place = path.display();
+            let text =
+                format!("{place} is a link or something else that was not made by this program");
+            Err(IoError::new(ErrorKind::InvalidInput, text))
+        }
+        Err(error) => Err(error),
+    }
+}
+
 /// Whether an open file is still the one at `path`; another program may have removed it meanwhile.
 fn is_still(file: &File, path: &Path) -> IoResult<bool> {
-    match fs::metadata(path) {
+    match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
         there => Ok(is_same(&file.metadata()?, &there?)),
     }

@@ -8,6 +8,7 @@
 mod lock;
 mod space;
 
+use std::ffi::OsString;
 use std::fs;
 use std::io::{Error as IoError, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -15,21 +16,20 @@ use std::path::{Path, PathBuf};
 use tautline_core::robot::FieldError;
 use tautline_session::{
     LogEntry, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
-    find_unsaved_sessions, read_session, write_session,
+    find_unsaved_sessions, link_target, read_session, remove_discarded, write_session,
 };
 
 use crate::adjusting::open as open_adjustment;
 use crate::clock;
-use crate::controllers::beside;
+use crate::controllers::{beside, is_held_values};
 use crate::wording::{count, sentence};
-use lock::LOCK_NAME;
 pub use lock::{FileLock, LockError, unsaved_folder};
 pub use space::KeptSpace;
 
 /// Ending of the file that a simulated controller's values are in while they are written.
 const CONTROLLER: &str = ".controller";
-/// Folder for discarded autosaves, whose poses are in the file by then.
-const DISCARDED: &str = "discarded";
+/// Beginning of the name of the folder of an autosave that did not come back as a whole.
+const DAMAGED: &str = "damaged-";
 
 /// Why a session file cannot be worked on.
 #[derive(Debug, thiserror::Error)]
@@ -75,7 +75,7 @@ pub enum SessionFileError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// Read or removed.
+        /// Read, moved or removed.
         action: &'static str,
         /// Reason given by the system.
         reason: IoError,
@@ -135,6 +135,8 @@ impl SessionFile {
         begin: impl Fn() -> Result<Option<Session>, E>,
         notify: &mut dyn FnMut(String),
     ) -> Result<Self, E> {
+        // A session that is opened through a link is one file with one lock.
+        let path = &link_target(path);
         let folder = unsaved_folder(path);
         // Errors in a file are reported before anything is written beside it.
         let made = match path.exists() || folder.exists() {
@@ -164,12 +166,13 @@ impl SessionFile {
             },
         };
         let mut file = Self {
-            path: path.to_owned(),
+            path: path.clone(),
             session,
             lock,
         };
         file.take_over(left, notify)?;
-        file.tidy()?;
+        // What was taken over is in the file now.
+        remove_discarded(file.lock.folder()).map_err(SessionFileError::from)?;
         if open_adjustment(&file.session).is_none() {
             // The values are in the session, which may have changed since.
             file.remove_controller()?;
@@ -188,6 +191,10 @@ impl SessionFile {
     /// If it cannot be removed.
     pub fn remove_controller(&self) -> Result<(), SessionFileError> {
         let path = self.controller();
+        // Another file of this name, or a link, is not ours to remove.
+        if !is_held_values(&path) {
+            return Ok(());
+        }
         match fs::remove_file(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
             removed => removed.map_err(io("removed", &path)),
@@ -231,22 +238,6 @@ impl SessionFile {
         });
     }
 
-    /// Removes what was taken over, which is in the file now, and the locks of folders that a killed program had made
-    /// but not used, or had removed already.
-    fn tidy(&self) -> Result<(), SessionFileError> {
-        let folder = self.lock.folder();
-        for entry in fs::read_dir(folder).map_err(io("read", folder))? {
-            let path = entry.map_err(io("read", folder))?.path();
-            let removed = match path.file_name() {
-                Some(name) if name == DISCARDED => fs::remove_dir_all(&path),
-                Some(name) if name != LOCK_NAME && path.is_file() => fs::remove_file(&path),
-                _ => Ok(()),
-            };
-            removed.map_err(io("removed", &path))?;
-        }
-        Ok(())
-    }
-
     /// Takes over poses that were measured by a program that was killed, and writes them to the file.
     fn take_over(
         &mut self,
@@ -273,8 +264,26 @@ impl SessionFile {
                 self.log(Phase::Poses, text);
             }
             self.save()?;
-            left.discard()?;
+            let aside = left.discard()?;
+            if !recovered.value.is_whole {
+                self.keep(&aside, notify)?;
+            }
         }
+        Ok(())
+    }
+}
+
+impl SessionFile {
+    /// Keeps an autosave of which not everything came back: under a name that nothing removes.
+    fn keep(&self, aside: &Path, notify: &mut dyn FnMut(String)) -> Result<(), SessionFileError> {
+        let mut name = OsString::from(DAMAGED);
+        name.push(aside.file_name().unwrap_or_default());
+        let kept = self.lock.folder().join(name);
+        fs::rename(aside, &kept).map_err(io("moved", aside))?;
+        notify(format!(
+            "{}: the damaged files are kept here",
+            kept.display()
+        ));
         Ok(())
     }
 }
@@ -293,3 +302,6 @@ fn read(path: &Path, notify: &mut dyn FnMut(String)) -> Result<Session, SessionF
     read.notices.into_iter().for_each(notify);
     Ok(read.value)
 }
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -19,6 +19,12 @@ pub fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{ending}")
 }
 
+/// A noun with its number and the verb that suits it: `1 pose is`, `2 poses are`.
+pub fn count_are(number: usize, noun: &str) -> String {
+    let verb = if number == 1 { "is" } else { "are" };
+    format!("{} {verb}", count(number, noun))
+}
+
 /// The text with a capital at its start.
 pub fn sentence(text: &str) -> String {
     let mut rest = text.chars();
@@ -77,6 +83,13 @@ mod tests {
         ] {
             assert_eq!(odds(p_value), text);
         }
+    }
+
+    #[test]
+    fn a_verb_suits_its_number() {
+        assert_eq!(count_are(1, "pose"), "1 pose is");
+        assert_eq!(count_are(2, "pose"), "2 poses are");
+        assert_eq!(count_are(0, "value"), "0 values are");
     }
 
     #[test]

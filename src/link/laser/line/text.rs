@@ -152,6 +152,8 @@ mod tests {
             "d=512.5mm ok",
             "+5.125e2",
             "512.5;1",
+            "Distance = 512.5",
+            "RANGE 512.5 mm",
         ] {
             let read = said(&plain, text);
             assert_eq!(read, Some(LineContent::Distance(0.5125)), "{text}");
@@ -159,8 +161,28 @@ mod tests {
         assert_eq!(said(&plain, "E255"), Some(LineContent::NoReturn));
         assert_eq!(said(&plain, "  "), None);
         for text in [
-            "E15", "12,5", "1.2.3", "0x12", "12abc", "-3", "NaN", "inf", "1e9", "5.1 m", "--12",
-            "1-2", "µ 3", "3\u{0}", "ready",
+            "E15",
+            "12,5",
+            "1.2.3",
+            "0x12",
+            "12abc",
+            "-3",
+            "NaN",
+            "inf",
+            "1e9",
+            "5.1 m",
+            "--12",
+            "1-2",
+            "µ 3",
+            "3\u{0}",
+            "ready",
+            "ERR 12",
+            "E 15",
+            "Error: 3",
+            "alarm=7",
+            "T: 23.5",
+            "code;9",
+            "D: ERR 12",
         ] {
             let read = said(&plain, text);
             assert!(

@@ -186,8 +186,9 @@ impl LineLaserSettings {
     /// # Errors
     /// What is wrong with the pattern.
     pub fn expression(&self) -> Result<regex::Regex, String> {
-        // Only plain numbers are distances: not "E255", one half of "12,5" or "1.2.3".
-        const PLAIN: &str = r"(?:^|[\s:=;])(?<distance>[+-]?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)(?:\s*(?<unit>m|mm|um))?(?:[\s;]|$)";
+        // Only plain numbers are distances: not "E255", one half of "12,5" or "1.2.3". Before one stands nothing, or a
+        // word that says what it is: the number of "ERR 12" or "T: 23.5" is none.
+        const PLAIN: &str = r"^(?i:(?:d|dist|distance|l|length|range)(?:\s*[:=]\s*|\s+))?(?<distance>[+-]?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)(?:\s*(?<unit>m|mm|um))?(?:[\s;]|$)";
         let pattern = self.pattern.as_deref().unwrap_or(PLAIN);
         let built = regex::RegexBuilder::new(pattern)
             .size_limit(PATTERN_BYTES)

@@ -13,7 +13,7 @@ use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::planning::missing;
-use tautline_workflow::wording::count;
+use tautline_workflow::wording::{count, count_are};
 
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;
@@ -55,7 +55,7 @@ pub(super) fn show(
             } else if begun {
                 muted(
                     ui,
-                    &format!("{missing} of the planned poses are not measured yet."),
+                    &format!("{} not measured yet.", count_are(missing, "planned pose")),
                 );
             }
         } else if begun {
