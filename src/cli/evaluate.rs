@@ -48,6 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let request = IdentificationRequest::new(dataset, Method::Joint, &[]);
     let mut request = request.map_err(BadInput::new)?;
     request.options.geometry = Geometry::Held;
+    request.lists_readings = false;
     if arguments.poses_held {
         request.options.poses = Poses::HeldAtTracker;
     }

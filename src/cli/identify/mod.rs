@@ -106,6 +106,7 @@ fn request(arguments: &Arguments, dataset: Dataset) -> Result<IdentificationRequ
     let method = solved_method(Method::from(arguments.method));
     let request = IdentificationRequest::new(dataset, method, &effects);
     let mut request = request.map_err(BadInput::new)?;
+    request.lists_readings = false;
     if let Some(limit) = arguments.robust {
         if !(limit.is_finite() && limit > 0.0) {
             return Err(BadInput::new(format!(

@@ -17,88 +17,161 @@ use super::solution::Solution;
 use super::system::{Priors, System};
 use crate::real::{Kernel, Lanes, Packet};
 
+/// Level for all readings together at which single readings are called suspect.
+pub const SUSPECT_LEVEL: f64 = 0.01;
+/// Normalised residuals of less are suspect at no number of readings: one alone at [`SUSPECT_LEVEL`] would need 2.58.
+const NEVER_SUSPECT: f64 = 2.5;
+
 /// Residuals of all readings at a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
-    /// Every reading that was made and every equilibrium equation, in the order of the rows.
+    /// Every reading that was made and every equilibrium equation, in the order of the rows; none in a summary.
     pub observations: Vec<Observation>,
-    /// Estimated error of each tension reading (N): row, cable, value.
+    /// Estimated error of each tension reading (N): row, cable, value; none in a summary.
     pub tension_errors_n: Vec<(usize, usize, f64)>,
     /// Redundancy of the prior of each parameter.
     pub prior_redundancies: Vec<Option<f64>>,
+    sums: ResidualSums,
+}
+
+/// What is summed up over the readings.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct ResidualSums {
+    /// Number of readings and sum of squared residuals of each kind (SI units).
+    kinds: Vec<(ObservationKind, usize, f64)>,
+    /// The same of the estimated errors of the tension readings (N).
+    tensions: (usize, f64),
+    /// Readings so far.
+    count: usize,
+    /// Readings whose normalised residual is improbable.
+    suspects: Vec<Observation>,
 }
 
 impl Analysis {
     /// Analyses the residuals of `problem` at `solution`.
     #[must_use]
     pub fn new(problem: &Problem<'_>, solution: &Solution) -> Self {
-        Arch::new().dispatch(Dispatch { problem, solution })
+        Arch::new().dispatch(Dispatch {
+            problem,
+            solution,
+            keeps_all: true,
+        })
+    }
+
+    /// The same without the list of single readings, which takes most of the memory where poses are many.
+    #[must_use]
+    pub fn summary(problem: &Problem<'_>, solution: &Solution) -> Self {
+        Arch::new().dispatch(Dispatch {
+            problem,
+            solution,
+            keeps_all: false,
+        })
     }
 
     /// Root mean square residual of the readings that `pick` accepts (SI units).
     #[must_use]
     pub fn rms(&self, pick: impl Fn(ObservationKind) -> bool) -> Option<f64> {
-        rms(self
-            .observations
-            .iter()
-            .filter(|r| pick(r.kind))
-            .map(Observation::residual))
+        let picked = self.sums.kinds.iter().filter(|(kind, ..)| pick(*kind));
+        root_mean_square(picked.fold((0, 0.0), |(n, s), (_, count, square)| {
+            (n + count, s + square)
+        }))
     }
 
     /// Root mean square of the estimated errors of the tension readings (N).
     #[must_use]
     pub fn tension_rms_n(&self) -> Option<f64> {
-        rms(self.tension_errors_n.iter().map(|(_, _, error)| *error))
+        root_mean_square(self.sums.tensions)
     }
 
-    /// Readings whose normalised residual is improbable, the worst first: two-sided, at level
-    /// `alpha` for all readings together (Bonferroni).
+    /// Readings whose normalised residual is improbable, the worst first: two-sided, at [`SUSPECT_LEVEL`] for all
+    /// readings together (Bonferroni).
     #[must_use]
-    pub fn suspects(&self, alpha: f64) -> Vec<Observation> {
-        let level = alpha / self.observations.len().max(1) as f64;
-        let size = |r: &Observation| r.normalised().map_or(0.0, f64::abs);
-        let mut suspects: Vec<Observation> = self
-            .observations
-            .iter()
-            .filter(|r| crate::statistics::normal_two_sided(size(r)) < level)
-            .copied()
-            .collect();
-        suspects.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        suspects
+    pub fn suspects(&self) -> &[Observation] {
+        &self.sums.suspects
     }
 }
 
-fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (count, sum) = values.fold((0_usize, 0.0), |(n, s), v| (n + 1, s + v * v));
-    (count > 0).then(|| (sum / count as f64).sqrt())
+fn root_mean_square((count, square): (usize, f64)) -> Option<f64> {
+    (count > 0).then(|| (square / count as f64).sqrt())
+}
+
+/// Size of a normalised residual, 0 where the reading is hardly controlled.
+fn size(reading: &Observation) -> f64 {
+    reading.normalised().map_or(0.0, f64::abs)
+}
+
+impl ResidualSums {
+    fn add(&mut self, reading: &Observation) {
+        let square = reading.residual().powi(2);
+        match self
+            .kinds
+            .iter_mut()
+            .find(|(kind, ..)| *kind == reading.kind)
+        {
+            Some((_, count, sum)) => {
+                *count += 1;
+                *sum += square;
+            }
+            None => self.kinds.push((reading.kind, 1, square)),
+        }
+        self.count += 1;
+        // More readings only lower the level, so that nothing is missed.
+        if size(reading) > NEVER_SUSPECT && self.is_suspect(reading) {
+            self.suspects.push(*reading);
+        }
+    }
+
+    fn add_tension(&mut self, error: f64) {
+        self.tensions.0 += 1;
+        self.tensions.1 += error * error;
+    }
+
+    fn is_suspect(&self, reading: &Observation) -> bool {
+        let level = SUSPECT_LEVEL / self.count.max(1) as f64;
+        crate::statistics::normal_two_sided(size(reading)) < level
+    }
+
+    /// All readings are in.
+    fn finish(mut self) -> Self {
+        let mut suspects = std::mem::take(&mut self.suspects);
+        suspects.retain(|reading| self.is_suspect(reading));
+        suspects.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        self.suspects = suspects;
+        self
+    }
 }
 
 struct Dispatch<'a> {
     problem: &'a Problem<'a>,
     solution: &'a Solution,
+    keeps_all: bool,
 }
 
 impl WithSimd for Dispatch<'_> {
     type Output = Analysis;
     fn with_simd<S: Simd>(self, simd: S) -> Analysis {
-        analyse::<Lanes<S>>(simd, self.problem, self.solution)
+        analyse::<Lanes<S>>(simd, &self)
     }
 }
 
-fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solution) -> Analysis {
+fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
+    let (problem, solution) = (dispatch.problem, dispatch.solution);
     let mut at = Evaluated::<T>::at(token, problem, solution);
     let own = covariance_at(&mut at, problem, solution);
     let covariance = own.as_ref();
-    let observations = match &mut at.home_evaluator {
-        Some((row, evaluator)) => home_observations(evaluator, problem, covariance, &at.home, *row),
-        None => Vec::new(),
-    };
     let mut collector = Collector {
         problem,
         covariance: covariance.map(|c| at.map.column_covariance(&at.home, c)),
-        observations,
+        keeps_all: dispatch.keeps_all,
+        observations: Vec::new(),
         tension_errors_n: Vec::new(),
+        sums: ResidualSums::default(),
     };
+    if let Some((row, evaluator)) = &mut at.home_evaluator {
+        for reading in home_observations(evaluator, problem, covariance, &at.home, *row) {
+            collector.add(reading);
+        }
+    }
     T::run(
         token,
         AnalysePoses {
@@ -110,6 +183,7 @@ fn analyse<T: Packet>(token: T::Token, problem: &Problem<'_>, solution: &Solutio
     Analysis {
         observations: collector.observations,
         tension_errors_n: collector.tension_errors_n,
+        sums: collector.sums.finish(),
         prior_redundancies: prior_redundancies(problem, solution, covariance),
     }
 }
@@ -123,8 +197,8 @@ fn covariance_at<T: Packet>(
 ) -> Option<DMatrix<f64>> {
     solution.covariance.as_ref()?;
     // Twice: the first pass finds the tensions at which the equilibrium is linearised.
-    at.poses.assemble(None, None, 0.0);
-    at.poses.assemble(None, None, 0.0);
+    at.poses.assemble(None, 0.0);
+    at.poses.assemble(None, 0.0);
     let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
     System::build(&at.poses.sums, &at.map, &at.home, &priors).covariance()
 }
@@ -211,8 +285,27 @@ fn prior_redundancies(
 struct Collector<'a> {
     problem: &'a Problem<'a>,
     covariance: Option<DMatrix<f64>>,
+    /// Whether single readings are kept.
+    keeps_all: bool,
     observations: Vec<Observation>,
     tension_errors_n: Vec<(usize, usize, f64)>,
+    sums: ResidualSums,
+}
+
+impl Collector<'_> {
+    fn add(&mut self, reading: Observation) {
+        self.sums.add(&reading);
+        if self.keeps_all {
+            self.observations.push(reading);
+        }
+    }
+
+    fn add_tension(&mut self, row: usize, cable: usize, error: f64) {
+        self.sums.add_tension(error);
+        if self.keeps_all {
+            self.tension_errors_n.push((row, cable, error));
+        }
+    }
 }
 
 struct AnalysePoses<'e, 'a, T: Packet> {
@@ -266,52 +359,46 @@ fn quadratic_form<T: Packet>(covariance: &DMatrix<f64>, gradient: &[T]) -> T {
     sum
 }
 
+/// The values of each lane.
+fn lanes<T: Packet>(values: impl Iterator<Item = T>) -> Vec<f64> {
+    let mut lanes = vec![0.0; values.size_hint().0 * T::LANES];
+    for (k, value) in values.enumerate() {
+        value.store(&mut lanes, k);
+    }
+    lanes
+}
+
 impl<T: Packet> AnalysePoses<'_, '_, T> {
     fn collect(&mut self, batch: usize, layout: &Layout, fitted: &[T], tension: &[T]) {
-        let lanes = |value: T| {
-            let mut values = vec![0.0; T::LANES];
-            value.store(&mut values, 0);
-            values
-        };
-        let first = batch * T::LANES;
-        let rows: Vec<usize> = self
-            .evaluator
-            .rows()
-            .iter()
-            .skip(first)
-            .take(T::LANES)
-            .copied()
-            .collect();
         let equations = self.evaluator.equations();
-        let residual: Vec<_> = equations.residual.iter().map(|v| lanes(*v)).collect();
-        let present: Vec<_> = equations.present.iter().map(|v| lanes(*v)).collect();
-        let weights: Vec<_> = equations
-            .length_by_cable
-            .iter()
-            .map(|g| lanes(g[3]))
-            .collect();
-        let fitted: Vec<_> = fitted.iter().map(|v| lanes(*v)).collect();
-        let tension: Vec<_> = tension.iter().map(|v| lanes(*v)).collect();
-        let known = self.collector.covariance.is_some();
-        for (lane, row) in rows.iter().enumerate() {
-            for k in (0..layout.rows).filter(|k| present[*k][lane] > 0.0) {
+        let residual = lanes(equations.residual.iter().copied());
+        let present = lanes(equations.present.iter().copied());
+        let weights = lanes(equations.length_by_cable.iter().map(|g| g[3]));
+        let fitted = lanes(fitted.iter().copied());
+        let tension = lanes(tension.iter().copied());
+        let collector = &mut *self.collector;
+        let problem = collector.problem;
+        let known = collector.covariance.is_some();
+        let latent = problem.has_latent_tension();
+        let forces = &problem.dataset.measurements.force_n;
+        let rows = self.evaluator.rows().iter();
+        for (lane, row) in rows.skip(batch * T::LANES).take(T::LANES).enumerate() {
+            let at = |k: usize| k * T::LANES + lane;
+            for k in (0..layout.rows).filter(|k| present[at(*k)] > 0.0) {
                 let kind = layout.kinds[k];
-                let weight = weights.get(k).map_or(1.0, |w| -w[lane]);
-                self.collector.observations.push(Observation {
+                let weight = weights.get(at(k)).map_or(1.0, |w| -w);
+                collector.add(Observation {
                     row: *row,
                     kind,
-                    standardised: residual[k][lane],
-                    sd: sd_of(self.collector.problem, kind, *row, weight),
-                    redundancy: known.then(|| 1.0 - fitted[k][lane]),
+                    standardised: residual[at(k)],
+                    sd: sd_of(problem, kind, *row, weight),
+                    redundancy: known.then(|| 1.0 - fitted[at(k)]),
                 });
             }
-            let latent = self.collector.problem.has_latent_tension();
-            let forces = &self.collector.problem.dataset.measurements.force_n;
-            let read = |cable: usize| latent && !forces.get(*row, cable).is_nan();
-            for (cable, errors) in tension.iter().enumerate().filter(|(k, _)| read(*k)) {
-                self.collector
-                    .tension_errors_n
-                    .push((*row, cable, errors[lane]));
+            for cable in (0..layout.cables).filter(|_| latent) {
+                if !forces.get(*row, cable).is_nan() {
+                    collector.add_tension(*row, cable, tension[at(cable)]);
+                }
             }
         }
     }

@@ -155,7 +155,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             is_continued: matches!(start, Start::Known(_)),
         };
         solver.evaluate_home();
-        solver.poses.assemble(None, solver.huber, 0.0);
+        solver.poses.assemble(solver.huber, 0.0);
         solver
     }
 
@@ -295,7 +295,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     fn damp(&mut self, search: &mut SearchState, damping: f64) {
         search.damping = damping;
         search.reduction_before = None;
-        self.poses.assemble(None, self.huber, damping);
+        self.poses.assemble(self.huber, damping);
     }
 
     /// Ends once the tensions have settled at which the equilibrium is linearised; each pass brings them closer.
@@ -322,11 +322,12 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         };
         let loss = self.loss();
         let before = (self.globals.clone(), self.home.clone(), self.priors.clone());
-        let columns = self.map.column_step(&self.home, step);
+        // The poses move first: their step belongs to the values at which they were eliminated.
+        self.poses.take_step(self.map.column_step(&self.home, step));
         self.globals.step(self.problem, &self.parameters, step);
         self.evaluate_home();
         let next = options.lowered(search.damping);
-        self.poses.assemble(Some(&columns), self.huber, next);
+        self.poses.assemble(self.huber, next);
         if self.loss() <= loss * (1.0 + accepted_increase) {
             search.reduction_before = (search.damping == 0.0).then_some(predicted);
             search.damping = next;
@@ -354,7 +355,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
 
     fn finish(mut self, search: &SearchState, termination: Termination) -> Solution {
         if search.damping != 0.0 {
-            self.poses.assemble(None, self.huber, 0.0);
+            self.poses.assemble(self.huber, 0.0);
         }
         let chi2 = (self.loss() - search.unevaluated).max(0.0);
         let system = self.system();

@@ -30,9 +30,6 @@ pub use published::{PublishedIdentification, PublishedIdentificationError, ident
 pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
 pub use wording::reading_name;
 
-/// Level for all readings together at which single readings are called suspect.
-pub const SUSPECT_LEVEL: f64 = 0.01;
-
 /// Why there is no identification, or none to rely on.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentificationError {
@@ -99,13 +96,16 @@ pub fn identify(
         observe(progress)
     })?;
     let seconds = started.elapsed().as_secs_f64();
-    let analysis = Analysis::new(&problem, &solution);
+    let analysis = match request.lists_readings {
+        true => Analysis::new(&problem, &solution),
+        false => Analysis::summary(&problem, &solution),
+    };
     Ok(Identification {
         model: identified(&request.dataset.robot, &solution),
         method: request.method,
         options: request.options,
         held: problem.held_effects.len(),
-        suspects: by_pose(analysis.suspects(SUSPECT_LEVEL)),
+        suspects: by_pose(analysis.suspects()),
         open: rank_defects(&problem, &solution),
         analysis,
         solution,
@@ -274,7 +274,7 @@ pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
 }
 
 /// Groups readings by pose, in the order of the first of each.
-fn by_pose(readings: Vec<Observation>) -> Vec<Vec<Observation>> {
+fn by_pose(readings: &[Observation]) -> Vec<Vec<Observation>> {
     let mut places: HashMap<usize, usize> = HashMap::new();
     let mut poses: Vec<Vec<Observation>> = Vec::new();
     for reading in readings {
@@ -282,7 +282,10 @@ fn by_pose(readings: Vec<Observation>) -> Vec<Vec<Observation>> {
             poses.push(Vec::new());
             poses.len() - 1
         });
-        poses[place].push(reading);
+        poses[place].push(*reading);
     }
     poses
 }
+
+#[cfg(test)]
+mod tests;

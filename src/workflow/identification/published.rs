@@ -59,6 +59,7 @@ pub fn identify_published(
             geometry: Geometry::Held,
             ..IdentificationOptions::default()
         },
+        lists_readings: true,
     };
     Ok(PublishedIdentification {
         poses: Box::new(identify(&request, &mut |_| Control::Continue)?),

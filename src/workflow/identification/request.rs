@@ -1,5 +1,6 @@
 //! What is identified from which data, made from a session or from a dataset and command-line arguments alike.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use tautline_core::effect::{BoundEffect, EffectError, EffectSetting, measurements_as_modelled};
@@ -18,6 +19,8 @@ pub struct IdentificationRequest {
     pub effects: Vec<BoundEffect>,
     /// What else is asked for.
     pub options: IdentificationOptions,
+    /// Whether the result lists every reading. A summary does without, which takes a fraction of the memory.
+    pub lists_readings: bool,
 }
 
 /// What can be asked for besides the method; by default what identification is.
@@ -78,13 +81,17 @@ impl IdentificationRequest {
                 free.push(bound);
             }
         }
+        // Only exchanged channels make measurements of their own.
         let modelled = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-        dataset.measurements = modelled.into_owned();
+        if let Cow::Owned(modelled) = modelled {
+            dataset.measurements = modelled;
+        }
         Ok(Self {
             dataset: Arc::new(dataset),
             method,
             effects: free,
             options: IdentificationOptions::default(),
+            lists_readings: true,
         })
     }
 

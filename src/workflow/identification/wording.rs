@@ -3,7 +3,7 @@
 use tautline_core::estimation::{Observation, ObservationKind};
 use tautline_core::robot::Robot;
 
-use super::{Identification, IdentificationDocument, SUSPECT_LEVEL};
+use super::{Identification, IdentificationDocument};
 use crate::wording::count;
 
 impl IdentificationDocument {
@@ -42,7 +42,7 @@ impl Identification {
 
     pub(super) fn suspect_lines(&self) -> Vec<String> {
         let labels = &self.dataset.measurements.labels;
-        let suspects = self.analysis.suspects(SUSPECT_LEVEL);
+        let suspects = self.analysis.suspects();
         let line = |reading: &Observation| {
             let label = labels[reading.row];
             format!("pose {label}, {}", self.suspect_line(reading))

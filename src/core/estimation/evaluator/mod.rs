@@ -10,11 +10,13 @@ mod packing;
 mod platform_rows;
 mod rows;
 mod span;
+mod steps;
 
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
 use inputs::{NoiseGain, PortInputs, Selection, contexts_of};
 use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
+use steps::Eliminated;
 
 pub(super) use equations::Equations;
 pub(super) use layout::{Layout, effect_columns};
@@ -27,10 +29,7 @@ use super::problem::{Poses, Problem};
 use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::{Pose, PosePacket};
 use crate::real::{Kernel, Packet};
-use crate::small_cholesky::TRIANGLE;
 
-/// Scalars per pose that the back-substitution needs, besides `Y`.
-const FACTOR_AND_RESIDUAL: usize = TRIANGLE + 6;
 /// Largest error of a tension reading at which the equilibrium is linearised, in its standard deviations.
 const LARGEST_ERROR: f64 = 5.0;
 /// Scalars of a pose: position and quaternion.
@@ -67,8 +66,8 @@ pub(super) struct Evaluator<'a, T: Packet> {
     /// Poses, packet by packet; the previous ones are kept for a rejected step.
     packed_poses: Packed,
     previous: Packed,
-    /// Factor, residual and `Y` of every packet, for the back-substitution.
-    eliminated: Packed,
+    /// What the next step of the poses needs.
+    eliminated: Eliminated,
     /// Estimated errors of the tension readings (N), packet by packet, cable by cable.
     tension_errors: Packed,
     equations: Equations<T>,
@@ -143,7 +142,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             detailed: is_home,
             packed_poses: pack_poses::<T>(start),
             previous: packed(0),
-            eliminated: packed(0),
+            eliminated: Eliminated::nothing(),
             equations: Equations::new(&layout, zero),
             elimination: Elimination::new(&layout, zero),
             sums: Sums::new(token, &layout),
@@ -217,48 +216,21 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         }
     }
 
-    /// Evaluates all packets and sums up: at the present poses, or after moving every pose by its
-    /// part of the common `step` (per column).
-    pub fn assemble(&mut self, step: Option<&[f64]>, huber: Option<f64>, damping: f64) {
+    /// Evaluates all packets and sums up, at the poses after the step that was taken last.
+    pub fn assemble(&mut self, huber: Option<f64>, damping: f64) {
         self.sums.clear();
-        self.reserve();
-        if step.is_some() {
-            self.previous.clone_from(&self.packed_poses);
-        }
+        let step = self.begin_elimination(huber, damping);
         let token = self.token;
         T::run(
             token,
             Assemble {
+                stores: self.is_stored(),
                 evaluator: self,
-                step,
+                step: step.as_deref(),
                 huber,
                 damping,
             },
         );
-    }
-
-    /// Moves all poses by their part of the common `step` (per column) without evaluating.
-    pub fn move_poses(&mut self, step: &[f64]) {
-        let token = self.token;
-        T::run(
-            token,
-            MovePoses {
-                evaluator: self,
-                step,
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn move_packet(&mut self, batch: usize, step: &[f64]) -> PosePacket<T> {
-        let pose = self.pose_packet(batch).moved(self.pose_step(batch, step));
-        self.store_pose(batch, &pose);
-        pose
-    }
-
-    /// Goes back to the poses before the last step.
-    pub fn undo_step(&mut self) {
-        std::mem::swap(&mut self.packed_poses, &mut self.previous);
     }
 
     #[inline(always)]
@@ -279,44 +251,6 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             .eliminate(&self.equations, &self.layout, damping);
         self.sums
             .add(&self.equations, &self.elimination, &self.layout);
-        self.store_elimination(batch);
-    }
-
-    fn reserve(&mut self) {
-        let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
-        self.eliminated
-            .resize(self.batches() * per_pose * T::LANES, 0.0);
-    }
-
-    #[inline(always)]
-    fn store_elimination(&mut self, batch: usize) {
-        let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
-        let size = per_pose * T::LANES;
-        let slot = &mut self.eliminated[batch * size..(batch + 1) * size];
-        store_all(&self.elimination.factor, slot, 0);
-        store_all(&self.elimination.residual, slot, TRIANGLE);
-        for (column, values) in self.elimination.columns.iter().enumerate() {
-            store_all(values, slot, FACTOR_AND_RESIDUAL + 6 * column);
-        }
-    }
-
-    #[inline(always)]
-    fn pose_step(&self, batch: usize, step: &[f64]) -> [T; 6] {
-        let per_pose = FACTOR_AND_RESIDUAL + 6 * self.layout.columns;
-        let size = per_pose * T::LANES;
-        let slot = &self.eliminated[batch * size..(batch + 1) * size];
-        let zero = T::splat(self.token, 0.0);
-        let factor = load_all(self.token, slot, 0, zero);
-        let residual = load_all(self.token, slot, TRIANGLE, zero);
-        let mut moved = [zero; 6];
-        for (column, delta) in step.iter().enumerate() {
-            let delta = T::splat(self.token, *delta);
-            for k in 0..6 {
-                let y = T::load(self.token, slot, FACTOR_AND_RESIDUAL + 6 * column + k);
-                moved[k] = y.mul_add(delta, moved[k]);
-            }
-        }
-        Elimination::pose_step(&factor, residual, moved)
     }
 
     /// The poses of a packet.
@@ -450,6 +384,8 @@ struct Assemble<'e, 'a, T: Packet> {
     step: Option<&'e [f64]>,
     huber: Option<f64>,
     damping: f64,
+    /// Whether the elimination is stored.
+    stores: bool,
 }
 
 impl<T: Packet> Kernel for Assemble<'_, '_, T> {
@@ -463,6 +399,9 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
                 None => evaluator.pose_packet(batch),
             };
             evaluator.assemble_batch(batch, &pose, self.huber, self.damping);
+            if self.stores {
+                evaluator.store_elimination(batch);
+            }
         }
     }
 }
@@ -479,21 +418,5 @@ impl<T: Packet> Kernel for Evaluate<'_, '_, T> {
     fn call(self) {
         let pose = self.evaluator.pose_packet(self.batch);
         self.evaluator.evaluate(self.batch, &pose);
-    }
-}
-
-/// The last step, which is not evaluated.
-struct MovePoses<'e, 'a, T: Packet> {
-    evaluator: &'e mut Evaluator<'a, T>,
-    step: &'e [f64],
-}
-
-impl<T: Packet> Kernel for MovePoses<'_, '_, T> {
-    type Output = ();
-    #[inline(always)]
-    fn call(self) {
-        for batch in 0..self.evaluator.batches() {
-            self.evaluator.move_packet(batch, self.step);
-        }
     }
 }

@@ -48,7 +48,7 @@ fn a_gross_error_is_the_worst_suspect() {
                 let problem = Problem::new(&run.dataset).unwrap().with_method(method);
                 let solution = solved(&problem);
                 let analysis = Analysis::new(&problem, &solution);
-                let suspects = analysis.suspects(0.01);
+                let suspects = analysis.suspects();
                 let kind = match which {
                     Spoilt::Length => ObservationKind::Length(cable),
                     Spoilt::Laser => ObservationKind::Laser,

@@ -6,7 +6,7 @@ use tautline_core::robot::Robot;
 
 use super::{number, signed};
 use crate::documents::diagnosis::Diagnosed;
-use crate::identification::{Identification, SUSPECT_LEVEL, reading_name};
+use crate::identification::{Identification, reading_name};
 use crate::report::document::{Block, Section, Table};
 use crate::report::plots;
 use crate::wording::units::{display_unit, quantity};
@@ -172,7 +172,7 @@ fn cable_plots(fit: &Identification) -> Vec<crate::plot::Drawing> {
 }
 
 fn suspects(fit: &Identification, section: &mut Section) {
-    let suspects = fit.analysis.suspects(SUSPECT_LEVEL);
+    let suspects = fit.analysis.suspects();
     if suspects.is_empty() {
         section.note("There are no outliers.");
         return;
