@@ -11,13 +11,20 @@ use crate::program::program;
 
 /// Seeds of the robots, their noise and their plans.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
-/// Numbers of poses, and the methods by which they are identified.
-const ROWS: [(usize, &str); 5] = [
-    (25, "joint"),
-    (25, "simple"),
-    (25, "published"),
-    (100, "joint"),
-    (400, "joint"),
+/// Numbers of poses, the methods by which they are identified, and how often the home pose is measured; `None`: it is
+/// that of the drawing, which counts as one measurement.
+const ROWS: [(usize, &str, Option<usize>); 11] = [
+    (25, "joint", None),
+    (25, "simple", None),
+    (25, "published", None),
+    (100, "joint", None),
+    (400, "joint", None),
+    (25, "joint", Some(1)),
+    (25, "joint", Some(4)),
+    (25, "joint", Some(16)),
+    (400, "joint", Some(1)),
+    (400, "joint", Some(4)),
+    (400, "joint", Some(16)),
 ];
 
 /// Figures of one robot (m).
@@ -34,8 +41,11 @@ struct Figures {
 pub struct Row {
     poses: usize,
     method: &'static str,
-    /// Root mean square position error that the plan promises (m); only for the method that plans are made for.
-    expected_m: Option<f64>,
+    /// How often the home pose is measured.
+    home: Option<usize>,
+    /// Root mean square position error that the plan promises (m), and that with the home pose known exactly; only for the
+    /// method that plans are made for.
+    expected_m: Option<[f64; 2]>,
     robots: Vec<Figures>,
 }
 
@@ -44,19 +54,23 @@ pub struct Row {
 /// # Errors
 /// If a command fails.
 pub fn study() -> Result<Vec<Row>> {
-    let rows = ROWS.iter().map(|&(poses, method)| {
-        let robots: Result<Vec<_>> = SEEDS.map(|seed| figures(poses, method, seed)).collect();
+    let rows = ROWS.iter().map(|&(poses, method, home)| {
+        let robots: Result<Vec<_>> = SEEDS
+            .map(|seed| figures((poses, method, home), seed))
+            .collect();
+        let is_planned = method == "joint";
         Ok(Row {
             poses,
             method,
-            expected_m: (method == "joint").then(|| expected_m(poses)).transpose()?,
+            home,
+            expected_m: is_planned.then(|| expected_m(poses, home)).transpose()?,
             robots: robots?,
         })
     });
     rows.collect()
 }
 
-fn figures(poses: usize, method: &str, seed: u64) -> Result<Figures> {
+fn figures((poses, method, home): (usize, &str, Option<usize>), seed: u64) -> Result<Figures> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("mini.json");
     let (poses, seed) = (poses.to_string(), seed.to_string());
@@ -65,6 +79,14 @@ fn figures(poses: usize, method: &str, seed: u64) -> Result<Figures> {
     told("measure", &file, &[&robot[..], &new].concat())?;
     let targets = ["--targets", "cube,circle"];
     told("verify", &file, &[&robot[..], &targets].concat())?;
+    if let Some(repeats) = home {
+        let repeats = repeats.to_string();
+        told(
+            "home",
+            &file,
+            &[&robot[..], &["--repeats", &repeats]].concat(),
+        )?;
+    }
     let by = ["--method", method, "--allow-unconverged"];
     told("adjust", &file, &[&robot[..], &by].concat())?;
     let both = told("verify", &file, &[&robot[..], &targets].concat())?;
@@ -84,11 +106,17 @@ fn figures(poses: usize, method: &str, seed: u64) -> Result<Figures> {
     })
 }
 
-fn expected_m(poses: usize) -> Result<f64> {
+fn expected_m(poses: usize, home: Option<usize>) -> Result<[f64; 2]> {
     let poses = poses.to_string();
     let plan = answer(&["plan", "mini", "--poses", &poses, "--json", "-"])?;
-    let expected = plan.pointer("/expected/platform_m").and_then(Value::as_f64);
-    expected.context("the plan promises nothing")
+    let gains = plan.pointer("/home").and_then(Value::as_array);
+    let with = |times: Option<usize>| {
+        let mut gains = gains.into_iter().flatten();
+        let gain = gains.find(|gain| gain["times"] == serde_json::json!(times));
+        let value = gain.and_then(|gain| gain["platform_m"].as_f64());
+        value.context("the plan promises nothing")
+    };
+    Ok([with(Some(home.unwrap_or(1)))?, with(None)?])
 }
 
 /// The result document of a command on a session.
@@ -112,7 +140,7 @@ fn answer(arguments: &[&str]) -> Result<Value> {
 /// The table.
 #[must_use]
 pub fn markdown(rows: &[Row]) -> String {
-    let mut text = "| poses | method | position accuracy before, mm | after, mm | better by, % | expected, mm | circle before, mm | after, mm | below 0.3 mm |\n|---|---|---|---|---|---|---|---|---|\n".to_owned();
+    let mut text = "| poses | method | home measured | position accuracy before, mm | after, mm | better by, % | expected, mm | home exact, mm | circle before, mm | after, mm | below 0.3 mm |\n|---|---|---|---|---|---|---|---|---|---|---|\n".to_owned();
     for row in rows {
         let of = |get: &dyn Fn(&Figures) -> f64| {
             let mut values: Vec<f64> = row.robots.iter().map(get).collect();
@@ -122,20 +150,27 @@ pub fn markdown(rows: &[Row]) -> String {
         let mm = |get: &dyn Fn(&Figures) -> f64| range(&of(&|f| get(f) * 1e3), 2);
         let close = row.robots.iter().filter(|f| f.circle[1] < 3e-4).count();
         text.push_str(&format!(
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {close} of {} |\n",
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {close} of {} |\n",
             row.poses,
             row.method,
+            row.home
+                .map_or("drawing".to_owned(), |times| format!("{times}")),
             mm(&|f| f.pose[0]),
             mm(&|f| f.pose[1]),
             range(&of(&|f| 100.0 * (1.0 - f.pose[1] / f.pose[0])), 0),
-            row.expected_m
-                .map_or("-".to_owned(), |m| format!("{:.2}", m * 1e3)),
+            expected(row, 0),
+            expected(row, 1),
             mm(&|f| f.circle[0]),
             mm(&|f| f.circle[1]),
             row.robots.len(),
         ));
     }
     text
+}
+
+fn expected(row: &Row, which: usize) -> String {
+    let expected = row.expected_m.map(|values| values[which] * 1e3);
+    expected.map_or("-".to_owned(), |mm| format!("{mm:.2}"))
 }
 
 /// Median, least and greatest of sorted values.

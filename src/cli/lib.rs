@@ -8,6 +8,7 @@ mod diagnose;
 mod effect_arguments;
 mod effects;
 mod evaluate;
+mod home;
 mod identify;
 mod input;
 mod live;
@@ -25,6 +26,7 @@ mod symbols;
 mod table;
 mod verify;
 
+use output::note;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -81,6 +83,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Compute the accuracy figures of ISO 9283 from a check.csv
     Accuracy(accuracy::Arguments),
+    /// Measure the home pose, once or several times, and use the mean
+    Home(home::Arguments),
     /// Fit winches, force sensors, home platform and cable elongation to the calibration tables of a dataset
     Precalibrate(precalibrate::Arguments),
     /// Identify, diagnose and write a report as HTML or PDF
@@ -142,6 +146,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
+        Command::Home(arguments) => home::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),
         Command::Report(arguments) => report::run(&arguments, window),
         Command::Adjust(arguments) => adjust::run(&arguments),
@@ -172,7 +177,7 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
         return ExitCode::SUCCESS;
     };
     let message = format!("{error:#}");
-    eprintln!("{}", message.replace('\n', " "));
+    note!("{}", message.replace('\n', " "));
     let file_error = error.downcast_ref::<SessionFileError>();
     let is_bad_file = file_error.is_some_and(SessionFileError::is_bad_input);
     ExitCode::from(

@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 
 use super::adjust::AdjustmentDocument;
 use super::compare::ComparisonDocument;
+use super::home::HomeDocument;
 use super::measure::MeasuringDocument;
 use super::output::write_json;
 use super::plan::PlanDocument;
@@ -28,6 +29,7 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<MeasuringDocument>());
     schemas.push(tautline_session::versioned_schema::<AdjustmentDocument>());
     schemas.push(tautline_session::versioned_schema::<VerificationDocument>());
+    schemas.push(tautline_session::versioned_schema::<HomeDocument>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;

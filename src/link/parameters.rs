@@ -6,15 +6,18 @@
 //! | `CABLE.platform_anchor.x_m`, `.y_m`, `.z_m` | anchor, platform frame |
 //! | `CABLE.pulley.radius_m` | pulley radius |
 //! | `CABLE.winch.drum_diameter_m` | drum diameter |
+//! | `CABLE.home.length_m` | length from entry point to anchor at home, pulley included |
 //! | `home.x_m`, `.y_m`, `.z_m`, `.rx_rad`, `.ry_rad`, `.rz_rad` | home pose, its rotation as a vector |
 //! | `laser.target_plane.offset_m` | offset of the laser's target plane |
 //! | `effect.ID.PARAMETER`, `effect.ID.CABLE.PARAMETER` | an effect that the controller corrects; two cables joined by `+` |
 //!
 //! `CABLE` is the cable's name. A controller has those it offers: home, laser and effects only where its
-//! robot has them.
+//! robot has them. Lengths at home follow from the pose and the geometry, so that a robot description does not have them; a
+//! controller that counts lengths from values of its own may.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use tautline_core::effect::{self, EffectSetting};
+use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::robot::Robot;
 
 use crate::error::LinkError;
@@ -77,6 +80,32 @@ pub fn parameters_of(robot: &Robot) -> Vec<ParameterInfo> {
             );
         }
     }
+    list
+}
+
+/// The lengths at home that follow from a robot's description: from the entry point over the pulley to the anchor (m).
+/// Empty for a robot without a home pose, or if a cable has no path there.
+#[must_use]
+pub fn home_lengths(robot: &Robot) -> Vec<ParameterInfo> {
+    let Some(home) = &robot.home else {
+        return Vec::new();
+    };
+    let states = inverse_kinematics(robot, &home.pose()).unwrap_or_default();
+    let cables = robot.cables.iter().zip(&states);
+    cables
+        .map(|(cable, state)| ParameterInfo {
+            name: format!("{}.home.length_m", cable.name),
+            unit: "m",
+            value: state.length_m,
+        })
+        .collect()
+}
+
+/// All parameters of a robot and its lengths at home.
+#[must_use]
+pub fn parameters_and_home_lengths(robot: &Robot) -> Vec<ParameterInfo> {
+    let mut list = parameters_of(robot);
+    list.extend(home_lengths(robot));
     list
 }
 
@@ -301,5 +330,25 @@ mod tests {
             assert_eq!(refused, Err(LinkError::UnknownParameter(name.to_owned())));
         }
         assert_eq!(robot, before);
+    }
+    #[test]
+    fn lengths_at_home_are_those_of_the_geometry() {
+        let robot = robot();
+        let lengths = home_lengths(&robot);
+        assert_eq!(lengths.len(), 8);
+        assert_eq!(lengths[2].name, "cable-3.home.length_m");
+        // Without pulleys they are distances.
+        let mut eyelets = robot.clone();
+        for cable in &mut eyelets.cables {
+            cable.pulley.radius_m = 0.0;
+        }
+        let home = eyelets.home.unwrap().pose();
+        for (cable, length) in eyelets.cables.iter().zip(home_lengths(&eyelets)) {
+            let anchor = home.transform(&cable.platform_anchor_m.into());
+            let entry = Vector3::from(cable.pulley.entry_point_m);
+            assert!((length.value - (entry - anchor).norm()).abs() < 1e-12);
+        }
+        eyelets.home = None;
+        assert!(home_lengths(&eyelets).is_empty());
     }
 }

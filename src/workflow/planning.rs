@@ -8,8 +8,8 @@ use tautline_core::measurement::Measurements;
 use tautline_core::planning::{DesignCriteria, Plan, PlanOptions, PlanProgress, evaluate, plan};
 use tautline_session::{PlannedPose, Session};
 
-use crate::controllers::bounds;
 use crate::identification::IdentificationRequest;
+use crate::wording::units;
 
 /// Seed of the poses among which is chosen.
 pub const SEED: u64 = 1;
@@ -27,7 +27,64 @@ pub struct PlanSummary {
     pub after_m: Vec<Option<f64>>,
     /// Travel distance (m).
     pub travel_m: f64,
+    /// What measuring the home pose more often gains.
+    pub home: HomeGain,
 }
+
+/// How often the home pose might be measured, in multiples of what its standard deviations stand for.
+const HOME_TIMES: [usize; 2] = [4, 16];
+
+/// Root mean square position error of the platform after an adjustment (m), by how often the home pose is measured; all
+/// lengths refer to that pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HomeGain {
+    /// With the home pose as well known as it is.
+    pub now_m: Option<f64>,
+    /// With so many times as many measurements.
+    pub times: Vec<(usize, Option<f64>)>,
+    /// With the home pose known exactly: the bound.
+    pub bound_m: Option<f64>,
+}
+
+impl HomeGain {
+    /// Of a plan.
+    #[must_use]
+    pub fn of(plan: &Plan) -> Self {
+        Self {
+            now_m: plan.platform_m_with_home(Some(1)),
+            times: HOME_TIMES
+                .map(|times| (times, plan.platform_m_with_home(Some(times))))
+                .to_vec(),
+            bound_m: plan.platform_m_with_home(None),
+        }
+    }
+
+    /// In one sentence; `None` where it gains nothing worth saying.
+    #[must_use]
+    pub fn sentence(&self) -> Option<String> {
+        let (now_m, bound_m) = (self.now_m?, self.bound_m?);
+        if now_m - bound_m < WORTH_SAYING * now_m {
+            return None;
+        }
+        let mm = |value_m: f64| units::mm(value_m, 2);
+        let times = self.times.iter().filter_map(|(times, value_m)| {
+            Some(format!(
+                "{} mm if it is measured {times} times as often",
+                mm((*value_m)?)
+            ))
+        });
+        let mut parts: Vec<String> = times.collect();
+        parts.push(format!("{} mm if it were known exactly", mm(bound_m)));
+        Some(format!(
+            "The home pose limits the position after an adjustment, {} mm over the workspace: {}.",
+            mm(now_m),
+            parts.join(", ")
+        ))
+    }
+}
+
+/// Part of the position error below which more measurements of the home pose are not worth a sentence.
+const WORTH_SAYING: f64 = 0.05;
 
 /// Options of a plan for what is to be identified, on top of the raw measurements `existing`.
 fn options<'a>(
@@ -35,10 +92,7 @@ fn options<'a>(
     existing: &'a Measurements,
     (poses, seed): (usize, u64),
 ) -> PlanOptions<'a> {
-    let (workspace, tension) = bounds(&request.dataset.robot);
     PlanOptions {
-        workspace: Some(workspace),
-        tension: Some(tension),
         effects: &request.effects,
         // Before more poses than the home pose are measured there is nothing to build on.
         existing: (existing.len() > 1).then_some(existing),
@@ -78,6 +132,7 @@ impl PlanSummary {
                 .map(|count| planned.after(count).criteria.mean_m)
                 .collect(),
             travel_m: planned.order.travel_m,
+            home: HomeGain::of(planned),
         }
     }
 }

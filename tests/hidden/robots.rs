@@ -111,6 +111,7 @@ fn on_four_cables(robot: &mut Robot) {
         orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
         position_sd_m: 1e-3,
         orientation_sd_rad: 1e-3,
+        covariance: None,
     });
     robot.platform.mass_kg = Some(20.0);
     robot.platform.center_of_mass_m = [0.0, 0.0, -0.15];

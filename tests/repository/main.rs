@@ -3,3 +3,4 @@
 mod files;
 mod licences;
 mod readme;
+mod safety;

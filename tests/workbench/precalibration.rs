@@ -163,3 +163,29 @@ fn a_robot_without_home_platform_gets_advice() {
     assert!(bench.shows("has no home platform"));
     assert!(bench.shows("Add home_platform"));
 }
+
+#[test]
+fn the_home_pose_is_typed_several_times_and_its_mean_applied() {
+    let mut bench = Bench::new();
+    bench.open("Home platform");
+    for x_mm in ["0.1", "0.3"] {
+        for (field, text) in [("Home x", x_mm), ("Home y", "0"), ("Home z", "-0,2")] {
+            bench.type_into(Role::TextInput, field, text);
+        }
+        bench.press("Add measurement");
+    }
+    let poses = &bench.session().phases.home_poses;
+    assert_eq!(poses.len(), 2);
+    assert!((poses[1].position_m[2] + 2e-4).abs() < 1e-12);
+    assert_eq!(poses[0].position_sd_m, 1e-4, "as the robot says");
+    assert!(bench.shows("2 measurements of the home pose: position to 0.071 mm."));
+    bench.press("Apply pose");
+    let home = bench.session().robot.home.expect("home");
+    assert!((home.position_m[0] - 2e-4).abs() < 1e-9);
+    assert!((home.position_sd_m - 1e-4 / 2.0_f64.sqrt()).abs() < 1e-9);
+    assert!(home.covariance.is_some());
+    assert!(bench.shows("These values are applied."));
+    bench.press("Remove the last measurement");
+    assert_eq!(bench.session().phases.home_poses.len(), 1);
+    assert_eq!(bench.next_undo(), Some("remove home measurement 2"));
+}

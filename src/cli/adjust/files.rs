@@ -4,7 +4,7 @@ use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_link::adjusting::Difference;
 use tautline_link::export::{differences_csv, structured_text};
-use tautline_link::parameters::parameters_of;
+use tautline_link::parameters::parameters_and_home_lengths;
 use tautline_session::write_text;
 
 use super::Arguments;
@@ -16,7 +16,10 @@ pub fn write(arguments: &Arguments, model: &Robot, differences: &[Difference]) -
     }
     if let Some(path) = &arguments.structured_text {
         let title = format!("Identified parameters of {}", model.name);
-        write_text(path, &structured_text(&title, &parameters_of(model)))?;
+        write_text(
+            path,
+            &structured_text(&title, &parameters_and_home_lengths(model)),
+        )?;
     }
     Ok(())
 }

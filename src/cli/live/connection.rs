@@ -1,5 +1,6 @@
 //! A connected controller and how its time passes.
 
+use crate::output::note;
 use std::thread;
 use std::time::Duration;
 
@@ -38,6 +39,8 @@ pub struct Connection {
     pub controller: Box<dyn Controller>,
     /// The external instrument of a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
+    /// What measures the home pose of a simulated robot.
+    pub home_instrument: Option<Box<dyn Instrument>>,
     /// The laser whose distances the operator types.
     pub manual_laser: Option<ManualLaser>,
     clock: SimulationClock,
@@ -62,6 +65,7 @@ impl Connection {
         Ok(Self {
             controller,
             instrument: opened.instrument,
+            home_instrument: opened.home_instrument,
             manual_laser: opened.manual_laser,
             clock: opened.clock,
             pace,
@@ -120,7 +124,7 @@ impl Connection {
     /// Stops the platform.
     pub fn stop(&mut self) {
         if let Err(error) = self.controller.stop() {
-            eprintln!("The stop command failed: {error}");
+            note!("The stop command failed: {error}");
         }
     }
 }

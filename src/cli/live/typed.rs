@@ -1,5 +1,6 @@
 //! Questions at the terminal.
 
+use crate::output::note;
 use std::io::{BufRead, IsTerminal, stdin};
 
 use anyhow::Result;
@@ -36,9 +37,21 @@ fn is_null_device() -> bool {
     false
 }
 
+/// So many finite numbers with spaces, semicolons or tabs between them.
+pub fn numbers<const N: usize>(line: &str) -> Option<[f64; N]> {
+    let parts = line.split(|c: char| c.is_whitespace() || c == ';');
+    let numbers = parts.filter(|part| !part.is_empty());
+    let numbers: Result<Vec<f64>, _> = numbers.map(str::parse).collect();
+    let numbers: [f64; N] = numbers.ok()?.try_into().ok()?;
+    numbers
+        .iter()
+        .all(|number| number.is_finite())
+        .then_some(numbers)
+}
+
 /// Asks a question and reads lines from standard input until one is an answer; `None` where there is none.
 pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
-    eprintln!("{question}");
+    note!("{question}");
     for _ in 0..TRIES {
         let mut line = String::new();
         let length = stdin().lock().read_line(&mut line);
@@ -48,7 +61,7 @@ pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T
         if let Some(answer) = read(&line) {
             return Some(answer);
         }
-        eprintln!("found \"{}\", expected {expected}", line.trim());
+        note!("found \"{}\", expected {expected}", line.trim());
     }
     None
 }

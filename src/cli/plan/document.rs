@@ -28,6 +28,18 @@ pub struct PlanDocument {
     /// Root mean square standard deviation of the entry points after the first 0, 1, 2, .. poses (m); null where
     /// they leave something open.
     pub entry_point_sd_after_m: Vec<Option<f64>>,
+    /// What measuring the home pose more often gains.
+    #[serde(default)]
+    pub home: Vec<HomeGainDocument>,
+}
+
+/// Position error of the platform to expect if the home pose is measured more often.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HomeGainDocument {
+    /// How many times as often as its standard deviations say by now; null: so often that it is known exactly.
+    pub times: Option<usize>,
+    /// I-index with that: root mean square position error of the platform over the workspace (m).
+    pub platform_m: Option<f64>,
 }
 
 /// A pose of the plan.
@@ -116,6 +128,12 @@ impl PlanDocument {
             entry_point_sd_after_m: (0..=plan.poses.len())
                 .map(|count| plan.after(count).criteria.mean_m)
                 .collect(),
+            home: [Some(1), Some(4), Some(16), None]
+                .map(|times| HomeGainDocument {
+                    times,
+                    platform_m: plan.platform_m_with_home(times),
+                })
+                .to_vec(),
         }
     }
 }

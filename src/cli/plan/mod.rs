@@ -6,12 +6,13 @@ mod report;
 use std::path::{Path, PathBuf};
 
 use crate::BadInput;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
+use tautline_workflow::planning::HomeGain;
 
 use crate::effect_arguments::FreedEffects;
-use crate::input::{self, RobotSource};
+use crate::input;
 use crate::output::{JsonOutput, say};
 pub use document::PlanDocument;
 
@@ -39,12 +40,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let RobotSource { robot, preset } = input::robot(&arguments.robot)?;
+    let robot = input::robot(&arguments.robot)?.robot;
     let effects = arguments.effects.bind(&robot)?;
     let options = PlanOptions {
         candidates: arguments.candidates,
-        workspace: preset.as_ref().map(|p| p.workspace),
-        tension: preset.as_ref().map(|p| p.tension),
         effects: &effects,
         ..PlanOptions::new(arguments.poses, arguments.seed)
     };
@@ -59,6 +58,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let document = PlanDocument::of(&robot, &planned);
     arguments.json.deliver(&document, || {
         report::print(&document);
+        if let Some(sentence) = HomeGain::of(&planned).sentence() {
+            say!("{sentence}");
+        }
         if let Some(path) = &arguments.out {
             say!("the poses are in {}", path.display());
         }
@@ -75,6 +77,5 @@ fn write_poses(path: &Path, plan: &Plan) -> Result<()> {
         numbers.for_each(|number| text.push_str(&format!(",{number}")));
         text.push('\n');
     }
-    tautline_session::write_text(path, &text)
-        .with_context(|| format!("{} cannot be written", path.display()))
+    Ok(tautline_session::write_text(path, &text)?)
 }

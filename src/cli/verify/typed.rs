@@ -60,12 +60,7 @@ impl Instrument for TypedInstrument {
 
 /// Three numbers in millimetres, with spaces, semicolons or tabs between them.
 fn position_m(line: &str) -> Option<[f64; 3]> {
-    let parts = line.split(|c: char| c.is_whitespace() || c == ';');
-    let numbers = parts.filter(|part| !part.is_empty());
-    let numbers: Result<Vec<f64>, _> = numbers.map(str::parse).collect();
-    let numbers: [f64; 3] = numbers.ok()?.try_into().ok()?;
-    let finite = numbers.iter().all(|number| number.is_finite());
-    finite.then(|| numbers.map(|number| number * 1e-3))
+    Some(typed::numbers(line)?.map(|number| number * 1e-3))
 }
 
 #[cfg(test)]

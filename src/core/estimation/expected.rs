@@ -12,7 +12,7 @@ use super::evaluator::{Elimination, Sums};
 use super::globals::Globals;
 use super::parameter::Parameter;
 use super::problem::Problem;
-use super::system::{Priors, System};
+use super::system::{Priors, System, home_information};
 use crate::geometry::Pose;
 
 /// Length of a column of `Q` that a coordinate which the readings leave open does not have.
@@ -25,6 +25,8 @@ pub struct ExpectedInformation {
     pub parameters: Vec<Parameter>,
     /// `I_0`: priors and the readings of the home pose; parameters x parameters.
     pub common: DMatrix<f64>,
+    /// The part of the prior of the home pose in it; parameters x parameters.
+    pub home: DMatrix<f64>,
     /// `R_k` of each pose, in their order; rows x parameters, in standard deviations.
     pub poses: Vec<DMatrix<f64>>,
 }
@@ -46,6 +48,7 @@ impl ExpectedInformation {
         let nothing = Sums::<f64>::new((), &at.poses.layout);
         Self {
             common: System::build(&nothing, &at.map, &at.home, &priors).information,
+            home: home_information(problem, &parameters),
             poses: (0..poses.len())
                 .map(|index| remaining_rows(&mut at, index))
                 .collect(),

@@ -63,17 +63,14 @@ fn push_home(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     ) else {
         return;
     };
+    let covariance = home.covariance();
     for coordinate in robot.platform.freedom().coordinates() {
-        let translation = coordinate.index() < 3;
+        let k = coordinate.index();
         parameters.push(Parameter {
             id: ParameterId::Home(*coordinate),
             name: format!("home pose, {}", coordinate.describe()),
-            unit: if translation { "m" } else { "rad" },
-            prior_sd: Some(if translation {
-                home.position_sd_m
-            } else {
-                home.orientation_sd_rad
-            }),
+            unit: if k < 3 { "m" } else { "rad" },
+            prior_sd: Some(covariance[(k, k)].sqrt()),
         });
     }
 }

@@ -1,6 +1,6 @@
 //! The normal equations of the common parameters: poses eliminated, home row and priors included.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6};
 
 use super::covariance::{covariance_of, is_regular};
 use super::evaluator::{Layout, Sums};
@@ -36,18 +36,23 @@ impl Priors {
         let mut residuals = vec![0.0; parameters.len()];
         let mut derivatives = Vec::new();
         for (row, parameter) in parameters.iter().enumerate() {
-            let Some(sd) = parameter.prior_sd else {
-                continue;
-            };
-            residuals[row] = deviations[row] / sd;
-            let Some(about) = rotation_axis(&parameter.id) else {
+            let is_home = matches!(parameter.id, ParameterId::Home(_));
+            if let (Some(sd), false) = (parameter.prior_sd, is_home) {
+                residuals[row] = deviations[row] / sd;
                 derivatives.push((row, row, sd.recip()));
-                continue;
-            };
-            for (column, other) in parameters.iter().enumerate() {
-                if let Some(by) = rotation_axis(&other.id) {
-                    derivatives.push((row, column, turn[(about, by)] / sd));
-                }
+            }
+        }
+        // The coordinates of the home pose correlate where it was measured: its rows are whitened together.
+        let home_rows = home_rows(parameters);
+        let weight = home_weight(problem, &home_rows);
+        for (row, of) in &home_rows {
+            let weight = |by: Coordinate| weight[(of.index(), by.index())];
+            for (column, moved) in &home_rows {
+                residuals[*row] += weight(*moved) * deviations[*column];
+                let slopes = home_rows
+                    .iter()
+                    .map(|(_, by)| weight(*by) * by_step(&turn, *by, *moved));
+                derivatives.push((*row, *column, slopes.sum()));
             }
         }
         Self {
@@ -58,12 +63,53 @@ impl Priors {
     }
 }
 
-fn rotation_axis(id: &ParameterId) -> Option<usize> {
-    match id {
-        ParameterId::Home(Coordinate::Rx) => Some(0),
-        ParameterId::Home(Coordinate::Ry) => Some(1),
-        ParameterId::Home(Coordinate::Rz) => Some(2),
+/// Rows of the home pose among the parameters, with their coordinates.
+fn home_rows(parameters: &[Parameter]) -> Vec<(usize, Coordinate)> {
+    let home = |(row, parameter): (usize, &Parameter)| match parameter.id {
+        ParameterId::Home(coordinate) => Some((row, coordinate)),
         _ => None,
+    };
+    parameters.iter().enumerate().filter_map(home).collect()
+}
+
+/// `L^-1` of the covariance `L L^T` of the coordinates of the home pose that are estimated; those that are not are
+/// left out as if they were independent.
+fn home_weight(problem: &Problem<'_>, rows: &[(usize, Coordinate)]) -> Matrix6<f64> {
+    let Some(home) = problem.dataset.robot.home.filter(|_| !rows.is_empty()) else {
+        return Matrix6::zeros();
+    };
+    let all = home.covariance();
+    let mut covariance = Matrix6::identity();
+    for (_, i) in rows {
+        for (_, k) in rows {
+            covariance[(i.index(), k.index())] = all[(i.index(), k.index())];
+        }
+    }
+    // A description is checked before it is used: its covariance is positive definite.
+    let factor = covariance.cholesky().map(|factor| factor.l());
+    let inverse = factor.and_then(|l| l.solve_lower_triangular(&Matrix6::identity()));
+    inverse.unwrap_or_else(Matrix6::zeros)
+}
+
+/// Information of the prior of the home pose, parameters x parameters: what one measurement as good as all so far adds.
+pub(super) fn home_information(problem: &Problem<'_>, parameters: &[Parameter]) -> DMatrix<f64> {
+    let rows = home_rows(parameters);
+    let weight = home_weight(problem, &rows);
+    let own = weight.tr_mul(&weight);
+    let mut information = DMatrix::zeros(parameters.len(), parameters.len());
+    for (row, i) in &rows {
+        for (column, k) in &rows {
+            information[(*row, *column)] = own[(i.index(), k.index())];
+        }
+    }
+    information
+}
+
+/// Derivative of a coordinate of the home pose's deviation by a step of another one; `turn` is that of the rotations.
+fn by_step(turn: &Matrix3<f64>, of: Coordinate, by: Coordinate) -> f64 {
+    match (of.index(), by.index()) {
+        (of @ 3.., by @ 3..) => turn[(of - 3, by - 3)],
+        (of, by) => f64::from(u8::from(of == by)),
     }
 }
 

@@ -38,6 +38,17 @@ impl Pose {
         }
     }
 
+    /// Pose from a position (m) and the angles of an inclinometer (rad): `R = Rx(roll) Ry(pitch) Rz(yaw)`.
+    #[must_use]
+    pub fn from_angles(position_m: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Self {
+        let about =
+            |axis: usize, angle: f64| UnitQuaternion::from_scaled_axis(Vec3::ith(axis, angle));
+        Self {
+            position: position_m.into(),
+            orientation: about(0, roll) * about(1, pitch) * about(2, yaw),
+        }
+    }
+
     /// Quaternion of the orientation, w first and not negative.
     #[must_use]
     pub fn orientation_wxyz(&self) -> [f64; 4] {

@@ -20,7 +20,9 @@ pub use order::Order;
 use nalgebra::DMatrix;
 
 use crate::effect::BoundEffect;
-use crate::estimation::{Control, EstimationError, ExpectedInformation, Method, Parameter};
+use crate::estimation::{
+    Control, EstimationError, ExpectedInformation, Method, Parameter, covariance_of,
+};
 use crate::geometry::Pose;
 use crate::measurement::Measurements;
 use crate::robot::Robot;
@@ -76,6 +78,9 @@ impl PlanOptions<'_> {
         }
     }
 }
+
+/// Measurements of the home pose after which it counts as known exactly: a thousandth of its standard deviation.
+const EXACTLY_KNOWN: f64 = 1e6;
 
 /// Progress of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -183,6 +188,17 @@ impl Plan {
     #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         &self.information.parameters
+    }
+
+    /// Root mean square position error of the platform after an adjustment (m), see [`DesignCriteria::platform_m`], if the
+    /// home pose is measured `times` as often as its standard deviations say by now; infinitely often where it is `None`.
+    #[must_use]
+    pub fn platform_m_with_home(&self, times: Option<usize>) -> Option<f64> {
+        let factor = times.map_or(EXACTLY_KNOWN, |times| times as f64);
+        let more = &self.information.home * (factor - 1.0);
+        let total = self.information.of(0..self.poses.len()) + more;
+        let covariance = covariance_of(&total)?;
+        Some(self.platform.as_ref()?.dot(&covariance).max(0.0).sqrt())
     }
 
     /// Expectation after the first `count` poses of the plan: where it suffices, the rest can be left out.

@@ -151,7 +151,7 @@ fn errors_scatter_as_expected() {
         .filter(|k| matches!(plan.parameters()[*k].id, ParameterId::EntryPoint { .. }))
         .collect();
     let total = plan.information.of(0..plan.poses.len());
-    let covariance = crate::estimation::covariance_of(&total).unwrap();
+    let covariance = covariance_of(&total).unwrap();
     let covariance = covariance.select_rows(&entry).select_columns(&entry);
     let weight = covariance.try_inverse().unwrap();
     let mut sum = 0.0;

@@ -193,8 +193,8 @@ fn draw_truth(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) 
         plane.offset_m += normal(rng, plane.offset_sd_m.unwrap_or(0.0));
     }
     if let Some(home) = &mut truth.home {
-        let sd = [home.position_sd_m, home.orientation_sd_rad];
-        let twist = robot.platform.freedom().twist(|k| normal(rng, sd[k / 3]));
+        let sd = home.covariance().diagonal().map(f64::sqrt);
+        let twist = robot.platform.freedom().twist(|k| normal(rng, sd[k]));
         let pose = home.pose().perturbed(&twist);
         home.position_m = pose.position.into();
         home.orientation_wxyz = pose.orientation_wxyz();

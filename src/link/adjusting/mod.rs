@@ -13,7 +13,7 @@ use tautline_core::robot::Robot;
 
 use crate::controller::Controller;
 use crate::error::LinkError;
-use crate::parameters::{ParameterInfo, parameters_of};
+use crate::parameters::{ParameterInfo, home_lengths, parameters_of};
 use crate::reconnecting::ReconnectPolicy;
 
 /// The controller holds a value if the difference is below this (m, rad, 1), so that rounding to single precision is
@@ -58,8 +58,10 @@ pub fn plan_adjustment(
     identified: &Robot,
     solution: Option<&Solution>,
 ) -> Vec<Difference> {
+    let is_offered = |length: &ParameterInfo| controller.iter().any(|p| p.name == length.name);
     parameters_of(identified)
         .into_iter()
+        .chain(home_lengths(identified).into_iter().filter(is_offered))
         .map(|parameter| {
             let held = controller.iter().find(|p| p.name == parameter.name);
             let held = held.map(|p| p.value);

@@ -9,7 +9,7 @@ use tautline_session::{
 
 use super::symbols::{Count, Expected, Symbol};
 use crate::error::LinkError;
-use crate::parameters::{EffectName, parameters_of};
+use crate::parameters::{EffectName, parameters_and_home_lengths};
 
 /// A symbol that the controller has to have.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -268,7 +268,7 @@ impl Symbols {
         list: &[AdsParameter],
         robot: &Robot,
     ) -> Result<Vec<ParameterSlot>, LinkError> {
-        let known = parameters_of(robot);
+        let known = parameters_and_home_lengths(robot);
         let mut slots = Vec::new();
         for parameter in list {
             let each = is_per_cable(&parameter.name);
@@ -342,6 +342,7 @@ fn unit_of_effect(name: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::parameters_of;
     use crate::testing::preset;
 
     #[test]

@@ -12,7 +12,7 @@ use tautline_link::{
 use tautline_session::{ReadError, read_dataset};
 
 use super::clock::SimulationClock;
-use super::setup::{ConnectionSetup, Source};
+use super::setup::{ConnectionSetup, Source, seed_after};
 use super::stored::{Stored, held_values};
 
 /// Noise of the simulated tracker (m, rad).
@@ -26,6 +26,8 @@ pub struct Opened {
     pub manual_laser: Option<ManualLaser>,
     /// The external instrument that observes a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
+    /// What measures the home pose of a simulated robot, as exactly as its description says.
+    pub home_instrument: Option<Box<dyn Instrument>>,
     /// The clock that drives it.
     pub clock: SimulationClock,
 }
@@ -41,7 +43,12 @@ pub enum OpenError {
     Link(#[from] LinkError),
 }
 
-type Parts = (Box<dyn Controller>, Option<Box<dyn Instrument>>);
+/// A controller, the external instrument, and what measures the home pose.
+type Parts = (
+    Box<dyn Controller>,
+    Option<Box<dyn Instrument>>,
+    Option<Box<dyn Instrument>>,
+);
 
 impl ConnectionSetup {
     /// Opens the connection; simulated and recorded robots run `speed` times faster than real time.
@@ -50,7 +57,7 @@ impl ConnectionSetup {
     /// If a file is missing or wrong, or the controller cannot be set up.
     pub fn open(&self, speed: f64) -> Result<Opened, OpenError> {
         let clock = SimulationClock::start(if self.runs_in_real_time() { 1.0 } else { speed });
-        let (controller, instrument) = match &self.source {
+        let (controller, instrument, home_instrument) = match &self.source {
             Source::Simulated(setup) => self.simulated(setup, &clock)?,
             Source::Replay(folder) => {
                 let dataset = read_dataset(folder)?.dataset;
@@ -58,13 +65,13 @@ impl ConnectionSetup {
                 check_robot(&place, &dataset.robot, self.robot())?;
                 let replay = ReplayController::new(dataset, Arc::new(clock.clone()));
                 let replay = replay.map_err(|e| LinkError::Setup(format!("{place}: {e}")))?;
-                (Box::new(replay) as Box<dyn Controller>, None)
+                (Box::new(replay) as Box<dyn Controller>, None, None)
             }
             Source::Ads(address, mapping, options) => {
                 let clock = Arc::new(SystemClock::start());
                 let ads =
                     AdsController::new(address.clone(), mapping, self.robot(), *options, clock);
-                (Box::new(ads?) as Box<dyn Controller>, None)
+                (Box::new(ads?) as Box<dyn Controller>, None, None)
             }
         };
         let laser = ExternalLaser::of(&self.laser, Arc::new(SystemClock::start()));
@@ -75,6 +82,7 @@ impl ConnectionSetup {
                 .with_laser(laser.map(ExternalLaser::into_source)),
             manual_laser,
             instrument,
+            home_instrument,
             clock,
         })
     }
@@ -92,9 +100,17 @@ impl ConnectionSetup {
             setup.parameters = values.collect();
         }
         let seed = setup.seed.wrapping_add(1);
+        let home_sds = setup
+            .truth
+            .home
+            .map(|home| (home.position_sd_m, home.orientation_sd_rad));
         let robot = SimulatedRobot::new(setup, Arc::new(clock.clone()))?;
         let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
         let tracker = robot.tracker(position_sd_m, orientation_sd_rad, seed);
+        let seed = seed_after(seed.wrapping_add(1), self.home_measurements);
+        let home = home_sds.map(|(position_sd_m, orientation_sd_rad)| {
+            Box::new(robot.tracker(position_sd_m, orientation_sd_rad, seed)) as Box<dyn Instrument>
+        });
         let controller: Box<dyn Controller> = match &self.values_file {
             Some(path) => Box::new(Stored {
                 inner: robot,
@@ -102,7 +118,7 @@ impl ConnectionSetup {
             }),
             None => Box::new(robot),
         };
-        Ok((controller, Some(Box::new(tracker))))
+        Ok((controller, Some(Box::new(tracker)), home))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tautline_core::effect::{EffectSetting, find};
-use tautline_core::robot::{Robot, presets};
+use tautline_core::robot::Robot;
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::simulated::SimulatedSetup;
@@ -57,6 +57,8 @@ pub struct ConnectionSetup {
     /// The controller as it was seen when the last pose of the session was measured.
     pub(super) seen: Option<Seen>,
     pub(super) laser: LaserSettings,
+    /// Measurements of the home pose that the session has, so that a simulated one goes on with other noise.
+    pub(super) home_measurements: usize,
 }
 
 /// The controller itself.
@@ -87,12 +89,7 @@ impl ConnectionSetup {
         choice: &ControllerChoice,
         values_file: Option<&Path>,
     ) -> Self {
-        let (workspace, tension) = bounds(&session.robot);
-        let limits = Limits {
-            robot: session.robot.clone(),
-            workspace,
-            tension,
-        };
+        let limits = Limits::of(&session.robot);
         let (kind, source) = match choice {
             ControllerChoice::Simulated => {
                 let setup = setup_of(session, identified, &limits);
@@ -118,6 +115,7 @@ impl ConnectionSetup {
             source,
             limits,
             laser: session.laser_source.clone(),
+            home_measurements: session.phases.home_poses.len(),
         }
     }
 
@@ -223,22 +221,9 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
 }
 
 /// The seed of a run after so many measured poses.
-fn seed_after(seed: u64, poses: usize) -> u64 {
+pub(super) fn seed_after(seed: u64, poses: usize) -> u64 {
     // An odd factor, so that no two counts share a seed: the fractional bits of the golden ratio.
     seed.wrapping_add((poses as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15))
-}
-
-/// Workspace and tension range of a robot: those of its preset, else derived from its description.
-#[must_use]
-pub fn bounds(robot: &Robot) -> (Workspace, TensionRange) {
-    let known = presets::NAMES.iter().filter_map(|name| presets::find(name));
-    let mut same = known.filter(|preset| {
-        preset.robot.name == robot.name && preset.robot.cable_count() == robot.cable_count()
-    });
-    match same.next() {
-        Some(preset) => (preset.workspace, preset.tension),
-        None => (Workspace::of(robot), TensionRange::of(robot)),
-    }
 }
 
 fn same(a: &EffectSetting, b: &EffectSetting) -> bool {
@@ -273,9 +258,29 @@ fn effect_of(name: &str) -> Option<EffectSetting> {
 
 #[cfg(test)]
 mod tests {
+    use tautline_core::robot::presets;
     use tautline_session::{NamedValue, Timestamp};
 
     use super::*;
+
+    #[test]
+    fn limits_follow_the_description_whatever_the_robot_is_called() {
+        let preset = presets::find("mini").expect("a preset");
+        let mut robot = preset.robot;
+        robot.name = "another".into();
+        let session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+        let setup = ConnectionSetup::of(&session, &[]);
+        assert_eq!(setup.tension(), preset.tension);
+        assert_eq!(*setup.workspace(), preset.workspace);
+        // Sensors that read twice the tension.
+        assert!(setup.limits.check_forces(&[310.0; 8]).is_ok());
+        let refused = setup.limits.check_forces(&[500.0; 8]);
+        let refused = refused.expect_err("250 N").to_string();
+        assert!(
+            refused.contains("pulls with 250 N, at most 150 N"),
+            "{refused}"
+        );
+    }
 
     #[test]
     fn a_controller_keeps_the_effects_it_held() {

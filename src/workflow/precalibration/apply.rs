@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use tautline_core::cable::ElongationSurface;
-use tautline_core::robot::{Cable, Robot, Winch};
+use tautline_core::instrument::HomeAverage;
+use tautline_core::robot::{Cable, Home, Robot, Winch};
 
 /// Chooses the drum's diameter so that a motor revolution pays out `metres`; pitch and gear ratio stay.
 ///
@@ -38,23 +39,25 @@ pub fn set_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(),
     Ok(())
 }
 
-/// Sets the home pose; the standard deviation of all coordinates (m, rad) is that of the worst.
+/// Sets the home pose and its covariance; the standard deviation of all coordinates (m, rad) is that of the worst.
 ///
 /// # Errors
 /// One sentence if the robot has no home pose.
-pub fn set_home(
-    robot: &mut Robot,
-    (position_m, position_sd_m): ([f64; 3], [f64; 3]),
-    (orientation_wxyz, orientation_sd_rad): ([f64; 4], [f64; 3]),
-) -> Result<(), String> {
+pub fn set_home(robot: &mut Robot, measured: &HomeAverage) -> Result<(), String> {
     let largest = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
     let Some(home) = &mut robot.home else {
         return Err("robot.json has no home: the home pose is not in the model".to_owned());
     };
-    home.position_m = position_m;
-    home.orientation_wxyz = orientation_wxyz;
-    home.position_sd_m = largest(position_sd_m);
-    home.orientation_sd_rad = largest(orientation_sd_rad);
+    let (position_sd_m, orientation_sd_rad) = measured.sd();
+    *home = Home {
+        position_m: measured.pose.position.into(),
+        orientation_wxyz: measured.pose.orientation_wxyz(),
+        position_sd_m: largest(position_sd_m),
+        orientation_sd_rad: largest(orientation_sd_rad),
+        covariance: Some(
+            [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|k| measured.covariance[(i, k)])),
+        ),
+    };
     Ok(())
 }
 

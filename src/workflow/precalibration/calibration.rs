@@ -1,12 +1,16 @@
 //! The fits of the tables of phases 1 and 2, computed once for each state of them.
 
 use tautline_core::geometry::Pose;
-use tautline_core::instrument::{ForceSensorCalibration, HomeMeasurement, WinchCalibration};
+use tautline_core::instrument::{
+    ForceSensorCalibration, HomeAverage, HomeMeasurement, WinchCalibration,
+};
 use tautline_core::robot::{Home, Robot};
 use tautline_session::{PhaseData, Session};
 
 use super::apply::{set_cable_per_revolution, set_elongation_surface, set_force_sensor, set_home};
-use super::fits::{ElongationFit, fit_elongation, fit_force_sensor, fit_home, fit_winch};
+use super::fits::{
+    ElongationFit, average_home, fit_elongation, fit_force_sensor, fit_home, fit_winch,
+};
 
 /// The fit of one cable's instrument, or one sentence.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +45,10 @@ pub struct Calibration {
     pub force_sensors: Vec<PerCable<ForceSensorCalibration>>,
     /// The robot with their values.
     pub with_force_sensors: Proposal,
-    /// The home pose.
+    /// The home pose by the home platform.
     pub home: Option<Result<HomeMeasurement, String>>,
+    /// The mean of all measurements of the home pose.
+    pub home_average: Option<HomeAverage>,
     /// The robot with it.
     pub with_home: Proposal,
     /// The elongation of the cables.
@@ -70,6 +76,7 @@ impl Calibration {
             measured.then(|| fit_force_sensor(robot, &phases.force, cable))
         });
         let home = (!phases.home.is_empty()).then(|| fit_home(robot, &phases.home));
+        let home_average = average_home(home.as_ref(), &phases.home_poses);
         let elongation =
             (!phases.elongation.is_empty()).then(|| fit_elongation(&phases.elongation));
         Self {
@@ -78,7 +85,7 @@ impl Calibration {
                 apply_force_sensors(robot, &force_sensors, left_out);
                 Ok(())
             }),
-            with_home: with_home(robot, home.as_ref()),
+            with_home: with_home(robot, home_average.as_ref()),
             with_elongation: Proposal::new(robot, |robot, _| {
                 apply_elongation(robot, elongation.as_ref());
                 Ok(())
@@ -86,6 +93,7 @@ impl Calibration {
             winches,
             force_sensors,
             home,
+            home_average,
             elongation,
             robot: robot.clone(),
             phases: PhaseData {
@@ -101,7 +109,7 @@ impl Calibration {
         Proposal::new(&self.robot, |robot, left_out| {
             apply_winches(robot, &self.winches)?;
             apply_force_sensors(robot, &self.force_sensors, left_out);
-            apply_home(robot, self.home.as_ref(), left_out);
+            apply_home(robot, self.home_average.as_ref(), left_out);
             apply_elongation(robot, self.elongation.as_ref());
             Ok(())
         })
@@ -114,6 +122,7 @@ impl Calibration {
         ours.winch == theirs.winch
             && ours.force == theirs.force
             && ours.home == theirs.home
+            && ours.home_poses == theirs.home_poses
             && ours.elongation == theirs.elongation
             && self.robot == session.robot
     }
@@ -171,16 +180,9 @@ fn apply_force_sensors(
     }
 }
 
-fn apply_home(
-    robot: &mut Robot,
-    fit: Option<&Result<HomeMeasurement, String>>,
-    left_out: &mut Vec<String>,
-) {
-    if let Some(Ok(HomeMeasurement { fix, .. })) = fit {
-        let pose = &fix.platform_in_base;
-        let position = (pose.position.into(), fix.position_sd_m);
-        let orientation = (pose.orientation_wxyz(), fix.orientation_sd_rad);
-        left_out.extend(set_home(robot, position, orientation).err());
+fn apply_home(robot: &mut Robot, average: Option<&HomeAverage>, left_out: &mut Vec<String>) {
+    if let Some(average) = average {
+        left_out.extend(set_home(robot, average).err());
     }
 }
 
@@ -190,9 +192,9 @@ fn apply_elongation(robot: &mut Robot, fit: Option<&Result<ElongationFit, String
     }
 }
 
-fn with_home(robot: &Robot, fit: Option<&Result<HomeMeasurement, String>>) -> Proposal {
+fn with_home(robot: &Robot, average: Option<&HomeAverage>) -> Proposal {
     let proposal = Proposal::new(robot, |robot, left_out| {
-        apply_home(robot, fit, left_out);
+        apply_home(robot, average, left_out);
         Ok(())
     });
     // The fit starts from the home pose of the robot, so once it is used it still changes by rounding.
@@ -210,7 +212,8 @@ fn with_home(robot: &Robot, fit: Option<&Result<HomeMeasurement, String>>) -> Pr
 fn is_same_home(a: &Home, b: &Home) -> bool {
     const ROUNDING: f64 = 1e-9;
     let (pose_a, pose_b): (Pose, Pose) = (a.pose(), b.pose());
+    let sd = |home: &Home| home.covariance().diagonal().map(f64::sqrt);
     pose_a.difference(&pose_b).amax() < ROUNDING
-        && (a.position_sd_m - b.position_sd_m).abs() < ROUNDING
-        && (a.orientation_sd_rad - b.orientation_sd_rad).abs() < ROUNDING
+        && (sd(a) - sd(b)).amax() < ROUNDING
+        && a.covariance.is_some() == b.covariance.is_some()
 }

@@ -3,11 +3,11 @@
 use tautline_core::cable::{DegreeChoice, ElongationTriple, choose_elongation_degree};
 use tautline_core::geometry::Pose;
 use tautline_core::instrument::{
-    ForceSensorCalibration, HomeMeasurement, WinchCalibration, calibrate_force_sensor,
+    ForceSensorCalibration, HomeAverage, HomeMeasurement, WinchCalibration, calibrate_force_sensor,
     calibrate_winch, measure_home,
 };
 use tautline_core::robot::{HomePlatform, Robot};
-use tautline_session::{ElongationPoint, ForcePair, HomeReading, WinchPair};
+use tautline_session::{ElongationPoint, ForcePair, HomePose, HomeReading, WinchPair};
 
 fn of_cable(robot: &Robot, cable: usize, message: impl ToString) -> String {
     let name = robot.cables.get(cable).map_or("", |c| c.name.as_str());
@@ -87,6 +87,32 @@ pub fn fit_home(robot: &Robot, rows: &[HomeReading]) -> Result<HomeMeasurement, 
         ));
     }
     Ok(home)
+}
+
+/// The mean of all measurements of the home pose: those of the home platform, which count as one whose covariance is that
+/// of the mean of its readings, and each of the others. `None` without any.
+#[must_use]
+pub fn average_home(
+    platform: Option<&Result<HomeMeasurement, String>>,
+    poses: &[HomePose],
+) -> Option<HomeAverage> {
+    let fix = platform
+        .and_then(|fit| fit.as_ref().ok())
+        .map(|fit| &fit.fix);
+    let of_platform = fix.map(|fix| tautline_core::instrument::HomeReading {
+        pose: fix.platform_in_base,
+        covariance: fix.covariance_in_base,
+    });
+    let others = poses.iter().map(|pose| {
+        let measured = Pose::from_parts(pose.position_m, pose.orientation_wxyz);
+        tautline_core::instrument::HomeReading::isotropic(
+            measured,
+            pose.position_sd_m,
+            pose.orientation_sd_rad,
+        )
+    });
+    let all: Vec<_> = of_platform.into_iter().chain(others).collect();
+    HomeAverage::of(&all)
 }
 
 /// The home pose of robot.json in the reference frame, or where both frames coincide.

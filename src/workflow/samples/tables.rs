@@ -29,6 +29,7 @@ pub fn bench(robot: &Robot, home: &Pose, rng: &mut ChaCha8Rng) -> PhaseData {
         winch: winches(robot, rng),
         force: forces(robot, rng),
         home: home_readings(robot, home, rng),
+        home_poses: Vec::new(),
         elongation: elongation(robot, rng),
         check: Vec::new(),
     }

@@ -17,6 +17,7 @@ fn equipped(mut robot: Robot, laser_direction: [f64; 3]) -> Robot {
         orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
         position_sd_m: 1e-4,
         orientation_sd_rad: 5e-4,
+        covariance: None,
     });
     robot.laser = Some(Laser {
         origin_m: [0.0, 0.0, -0.055],

@@ -183,19 +183,26 @@ impl<'a> Plain<'a> {
         r.push((state.plane - start.plane) / laser.target_plane.offset_sd_m.unwrap());
         let home = robot.home.unwrap();
         let off = state.poses[0].difference(&home.pose());
-        for k in robot
-            .platform
-            .freedom()
-            .coordinates()
-            .iter()
+        let free: Vec<usize> = (robot.platform.freedom().coordinates().iter())
             .map(|c| c.index())
+            .collect();
+        let covariance = DMatrix::from_fn(free.len(), free.len(), |i, k| {
+            let sd = [home.position_sd_m, home.orientation_sd_rad];
+            match home.covariance {
+                Some(measured) => measured[free[i]][free[k]],
+                None if i == k => sd[free[i] / 3].powi(2),
+                None => 0.0,
+            }
+        });
+        // The symmetric square root of the inverse; any square root gives the same sum of squares.
+        let eigen = covariance.symmetric_eigen();
+        for (value, direction) in eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
         {
-            let sd = if k < 3 {
-                home.position_sd_m
-            } else {
-                home.orientation_sd_rad
-            };
-            r.push(off[k] / sd);
+            let along: f64 = free.iter().zip(&direction).map(|(k, d)| off[*k] * d).sum();
+            r.push(along / value.sqrt());
         }
         r
     }

@@ -155,6 +155,7 @@ pub fn sample(traits: Traits) -> (Dataset, Vec<Pose>) {
         orientation_wxyz: poses[0].orientation_wxyz(),
         position_sd_m: 1e-3,
         orientation_sd_rad: 1e-3,
+        covariance: None,
     });
     // So uncertain an equilibrium that its whitening does not depend on the pose: the tensions' part
     // of its variance is below 1e-8.

@@ -11,7 +11,21 @@ fn cases() -> Vec<Simulated> {
         run_of("mini", 8, 1),
         run_of("mini", 6, 2),
         run_of("planar", 7, 3),
+        with_measured_home(run_of("mini", 7, 5)),
+        with_measured_home(run_of("planar", 8, 6)),
     ]
+}
+
+/// The same run with a home pose whose coordinates correlate and are known differently well.
+fn with_measured_home(mut run: Simulated) -> Simulated {
+    let sd = [1e-4, 2e-4, 0.5e-4, 5e-4, 2e-4, 8e-4];
+    let home = run.dataset.robot.home.as_mut().unwrap();
+    home.covariance = Some(std::array::from_fn(|i| {
+        // A correlation that falls off with the distance is positive definite.
+        std::array::from_fn(|k| sd[i] * sd[k] * 0.7_f64.powi((i as i32 - k as i32).abs()))
+    }));
+    run.dataset.robot.check().unwrap();
+    run
 }
 
 /// Indices of the free entry point coordinates among the parameters.

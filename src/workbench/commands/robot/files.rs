@@ -49,7 +49,7 @@ fn content(model: &Model, export: Export) -> Option<String> {
         }
         Export::StructuredText => {
             let fit = open.fit().filter(|_| open.fit_is_current())?;
-            let parameters = tautline_link::parameters::parameters_of(&fit.model);
+            let parameters = tautline_link::parameters::parameters_and_home_lengths(&fit.model);
             let title = format!("Identified parameters of {}", session.robot.name);
             return Some(structured_text(&title, &parameters));
         }

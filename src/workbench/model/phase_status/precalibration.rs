@@ -1,6 +1,6 @@
 //! How far the parts of phase 1 are.
 
-use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
+use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, HomeAverage, WINCH_RESIDUAL_LIMIT_M};
 
 use crate::model::phase::{PhaseStatus, Progress};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal};
@@ -47,7 +47,12 @@ pub fn force_sensors(calibration: &Calibration) -> PhaseStatus {
 #[must_use]
 pub fn home(calibration: &Calibration) -> PhaseStatus {
     let fit = match &calibration.home {
-        None => return PhaseStatus::new(Progress::NotStarted, "home pose of the drawing"),
+        None => {
+            let Some(average) = &calibration.home_average else {
+                return PhaseStatus::new(Progress::NotStarted, "home pose of the drawing");
+            };
+            return begun(home_line(average), &calibration.with_home);
+        }
         Some(Err(_)) => return PhaseStatus::new(Progress::Attention, "no home pose found"),
         Some(Ok(fit)) => fit,
     };
@@ -56,9 +61,16 @@ pub fn home(calibration: &Calibration) -> PhaseStatus {
         let line = format!("{outside} of {} sensors out of range", fit.sensors.len());
         return PhaseStatus::new(Progress::Attention, line);
     }
-    let worst = fit.fix.position_sd_m.into_iter().fold(0.0, f64::max);
-    let line = format!("home pose to {:.2} mm", worst * 1e3);
-    begun(line, &calibration.with_home)
+    let average = calibration.home_average.as_ref();
+    begun(
+        average.map_or_else(String::new, home_line),
+        &calibration.with_home,
+    )
+}
+
+fn home_line(average: &HomeAverage) -> String {
+    let worst_m = average.sd().0.into_iter().fold(0.0, f64::max);
+    format!("home pose to {:.2} mm", worst_m * 1e3)
 }
 
 /// How many passed, of how many.

@@ -53,6 +53,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         None => Verdict::Doubtful,
     };
     verdict(ui, kind, &words);
+    if let Some(sentence) = outlook.home.sentence() {
+        muted(ui, &sentence);
+    }
     target(ui, &mut remembered.target_mm);
     enough(ui, outlook, remembered.target_mm, done);
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));

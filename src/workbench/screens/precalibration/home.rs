@@ -7,6 +7,7 @@ use tautline_core::robot::HomePlatform;
 use tautline_session::{HomeReading, PhaseData};
 
 use super::home_picture;
+use super::home_poses::{self, PoseInput};
 use crate::screens::bench_panel::{Bench, TableInput, decimals_for, or_dash};
 use crate::theme;
 use crate::widgets::{
@@ -19,13 +20,29 @@ const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
     "a sensor from 1 to 6",
 );
 
+/// What is typed for the part.
+#[derive(Debug, Default)]
+pub struct HomeInput {
+    table: TableInput,
+    pose: PoseInput,
+}
+
 /// Draws the part.
-pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut HomeInput) {
+    if !bench.session().phases.home_poses.is_empty() {
+        home_poses::mean(ui, bench);
+    }
+    platform(ui, bench, &mut input.table);
+    home_poses::show(ui, bench, &mut input.pose);
+}
+
+/// Draws the home platform and its readings.
+fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     let Some(platform) = &bench.robot().home_platform else {
         verdict(
             ui,
             Verdict::Neutral,
-            "The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it; until then the nominal home pose is used.",
+            "The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it, or measure the home pose with another instrument; until then the nominal home pose is used.",
         );
         return;
     };
@@ -37,8 +54,11 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         Some(Ok(measured)) => {
             judge(ui, platform, measured);
             pose(ui, bench, measured);
-            let proposal = &calibration.with_home;
-            bench.propose(ui, proposal, "Apply pose", "apply measured home pose");
+            // With other measurements the mean of all is what can be applied.
+            if bench.session().phases.home_poses.is_empty() {
+                let proposal = &calibration.with_home;
+                bench.propose(ui, proposal, "Apply pose", "apply measured home pose");
+            }
         }
     }
     section(ui, "The six sensors");
@@ -133,7 +153,7 @@ fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
 }
 
 /// Position (m) and rotation vector (rad).
-fn coordinates(pose: &Pose) -> [f64; 6] {
+pub(super) fn coordinates(pose: &Pose) -> [f64; 6] {
     let (p, r) = (pose.position, pose.orientation.scaled_axis());
     [p.x, p.y, p.z, r.x, r.y, r.z]
 }

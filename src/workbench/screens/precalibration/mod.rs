@@ -3,12 +3,14 @@
 mod force_sensors;
 mod home;
 mod home_picture;
+mod home_poses;
 mod pairs;
 mod winches;
 
 use egui::Ui;
 
 use self::force_sensors::ForceSensors;
+use self::home::HomeInput;
 use self::winches::Winches;
 use super::bench_panel::{Bench, TableInput};
 use crate::model::command::Outbox;
@@ -34,7 +36,7 @@ pub struct PanelState {
     pub part: Part,
     winches: TableInput,
     force_sensors: TableInput,
-    home: TableInput,
+    home: HomeInput,
 }
 
 /// Draws the panel.

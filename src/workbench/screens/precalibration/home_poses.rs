@@ -1,0 +1,205 @@
+//! Measurements of the home pose by other instruments than the home platform, and the mean of all.
+
+use egui::{TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
+use tautline_core::instrument::HomeAverage;
+use tautline_core::robot::Home;
+use tautline_session::HomePose;
+use tautline_workflow::wording::count;
+
+use crate::model::edit::Edit;
+use crate::screens::bench_panel::{Bench, decimals_for, or_dash};
+use crate::theme::GRID;
+use crate::widgets::{
+    Cell, Column, PoseFields, Verdict, icon_only, muted, parse_number, primary, section, table,
+    verdict,
+};
+
+use super::home::coordinates;
+
+/// Probability of a spread below which the stated standard deviations are doubted.
+const DOUBTFUL: f64 = 0.01;
+
+/// What is typed for the next measurement.
+#[derive(Debug, Default)]
+pub struct PoseInput {
+    pose: PoseFields,
+    /// Standard deviations of the position (mm) and of the rotation (degrees).
+    sds: [String; 2],
+}
+
+/// Draws the measurements and the fields for one more.
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
+    let Some(home) = bench.robot().home else {
+        return;
+    };
+    section(ui, "Measured by another instrument");
+    muted(
+        ui,
+        "Drive home, measure the pose of the platform there, and repeat: what differs from time to time averages out.",
+    );
+    list(ui, bench);
+    let response = input.pose.show(ui, "Home", false);
+    let by_default = bench
+        .session()
+        .phases
+        .home_poses
+        .last()
+        .map_or((home.position_sd_m, home.orientation_sd_rad), |last| {
+            (last.position_sd_m, last.orientation_sd_rad)
+        });
+    let sds = deviations(ui, &mut input.sds, by_default);
+    let measured = input.pose.pose().and_then(|pose| {
+        let (position_sd_m, orientation_sd_rad) = sds?;
+        Ok(HomePose {
+            position_m: pose.position_m,
+            orientation_wxyz: pose.orientation_wxyz.unwrap_or(home.orientation_wxyz),
+            position_sd_m,
+            orientation_sd_rad,
+        })
+    });
+    let entered = response.left && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    let pressed = primary(ui, "Add measurement", measured.is_ok()).clicked();
+    match measured {
+        Ok(pose) if pressed || entered => {
+            input.pose = PoseFields::default();
+            change(bench, "add home measurement", |poses| poses.push(pose));
+        }
+        Err(problem) if !input.pose.is_empty() => {
+            muted(ui, &format!("{problem}."));
+        }
+        _ => {}
+    }
+}
+
+fn list(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let poses = &bench.session().phases.home_poses;
+    if poses.is_empty() {
+        return;
+    }
+    let columns = [
+        Column::words("Measurement"),
+        Column::number("x", "mm"),
+        Column::number("y", "mm"),
+        Column::number("z", "mm"),
+        Column::number("±", "mm"),
+    ];
+    let rows: Vec<Vec<Cell>> = (1..)
+        .zip(poses)
+        .map(|(number, pose): (usize, &HomePose)| {
+            let mut cells = vec![Cell::new(number.to_string())];
+            cells.extend(
+                pose.position_m
+                    .map(|v| Cell::new(format!("{:.3}", v * 1e3))),
+            );
+            cells.push(Cell::new(format!("{:.3}", pose.position_sd_m * 1e3)));
+            cells
+        })
+        .collect();
+    table(ui, &columns, &rows, None);
+    let last = poses.len();
+    if icon_only(ui, icons::ICON_DELETE, "Remove the last measurement", true).clicked() {
+        let what = format!("remove home measurement {last}");
+        change(bench, &what, |poses| {
+            poses.pop();
+        });
+    }
+}
+
+/// Fields for the standard deviations of one measurement (m, rad); empty ones are those of the last.
+fn deviations(
+    ui: &mut Ui,
+    texts: &mut [String; 2],
+    (position_m, orientation_rad): (f64, f64),
+) -> Result<(f64, f64), String> {
+    let shown = [position_m * 1e3, orientation_rad.to_degrees()];
+    let names = ["Home position ±", "Home rotation ±"];
+    ui.horizontal_wrapped(|ui| {
+        for (k, (text, unit)) in texts.iter_mut().zip(["mm", "degrees"]).enumerate() {
+            muted(ui, "±");
+            let hint = format!("{:.4}", shown[k]);
+            let field = TextEdit::singleline(text).hint_text(hint);
+            let field = ui.add(field.desired_width(15.0 * GRID));
+            let value = text.clone();
+            field.widget_info(|| {
+                let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
+                info.label = Some(names[k].to_owned());
+                info
+            });
+            muted(ui, unit);
+        }
+    });
+    let typed = |k: usize| -> Result<f64, String> {
+        let text = texts[k].trim();
+        let value = match text.is_empty() {
+            true => shown[k],
+            false => parse_number(text).map_err(|problem| format!("{}: {problem}", names[k]))?,
+        };
+        if value.is_finite() && value > 0.0 {
+            return Ok(value);
+        }
+        Err(format!("{}: expected a number greater than 0", names[k]))
+    };
+    Ok((typed(0)? * 1e-3, typed(1)?.to_radians()))
+}
+
+fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Vec<HomePose>)) {
+    let mut phases = bench.session().phases.clone();
+    change(&mut phases.home_poses);
+    let edit = Edit::SetPhases(Box::new(phases), what.to_owned());
+    bench.outbox.send(edit);
+}
+
+/// Draws the mean of all measurements and the step that uses it.
+pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let calibration = bench.calibration;
+    let (Some(average), Some(home)) = (&calibration.home_average, bench.robot().home) else {
+        return;
+    };
+    let worst_mm = average.sd().0.into_iter().fold(0.0, f64::max) * 1e3;
+    let number = count(average.count, "measurement");
+    match average.p_value() {
+        Some(p) if p < DOUBTFUL => {
+            let text = format!(
+                "The {number} of the home pose differ more than their standard deviations say (p = {p:.1e})."
+            );
+            verdict(ui, Verdict::Doubtful, &text);
+        }
+        _ => {
+            let text = format!("{number} of the home pose: position to {worst_mm:.3} mm.");
+            verdict(ui, Verdict::Good, &text);
+        }
+    }
+    pose_table(ui, &home, average);
+    bench.propose(
+        ui,
+        &calibration.with_home,
+        "Apply pose",
+        "apply measured home pose",
+    );
+}
+
+fn pose_table(ui: &mut Ui, home: &Home, average: &HomeAverage) {
+    let columns = [
+        Column::words("Home pose"),
+        Column::number("Current", ""),
+        Column::number("Mean", ""),
+        Column::number("±", ""),
+    ];
+    let (now, new) = (coordinates(&home.pose()), coordinates(&average.pose));
+    let names = ["x (mm)", "y (mm)", "z (mm)", "rx (°)", "ry (°)", "rz (°)"];
+    let rows: Vec<Vec<Cell>> = (0..6)
+        .map(|k| {
+            let shown = if k < 3 { 1e3 } else { 1f64.to_degrees() };
+            let sd = average.covariance[(k, k)].sqrt() * shown;
+            let digits = decimals_for(sd, 2, 4);
+            vec![
+                Cell::new(names[k]),
+                or_dash(Some(now[k] * shown), digits),
+                or_dash(Some(new[k] * shown), digits),
+                or_dash(Some(sd), digits),
+            ]
+        })
+        .collect();
+    table(ui, &columns, &rows, None);
+}

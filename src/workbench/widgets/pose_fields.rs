@@ -1,0 +1,119 @@
+//! Fields in which a measured pose is typed.
+
+use egui::{TextEdit, Ui, WidgetInfo};
+use tautline_core::geometry::Pose;
+use tautline_session::CheckPose;
+
+use super::{muted, parse_number};
+use crate::theme::GRID;
+
+/// Names of the fields.
+const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
+
+/// What is typed: position (mm) and angles (degrees).
+#[derive(Debug, Default)]
+pub struct PoseFields {
+    texts: [String; 6],
+}
+
+/// What happened to the fields.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PoseFieldsResponse {
+    /// One of them was left.
+    pub left: bool,
+}
+
+impl PoseFields {
+    /// Draws two lines of fields, whose accessible names begin with `name`; `focuses` puts the cursor into the first.
+    pub fn show(&mut self, ui: &mut Ui, name: &str, focuses: bool) -> PoseFieldsResponse {
+        let (position, angles) = FIELDS.split_at(3);
+        let mut left = self.line(ui, name, (position, 0), "mm", focuses);
+        left |= self.line(ui, name, (angles, 3), "degrees", false);
+        PoseFieldsResponse { left }
+    }
+
+    fn line(
+        &mut self,
+        ui: &mut Ui,
+        of: &str,
+        (names, first): (&[&str], usize),
+        unit: &str,
+        focuses: bool,
+    ) -> bool {
+        let mut left = false;
+        ui.horizontal_wrapped(|ui| {
+            for (name, text) in names.iter().zip(&mut self.texts[first..]) {
+                muted(ui, name);
+                let field = ui.add(TextEdit::singleline(text).desired_width(15.0 * GRID));
+                let value = text.clone();
+                let label = format!("{of} {}", name.to_lowercase());
+                field.widget_info(|| {
+                    let mut info = WidgetInfo::text_edit(true, value.clone(), value.clone(), "");
+                    info.label = Some(label.clone());
+                    info
+                });
+                if focuses && *name == "x" {
+                    field.request_focus();
+                    field.scroll_to_me(Some(egui::Align::Center));
+                }
+                left |= field.lost_focus();
+            }
+            muted(ui, unit);
+        });
+        left
+    }
+
+    /// Whether nothing is typed.
+    pub fn is_empty(&self) -> bool {
+        self.texts.iter().all(|text| text.trim().is_empty())
+    }
+
+    /// The pose: x, y, z, and roll, pitch, yaw with `R = Rx(roll) Ry(pitch) Rz(yaw)`, or none of the three.
+    ///
+    /// # Errors
+    /// What is wrong with which field.
+    pub fn pose(&self) -> Result<CheckPose, String> {
+        let mut numbers = [0.0; 6];
+        let oriented = self.texts[3..].iter().any(|text| !text.trim().is_empty());
+        let wanted = if oriented { 6 } else { 3 };
+        for (k, text) in self.texts.iter().enumerate().take(wanted) {
+            let number = parse_number(text);
+            numbers[k] = number.map_err(|problem| format!("{}: {problem}", FIELDS[k]))?;
+        }
+        let [x, y, z, angles @ ..] = numbers;
+        let position_m = [x, y, z].map(|mm: f64| mm * 1e-3);
+        let pose = Pose::from_angles(position_m, angles.map(f64::to_radians));
+        Ok(CheckPose {
+            position_m,
+            orientation_wxyz: oriented.then(|| pose.orientation_wxyz()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn typed(texts: [&str; 6]) -> Result<CheckPose, String> {
+        PoseFields {
+            texts: texts.map(str::to_owned),
+        }
+        .pose()
+    }
+
+    #[test]
+    fn a_pose_is_typed_with_or_without_its_orientation() {
+        let position = typed(["100", "-20,5", "0", "", "", ""]).expect("a pose");
+        assert!((position.position_m[1] + 0.0205).abs() < 1e-12);
+        assert_eq!(position.orientation_wxyz, None);
+        let turned = typed(["0", "0", "0", "0", "0", "90"]).expect("a pose");
+        let [w, x, y, z] = turned.orientation_wxyz.expect("an orientation");
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        assert!((w - half).abs() < 1e-12 && (z - half).abs() < 1e-12);
+        assert_eq!((x, y), (0.0, 0.0));
+        let told = typed(["1", "2", "", "", "", ""]).expect_err("no z");
+        assert!(told.starts_with("z: found nothing"), "{told}");
+        let told = typed(["1", "2", "3", "1", "", ""]).expect_err("half an orientation");
+        assert!(told.starts_with("Pitch:"), "{told}");
+    }
+}
