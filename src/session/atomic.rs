@@ -44,6 +44,12 @@ fn replace(
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     let path = &link_target(path);
+    if fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        // A device or a pipe takes what is written; a file renamed over it would take its place.
+        let mut out = BufWriter::new(fs::File::options().write(true).open(path)?);
+        fill(&mut out)?;
+        return out.flush();
+    }
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -146,6 +152,22 @@ mod tests {
         assert_eq!(link_target(&path("two")), path("real/file"));
         symlink("round", path("round")).expect("a link");
         assert_eq!(link_target(&path("round")), path("round"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_written_to_and_stays_one() {
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.expect("mkfifo").success());
+        let source = pipe.clone();
+        let reader = std::thread::spawn(move || fs::read_to_string(source));
+        write_text(&pipe, "text").expect("written");
+        assert_eq!(reader.join().expect("a thread").expect("read"), "text");
+        let kind = fs::symlink_metadata(&pipe).expect("there").file_type();
+        assert!(kind.is_fifo());
     }
 
     #[test]
