@@ -15,7 +15,7 @@ use tautline_workflow::wording::count;
 
 use crate::BadInput;
 use crate::live::{Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed};
-use crate::measure::{refuse_interrupted, require_simulated};
+use crate::measure::{refuse_unsettled, require_simulated};
 use crate::output::{JsonOutput, note, notice};
 pub use document::HomeDocument;
 
@@ -48,7 +48,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();
-    refuse_interrupted(&file.session, &place)?;
+    refuse_unsettled(&file.session, &place)?;
     let sds = sds(arguments, &file.session)?;
     let poses = match &arguments.controller {
         Some(choice) => {

@@ -273,8 +273,8 @@ mod tests {
         assert_eq!(setup.tension(), preset.tension);
         assert_eq!(*setup.workspace(), preset.workspace);
         // Sensors that read twice the tension.
-        assert!(setup.limits.check_forces(&[310.0; 8]).is_ok());
-        let refused = setup.limits.check_forces(&[500.0; 8]);
+        assert!(setup.limits.check_forces(&[310.0; 8], &[]).is_ok());
+        let refused = setup.limits.check_forces(&[500.0; 8], &[]);
         let refused = refused.expect_err("250 N").to_string();
         assert!(
             refused.contains("pulls with 250 N, at most 150 N"),

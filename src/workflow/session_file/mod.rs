@@ -172,7 +172,9 @@ impl SessionFile {
         };
         file.take_over(left, notify)?;
         // What was taken over is in the file now.
-        remove_discarded(file.lock.folder()).map_err(SessionFileError::from)?;
+        let folder = file.lock.folder();
+        remove_discarded(folder).map_err(SessionFileError::from)?;
+        space::free_left(folder).map_err(io("freed", folder))?;
         if open_adjustment(&file.session).is_none() {
             // The values are in the session, which may have changed since.
             file.remove_controller()?;

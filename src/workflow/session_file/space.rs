@@ -33,7 +33,9 @@ impl KeptSpace {
 
 /// Writes a file of a size; a hole in it would take no space.
 fn fill(path: &Path, size: u64) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    remove_left(path)?;
+    // A link in its place would lead elsewhere.
+    let mut file = File::create_new(path)?;
     let mut left = size;
     while left > 0 {
         let part = usize::try_from(left).unwrap_or(usize::MAX).min(BLOCK.len());
@@ -41,6 +43,20 @@ fn fill(path: &Path, size: u64) -> io::Result<()> {
         left -= part as u64;
     }
     file.sync_all()
+}
+
+/// Removes what a killed program has left of it, if it is a plain file.
+fn remove_left(path: &Path) -> io::Result<()> {
+    let left = fs::symlink_metadata(path);
+    match left.is_ok_and(|left| left.is_file()) {
+        true => fs::remove_file(path),
+        false => Ok(()),
+    }
+}
+
+/// Removes the space that a killed program has kept in the folder beside a session.
+pub(super) fn free_left(folder: &Path) -> io::Result<()> {
+    remove_left(&folder.join(NAME))
 }
 
 impl Drop for KeptSpace {
