@@ -83,7 +83,7 @@ impl Analysis {
         root_mean_square(self.sums.tensions)
     }
 
-    /// Readings whose normalised residual is improbable, the worst first: two-sided, at [`SUSPECT_LEVEL`] for all
+    /// Readings whose normalised residual is improbable, the worst first: two-sided, at a level of 1 % for all
     /// readings together (Bonferroni).
     #[must_use]
     pub fn suspects(&self) -> &[Observation] {
