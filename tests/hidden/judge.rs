@@ -77,7 +77,7 @@ fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
         let each = of.cause.instances.iter();
         return each.map(|bound| claim(vec![alone(bound)])).collect();
     }
-    let alternatives = of.alternatives.iter().cloned();
+    let alternatives = of.alternatives.iter().map(|other| other.cause.clone());
     vec![claim(
         [of.cause.clone()].into_iter().chain(alternatives).collect(),
     )]

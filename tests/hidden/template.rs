@@ -118,6 +118,7 @@ fn fixed(effect: &Effect, k: usize, rng: &mut ChaCha8Rng) -> Option<f64> {
         Search::FromPose(pose) if pose == k => {
             Some(rng.random_range(1 + BESIDE_EVENT..=last - BESIDE_EVENT) as f64)
         }
+        Search::Exchange => Some(parameter.neutral),
         Search::AtPose(pose) if pose == k => Some(rng.random_range(1..=last) as f64),
         _ => None,
     }

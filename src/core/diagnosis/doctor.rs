@@ -167,6 +167,7 @@ fn conclude(
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {
         base,
+        possible: Vec::new(),
         noise,
         extended,
         discrepancies,

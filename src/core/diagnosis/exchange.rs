@@ -5,7 +5,7 @@ use super::Stage;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::progress::Reporter;
-use super::report::{Cause, Evidence, Finding, Rival, Verdict};
+use super::report::{Alternative, Cause, Evidence, Finding, Rival, Verdict};
 use super::selection::CLEAR;
 use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
@@ -49,7 +49,7 @@ pub(super) fn exchanged(
             effect,
             cables: vec![one, other],
             targeted: true,
-            values: Vec::new(),
+            values: effect.neutral_values(),
         };
         let exchanged = undone(dataset, &bound);
         let fit = Fit::below(LEFT * solution.chi2, &Problem::new(&exchanged)?, &[])?;
@@ -87,10 +87,15 @@ impl Exchange {
             holdout: f64::NAN,
         };
         let ranking: Vec<Rival> = self.tried.iter().take(3).map(rival).collect();
-        let alternatives: Vec<Cause> = ranking[1..]
+        let weight = |rival: &Rival| (0.5 * (rival.delta_chi2 - best)).exp();
+        let weights: f64 = ranking.iter().map(weight).sum();
+        let alternatives: Vec<Alternative> = ranking[1..]
             .iter()
             .filter(|rival| best - rival.delta_chi2 < CLEAR)
-            .map(|rival| rival.cause.clone())
+            .map(|rival| Alternative {
+                cause: rival.cause.clone(),
+                probability: weight(rival) / weights,
+            })
             .collect();
         Finding {
             verdict: if alternatives.is_empty() {
@@ -99,6 +104,7 @@ impl Exchange {
                 Verdict::Ambiguous
             },
             cause: cause(&self.bound),
+            probability: weights.recip(),
             sentence: self.bound.cause(robot),
             advice: self.bound.workshop(robot),
             alternatives,

@@ -3,7 +3,7 @@
 
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::report::{Cause, Discrepancy, Evidence, Finding, NoiseStatement, Quantity, Verdict};
+use super::report::{Alternative, Cause, Discrepancy, Evidence, Finding, NoiseStatement, Quantity, Verdict};
 use super::unknown::{is_unknown, structure_on};
 use crate::effect::Search;
 use crate::robot::Robot;
@@ -47,11 +47,16 @@ pub(super) fn temper(findings: &mut Vec<Finding>, left: &Left<'_>) {
     for (finding, _) in findings.iter_mut().zip(&doubtful).filter(|(_, d)| **d) {
         let quantity = Quantity::Length;
         let cable = finding.cause.cables().first().copied();
-        let known = finding.alternatives.iter().any(is_unknown);
+        let known = finding.alternatives.iter().any(|a| is_unknown(&a.cause));
         if !known {
             finding.alternatives.truncate(1);
-            finding.alternatives.push(Cause {
-                instances: vec![structure_on(quantity, cable, cables)],
+            // Either may be behind it: as likely as not.
+            finding.probability = 0.5;
+            finding.alternatives.push(Alternative {
+                cause: Cause {
+                    instances: vec![structure_on(quantity, cable, cables)],
+                },
+                probability: 0.5,
             });
         }
         finding.verdict = Verdict::Ambiguous;
@@ -149,6 +154,7 @@ fn nameless(
         cause: Cause {
             instances: vec![structure_on(quantity, cable, cables)],
         },
+        probability: 1.0 - p_value,
         sentence,
         advice: "Measure one pose many times: if the readings scatter as much there, correct the noise given; else look for a fault that comes and goes.".to_owned(),
         alternatives: Vec::new(),

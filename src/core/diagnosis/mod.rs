@@ -34,7 +34,7 @@ mod verdict;
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
 pub use report::{
-    Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
     Verdict,
 };

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::DiagnosisOptions;
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::report::{Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
+use super::report::{Alternative, Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
 use super::selection::{CLEAR, Contender, PREFERRED, Round, Selection, is_alike, is_extension};
 use super::separation::separation;
 use super::space::cosine;
@@ -34,6 +34,8 @@ pub(super) fn finding(
         (false, true) => Verdict::Named,
         (_, false) => Verdict::Ambiguous,
     };
+    let weights: f64 = round.contenders.iter().map(|c| weight(own, c)).sum();
+    let probability = |c: &Contender<'_>| weight(own, c) / weights;
     let separation = rivals
         .first()
         .and_then(|rival| separation(&own.fit, &rival.fit));
@@ -41,7 +43,14 @@ pub(super) fn finding(
         verdict,
         sentence: joined(cause, robot, crate::effect::BoundEffect::cause),
         advice: joined(cause, robot, crate::effect::BoundEffect::workshop),
-        alternatives: rivals.iter().map(|rival| rival.cause().clone()).collect(),
+        probability: probability(own),
+        alternatives: rivals
+            .iter()
+            .map(|rival| Alternative {
+                cause: rival.cause().clone(),
+                probability: probability(rival),
+            })
+            .collect(),
         parameters: parameters(&selection.fit, index),
         evidence: Evidence {
             delta_chi2: own.gain,
@@ -54,6 +63,11 @@ pub(super) fn finding(
         separation,
         cause: cause.clone(),
     })
+}
+
+/// Evidence of a contender over that of `own`.
+fn weight(own: &Contender<'_>, contender: &Contender<'_>) -> f64 {
+    (0.5 * (contender.score() - own.score())).exp()
 }
 
 /// The sentences of all instances, each once.

@@ -105,8 +105,10 @@ pub struct EffectParameter {
     pub neutral: f64,
     /// Value from which it is estimated: not neutral where nothing would depend on it there.
     pub start: f64,
-    /// Whether it must be given and is never estimated, as the label of a pose.
+    /// Whether it is given and never estimated, as the label of a pose.
     pub discrete: bool,
+    /// Whether it is neutral where it is not given, though it is never estimated.
+    pub optional: bool,
 }
 
 impl EffectParameter {
@@ -126,6 +128,7 @@ impl EffectParameter {
             neutral: 0.0,
             start: 0.0,
             discrete: false,
+            optional: false,
         }
     }
 
@@ -135,6 +138,15 @@ impl EffectParameter {
         Self {
             discrete: true,
             ..Self::new(name, unit, 1.0, typical)
+        }
+    }
+
+    /// A parameter that keeps its value, and has a default where it is not given.
+    #[must_use]
+    pub const fn choice(name: &'static str, typical: [f64; 2], default: f64) -> Self {
+        Self {
+            optional: true,
+            ..Self::given(name, "1", typical).around(default)
         }
     }
 
@@ -207,7 +219,7 @@ pub struct Effect {
     /// target.
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
     /// Exchanges channels of measured data between cables; doing it twice changes nothing.
-    pub(crate) exchange_channels: fn(&[usize], &mut Measurements),
+    pub(crate) exchange_channels: fn(&[usize], &[f64], &mut Measurements),
 }
 
 impl Effect {
@@ -226,7 +238,7 @@ impl Effect {
         needs_sag: false,
         change_cable: |_, _, _| {},
         change_platform: |_, _, _| {},
-        exchange_channels: |_, _| {},
+        exchange_channels: |_, _, _| {},
     };
 
     /// Stable identifier in files and commands.

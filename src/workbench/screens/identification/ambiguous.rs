@@ -25,7 +25,7 @@ pub fn body(
     number: usize,
 ) {
     let causes: Vec<&Cause> = std::iter::once(&finding.cause)
-        .chain(&finding.alternatives)
+        .chain(finding.alternatives.iter().map(|other| &other.cause))
         .collect();
     card::title(
         ui,

@@ -1,14 +1,14 @@
 //! From a diagnosis to its machine form.
 
 use tautline_core::diagnosis::{
-    Adequacy, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest, GroupTest,
+    Adequacy, Alternative, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest, GroupTest,
     Invisible, NoiseStatement, PositionChange, Rival, Verdict,
 };
 use tautline_core::geometry::Pose;
 
 use super::Diagnosed;
 use super::document::{
-    CauseDocument, DiagnosisDocument, DiscrepancyDocument, EvidenceDocument, ExtendedDocument,
+    AlternativeDocument, CauseDocument, DiagnosisDocument, DiscrepancyDocument, EvidenceDocument, ExtendedDocument,
     FindingDocument, GainDocument, GlobalTestDocument, GroupTestDocument, InvisibleDocument,
     ModelDocument, NoiseDocument, ParameterDocument, PointDocument, PoseDocument,
     PositionChangeDocument, ReadingGainDocument, RivalDocument, RunnerUpDocument, VerdictDocument,
@@ -39,6 +39,7 @@ impl Diagnosed {
             global_test: global_test(&diagnosis.base.global),
             discrepancy: discrepancies(&diagnosis.discrepancies),
             findings: diagnosis.findings.iter().map(|f| self.finding(f)).collect(),
+            possible: diagnosis.possible.iter().map(|a| self.alternative(a)).collect(),
             model: ModelDocument {
                 effects: effects.map(|bound| bound.setting(self.robot())).collect(),
             },
@@ -61,6 +62,15 @@ impl Diagnosed {
         CauseDocument {
             effect: cause.effect().id().to_owned(),
             targets: self.targets(cause),
+        }
+    }
+
+    fn alternative(&self, alternative: &Alternative) -> AlternativeDocument {
+        let CauseDocument { effect, targets } = self.cause(&alternative.cause);
+        AlternativeDocument {
+            effect,
+            targets,
+            probability: alternative.probability,
         }
     }
 
@@ -126,7 +136,12 @@ impl Diagnosed {
             targets,
             cause: text(finding),
             advice: finding.advice.clone(),
-            alternatives: finding.alternatives.iter().map(|c| self.cause(c)).collect(),
+            probability: finding.probability,
+            alternatives: finding
+                .alternatives
+                .iter()
+                .map(|a| self.alternative(a))
+                .collect(),
             parameters: finding
                 .parameters
                 .iter()
@@ -186,7 +201,10 @@ fn text(finding: &Finding) -> String {
     if finding.verdict != Verdict::Ambiguous {
         return finding.sentence.clone();
     }
-    let others = finding.alternatives.iter().map(|c| c.effect().title());
+    let others = finding
+        .alternatives
+        .iter()
+        .map(|a| a.cause.effect().title());
     let others: Vec<_> = others.collect();
     let advice = finding.separation.as_ref().map_or("", |s| &s.advice);
     let text = format!(
@@ -288,7 +306,7 @@ mod tests {
         let finding = &value["findings"][0];
         assert_eq!(
             finding["alternatives"],
-            json!([{"effect": "winch_offset", "targets": ["cable-3"]}])
+            json!([{"effect": "winch_offset", "targets": ["cable-3"], "probability": 0.4}])
         );
         let pose =
             json!({"position_m": [0.25, -0.1, 0.0], "orientation_wxyz": [1.0, 0.0, 0.0, 0.0]});

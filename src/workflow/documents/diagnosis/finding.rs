@@ -14,7 +14,7 @@ impl Diagnosed {
         match finding.verdict {
             Verdict::Named => format!("{title}, unambiguous"),
             Verdict::Ambiguous => {
-                let others: Vec<_> = finding.alternatives.iter().map(|c| self.title(c)).collect();
+                let others: Vec<_> = finding.alternatives.iter().map(|a| self.title(&a.cause)).collect();
                 format!(
                     "{title}, cannot be distinguished from: {}",
                     others.join("; ")

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{
-    Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
     GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
     Variable, Verdict,
 };
@@ -131,10 +131,14 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
     let ranking = vec![rival(cause.clone(), 61.0), rival(other.clone(), 20.0)];
     Finding {
         verdict,
+        probability: if is_ambiguous { 0.6 } else { 0.998 },
         sentence: "Winch 3 pays out too much.".to_owned(),
         advice: "Measure the drum.".to_owned(),
         alternatives: if is_ambiguous {
-            vec![other]
+            vec![Alternative {
+                cause: other,
+                probability: 0.4,
+            }]
         } else {
             Vec::new()
         },
@@ -200,6 +204,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         discrepancies: structure.clone(),
         remaining: structure,
         findings: verdicts.iter().map(found).collect(),
+        possible: Vec::new(),
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
         base_solution: solution(dataset, &[]),

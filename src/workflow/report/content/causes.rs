@@ -41,7 +41,7 @@ fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Sec
         Verdict::Named => {}
         Verdict::Ambiguous => {
             let mut titles = vec![told.title(&finding.cause)];
-            titles.extend(finding.alternatives.iter().map(|cause| told.title(cause)));
+            titles.extend(finding.alternatives.iter().map(|a| told.title(&a.cause)));
             section.paragraph(format!(
                 "These data cannot distinguish between {}. The values below hold for the first.",
                 list(&titles)
