@@ -9,27 +9,30 @@
 mod adequacy;
 #[cfg(test)]
 mod adequacy_tests;
+mod background;
+mod candidates;
+mod claims;
+mod conditions;
 mod discrepancy;
 mod doctor;
+mod evidence;
 mod exchange;
-mod family;
+mod finding;
 mod fit;
 mod gain;
-mod honesty;
-mod moments;
+mod gram;
+mod hyperparameters;
+mod inference;
 mod noise;
 mod progress;
-mod questions;
 mod reading_id;
+mod remainder;
 mod report;
 mod residual_space;
-mod scores;
-mod selection;
+mod search;
 mod separation;
 mod space;
-mod unknown;
 mod variables;
-mod verdict;
 
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;

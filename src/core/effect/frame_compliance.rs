@@ -17,7 +17,8 @@ pub(super) static EFFECT: Effect = Effect {
         "m/N",
         0.0001,
         [0.0000001, 0.0001],
-    )],
+    )
+    .within(0.0, f64::INFINITY)],
     cause,
     workshop: |found| {
         found.say("Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.")

@@ -14,7 +14,8 @@ pub(super) static EFFECT: Effect = Effect {
         "1/K",
         0.00002,
         [0.000012, 0.000024],
-    )],
+    )
+    .within(0.0, f64::INFINITY)],
     cause: |found| {
         found.say("The frame gets {0:mm} {0:longer|shorter} per metre and per kelvin of warming.")
     },

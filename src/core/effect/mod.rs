@@ -105,6 +105,8 @@ pub struct EffectParameter {
     pub neutral: f64,
     /// Value from which it is estimated: not neutral where nothing would depend on it there.
     pub start: f64,
+    /// Smallest and largest value that is possible.
+    pub bounds: [f64; 2],
     /// Whether it is given and never estimated, as the label of a pose.
     pub discrete: bool,
     /// Whether it is neutral where it is not given, though it is never estimated.
@@ -127,6 +129,7 @@ impl EffectParameter {
             typical,
             neutral: 0.0,
             start: 0.0,
+            bounds: [f64::NEG_INFINITY, f64::INFINITY],
             discrete: false,
             optional: false,
         }
@@ -156,6 +159,15 @@ impl EffectParameter {
         Self {
             neutral,
             start: neutral,
+            ..self
+        }
+    }
+
+    /// The same for what can only be from `low` to `high`.
+    #[must_use]
+    pub const fn within(self, low: f64, high: f64) -> Self {
+        Self {
+            bounds: [low, high],
             ..self
         }
     }

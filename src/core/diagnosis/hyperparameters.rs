@@ -1,0 +1,271 @@
+//! How large the noise and the mild model error are, estimated together with a set of causes.
+//!
+//! Every class of readings has a variance factor and an amplitude of its [`super::background`]. The variance factors are
+//! estimated by restricted maximum likelihood with inverse gamma priors: that of a kind of reading is centred on 1, that
+//! of a cable on that of its kind. One step of the estimation makes each variance the mean of the squares of the
+//! estimated errors over their redundancy (Helmert 1907, Foerstner 1979). Amplitudes are chosen on a grid by their
+//! evidence, which the eigenvalues of the functions' information give for all amplitudes at once.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::Quantity;
+use super::background::Shape;
+use super::conditions::{Conditions, Noise};
+
+/// Amplitudes, in standard deviations of the readings as described.
+pub(super) const AMPLITUDES: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// Probability that a kind of reading has no background, and that a class has that of its kind.
+const NONE: f64 = 0.5;
+const AS_ITS_KIND: f64 = 0.85;
+/// Readings that the prior of a variance is worth: of a kind, and of a cable around its kind.
+const KIND_PRIOR: f64 = 1.0;
+const CABLE_PRIOR: f64 = 8.0;
+/// Variances that are possible.
+const VARIANCES: [f64; 2] = [1e-3, 1e5];
+/// Most steps of the estimation, and the change of the logarithm of all variances that ends it.
+const MOST_STEPS: usize = 6;
+const SETTLED: f64 = 0.05;
+/// Makes directions of the fixed parameters that nothing determines regular.
+const RIDGE: f64 = 1e-11;
+
+/// Variance factor and amplitude of every class.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Hyperparameters {
+    pub variance: Vec<f64>,
+    /// Places in [`AMPLITUDES`].
+    pub amplitude: Vec<usize>,
+    /// Logarithm of their prior density.
+    pub log_prior: f64,
+}
+
+impl Hyperparameters {
+    /// Whether another point would give other probabilities.
+    pub fn is_far_from(&self, other: &Self) -> bool {
+        let far = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.3;
+        self.amplitude != other.amplitude || self.variance.iter().zip(&other.variance).any(far)
+    }
+
+    /// Whether much is left unexplained.
+    pub fn is_loud(&self) -> bool {
+        self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
+    }
+}
+
+/// The linear problem without candidates.
+pub(super) struct Linear {
+    pub conditions: Conditions,
+    /// Conditions less what the causes of the fit explain.
+    pub residual: DVector<f64>,
+    /// Derivatives with respect to what is always estimated.
+    pub fixed: DMatrix<f64>,
+    pub shapes: Vec<Shape>,
+}
+
+/// The problem with given hyperparameters, what is always estimated and the background eliminated.
+pub(super) struct Base<'l> {
+    pub noise: Noise<'l>,
+    /// `U^T`: `1 - U U^T` is what the elimination leaves of whitened conditions.
+    pub taken: DMatrix<f64>,
+    /// Whitened residual, the same taken out.
+    pub residual: DVector<f64>,
+    /// Logarithm of the probability density of the readings.
+    pub log_evidence: f64,
+}
+
+impl Linear {
+    /// Noise as described, no background.
+    pub fn described(&self) -> Hyperparameters {
+        self.with_prior(vec![1.0; self.shapes.len()], vec![0; self.shapes.len()])
+    }
+
+    fn kinds(&self) -> Vec<(Quantity, Vec<usize>)> {
+        let mut kinds: Vec<(Quantity, Vec<usize>)> = Vec::new();
+        for (class, id) in self.conditions.classes.iter().enumerate() {
+            match kinds.last_mut() {
+                Some((quantity, classes)) if *quantity == id.quantity => classes.push(class),
+                _ => kinds.push((id.quantity, vec![class])),
+            }
+        }
+        kinds
+    }
+
+    fn with_prior(&self, variance: Vec<f64>, amplitude: Vec<usize>) -> Hyperparameters {
+        // Logarithm of an inverse gamma density over the logarithm, 0 at its mode.
+        let density = |ratio: f64, worth: f64| 0.5 * worth * (1.0 - ratio.ln() - ratio.recip());
+        let mut log_prior = 0.0;
+        for (_, classes) in self.kinds() {
+            let mean = classes.iter().map(|k| variance[*k].ln()).sum::<f64>() / classes.len() as f64;
+            log_prior += density(mean.exp(), KIND_PRIOR);
+            for class in &classes {
+                log_prior += density(variance[*class] / mean.exp(), CABLE_PRIOR);
+            }
+            let of_kind = |kind: usize| {
+                let each = classes.iter().map(|k| log_share(amplitude[*k], kind, classes.len()));
+                log_kind(kind) + each.sum::<f64>()
+            };
+            log_prior += (0..AMPLITUDES.len()).map(of_kind).fold(f64::NEG_INFINITY, f64::max);
+        }
+        Hyperparameters {
+            variance,
+            amplitude,
+            log_prior,
+        }
+    }
+
+    /// The problem at `at`, with further columns whose parameters have the prior variance 1.
+    pub fn base(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> Base<'_> {
+        let noise = self.conditions.noise(&at.variance);
+        let mut parts = vec![self.fixed.clone()];
+        for (shape, amplitude) in self.shapes.iter().zip(&at.amplitude) {
+            if *amplitude > 0 {
+                parts.push(&shape.columns * AMPLITUDES[*amplitude]);
+            }
+        }
+        parts.push(further.clone());
+        let width = parts.iter().map(DMatrix::ncols).sum();
+        let mut z = DMatrix::zeros(self.conditions.count, width + 1);
+        let mut first = 0;
+        for part in &parts {
+            z.columns_mut(first, part.ncols()).copy_from(part);
+            first += part.ncols();
+        }
+        z.set_column(width, &self.residual);
+        noise.whiten(&mut z);
+        let mut residual: DVector<f64> = z.column(width).into_owned();
+        let mut z = z.remove_column(width);
+        let mut log_determinant = noise.log_determinant;
+        let fixed = self.fixed.ncols();
+        for mut column in z.columns_mut(0, fixed).column_iter_mut() {
+            let norm = column.norm();
+            if norm > 0.0 {
+                column /= norm;
+                log_determinant += 2.0 * norm.ln();
+            }
+        }
+        let mut normal = z.tr_mul(&z);
+        for k in 0..width {
+            normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
+        }
+        let mut taken = z.transpose();
+        if let Some(factor) = normal.cholesky() {
+            log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+            factor.l_dirty().solve_lower_triangular_mut(&mut taken);
+        }
+        residual -= taken.tr_mul(&(&taken * &residual));
+        // The residual is projected once: with priors the projection is no idempotent one.
+        let square = self.whitened(&noise).dot(&residual);
+        Base {
+            noise,
+            taken,
+            log_evidence: -0.5 * (log_determinant + square),
+            residual,
+        }
+    }
+
+    fn whitened(&self, noise: &Noise<'_>) -> DVector<f64> {
+        let mut y = DMatrix::from_column_slice(self.residual.len(), 1, self.residual.as_slice());
+        noise.whiten(&mut y);
+        y.column(0).into_owned()
+    }
+
+    /// The hyperparameters with the largest posterior density given further columns, from some.
+    pub fn estimate(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Hyperparameters {
+        let mut at = from.clone();
+        for _ in 0..MOST_STEPS {
+            let base = self.base(&at, further);
+            let amplitude = self.amplitudes(&base, &at);
+            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            let variance = self.variances(&sums);
+            let change = at.variance.iter().zip(&variance).map(|(a, b)| (a / b).ln().abs());
+            let settled = change.fold(0.0, f64::max) < SETTLED && amplitude == at.amplitude;
+            at = self.with_prior(variance, amplitude);
+            if settled {
+                break;
+            }
+        }
+        at
+    }
+
+    fn variances(&self, sums: &[[f64; 2]]) -> Vec<f64> {
+        let mut variance = vec![1.0; sums.len()];
+        for (_, classes) in self.kinds() {
+            let total = |k: usize| classes.iter().map(|class| sums[*class][k]).sum::<f64>();
+            let kind = (total(0) + KIND_PRIOR) / (total(1) + KIND_PRIOR);
+            for class in classes {
+                let [squares, redundancy] = sums[class];
+                let own = (squares + CABLE_PRIOR * kind) / (redundancy + CABLE_PRIOR);
+                variance[class] = own.clamp(VARIANCES[0], VARIANCES[1]);
+            }
+        }
+        variance
+    }
+
+    /// The amplitudes of largest posterior probability, each given all others as they were.
+    fn amplitudes(&self, base: &Base<'_>, at: &Hyperparameters) -> Vec<usize> {
+        let by_class: Vec<[f64; AMPLITUDES.len()]> = (0..self.shapes.len())
+            .map(|class| self.amplitude_evidence(base, at, class))
+            .collect();
+        let mut chosen = vec![0; self.shapes.len()];
+        for (_, classes) in self.kinds() {
+            let best = |class: usize, kind: usize| {
+                let value = |k: usize| by_class[class][k] + log_share(k, kind, classes.len());
+                let places = 0..AMPLITUDES.len();
+                let best = places.max_by(|a, b| value(*a).total_cmp(&value(*b)));
+                best.map_or((0, 0.0), |k| (k, value(k)))
+            };
+            let total = |kind: usize| log_kind(kind) + classes.iter().map(|c| best(*c, kind).1).sum::<f64>();
+            let kind = (0..AMPLITUDES.len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
+            for class in &classes {
+                chosen[*class] = best(*class, kind.unwrap_or(0)).0;
+            }
+        }
+        chosen
+    }
+
+    /// Logarithm of the evidence of each amplitude of a class, over that of none.
+    pub fn amplitude_evidence(
+        &self,
+        base: &Base<'_>,
+        at: &Hyperparameters,
+        class: usize,
+    ) -> [f64; AMPLITUDES.len()] {
+        let mut evidence = [0.0; AMPLITUDES.len()];
+        let shape = &self.shapes[class].columns;
+        if shape.ncols() == 0 {
+            return evidence;
+        }
+        let mut columns = shape.clone();
+        base.noise.whiten(&mut columns);
+        let taken = &base.taken * &columns;
+        let information = columns.tr_mul(&columns) - taken.tr_mul(&taken);
+        let score = columns.tr_mul(&base.residual);
+        let eigen = SymmetricEigen::new(information);
+        let along = eigen.eigenvectors.tr_mul(&score);
+        let present = AMPLITUDES[at.amplitude[class]].powi(2);
+        for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
+            // Without the amplitude that it has at present.
+            let left = (1.0 - present * value.max(0.0)).max(1e-12);
+            let (value, along) = (value.max(0.0) / left, along / left);
+            for (k, amplitude) in AMPLITUDES.iter().enumerate() {
+                let square = amplitude * amplitude;
+                let spread = 1.0 + square * value;
+                evidence[k] += 0.5 * (square * along * along / spread - spread.ln());
+            }
+        }
+        evidence
+    }
+}
+
+fn log_kind(kind: usize) -> f64 {
+    let others = (AMPLITUDES.len() - 1) as f64;
+    if kind == 0 { NONE } else { (1.0 - NONE) / others }.ln()
+}
+
+/// Logarithm of the probability of an amplitude of one of `classes` where its kind has another.
+fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
+    let others = (AMPLITUDES.len() - 1) as f64;
+    if classes == 1 {
+        return if amplitude == kind { 0.0 } else { f64::NEG_INFINITY };
+    }
+    if amplitude == kind { AS_ITS_KIND } else { (1.0 - AS_ITS_KIND) / others }.ln()
+}
