@@ -618,8 +618,14 @@ impl Builder<'_> {
             }
             first = until;
         }
+        // What no reading depends on cannot be asked.
+        let mut candidates = self.candidates;
+        candidates.retain(|candidate| {
+            let mut columns = candidate.columns.iter();
+            columns.any(|c| generators.column(c.generator).norm_squared() > 0.0)
+        });
         Catalogue {
-            candidates: self.candidates,
+            candidates,
             generators,
             distances: self.distances,
         }

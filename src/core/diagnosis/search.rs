@@ -132,7 +132,9 @@ impl<'g, 'l> Search<'g, 'l> {
             .filter(allowed)
             .filter_map(|index| {
                 let (gain, scale) = system.gain(self.gram, index, least)?;
-                (gain >= least).then_some((gain, (index, scale)))
+                // What the readings speak against is no better than nothing.
+                let speaks_for = gain > all[index].log_odds;
+                (gain >= least && speaks_for).then_some((gain, (index, scale)))
             })
             .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
