@@ -2,7 +2,9 @@
 //!
 //! The functions are polynomials of second and third degree of the position, waves over time and products with the
 //! tension, orthonormal over the poses. What an effect of the catalogue expresses is taken out of them: constants,
-//! linear functions of the pose, of the tension and of time, the square of the cable's length and so on. Their
+//! linear functions of the pose, of the tension and of time, the square of the cable's length and so on. But where there
+//! is such an error it has constant and linear parts of the same size, which must not be taken for causes: they are
+//! part of the noise, too, once the others show the error. The
 //! coefficients have normal priors with one amplitude per class, in standard deviations of the readings as described.
 
 use std::f64::consts::PI;
@@ -16,16 +18,23 @@ use crate::estimation::Linearisation;
 use crate::measurement::Variable;
 
 /// Readings for each function.
-const READINGS_PER_FUNCTION: usize = 3;
+const READINGS_PER_FUNCTION: usize = 2;
 /// Waves over the time of the measurement: half waves, from the first that is no drift.
 const HALF_WAVES: std::ops::RangeInclusive<usize> = 2..=8;
 /// Part of a function that must be left when the others are taken out.
 const NEW: f64 = 0.05;
 
-/// The functions of one class of readings.
+/// Degree of the polynomials of the position.
+const DEGREE: usize = 5;
+/// Size of the functions of tension and time over that of the position's of the same degree.
+const BESIDE: f64 = 0.5;
+
+/// The functions of one class of readings, in conditions, one per column.
 pub(super) struct Shape {
-    /// Their conditions, one function per column, of root mean square 1 together.
+    /// Those that no effect of the catalogue expresses, of root mean square 1 together.
     pub columns: DMatrix<f64>,
+    /// Constants and linear functions of the same size: an error that is not a cause has them, too, but they show nothing.
+    pub simple: DMatrix<f64>,
 }
 
 /// The functions of every class; without columns where there are too few readings.
@@ -37,23 +46,31 @@ pub(super) fn shapes(
     let of = |(class, id): (usize, &ReadingId)| {
         let poses = conditions.poses_of(class);
         let rows: Vec<usize> = poses.iter().map(|pose| linear.poses[*pose].row).collect();
-        let found = functions(id, &rows, variables);
-        let mut all = DMatrix::zeros(conditions.poses, found.len());
-        let scale = (rows.len() as f64 / found.len().max(1) as f64).sqrt();
-        for (column, function) in found.iter().enumerate() {
-            for (pose, value) in poses.iter().zip(function.iter()) {
-                all[(*pose, column)] = scale * value;
+        let [simple, found] = functions(id, &rows, variables);
+        let total: f64 = found.iter().map(|(_, size)| size * size).sum();
+        let scale = (rows.len() as f64 / total.max(1.0)).sqrt();
+        let spread = |functions: &[(DVector<f64>, f64)]| {
+            let mut all = DMatrix::zeros(conditions.poses, functions.len());
+            for (column, (function, size)) in functions.iter().enumerate() {
+                for (pose, value) in poses.iter().zip(function.iter()) {
+                    all[(*pose, column)] = scale * size * value;
+                }
             }
-        }
+            conditions.of_class(class, &all)
+        };
         Shape {
-            columns: conditions.of_class(class, &all),
+            columns: spread(&found),
+            simple: if found.is_empty() { spread(&[]) } else { spread(&simple) },
         }
     };
     conditions.classes.iter().enumerate().map(of).collect()
 }
 
-/// Orthonormal functions at rows of the measurements.
-fn functions(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> Vec<DVector<f64>> {
+/// Functions with their sizes.
+type Sized = Vec<(DVector<f64>, f64)>;
+
+/// Orthonormal functions at rows of the measurements: those that effects express, and those that none does.
+fn functions(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> [Sized; 2] {
     let most = rows.len() / READINGS_PER_FUNCTION;
     let known = |variable: Variable| {
         let values = variables.values(id.quantity, id.cable, variable)?;
@@ -62,49 +79,70 @@ fn functions(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> Vec<D
         let varies = high - low > 0.0 && values.iter().all(|v| v.is_finite());
         varies.then(|| values.map(|v| 2.0 * (v - low) / (high - low) - 1.0))
     };
-    let seconds = variables.values(id.quantity, id.cable, Variable::Time);
     let position: Vec<_> = (0..3).filter_map(|k| known(Variable::Position(k))).collect();
-    let tension = known(Variable::Tension);
-    let time = known(Variable::Time);
-    let length = known(Variable::CableLength);
+    let (tension, time) = (known(Variable::Tension), known(Variable::Time));
     let square = |v: &DVector<f64>| v.component_mul(v);
 
-    let mut taken = vec![DVector::from_element(rows.len(), 1.0)];
-    taken.extend(Variable::ALL.iter().filter_map(|v| known(*v)));
-    taken.extend(length.iter().map(square));
-    if let Some(seconds) = seconds.filter(|_| time.is_some()) {
-        let of = |f: fn(f64) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(|row| f(seconds[*row])));
-        taken.push(of(|t| (t.max(0.0) / 600.0).ln_1p()));
-        taken.push(of(|t| (-t.max(0.0) / 900.0).exp()));
-    }
-    let mut wanted = Vec::new();
-    for (k, x) in position.iter().enumerate() {
-        wanted.extend(position[..=k].iter().map(|y| x.component_mul(y)));
-    }
-    if let Some(time) = &time {
-        wanted.extend(HALF_WAVES.map(|k| time.map(|t| (PI * k as f64 * (t + 1.0) / 2.0).cos())));
-    }
-    if let Some(tension) = &tension {
-        wanted.push(square(tension));
-        wanted.extend(position.iter().map(|x| x.component_mul(tension)));
-    }
-    for (k, x) in position.iter().enumerate() {
-        for (i, y) in position[..=k].iter().enumerate() {
-            let xy = x.component_mul(y);
-            wanted.extend(position[..=i].iter().map(|z| xy.component_mul(z)));
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut simple: Sized = Vec::new();
+    let constant = DVector::from_element(rows.len(), 1.0);
+    for (function, size) in [(constant, 1.0)]
+        .into_iter()
+        .chain(position.iter().map(|x| (x.clone(), 1.0)))
+        .chain(tension.iter().chain(&time).map(|v| (v.clone(), BESIDE)))
+    {
+        if let Some(new) = beside(&basis, &function) {
+            basis.push(new.clone());
+            simple.push((new, size));
         }
     }
-    let mut basis: Vec<DVector<f64>> = Vec::new();
-    for function in taken {
+    let mut expressed: Vec<_> = Variable::ALL.iter().filter_map(|v| known(*v)).collect();
+    expressed.extend(known(Variable::CableLength).iter().map(square));
+    if let Some(seconds) = variables.values(id.quantity, id.cable, Variable::Time) {
+        let of = |f: fn(f64) -> f64| {
+            let values = rows.iter().map(|row| f(seconds[*row].max(0.0)));
+            DVector::from_iterator(rows.len(), values)
+        };
+        if time.is_some() {
+            expressed.push(of(|t| (t / 600.0).ln_1p()));
+            expressed.push(of(|t| (-t / 900.0).exp()));
+        }
+    }
+    for function in expressed {
         basis.extend(beside(&basis, &function));
     }
-    let first = basis.len();
-    for function in wanted {
-        if basis.len() < first + most && basis.len() < rows.len() {
-            basis.extend(beside(&basis, &function));
+
+    let mut wanted: Sized = Vec::new();
+    // Monomials of one degree from those of the degree before, each with its last variable.
+    let mut monomials: Vec<(DVector<f64>, usize)> =
+        position.iter().enumerate().map(|(k, x)| (x.clone(), k)).collect();
+    for degree in 2..=DEGREE {
+        let more = monomials.iter().flat_map(|(m, last)| {
+            (*last..position.len()).map(|k| (m.component_mul(&position[k]), k))
+        });
+        monomials = more.collect();
+        let size = 2.0 / degree as f64;
+        wanted.extend(monomials.iter().map(|(m, _)| (m.clone(), size)));
+        if degree == 2 {
+            wanted.extend(tension.iter().map(|t| (square(t), 1.0)));
+            for time in &time {
+                let wave = |k: usize| time.map(|t| (PI * k as f64 * (t + 1.0) / 2.0).cos());
+                wanted.extend(HALF_WAVES.map(|k| (wave(k), BESIDE)));
+            }
+            let tension = tension.iter();
+            let products = tension.flat_map(|t| position.iter().map(|x| x.component_mul(t)));
+            wanted.extend(products.map(|p| (p, BESIDE)));
         }
     }
-    basis.split_off(first)
+    let mut found: Sized = Vec::new();
+    for (function, size) in wanted {
+        if found.len() < most && basis.len() < rows.len()
+            && let Some(new) = beside(&basis, &function) {
+                basis.push(new.clone());
+                found.push((new, size));
+            }
+    }
+    [simple, found]
 }
 
 /// The part of a function across orthonormal ones, of norm 1; none where nothing is left.

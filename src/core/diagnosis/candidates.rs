@@ -261,10 +261,12 @@ fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
     let [a, b] = parameter.typical.map(f64::abs);
     let largest = a.max(b);
     let probe = probe_offset(parameter);
+    // The largest typical size is rare.
+    let sd = 0.5 * largest;
     if probe == 0.0 {
-        largest
+        sd
     } else {
-        largest.powi(2) / (2.0 * (present + probe))
+        largest * sd / (2.0 * (present + probe))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::inference::Ranked;
 use super::report::{Alternative, Cause};
-use crate::effect::Search;
+use crate::effect::{Scope, Search};
 
 /// Probability from which a cause is named, or several together are listed.
 pub(super) const SURE: f64 = 0.95;
@@ -112,12 +112,16 @@ fn is_support(one: &Cause, other: &Cause) -> bool {
     let place = |cause: &Cause, k: usize| cause.instances[0].values[k];
     let near = match one.effect().search() {
         Search::AtPose(k) => place(one, k) == place(other, k),
-        Search::FromPose(k) => (place(one, k) - place(other, k)).abs() <= 2.0,
+        Search::FromPose(k) => (place(one, k) - place(other, k)).abs() <= 1.0,
         _ => true,
     };
     let (a, b) = (one.cables(), other.cables());
     let contains = |all: &Cause, cables: &[usize], some: &[usize]| {
         all.instances.len() > 1 && !some.is_empty() && some.iter().all(|c| cables.contains(c))
     };
-    near && (a == b || contains(one, &a, &b) || contains(other, &b, &a))
+    let whole = |one: &Cause, other: &Cause| {
+        one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
+    };
+    let all = one.effect().scope() == Scope::CableOrAll && (whole(one, other) || whole(other, one));
+    near && (a == b || all || contains(one, &a, &b) || contains(other, &b, &a))
 }

@@ -59,7 +59,7 @@ impl System {
             }
             at += count;
         }
-        let rows = factor.tr_mul(&rows);
+        let rows = factor.transpose() * &rows;
         let score = factor.tr_mul(&score);
         let mut matrix = DMatrix::identity(width, width);
         matrix.gemm(1.0, &rows.select_columns(&columns), &factor, 1.0);

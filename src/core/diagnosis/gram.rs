@@ -82,8 +82,7 @@ impl<'l> Gram<'l> {
     fn own_of_all(&self) -> Vec<Own> {
         let taken = &self.base.taken * &self.generators;
         let score = self.cross(&self.base.residual);
-        let mut whole = self.generators.tr_mul(&self.generators);
-        whole.gemm_tr(-1.0, &taken, &taken, 1.0);
+        let whole = self.generators.transpose() * &self.generators - taken.transpose() * &taken;
         let mut events: HashMap<Vec<usize>, Vec<[DMatrix<f64>; 2]>> = HashMap::new();
         let mut own = Vec::with_capacity(self.candidates.len());
         for (index, candidate) in self.candidates.iter().enumerate() {

@@ -119,6 +119,7 @@ impl Linear {
         for (shape, amplitude) in self.shapes.iter().zip(&at.amplitude) {
             if *amplitude > 0 {
                 parts.push(&shape.columns * AMPLITUDES[*amplitude]);
+                parts.push(&shape.simple * AMPLITUDES[*amplitude]);
             }
         }
         parts.push(further.clone());
@@ -142,7 +143,7 @@ impl Linear {
                 log_determinant += 2.0 * norm.ln();
             }
         }
-        let mut normal = z.tr_mul(&z);
+        let mut normal = z.transpose() * &z;
         for k in 0..width {
             normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
         }
@@ -237,7 +238,7 @@ impl Linear {
         let mut columns = shape.clone();
         base.noise.whiten(&mut columns);
         let taken = &base.taken * &columns;
-        let information = columns.tr_mul(&columns) - taken.tr_mul(&taken);
+        let information = columns.transpose() * &columns - taken.transpose() * &taken;
         let score = columns.tr_mul(&base.residual);
         let eigen = SymmetricEigen::new(information);
         let along = eigen.eigenvectors.tr_mul(&score);

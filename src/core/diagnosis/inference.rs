@@ -34,6 +34,9 @@ const MOST_EXTENDED: usize = 40;
 /// Sets that are fitted completely, and how far below the best.
 const MOST_REFITS: usize = 5;
 const REFITTED: f64 = 5.0;
+/// Chi-square per degree of freedom from which more causes are fitted, and at most how many at each point.
+const DOMINATED: f64 = 5.0;
+const MOST_EXTENSIONS: usize = 8;
 /// Difference of the logarithm of the posterior up to which a set counts.
 const COUNTED: f64 = 12.0;
 /// Information, in units of the prior's, below which the data say nothing of a parameter.
@@ -205,6 +208,8 @@ struct Explored {
     visibility: Vec<Visibility>,
     /// Members and logarithm of the posterior, the best first.
     ranking: Vec<(Vec<Member>, f64)>,
+    /// The best sets with one cause more than the fit, one for each effect.
+    extensions: Vec<Vec<Member>>,
     /// Hyperparameters of the best.
     at: Hyperparameters,
 }
@@ -272,8 +277,39 @@ fn explore(at: &At<'_, '_>, most: usize, report: &mut Reporter<'_, '_>) -> Explo
     Explored {
         visibility: points.last().map_or_else(Vec::new, |point| visibility(&point.gram)),
         ranking: ranked(&mut points),
+        extensions: extensions(&points, at.present.len() + 1),
         at: found,
     }
+}
+
+/// The best sets with so many causes at each point, one for each effect on one cable, on all and on each.
+fn extensions(points: &[Point<'_>], count: usize) -> Vec<Vec<Member>> {
+    let mut found: Vec<Vec<Member>> = Vec::new();
+    for point in points {
+        let candidates = point.gram.candidates;
+        let mut own: Vec<&Visited> = point.visited.values().filter(|v| v.members.len() == count).collect();
+        own.sort_by(|a, b| {
+            let order = b.log_posterior.total_cmp(&a.log_posterior);
+            order.then_with(|| a.members.cmp(&b.members))
+        });
+        let mut kept: Vec<Vec<Member>> = Vec::new();
+        for visited in own {
+            let kind = |members: &[Member]| {
+                let last = members.last().map(|m| &candidates[m.0]);
+                last.map(|c| (c.effect().id(), c.is_family(), c.cause.instances[0].targeted))
+            };
+            let known = |other: &Vec<Member>| kind(other) == kind(&visited.members);
+            if kept.len() < MOST_EXTENSIONS && !kept.iter().any(known) {
+                kept.push(visited.members.clone());
+            }
+        }
+        for members in kept {
+            if !found.contains(&members) {
+                found.push(members);
+            }
+        }
+    }
+    found
 }
 
 /// The sets of all points with their posteriors, the best first.
@@ -395,11 +431,19 @@ pub(super) fn infer<'a>(
         let mut best: Option<(f64, Fit<'a>)> = None;
         let here = causes(&at.present);
         let offset = explored.ranking.iter().zip(&ranking).find(|(_, r)| is_same(&r.causes, &here)).map_or(0.0, |((_, v), _)| own - v);
-        for (place, (members, value)) in explored.ranking.iter().take(MOST_REFITS).enumerate() {
-            if *value < top - REFITTED || report.cancelled && place > 0 {
+        let near = |(_, value): &&(Vec<Member>, f64)| *value >= top - REFITTED;
+        let mut chosen: Vec<&Vec<Member>> =
+            explored.ranking.iter().filter(near).take(MOST_REFITS).map(|(m, _)| m).collect();
+        if fit.solution.chi2 > DOMINATED * fit.solution.degrees_of_freedom {
+            // Far from the solution all is nonlinear: each kind of cause is worth a fit.
+            chosen.extend(&explored.extensions);
+        }
+        for (place, members) in chosen.into_iter().enumerate() {
+            if report.cancelled && place > 0 {
                 break;
             }
-            if is_same(&ranking[place].causes, &here) {
+            let causes = causes(members);
+            if is_same(&causes, &here) {
                 continue;
             }
             let start = causes_of(&at, &explored.at, members);
@@ -409,7 +453,13 @@ pub(super) fn infer<'a>(
             } else {
                 f64::NEG_INFINITY
             };
-            ranking[place].log_posterior = value - offset;
+            match ranking.iter_mut().find(|r| is_same(&r.causes, &causes)) {
+                Some(ranked) => ranked.log_posterior = value - offset,
+                None => ranking.push(Ranked {
+                    causes,
+                    log_posterior: value - offset,
+                }),
+            }
             if best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, refit));
             }
