@@ -6,16 +6,18 @@
 //! estimated errors over their redundancy (Helmert 1907, Foerstner 1979). Amplitudes are chosen on a grid by their
 //! evidence, which the eigenvalues of the functions' information give for all amplitudes at once.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::Quantity;
-use super::background::Shape;
+use super::background::{Group, Shape};
 use super::conditions::{Conditions, Noise};
 
 /// Amplitudes, in standard deviations of the readings as described.
 pub(super) const AMPLITUDES: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// Probability that a kind of reading has no background, and that a class has that of its kind.
-const NONE: f64 = 0.5;
+const NONE: f64 = 0.7;
 const AS_ITS_KIND: f64 = 0.85;
 /// Readings that the prior of a variance is worth: of a kind, and of a cable around its kind.
 const KIND_PRIOR: f64 = 1.0;
@@ -75,7 +77,18 @@ pub(super) struct Base<'l> {
 impl Linear {
     /// Noise as described, no background.
     pub fn described(&self) -> Hyperparameters {
-        self.with_prior(vec![1.0; self.shapes.len()], vec![0; self.shapes.len()])
+        let classes = self.conditions.classes.len();
+        self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()])
+    }
+
+    /// The shapes of each kind of reading and group.
+    fn kinds_of_shapes(&self) -> Vec<Vec<usize>> {
+        let kind = |shape: &Shape| (self.conditions.classes[shape.class].quantity, shape.group);
+        let mut kinds: BTreeMap<(Quantity, Group), Vec<usize>> = BTreeMap::new();
+        for (index, shape) in self.shapes.iter().enumerate() {
+            kinds.entry(kind(shape)).or_default().push(index);
+        }
+        kinds.into_values().collect()
     }
 
     fn kinds(&self) -> Vec<(Quantity, Vec<usize>)> {
@@ -99,8 +112,10 @@ impl Linear {
             for class in &classes {
                 log_prior += density(variance[*class] / mean.exp(), CABLE_PRIOR);
             }
+        }
+        for shapes in self.kinds_of_shapes() {
             let of_kind = |kind: usize| {
-                let each = classes.iter().map(|k| log_share(amplitude[*k], kind, classes.len()));
+                let each = shapes.iter().map(|k| log_share(amplitude[*k], kind, shapes.len()));
                 log_kind(kind) + each.sum::<f64>()
             };
             log_prior += (0..AMPLITUDES.len()).map(of_kind).fold(f64::NEG_INFINITY, f64::max);
@@ -203,46 +218,42 @@ impl Linear {
 
     /// The amplitudes of largest posterior probability, each given all others as they were.
     fn amplitudes(&self, base: &Base<'_>, at: &Hyperparameters) -> Vec<usize> {
-        let by_class: Vec<[f64; AMPLITUDES.len()]> = (0..self.shapes.len())
-            .map(|class| self.amplitude_evidence(base, at, class))
+        let by_shape: Vec<[f64; AMPLITUDES.len()]> = (0..self.shapes.len())
+            .map(|shape| self.amplitude_evidence(base, at, shape))
             .collect();
         let mut chosen = vec![0; self.shapes.len()];
-        for (_, classes) in self.kinds() {
-            let best = |class: usize, kind: usize| {
-                let value = |k: usize| by_class[class][k] + log_share(k, kind, classes.len());
+        for shapes in self.kinds_of_shapes() {
+            let best = |shape: usize, kind: usize| {
+                let value = |k: usize| by_shape[shape][k] + log_share(k, kind, shapes.len());
                 let places = 0..AMPLITUDES.len();
                 let best = places.max_by(|a, b| value(*a).total_cmp(&value(*b)));
                 best.map_or((0, 0.0), |k| (k, value(k)))
             };
-            let total = |kind: usize| log_kind(kind) + classes.iter().map(|c| best(*c, kind).1).sum::<f64>();
+            let total = |kind: usize| log_kind(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>();
             let kind = (0..AMPLITUDES.len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
-            for class in &classes {
-                chosen[*class] = best(*class, kind.unwrap_or(0)).0;
+            for shape in &shapes {
+                chosen[*shape] = best(*shape, kind.unwrap_or(0)).0;
             }
         }
         chosen
     }
 
-    /// Logarithm of the evidence of each amplitude of a class, over that of none.
+    /// Logarithm of the evidence of each amplitude of a shape, over that of none.
     pub fn amplitude_evidence(
         &self,
         base: &Base<'_>,
         at: &Hyperparameters,
-        class: usize,
+        shape: usize,
     ) -> [f64; AMPLITUDES.len()] {
         let mut evidence = [0.0; AMPLITUDES.len()];
-        let shape = &self.shapes[class].columns;
-        if shape.ncols() == 0 {
-            return evidence;
-        }
-        let mut columns = shape.clone();
+        let mut columns = self.shapes[shape].columns.clone();
         base.noise.whiten(&mut columns);
         let taken = &base.taken * &columns;
         let information = columns.transpose() * &columns - taken.transpose() * &taken;
         let score = columns.tr_mul(&base.residual);
         let eigen = SymmetricEigen::new(information);
         let along = eigen.eigenvectors.tr_mul(&score);
-        let present = AMPLITUDES[at.amplitude[class]].powi(2);
+        let present = AMPLITUDES[at.amplitude[shape]].powi(2);
         for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
             // Without the amplitude that it has at present.
             let left = (1.0 - present * value.max(0.0)).max(1e-12);

@@ -1,5 +1,6 @@
 //! What the causes leave: structure without a name on some readings.
 
+use super::background::Group;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::Inference;
@@ -12,6 +13,7 @@ use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Structure {
     pub id: ReadingId,
+    pub group: Group,
     pub log_evidence: f64,
 }
 
@@ -31,24 +33,25 @@ pub(super) fn structures(inference: &Inference<'_>) -> Vec<Structure> {
     let mut found: Vec<Structure> = Vec::new();
     while found.len() < MOST {
         let base = linear.base(&at, &inference.columns);
-        let best = |class: usize| {
-            let evidence = linear.amplitude_evidence(&base, &at, class);
+        let best = |shape: usize| {
+            let evidence = linear.amplitude_evidence(&base, &at, shape);
             let (place, value) = (0..evidence.len())
                 .map(|k| (k, evidence[k]))
                 .max_by(|a, b| a.1.total_cmp(&b.1))
                 .unwrap_or((0, 0.0));
-            (value, class, place)
+            (value, shape, place)
         };
-        let open = (0..classes.len()).filter(|class| at.amplitude[*class] == 0);
-        let Some((value, class, place)) = open.map(best).max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        let open = (0..linear.shapes.len()).filter(|shape| at.amplitude[*shape] == 0);
+        let Some((value, shape, place)) = open.map(best).max_by(|a, b| a.0.total_cmp(&b.0)) else {
             break;
         };
         if value < SAID + RARE + (classes.len() as f64).ln() {
             break;
         }
-        at.amplitude[class] = place;
+        at.amplitude[shape] = place;
         found.push(Structure {
-            id: classes[class],
+            id: classes[linear.shapes[shape].class],
+            group: linear.shapes[shape].group,
             log_evidence: value,
         });
     }
@@ -64,6 +67,7 @@ impl Structure {
                 cable,
                 component: None,
             },
+            group: Group::Position,
             log_evidence: 0.0,
         }
     }
@@ -108,7 +112,7 @@ impl Structure {
             None => format!("{name} readings"),
         };
         let own = |d: &&Discrepancy| d.quantity == self.id.quantity && d.cable == self.id.cable;
-        let on = left.iter().find(own).map_or("pose", |d| d.variable.name());
+        let on = left.iter().find(own).map_or(self.group.name(), |d| d.variable.name());
         let prediction = Prediction::new(fit);
         Finding {
             verdict: Verdict::Unknown,
