@@ -105,6 +105,7 @@ type Sized = Vec<(DVector<f64>, f64)>;
 struct Circumstances {
     count: usize,
     position: Vec<DVector<f64>>,
+    rotation: Vec<DVector<f64>>,
     tension: Option<DVector<f64>>,
     time: Option<DVector<f64>>,
     /// What effects of the catalogue express.
@@ -133,6 +134,7 @@ impl Circumstances {
         Self {
             count: rows.len(),
             position: (0..3).filter_map(|k| known(Variable::Position(k))).collect(),
+            rotation: (0..3).filter_map(|k| known(Variable::Rotation(k))).collect(),
             tension: known(Variable::Tension),
             time,
             expressed,
@@ -184,6 +186,9 @@ impl Circumstances {
             monomials = more.collect();
             let size = 2.0 / degree as f64;
             wanted.extend(monomials.iter().map(|(m, _)| (m.clone(), size)));
+            if degree == 2 {
+                wanted.extend(self.rotation.iter().map(|r| (r.component_mul(r), size)));
+            }
         }
         [position.iter().map(|x| (x.clone(), 1.0)).collect(), wanted]
     }

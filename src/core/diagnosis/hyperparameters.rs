@@ -25,8 +25,10 @@ const CABLE_PRIOR: f64 = 8.0;
 /// Variances that are possible.
 const VARIANCES: [f64; 2] = [1e-3, 1e5];
 /// Most steps of the estimation, and the change of the logarithm of all variances that ends it.
-const MOST_STEPS: usize = 6;
+const MOST_STEPS: usize = 12;
 const SETTLED: f64 = 0.05;
+/// By how much a step may lower the logarithm of the posterior density.
+const TOLERATED: f64 = 0.05;
 /// Makes directions of the fixed parameters that nothing determines regular.
 const RIDGE: f64 = 1e-11;
 
@@ -185,21 +187,47 @@ impl Linear {
     }
 
     /// The hyperparameters with the largest posterior density given further columns, from some.
+    ///
+    /// Readings of several cables may show the same error: where changing all amplitudes at once makes it worse, only that
+    /// with the largest gain is changed.
     pub fn estimate(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Hyperparameters {
         let mut at = from.clone();
+        let mut best: Option<(f64, Hyperparameters, Hyperparameters)> = None;
         for _ in 0..MOST_STEPS {
             let base = self.base(&at, further);
-            let amplitude = self.amplitudes(&base, &at);
+            let value = base.log_evidence + at.log_prior;
+            if let Some((least, _, instead)) = &mut best
+                && value < *least - TOLERATED
+            {
+                if *instead == at {
+                    break;
+                }
+                at = instead.clone();
+                continue;
+            }
+            let evidence: Vec<_> = (0..self.shapes.len())
+                .map(|shape| self.amplitude_evidence(&base, &at, shape))
+                .collect();
+            let amplitude = self.amplitudes(&evidence);
+            let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][at.amplitude[*k]];
+            let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != at.amplitude[*k]);
+            let strongest = changed.max_by(|a, b| gain(a).total_cmp(&gain(b)));
+            let mut single = at.amplitude.clone();
+            if let Some(k) = strongest {
+                single[k] = amplitude[k];
+            }
             let sums = base.noise.class_sums(&base.residual, &base.taken);
             let variance = self.variances(&sums);
             let change = at.variance.iter().zip(&variance).map(|(a, b)| (a / b).ln().abs());
-            let settled = change.fold(0.0, f64::max) < SETTLED && amplitude == at.amplitude;
+            let settled = change.fold(0.0, f64::max) < SETTLED && strongest.is_none();
+            let instead = self.with_prior(variance.clone(), single);
+            best = Some((value, at, instead));
             at = self.with_prior(variance, amplitude);
             if settled {
                 break;
             }
         }
-        at
+        best.map_or(at, |(_, best, _)| best)
     }
 
     fn variances(&self, sums: &[[f64; 2]]) -> Vec<f64> {
@@ -217,10 +245,7 @@ impl Linear {
     }
 
     /// The amplitudes of largest posterior probability, each given all others as they were.
-    fn amplitudes(&self, base: &Base<'_>, at: &Hyperparameters) -> Vec<usize> {
-        let by_shape: Vec<[f64; AMPLITUDES.len()]> = (0..self.shapes.len())
-            .map(|shape| self.amplitude_evidence(base, at, shape))
-            .collect();
+    fn amplitudes(&self, by_shape: &[[f64; AMPLITUDES.len()]]) -> Vec<usize> {
         let mut chosen = vec![0; self.shapes.len()];
         for shapes in self.kinds_of_shapes() {
             let best = |shape: usize, kind: usize| {

@@ -175,8 +175,9 @@ impl<'f, 'a> At<'f, 'a> {
         all
     }
 
-    fn estimate(&self, from: &Hyperparameters, members: &[Member]) -> Hyperparameters {
-        self.linear.estimate(from, &self.columns(members))
+    /// The hyperparameters that suit a set, from the noise as described: from louder noise the estimation would stay there.
+    fn estimate(&self, members: &[Member]) -> Hyperparameters {
+        self.linear.estimate(&self.linear.described(), &self.columns(members))
     }
 
     fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
@@ -185,8 +186,8 @@ impl<'f, 'a> At<'f, 'a> {
     }
 
     /// The evidence of the causes of the fit at it, its prior included, with the hyperparameters that suit it.
-    fn own_evidence(&self, from: &Hyperparameters) -> (f64, Hyperparameters) {
-        let at = self.estimate(from, &self.present);
+    fn own_evidence(&self) -> (f64, Hyperparameters) {
+        let at = self.estimate(&self.present);
         let mut gram = self.gram(&at);
         let of_none = gram.base.log_evidence + at.log_prior;
         let mut search = Search::new(&mut gram, self.present.len());
@@ -225,7 +226,7 @@ fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
 
 fn explore(at: &At<'_, '_>, most: usize, report: &mut Reporter<'_, '_>) -> Explored {
     let described = at.linear.described();
-    let own = at.estimate(&described, &at.present);
+    let own = at.estimate(&at.present);
     let mut asked = vec![own.clone()];
     if own.is_far_from(&described) {
         asked.push(described);
@@ -267,7 +268,7 @@ fn explore(at: &At<'_, '_>, most: usize, report: &mut Reporter<'_, '_>) -> Explo
         let is_new = members != &best || points.len() <= 2 && members != &at.present;
         best.clone_from(members);
         if is_new && points.len() < MOST_POINTS && !report.cancelled {
-            let next = at.estimate(&hyper, &best);
+            let next = at.estimate(&best);
             if next.is_far_from(&hyper) {
                 asked.push(next.clone());
             }
@@ -427,7 +428,7 @@ pub(super) fn infer<'a>(
         }).collect();
         report.stage(Stage::Refits, at.present.len());
         // The evidence of the likeliest sets at their own fits.
-        let (own, _) = at.own_evidence(&explored.at);
+        let (own, _) = at.own_evidence();
         let mut best: Option<(f64, Fit<'a>)> = None;
         let here = causes(&at.present);
         let offset = explored.ranking.iter().zip(&ranking).find(|(_, r)| is_same(&r.causes, &here)).map_or(0.0, |((_, v), _)| own - v);
@@ -449,7 +450,7 @@ pub(super) fn infer<'a>(
             let start = causes_of(&at, &explored.at, members);
             let refit = Fit::new(base, &start)?;
             let value = if is_possible(&refit) {
-                At::new(&refit, expected, false).own_evidence(&explored.at).0
+                At::new(&refit, expected, false).own_evidence().0
             } else {
                 f64::NEG_INFINITY
             };
@@ -487,12 +488,19 @@ pub(super) fn at_fit<'a>(
     mut ranking: Vec<Ranked>,
 ) -> Inference<'a> {
     let at = At::new(&fit, EXPECTED_PER_ALPHA * options.alpha, false);
-    let (_, hyper) = at.own_evidence(&at.linear.described());
+    let (_, hyper) = at.own_evidence();
+        if std::env::var("DBG").is_ok() { eprintln!("final {:?} v {:?} a {:?} classes {:?}", fit.causes.iter().map(|c| c.effect().id()).collect::<Vec<_>>(), hyper.variance, hyper.amplitude, at.linear.conditions.classes.iter().map(|c| (c.quantity.name(), c.cable)).collect::<Vec<_>>()); for r in ranking.iter().take(8) { eprintln!("  {:.1} {:?}", r.log_posterior, r.causes.iter().map(|c| (c.effect().id(), c.cables())).collect::<Vec<_>>()); } }
     let columns = at.columns(&at.present);
     // The fit is of the likeliest set, but for rounding of the linear comparison.
     if let Some(own) = ranking.iter().position(|r| is_same(&r.causes, &fit.causes)) {
         let own = ranking.remove(own);
-        ranking.insert(0, own);
+        ranking.insert(
+            0,
+            Ranked {
+                causes: fit.causes.clone(),
+                ..own
+            },
+        );
     }
     let At {
         linear,
