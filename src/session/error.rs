@@ -111,6 +111,25 @@ impl WriteError {
     }
 }
 
+/// The error that a field has a wrong value.
+pub(crate) fn fail<T>(
+    pointer: impl Into<String>,
+    message: impl Into<String>,
+) -> Result<T, FieldError> {
+    Err(FieldError {
+        pointer: pointer.into(),
+        message: message.into(),
+    })
+}
+
+/// The error of a field of a part, as one of the whole that has the part at `parent`.
+pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
+    FieldError {
+        pointer: format!("{parent}{}", error.pointer),
+        ..error
+    }
+}
+
 /// Longest piece of a file that a message repeats (characters).
 const QUOTED: usize = 40;
 /// Longest message (characters); only a text from the file can make it longer.

@@ -6,9 +6,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
-use crate::error::{Loaded, WriteError};
+use crate::error::{Loaded, WriteError, below, fail};
 use crate::json::{VersionedFile, read_versioned, write_versioned};
-use crate::session::{AdsPlace, LaserSettings, Timestamp, below, fail};
+use crate::session::{AdsPlace, LaserSettings, Timestamp};
 
 /// Number of recent sessions in the list.
 const MAX_RECENT: usize = 12;

@@ -1,13 +1,16 @@
 //! The hidden-effect test on the command line.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Plan, Restriction, Study, clean, coverage, describe, draw_all, drawn_markdown, failures,
-    markdown, outside, pairs, run_all, single,
+    Plan, Records, Restriction, STUDIES, Study, clean, coverage, describe, draw_all,
+    drawn_markdown, failures, markdown, named, outside, pairs, run_all, single,
 };
 
 const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
-                     [--effect ID] [--seed N]";
+                     [--effect ID] [--seed N], or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
+                     [--records FILE] [--failures] [--draw]";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 6;
@@ -15,13 +18,28 @@ const PAIRS: usize = 12;
 const CLEAN: usize = 900;
 const OUTSIDE: usize = 3;
 
+/// Data sets of a study where no number is given.
+const CASES: usize = 20;
+/// First seed of data sets that are looked at while the program is developed.
+const DEVELOPMENT: u64 = 600_000;
+/// First seed of data sets of which nobody sees more than the table.
+const TABLE: u64 = 8_000_000;
+
 struct Arguments {
     kind: String,
     count: Option<usize>,
     /// Only draw, do not ask the doctor.
     draw: bool,
     failures: bool,
+    threads: Option<usize>,
+    records: Option<PathBuf>,
     restriction: Restriction,
+}
+
+impl Arguments {
+    fn is_study(&self) -> bool {
+        STUDIES.iter().any(|(name, _)| *name == self.kind)
+    }
 }
 
 /// Runs `hidden ...`.
@@ -35,9 +53,13 @@ pub fn command(arguments: &[String]) -> Result<()> {
         println!("{}", drawn_markdown(&draw_all(&plans)));
         return Ok(());
     }
-    let study = run_all(&plans);
+    let records = match &arguments.records {
+        Some(path) => Records::open(path)?,
+        None => Records::default(),
+    };
+    let study = run_all(&plans, arguments.threads, &records);
     println!("{}", markdown(&study));
-    if arguments.restriction.seed.is_some() {
+    if arguments.restriction.seed.is_some() && !arguments.is_study() {
         study
             .outcomes
             .iter()
@@ -55,7 +77,8 @@ pub fn command(arguments: &[String]) -> Result<()> {
 /// # Errors
 /// Never with these arguments.
 pub fn tables() -> Result<String> {
-    let study = run_all(&plans(&parse(&["all".to_owned()])?)?);
+    let plans = plans(&parse(&["all".to_owned()])?)?;
+    let study = run_all(&plans, None, &Records::default());
     report_impossible(&study);
     Ok(markdown(&study))
 }
@@ -68,10 +91,12 @@ fn report_impossible(study: &Study) {
 
 fn parse(arguments: &[String]) -> Result<Arguments> {
     let mut parsed = Arguments {
-        kind: arguments.first().context(USAGE)?.clone(),
+        kind: arguments.first().with_context(usage)?.clone(),
         count: None,
         draw: false,
         failures: false,
+        threads: None,
+        records: None,
         restriction: Restriction::default(),
     };
     let mut rest = arguments[1..].iter();
@@ -86,10 +111,23 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
             "--robot" => parsed.restriction.robot = Some(value()?.clone()),
             "--effect" => parsed.restriction.effect = Some(value()?.clone()),
             "--seed" => parsed.restriction.seed = Some(value()?.parse()?),
-            number => parsed.count = Some(number.parse().context(USAGE)?),
+            "--cases" => parsed.count = Some(value()?.parse()?),
+            "--threads" => parsed.threads = Some(value()?.parse()?),
+            "--records" => parsed.records = Some(value()?.into()),
+            number => parsed.count = Some(number.parse().with_context(usage)?),
         }
     }
+    let first = parsed.restriction.seed.unwrap_or(0);
+    ensure!(
+        first < TABLE || !parsed.failures,
+        "data sets from seed {TABLE} on are for the table alone: their failures stay unseen"
+    );
     Ok(parsed)
+}
+
+fn usage() -> String {
+    let studies = STUDIES.map(|(name, what)| format!("  {name}: {what}\n"));
+    format!("{USAGE}\nstudies:\n{}", studies.concat())
 }
 
 fn plans(arguments: &Arguments) -> Result<Vec<Plan>> {
@@ -108,7 +146,13 @@ fn plans(arguments: &Arguments) -> Result<Vec<Plan>> {
             all.extend(outside(OUTSIDE, only));
             all
         }
-        _ => bail!(USAGE),
+        study => {
+            let first = only.seed.unwrap_or(DEVELOPMENT);
+            match named(study, count(CASES), first, only) {
+                Some(plans) => plans,
+                None => bail!(usage()),
+            }
+        }
     };
     ensure!(!plans.is_empty(), "there is no such robot or effect");
     Ok(plans)

@@ -3,13 +3,13 @@
 use anyhow::{Context, Result, anyhow, bail};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
 
-use super::outside::{self, Scene};
-use super::robots::{TestRobot, robot};
+use super::conditions::Conditions;
 use super::template::{Template, log_uniform};
 use super::visibility::{JUST_VISIBLE, VISIBLE, left_by_nearest, noncentrality, size_for};
-use super::{Case, Hidden, OUTSIDE, Plan, Stratum, Wanted};
+use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outside, several};
 
 /// Draws that may fail, as when an effect breaks the robot, before a plan is given up.
 const TRIES: usize = 30;
@@ -19,7 +19,7 @@ const NOTHING: f64 = 1e-3;
 const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 
 /// A case and how it came about.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
     /// The case.
     pub case: Case,
@@ -45,56 +45,88 @@ struct Sized {
 /// # Errors
 /// If the names are unknown or nothing could be drawn that leaves the robot whole.
 pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
-    let robot = robot(plan.robot).with_context(|| format!("no robot {}", plan.robot))?;
     let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
     // Another stream than that of the simulation, which has the same seed.
     rng.set_stream(1);
+    let conditions = Conditions::draw(plan.circumstances, &mut rng);
+    let setup = Setup::new(plan, conditions)?;
+    let (setup, rng) = (&setup, &mut rng);
     match plan.wanted {
-        Wanted::Nothing => Ok(Some(drawn(plan, Hidden::Nothing, vec![], true, 0))),
+        Wanted::Nothing => Ok(Some(drawn(setup, Hidden::Nothing, vec![]))),
         Wanted::One(id, stratum) => {
             let effect = find(id).with_context(|| format!("no effect {id}"))?;
-            one(plan, &robot, (effect, stratum), &mut rng)
+            one(setup, (effect, stratum), rng)
         }
-        Wanted::Two => two(plan, &robot, &mut rng).map(Some),
+        Wanted::Any => Ok(Some(together(setup, several::one(setup, false, rng)?))),
+        Wanted::Separated => Ok(Some(together(setup, several::one(setup, true, rng)?))),
+        Wanted::Two => two(setup, rng).map(Some),
+        Wanted::Several => Ok(Some(together(setup, several::several(setup, rng)?))),
+        Wanted::ByChance => Ok(Some(together(setup, several::by_chance(setup, rng)?))),
+        Wanted::CommonOffset => Ok(Some(together(setup, several::common_offset(setup, rng)?))),
+        Wanted::Families => Ok(Some(together(setup, several::families(setup, rng)))),
+        Wanted::Exchanged(channels) => Ok(exchanged(setup, channels, rng)),
         Wanted::Outside(id) => {
             let found = OUTSIDE.iter().find(|o| o.id == id);
             let effect = found.with_context(|| format!("no effect {id} outside the catalogue"))?;
-            if !(effect.applies)(&robot.preset.robot) {
+            if !(effect.applies)(&setup.robot.preset.robot) {
                 return Ok(None);
             }
-            outside_case(plan, &robot, effect, &mut rng).map(Some)
+            outside_case(setup, effect, rng).map(Some)
         }
     }
 }
 
-fn drawn(plan: &Plan, hidden: Hidden, sizes: Vec<f64>, visible: bool, redraws: usize) -> Drawn {
+/// A case in which all that is hidden can be seen.
+fn drawn(setup: &Setup, hidden: Hidden, noncentralities: Vec<f64>) -> Drawn {
     Drawn {
         case: Case {
-            robot: plan.robot,
-            seed: plan.seed,
+            robot: setup.robot.name,
+            seed: setup.seed,
             hidden,
+            conditions: setup.conditions,
         },
-        noncentralities: sizes,
-        visible,
-        redraws,
+        noncentralities,
+        visible: true,
+        redraws: 0,
     }
 }
 
+fn together(setup: &Setup, (effects, seen): several::Together) -> Drawn {
+    let visible = seen.iter().all(|value| *value >= VISIBLE);
+    Drawn {
+        visible,
+        ..drawn(setup, Hidden::Effects(effects), seen)
+    }
+}
+
+fn exchanged(setup: &Setup, channels: Channels, rng: &mut ChaCha8Rng) -> Option<Drawn> {
+    let robot = &setup.robot.preset.robot;
+    let count = robot.cable_count();
+    let one = rng.random_range(0..count);
+    let other = (one + rng.random_range(1..count)) % count;
+    let hidden = Hidden::Exchanged(channels, [one, other]);
+    channels
+        .are_there(robot)
+        .then(|| drawn(setup, hidden, vec![]))
+}
+
 fn one(
-    plan: &Plan,
-    robot: &TestRobot,
+    setup: &Setup,
     (effect, stratum): (&'static Effect, Stratum),
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Drawn>> {
     let mut last = anyhow!("nothing was tried");
     for redraws in 0..TRIES {
-        let template = Template::draw(effect, &robot.preset.robot, rng);
-        match sized(plan, robot, (&template, stratum), rng) {
+        let template = Template::draw(effect, &setup.robot, rng);
+        match sized(setup, (&template, stratum), rng) {
             Ok(sized) if sized.noncentrality < NOTHING => return Ok(None),
             Ok(sized) => {
                 let hidden = Hidden::Effects(vec![sized.setting]);
-                let sizes = vec![sized.noncentrality];
-                return Ok(Some(drawn(plan, hidden, sizes, sized.visible, redraws)));
+                return Ok(Some(Drawn {
+                    visible: sized.visible,
+                    redraws,
+                    ..drawn(setup, hidden, vec![sized.noncentrality])
+                }));
             }
             Err(error) => last = error,
         }
@@ -104,12 +136,11 @@ fn one(
 
 /// Gives a template a size. One that cannot be seen at the largest typical size has that size.
 fn sized(
-    plan: &Plan,
-    robot: &TestRobot,
+    setup: &Setup,
     (template, stratum): (&Template, Stratum),
     rng: &mut ChaCha8Rng,
 ) -> Result<Sized> {
-    let at = |size: f64| noncentrality(robot, plan.seed, &template.setting(size), &[]);
+    let at = |size: f64| noncentrality(setup, &template.setting(size), &[]);
     let Some([smallest, largest]) = template.typical else {
         let noncentrality = at(0.0)?;
         return Ok(Sized {
@@ -154,15 +185,15 @@ fn largest_possible(
 }
 
 /// Two effects, each visible while the other is estimated.
-fn two(plan: &Plan, robot: &TestRobot, rng: &mut ChaCha8Rng) -> Result<Drawn> {
+fn two(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Drawn> {
     // What is not estimable cannot be allowed for while the other is judged.
     let estimable: Vec<_> = CATALOGUE.iter().filter(|e| e.is_estimable()).collect();
     for redraws in 0..20 * TRIES {
         let mut settings = Vec::new();
         for _ in 0..2 {
             let effect = *estimable[rng.random_range(0..estimable.len())];
-            let template = Template::draw(effect, &robot.preset.robot, rng);
-            if let Ok(sized) = sized(plan, robot, (&template, Stratum::Typical), rng)
+            let template = Template::draw(effect, &setup.robot, rng);
+            if let Ok(sized) = sized(setup, (&template, Stratum::Typical), rng)
                 && sized.visible
             {
                 settings.push(sized.setting);
@@ -173,44 +204,48 @@ fn two(plan: &Plan, robot: &TestRobot, rng: &mut ChaCha8Rng) -> Result<Drawn> {
         };
         let both = [(one, other), (other, one)].map(|(effect, beside)| {
             let beside = std::slice::from_ref(beside);
-            noncentrality(robot, plan.seed, effect, beside).unwrap_or(0.0)
+            noncentrality(setup, effect, beside).unwrap_or(0.0)
         });
         if both.iter().all(|value| *value >= VISIBLE) {
             let hidden = Hidden::Effects(settings);
-            return Ok(drawn(plan, hidden, both.to_vec(), true, redraws));
+            return Ok(Drawn {
+                redraws,
+                ..drawn(setup, hidden, both.to_vec())
+            });
         }
     }
-    bail!("no two effects found for {plan:?}")
+    bail!("no two effects found for {}", setup.robot.name)
 }
 
 fn outside_case(
-    plan: &Plan,
-    robot: &TestRobot,
+    setup: &Setup,
     effect: &'static outside::Outside,
     rng: &mut ChaCha8Rng,
 ) -> Result<Drawn> {
     let target = log_uniform(OUTSIDE_SIZES, rng);
-    let exact = super::visibility::simulated(robot, plan.seed, &[], false)?;
-    let scene = Scene::new(&exact.truth, plan.seed);
-    let at = |size: f64| outside::noncentrality(&scene, &exact, (effect, size));
+    let exact = setup.exact(&[])?;
+    let at = |size: f64| outside::noncentrality(setup, &exact, (effect, size));
     let first = at(effect.unit)?;
     let size = size_for(target, (effect.unit, first), at)
-        .with_context(|| format!("no size of {} is visible on {}", effect.id, plan.robot))?;
-    let hidden = Hidden::Outside(effect, size);
-    let left = left_by_nearest(&outside::changed(&scene, &exact, (effect, size)))?;
-    let sizes = vec![at(size)?, left];
-    Ok(drawn(plan, hidden, sizes, left >= VISIBLE, 0))
+        .with_context(|| format!("no size of {} is visible", effect.id))?;
+    let left = left_by_nearest(&outside::changed(setup, &exact, (effect, size)))?;
+    Ok(Drawn {
+        visible: left >= VISIBLE,
+        ..drawn(setup, Hidden::Outside(effect, size), vec![at(size)?, left])
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hidden::Circumstances;
 
     fn plan(robot: &'static str, wanted: Wanted) -> Plan {
         Plan {
             robot,
             seed: 3,
             wanted,
+            circumstances: Circumstances::AsStated,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{Cause, Finding, Verdict};
 use tautline_core::effect::{BoundEffect, EffectSetting, Scope, Search};
 use tautline_core::robot::Robot;
@@ -10,7 +11,7 @@ use tautline_core::robot::Robot;
 pub const LONGEST_LIST: usize = 3;
 
 /// What became of one hidden effect, in the order in which one claim outdoes another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Found {
     /// Named, alone.
     Named,
@@ -83,7 +84,7 @@ fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
     )]
 }
 
-fn describe(cause: &Cause) -> String {
+pub(super) fn describe(cause: &Cause) -> String {
     let id = cause.effect().id();
     let cables: Vec<String> = cause.cables().iter().map(|c| (c + 1).to_string()).collect();
     if cables.is_empty() {
@@ -156,19 +157,32 @@ pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) ->
             matched.push(number);
         }
     }
-    if blamed == claimed.cables {
+    let one_value = cause.instances.len() == 1;
+    if blamed == claimed.cables && !(one_value && differ(truths, &matched)) {
         matched
     } else {
         Vec::new()
     }
 }
 
+/// Whether effects on cables of their own have values for which one value for all cannot stand.
+fn differ(truths: &[EffectSetting], of: &[usize]) -> bool {
+    let values: Vec<f64> = of
+        .iter()
+        .filter_map(|k| truths[*k].parameters.values().next().copied())
+        .collect();
+    of.len() > 1 && !alike(&values)
+}
+
 /// Whether instances with values of their own have about the same.
 fn are_equal(cause: &Cause) -> bool {
     let values = cause.instances.iter().filter_map(|b| b.values.first());
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-        (low.min(*v), high.max(*v))
-    });
+    alike(&values.copied().collect::<Vec<f64>>())
+}
+
+fn alike(values: &[f64]) -> bool {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     high - low <= 0.25 * (high + low).abs()
 }
 

@@ -1,6 +1,7 @@
 //! How good the numbers of an answer are: parameters, held-out error, and whether listed causes fit.
 
 use anyhow::Result;
+use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{Cause, Finding};
 use tautline_core::effect::{BoundEffect, EffectSetting, Search};
 use tautline_core::estimation::{Geometry, Globals, Problem};
@@ -8,9 +9,9 @@ use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
 
-use super::POSES;
+use super::Setup;
 use super::judge::matched;
-use super::robots::TestRobot;
+use super::names::{self, Name};
 use super::visibility::solved;
 use crate::truth::preset_options;
 
@@ -22,10 +23,14 @@ const PER_PARAMETER: f64 = 2.0;
 const OTHER_SEED: u64 = 1 << 40;
 
 /// Error of one parameter of a named effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ParameterError {
-    /// Effect and parameter.
-    pub name: (&'static str, &'static str),
+    /// Effect.
+    #[serde(with = "names")]
+    pub effect: Name,
+    /// Parameter.
+    #[serde(with = "names")]
+    pub parameter: Name,
     /// Value found minus truth, in standard deviations.
     pub standardised: f64,
 }
@@ -67,7 +72,8 @@ pub fn parameter_errors(
             difference = wave_difference(parameter.name, parameter.value, *truth, turned);
         }
         errors.push(ParameterError {
-            name: (effect.id(), parameter.name),
+            effect: effect.id(),
+            parameter: parameter.name,
             standardised: difference / sd,
         });
     }
@@ -94,12 +100,7 @@ fn wave_difference(name: &str, found: f64, truth: f64, turned: f64) -> f64 {
 ///
 /// # Errors
 /// If the true robot cannot be simulated again or a fit breaks down.
-pub fn held_out_ratio(
-    robot: &TestRobot,
-    seed: u64,
-    run: &Simulated,
-    extended: &Globals,
-) -> Result<Option<f64>> {
+pub fn held_out_ratio(setup: &Setup, run: &Simulated, extended: &Globals) -> Result<Option<f64>> {
     let description = &run.dataset.robot;
     let Some(problem) = with_effects(&run.dataset, &run.truth.effects)? else {
         return Ok(None);
@@ -107,7 +108,11 @@ pub fn held_out_ratio(
     let true_model = solved(&problem)?.globals.model(description);
     let again = SimulationOptions {
         geometry: TrueGeometry::Nominal,
-        ..preset_options(&robot.preset, POSES, seed + OTHER_SEED)
+        ..preset_options(
+            &setup.robot.preset,
+            setup.robot.poses,
+            setup.seed + OTHER_SEED,
+        )
     };
     let fresh = simulate(&run.truth, &again)?.dataset.measurements;
     let left = |model: Robot| -> Result<f64> {
@@ -178,7 +183,20 @@ pub fn rivals_fit(
 mod tests {
     use super::*;
     use crate::hidden::robots::robot;
-    use crate::hidden::visibility::simulated;
+    use crate::hidden::{Conditions, Hidden};
+
+    fn mini() -> Setup {
+        Setup {
+            robot: robot("mini").unwrap(),
+            seed: 4,
+            conditions: Conditions::default(),
+        }
+    }
+
+    fn measured(effect: &EffectSetting) -> Simulated {
+        let hidden = Hidden::Effects(vec![effect.clone()]);
+        mini().measured(&hidden).unwrap()
+    }
 
     fn scale(cable: &str, value: f64) -> EffectSetting {
         EffectSetting {
@@ -198,11 +216,10 @@ mod tests {
 
     #[test]
     fn the_true_model_is_as_good_as_itself_and_the_base_model_is_worse() {
-        let mini = robot("mini").unwrap();
-        let run = simulated(&mini, 4, &[scale("cable-2", 0.01)], true).unwrap();
+        let run = measured(&scale("cable-2", 0.01));
         let ratio = |problem: &Problem<'_>| {
             let globals = solved(problem).unwrap().globals;
-            held_out_ratio(&mini, 4, &run, &globals).unwrap().unwrap()
+            held_out_ratio(&mini(), &run, &globals).unwrap().unwrap()
         };
         let full = with_effects(&run.dataset, &run.truth.effects).unwrap();
         assert!((ratio(&full.unwrap()) - 1.0).abs() < 1e-12);
@@ -212,11 +229,10 @@ mod tests {
 
     #[test]
     fn a_cause_on_another_cable_fits_clearly_worse() {
-        let mini = robot("mini").unwrap();
         let truth = scale("cable-2", 0.02);
-        let run = simulated(&mini, 4, std::slice::from_ref(&truth), true).unwrap();
+        let run = measured(&truth);
         let fits = |setting: &EffectSetting| {
-            let bound = BoundEffect::from_setting(setting, &mini.preset.robot).unwrap();
+            let bound = BoundEffect::from_setting(setting, &run.dataset.robot).unwrap();
             let cause = Cause {
                 instances: vec![bound],
             };

@@ -13,9 +13,28 @@ use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::Simulated;
 
-use super::visibility::{solved, without_effects};
+use super::Setup;
+use super::visibility::solved;
 
 pub use kinds::OUTSIDE;
+
+/// Effects outside the catalogue in files: by their names.
+pub(super) mod by_id {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{OUTSIDE, Outside};
+
+    pub fn serialize<S: Serializer>(effect: &&'static Outside, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(effect.id)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<&'static Outside, D::Error> {
+        let id = String::deserialize(from)?;
+        let found = OUTSIDE.iter().find(|effect| effect.id == id);
+        found.ok_or_else(|| Error::custom(format!("no effect {id} outside the catalogue")))
+    }
+}
 
 /// An effect outside the catalogue.
 pub struct Outside {
@@ -133,44 +152,46 @@ pub(super) fn add_tension(
     }
 }
 
-/// The true description with noise-free data that the effect has changed.
+/// Noise-free data, as they are seen, that the effect has changed.
 pub(super) fn changed(
-    scene: &Scene,
+    setup: &Setup,
     exact: &Simulated,
     (effect, size): (&Outside, f64),
 ) -> Dataset {
-    let mut measurements = exact.dataset.measurements.clone();
-    (effect.change)(scene, size, &mut measurements);
-    Dataset {
-        robot: without_effects(&exact.truth),
-        measurements,
-    }
+    let mut exact = exact.clone();
+    let scene = Scene::new(&exact.truth, setup.seed);
+    (effect.change)(&scene, size, &mut exact.dataset.measurements);
+    setup.as_seen(&exact)
 }
 
 /// Chi-square that the effect leaves in a fit of the true description to noise-free data.
 pub(super) fn noncentrality(
-    scene: &Scene,
+    setup: &Setup,
     exact: &Simulated,
     sized: (&Outside, f64),
 ) -> Result<f64> {
-    let dataset = changed(scene, exact, sized);
+    let dataset = changed(setup, exact, sized);
     Ok(solved(&Problem::new(&dataset)?)?.chi2)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hidden::Conditions;
     use crate::hidden::robots::robots;
-    use crate::hidden::visibility::simulated;
 
     #[test]
     fn each_effect_shows_on_a_robot_and_only_where_it_applies() {
         for effect in &OUTSIDE {
             let mut seen = 0;
             for robot in robots() {
-                let exact = simulated(&robot, 2, &[], false).unwrap();
-                let scene = Scene::new(&exact.truth, 2);
-                let at = |size| noncentrality(&scene, &exact, (effect, size)).unwrap();
+                let setup = Setup {
+                    robot: robot.clone(),
+                    seed: 2,
+                    conditions: Conditions::default(),
+                };
+                let exact = setup.exact(&[]).unwrap();
+                let at = |size| noncentrality(&setup, &exact, (effect, size)).unwrap();
                 let shows = at(effect.unit) > 1e-3;
                 if !(effect.applies)(&robot.preset.robot) {
                     assert!(!shows, "{} on {}", effect.id, robot.name);

@@ -2,7 +2,7 @@
 
 use tautline_core::effect::CATALOGUE;
 
-use super::{OUTSIDE, Plan, Stratum, Wanted, robots};
+use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
 /// Seed of the first data set.
 const FIRST_SEED: u64 = 500_000;
@@ -25,7 +25,7 @@ impl Restriction {
         let is = |wanted: &Option<String>, name: &str| wanted.as_deref().is_none_or(|w| w == name);
         let effect = match plan.wanted {
             Wanted::One(id, _) | Wanted::Outside(id) => Some(id),
-            Wanted::Nothing | Wanted::Two => None,
+            _ => None,
         };
         is(&self.robot, plan.robot)
             && effect.is_none_or(|id| is(&self.effect, id))
@@ -38,6 +38,7 @@ impl Restriction {
             robot,
             seed: self.seed.unwrap_or(FIRST_SEED + n as u64),
             wanted,
+            circumstances: Circumstances::AsStated,
         });
         let mut plans: Vec<Plan> = plans.filter(|plan| self.allows(plan)).collect();
         if self.seed.is_some() {
@@ -103,9 +104,107 @@ pub fn outside(count: usize, restriction: &Restriction) -> Vec<Plan> {
     restriction.plans(wanted.into_iter())
 }
 
+/// Circumstances of the noise alone.
+const NOISES: [Circumstances; 2] = [Circumstances::AsStated, Circumstances::OtherNoise];
+
+/// Studies that take their data sets one after the other from all robots, and what is in them.
+pub const STUDIES: [(&str, &str); 11] = [
+    (
+        "several",
+        "three to five effects at once, noise 0.5 to 2 times as stated, 60 poses",
+    ),
+    ("separated", "one effect that no other could be taken for"),
+    (
+        "anything",
+        "one visible effect, or nothing, noise 0.5 to 2 times as stated",
+    ),
+    (
+        "mild",
+        "the model slightly wrong everywhere, with and without one effect",
+    ),
+    (
+        "dominating",
+        "one large offset of all cables, anchors unknown",
+    ),
+    (
+        "families",
+        "every winch and every force sensor with errors of its own",
+    ),
+    ("exchanged", "two channels the wrong way round"),
+    ("holes", "empty cells"),
+    ("tails", "heavy tails, with and without one effect"),
+    (
+        "standstills",
+        "rows that share errors, with and without one effect",
+    ),
+    ("chance", "as many effects as chance has it"),
+];
+
+/// The first `count` data sets of a study called by its name in [`STUDIES`], their seeds counted from `first_seed`; the
+/// robots in turn. `None` if there is no such study.
+#[must_use]
+pub fn named(study: &str, count: usize, first_seed: u64, only: &Restriction) -> Option<Vec<Plan>> {
+    use Circumstances as C;
+    use Wanted as W;
+    let exchanged = Channels::ALL.map(|channels| (W::Exchanged(channels), C::AsStated));
+    let kinds: Vec<(Wanted, Circumstances)> = match study {
+        "several" => vec![(W::Several, C::OtherNoise)],
+        "separated" => vec![(W::Separated, C::AsStated)],
+        "anything" => vec![(W::Any, C::OtherNoise), (W::Nothing, C::OtherNoise)],
+        "mild" => vec![(W::Any, C::ModelError), (W::Nothing, C::ModelError)],
+        "dominating" => vec![(W::CommonOffset, C::ModelError)],
+        "families" => vec![(W::Families, C::AsStated)],
+        "exchanged" => exchanged.to_vec(),
+        "holes" => vec![(W::Any, C::Holes)],
+        "tails" => vec![(W::Any, C::HeavyTails), (W::Nothing, C::HeavyTails)],
+        "standstills" => vec![(W::Any, C::Standstills), (W::Nothing, C::Standstills)],
+        "chance" => NOISES.map(|noise| (W::ByChance, noise)).to_vec(),
+        _ => return None,
+    };
+    let all = match study {
+        "dominating" => vec!["planar-unmeasured"],
+        "families" => vec!["hanging"],
+        _ => names(),
+    };
+    let chosen = |name: &&'static str| only.robot.as_deref().is_none_or(|robot| robot == *name);
+    let all: Vec<_> = all.into_iter().filter(chosen).collect();
+    let plan = |n: usize| Plan {
+        robot: all[n / kinds.len() % all.len()],
+        seed: first_seed + n as u64,
+        wanted: kinds[n % kinds.len()].0,
+        circumstances: kinds[n % kinds.len()].1,
+    };
+    let count = if all.is_empty() { 0 } else { count };
+    Some((0..count).map(plan).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn studies_have_their_names_and_take_all_robots() {
+        for (name, _) in STUDIES {
+            assert!(
+                named(name, 3, 7, &Restriction::default()).is_some_and(|plans| plans.len() == 3)
+            );
+        }
+        assert_eq!(
+            named("nothing of the kind", 1, 1, &Restriction::default()),
+            None
+        );
+        let plans = named("mild", 18, 600_000, &Restriction::default()).unwrap();
+        for name in names() {
+            assert_eq!(plans.iter().filter(|plan| plan.robot == name).count(), 2);
+        }
+        let only = Restriction {
+            robot: Some("hall".to_owned()),
+            ..Restriction::default()
+        };
+        let plans = named("tails", 4, 600_000, &only).unwrap();
+        assert!(plans.iter().all(|plan| plan.robot == "hall"));
+        assert_eq!(plans[3].seed, 600_003);
+    }
 
     #[test]
     fn a_restriction_picks_out_the_same_data_set() {

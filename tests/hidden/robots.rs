@@ -1,7 +1,22 @@
-//! The robots of the test: the presets, and variants of them with other sensors.
+//! The robots of the test: the presets, variants of them with other sensors, and two of kinds that real machines are.
 
+use tautline_core::geometry::Pose;
 use tautline_core::robot::presets::{self, Preset};
-use tautline_core::robot::{Inclinometer, PerAxis, Robot, Tracker};
+use tautline_core::robot::{Home, Inclinometer, PerAxis, Robot, Tracker};
+use tautline_core::simulation::{TensionRange, Workspace};
+
+use super::POSES;
+
+/// How the true robot behind a description is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Truth {
+    /// From the standard deviations that the description states.
+    AsStated,
+    /// Entry points some centimetres from those described, of which the description says nothing.
+    AnchorsUnknown,
+    /// From the standard deviations; the platform hangs wherever it comes to rest.
+    Hanging,
+}
 
 /// A robot with a name of its own.
 #[derive(Debug, Clone)]
@@ -10,6 +25,10 @@ pub struct TestRobot {
     pub name: &'static str,
     /// The robot, where it moves and how its cables are tensioned.
     pub preset: Preset,
+    /// Poses per data set, without the home pose.
+    pub poses: usize,
+    /// How the true robot is drawn.
+    pub truth: Truth,
 }
 
 /// Name, preset it comes from, and what is changed of it.
@@ -26,6 +45,16 @@ const VARIANTS: [Variant; 9] = [
     ("mini-swivels", "mini", with_swivel_sensors),
     ("mini-absolute", "mini", without_home),
 ];
+
+/// A planar robot with absolute lengths whose anchors nobody has measured.
+const UNMEASURED: Variant = ("planar-unmeasured", "planar", of_unmeasured_anchors);
+/// Poses of it.
+const UNMEASURED_POSES: usize = 100;
+
+/// Four cables, a platform that hangs freely.
+const HANGING: Variant = ("hanging", "suspended", on_four_cables);
+/// Poses of it.
+const HANGING_POSES: usize = 27;
 
 fn without_force_sensors(robot: &mut Robot) {
     for cable in &mut robot.cables {
@@ -56,15 +85,100 @@ fn without_home(robot: &mut Robot) {
     robot.home = None;
 }
 
-/// All robots of the test.
+fn of_unmeasured_anchors(robot: &mut Robot) {
+    without_home(robot);
+    without_force_sensors(robot);
+    robot.laser = None;
+    robot.tracker = Some(Tracker {
+        position_sd_m: PerAxis::Same(5e-4),
+        orientation_sd_rad: Some(1e-3),
+    });
+    for cable in &mut robot.cables {
+        // Across the plane the pulleys are known: nothing that is measured depends on it.
+        cable.pulley.entry_point_sd_m = PerAxis::Each([None, None, Some(0.0)]);
+        cable.winch.length_sd_m = 5e-4;
+    }
+}
+
+/// Eyelets at the corners of a hall of 6 m x 5 m, 4 m high; a plate of 0.5 m x 0.4 m whose weight is below its anchors.
+fn on_four_cables(robot: &mut Robot) {
+    robot.cables.truncate(4);
+    robot.laser = None;
+    with_inclinometer(robot);
+    with_swivel_sensors(robot);
+    robot.home = Some(Home {
+        position_m: [0.0, 0.0, 1.5],
+        orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+        position_sd_m: 1e-3,
+        orientation_sd_rad: 1e-3,
+    });
+    robot.platform.mass_kg = Some(20.0);
+    robot.platform.center_of_mass_m = [0.0, 0.0, -0.15];
+    let corners = [(1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    for (cable, (x, y)) in robot.cables.iter_mut().zip(corners) {
+        cable.pulley.entry_point_m = [3.0 * x, 2.5 * y, 4.0];
+        cable.pulley.entry_point_sd_m = PerAxis::known(4e-3);
+        cable.pulley.radius_m = 0.03;
+        cable.platform_anchor_m = [0.25 * x, 0.2 * y, 0.1];
+        cable.winch.drum_diameter_m = 0.06;
+        cable.winch.drum_pitch_m = 0.003;
+        cable.winch.gear_ratio = 4.0;
+        cable.winch.length_to_pulley_m = 2.0;
+        cable.winch.length_sd_m = 2e-4;
+        cable.cable.axial_stiffness_n = Some(2e5);
+        cable.cable.weight_n_per_m = 0.0;
+        if let Some(sensor) = &mut cable.force_sensor {
+            sensor.tension_gain = 1.0;
+            sensor.tension_sd_n = 0.5;
+        }
+    }
+}
+
+/// All robots of the test but those that belong to one study alone.
 #[must_use]
 pub fn robots() -> Vec<TestRobot> {
     VARIANTS.iter().filter_map(build).collect()
 }
 
+/// Names of all robots, those of one study alone included.
+pub(super) fn all_names() -> impl Iterator<Item = &'static str> {
+    let all = VARIANTS.iter().chain([&UNMEASURED, &HANGING]);
+    all.map(|variant| variant.0)
+}
+
 /// The robot called `name`.
 #[must_use]
 pub fn robot(name: &str) -> Option<TestRobot> {
+    if name == UNMEASURED.0 {
+        return Some(TestRobot {
+            poses: UNMEASURED_POSES,
+            truth: Truth::AnchorsUnknown,
+            ..build(&UNMEASURED)?
+        });
+    }
+    if name == HANGING.0 {
+        let robot = build(&HANGING)?;
+        let home = robot.preset.robot.home.map(|home| home.pose());
+        let preset = Preset {
+            workspace: Workspace {
+                centre: home.unwrap_or_else(Pose::identity),
+                half_extent_m: [1.2, 1.0, 0.8],
+                half_rotation_rad: 0.0,
+            },
+            tension: TensionRange {
+                lower_n: 5.0,
+                reference_n: 80.0,
+                upper_n: 500.0,
+            },
+            ..robot.preset
+        };
+        return Some(TestRobot {
+            preset,
+            poses: HANGING_POSES,
+            truth: Truth::Hanging,
+            ..robot
+        });
+    }
     VARIANTS.iter().find(|v| v.0 == name).and_then(build)
 }
 
@@ -72,7 +186,12 @@ fn build((name, of, change): &Variant) -> Option<TestRobot> {
     let mut preset = presets::find(of)?;
     change(&mut preset.robot);
     preset.robot.name = (*name).to_owned();
-    Some(TestRobot { name, preset })
+    Some(TestRobot {
+        name,
+        preset,
+        poses: POSES,
+        truth: Truth::AsStated,
+    })
 }
 
 #[cfg(test)]
@@ -82,8 +201,8 @@ mod tests {
     #[test]
     fn every_robot_is_possible() {
         assert_eq!(robots().len(), VARIANTS.len());
-        for robot in robots() {
-            robot.preset.robot.check().unwrap();
+        for name in all_names() {
+            robot(name).unwrap().preset.robot.check().unwrap();
         }
     }
 }

@@ -4,43 +4,98 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
-use tautline_core::diagnosis::{Diagnosis, DiagnosisOptions, Verdict, diagnose};
-use tautline_core::effect::EffectSetting;
-use tautline_core::estimation::Control;
+use anyhow::Result;
+use serde::{Deserialize, Serialize};
+use tautline_core::diagnosis::{Diagnosis, DiagnosisOptions, Finding, Verdict, diagnose};
+use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::estimation::{Control, Geometry, Problem};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::Robot;
 use tautline_core::simulation::Simulated;
 
 use super::draw::{Drawn, draw};
-use super::judge::{Claim, Found, judge, wrong_names};
+use super::exchange::{is_exchange, is_undone};
+use super::judge::{self, Claim, Found, judge, matched, wrong_names};
 use super::measure::{ParameterError, held_out_ratio, parameter_errors, rivals_fit};
-use super::outside::Scene;
-use super::robots::robot;
-use super::visibility::simulated;
-use super::{Case, Hidden, Plan};
+use super::robots::Truth;
+use super::visibility::solved;
+use super::{Circumstances, Conditions, Hidden, Plan, Records, Setup, Wanted};
+
+/// How sure a finding is of its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Sure {
+    /// One cause stands out.
+    Named,
+    /// Several causes exclude each other.
+    Ambiguous,
+    /// No effect of the catalogue explains it.
+    Unknown,
+}
+
+/// One of the causes that a finding gives.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// Identifier with cables.
+    pub name: String,
+    /// Probability that is stated.
+    pub probability: Option<f64>,
+    /// Whether it is hidden.
+    pub right: bool,
+}
+
+/// What one finding says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Said {
+    /// In words: identifiers with cables.
+    pub text: String,
+    /// How sure it is.
+    pub sure: Sure,
+    /// Chi-square gained.
+    pub gain: f64,
+    /// The cause and its alternatives; none where it is unknown.
+    pub candidates: Vec<Candidate>,
+}
+
+/// The same data set with no cell empty.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WithoutHoles {
+    /// What becomes of each hidden effect of the catalogue.
+    pub found: Vec<Found>,
+    /// Whether a fit of the true model to the data with holes ends where one that starts at the truth does.
+    pub fit_arrives: bool,
+}
 
 /// What the doctor made of one data set.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
     /// What was asked for.
     pub plan: Plan,
     /// What was hidden.
     pub drawn: Drawn,
-    /// What became of each hidden effect of the catalogue.
+    /// What became of each hidden effect of the catalogue, or of an exchange of channels.
     pub found: Vec<Found>,
     /// What was said, finding by finding.
-    pub answers: Vec<String>,
-    /// Verdict of each finding.
-    pub verdicts: Vec<Verdict>,
-    /// Chi-square gained by each finding.
-    pub delta_chi2: Vec<f64>,
+    pub said: Vec<Said>,
     /// Effects named with confidence that were not hidden.
     pub wrong_names: Vec<String>,
     /// Errors of the parameters of effects that were named rightly.
     pub parameters: Vec<ParameterError>,
     /// Held-out error over that of the true model.
     pub held_out_ratio: Option<f64>,
+    /// The same where cells are empty, without.
+    pub without_holes: Option<WithoutHoles>,
     /// Time of the diagnosis (s).
     pub seconds: f64,
+}
+
+impl Outcome {
+    /// Whether a cause is said to be unknown although none is hidden.
+    #[must_use]
+    pub fn unknown_without_reason(&self) -> bool {
+        let nothing_unknown = self.plan.circumstances != Circumstances::ModelError
+            && !matches!(self.plan.wanted, Wanted::Outside(_));
+        nothing_unknown && self.said.iter().any(|said| said.sure == Sure::Unknown)
+    }
 }
 
 /// Outcomes of many plans.
@@ -60,63 +115,143 @@ pub struct Study {
 /// If the case cannot be simulated or diagnosed.
 pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     let case = &drawn.case;
-    let robot = robot(case.robot).with_context(|| format!("no robot {}", case.robot))?;
-    let (run, truths) = measured(case)?;
-    let started = Instant::now();
-    let diagnosis = diagnose(&run.dataset, &DiagnosisOptions::default(), &mut |_| {
-        Control::Continue
-    })?;
-    let seconds = started.elapsed().as_secs_f64();
-    let claims = Claim::of(&diagnosis.findings);
-    let found = judged(&run, &truths, &claims)?;
-    let held_out_ratio = if truths.is_empty() {
+    let setup = Setup::new(plan, case.conditions)?;
+    let mut run = setup.measured(&case.hidden)?;
+    let mut without_holes = None;
+    if case.conditions.holes {
+        let (_, claims, _) = asked(&run.dataset)?;
+        let found = judged(&run, (&case.hidden, &case.conditions), &claims)?;
+        setup.lose_cells(&mut run);
+        without_holes = Some(WithoutHoles {
+            found: found.iter().map(|(found, _)| *found).collect(),
+            fit_arrives: fit_arrives(&run, case.hidden.effects())?,
+        });
+    }
+    let (diagnosis, claims, seconds) = asked(&run.dataset)?;
+    let found = judged(&run, (&case.hidden, &case.conditions), &claims)?;
+    let truths = case.hidden.effects();
+    let robot = &run.dataset.robot;
+    let mut wrong = wrong_names(truths, &claims, robot);
+    let undone = matches!(case.hidden, Hidden::Exchanged(..)) && found[0].0 == Found::Named;
+    if undone {
+        let exchanges = claims
+            .iter()
+            .filter(|claim| is_exchange(&claim.candidates[0]));
+        let right: Vec<String> = exchanges.map(Claim::describe).collect();
+        wrong.retain(|name| !right.contains(name));
+    }
+    let comparable =
+        case.conditions == Conditions::default() && setup.robot.truth == Truth::AsStated;
+    let held_out_ratio = if truths.is_empty() || !comparable {
         None
     } else {
-        let globals = &diagnosis.extended_solution.globals;
-        held_out_ratio(&robot, case.seed, &run, globals)?
+        held_out_ratio(&setup, &run, &diagnosis.extended_solution.globals)?
     };
+    let say = |claim: &Claim| said(claim, &diagnosis.findings, (truths, undone), robot);
     Ok(Outcome {
         plan: *plan,
         found: found.iter().map(|(found, _)| *found).collect(),
-        answers: claims.iter().map(Claim::describe).collect(),
-        verdicts: claims.iter().map(|claim| claim.verdict).collect(),
-        delta_chi2: claims
-            .iter()
-            .map(|claim| diagnosis.findings[claim.finding].evidence.delta_chi2)
-            .collect(),
-        wrong_names: wrong_names(&truths, &claims, &run.dataset.robot),
-        parameters: errors(&diagnosis, &found, (&claims, &truths), &run),
+        said: claims.iter().map(say).collect(),
+        wrong_names: wrong,
+        parameters: errors(&diagnosis, &found, (&claims, truths), &run),
         held_out_ratio,
+        without_holes,
         seconds,
         drawn,
     })
 }
 
-/// The data of a case, with noise, and the effects of the catalogue hidden in them.
-fn measured(case: &Case) -> Result<(Simulated, Vec<EffectSetting>)> {
-    let robot = robot(case.robot).with_context(|| format!("no robot {}", case.robot))?;
-    let settings = match &case.hidden {
-        Hidden::Effects(settings) => settings.clone(),
-        Hidden::Nothing | Hidden::Outside(..) => Vec::new(),
+/// What the doctor says, and the time (s) it takes.
+fn asked(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
+    let started = Instant::now();
+    let options = DiagnosisOptions::default();
+    let diagnosis = diagnose(dataset, &options, &mut |_| Control::Continue)?;
+    let seconds = started.elapsed().as_secs_f64();
+    let claims = Claim::of(&diagnosis.findings);
+    Ok((diagnosis, claims, seconds))
+}
+
+fn said(
+    claim: &Claim,
+    findings: &[Finding],
+    (truths, undone): (&[EffectSetting], bool),
+    robot: &Robot,
+) -> Said {
+    let candidate = |cause| Candidate {
+        name: judge::describe(cause),
+        probability: None,
+        right: !matched(truths, cause, robot).is_empty() || undone && is_exchange(cause),
     };
-    let mut run = simulated(&robot, case.seed, &settings, true)?;
-    if let Hidden::Outside(effect, size) = case.hidden {
-        let scene = Scene::new(&run.truth, case.seed);
-        (effect.change)(&scene, size, &mut run.dataset.measurements);
+    let sure = match claim.verdict {
+        Verdict::Named => Sure::Named,
+        Verdict::Ambiguous => Sure::Ambiguous,
+        Verdict::Unknown => Sure::Unknown,
+    };
+    let known = claim.candidates.iter().filter(|_| sure != Sure::Unknown);
+    Said {
+        text: claim.describe(),
+        sure,
+        gain: findings[claim.finding].evidence.delta_chi2,
+        candidates: known.map(candidate).collect(),
     }
-    Ok((run, settings))
+}
+
+/// Whether a fit with the hidden effects free gets from its usual start to where it gets from the truth.
+fn fit_arrives(run: &Simulated, effects: &[EffectSetting]) -> Result<bool> {
+    let bound = |at_truth: bool| -> Result<Vec<BoundEffect>> {
+        let mut all = Vec::new();
+        for effect in effects {
+            let mut bound = BoundEffect::from_setting(effect, &run.dataset.robot)?;
+            for (value, parameter) in bound.values.iter_mut().zip(bound.effect.parameters()) {
+                if !at_truth && !parameter.discrete {
+                    *value = parameter.start;
+                }
+            }
+            all.push(bound);
+        }
+        Ok(all)
+    };
+    let chi2 = |at_truth: bool| -> Result<f64> {
+        let mut problem = Problem::new(&run.dataset)?;
+        problem.geometry = Geometry::Estimated;
+        problem.free_effects = bound(at_truth)?;
+        Ok(solved(&problem)?.chi2)
+    };
+    // A wave's phase and period are searched before they are fitted.
+    let is_wave = |effect: &EffectSetting| effect.parameters.contains_key("phase");
+    if effects.iter().any(is_wave) {
+        return Ok(true);
+    }
+    Ok(chi2(false)? < chi2(true)? + 1.0)
 }
 
 /// The judgement, lists checked by fits of their members.
 fn judged(
     run: &Simulated,
-    truths: &[EffectSetting],
+    (hidden, conditions): (&Hidden, &Conditions),
     claims: &[Claim],
 ) -> Result<Vec<(Found, Option<usize>)>> {
-    let mut found = judge(truths, claims, &run.dataset.robot);
+    let robot = &run.dataset.robot;
+    if let Hidden::Exchanged(channels, cables) = hidden {
+        let named = is_undone((*channels, *cables), claims, robot);
+        let unknown = claims.iter().any(|claim| claim.verdict == Verdict::Unknown);
+        let found = match (named, claims.is_empty(), unknown) {
+            (true, ..) => Found::Named,
+            (_, true, _) => Found::Missed,
+            (.., true) => Found::Unknown,
+            _ => Found::OtherNamed,
+        };
+        return Ok(vec![(found, None)]);
+    }
+    let truths = hidden.effects();
+    let actual = Dataset {
+        robot: conditions.noise.of(robot),
+        measurements: run.dataset.measurements.clone(),
+    };
+    let mut found = judge(truths, claims, robot);
     for (truth, (found, claim)) in found.iter_mut().enumerate() {
         if let (Found::Listed, Some(claim)) = (*found, *claim)
-            && !rivals_fit(&run.dataset, &claims[claim].candidates, truths, truth)?
+            && !rivals_fit(&actual, &claims[claim].candidates, truths, truth)?
         {
             *found = Found::ListedNeedlessly;
         }
@@ -145,9 +280,10 @@ fn errors(
 /// What became of the plans, in their order. `None`: the robot has no reading for the effect.
 type Results<T> = Vec<(Plan, Result<Option<T>>)>;
 
-/// Does a job for all plans, as many at a time as the machine has processors.
+/// Does a job for all plans on some threads.
 fn in_parallel<T: Send>(
     plans: &[Plan],
+    threads: usize,
     job: impl Fn(&Plan) -> Result<Option<T>> + Sync,
 ) -> Results<T> {
     let next = AtomicUsize::new(0);
@@ -165,7 +301,7 @@ fn in_parallel<T: Send>(
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+        for _ in 0..threads {
             scope.spawn(work);
         }
     });
@@ -175,12 +311,25 @@ fn in_parallel<T: Send>(
     numbered.map(|(_, plan, result)| (plan, result)).collect()
 }
 
-/// Draws and runs all plans.
+/// As many threads as the machine has processors.
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Draws and runs all plans on some threads, by default as many as there are processors; those that are on record are
+/// taken from there, the others are put on record.
 #[must_use]
-pub fn run_all(plans: &[Plan]) -> Study {
-    let job = |plan: &Plan| draw(plan)?.map(|drawn| run(plan, drawn)).transpose();
+pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Study {
+    let job = |plan: &Plan| {
+        if let Some(known) = records.of(plan) {
+            return Ok(known.clone());
+        }
+        let outcome = draw(plan)?.map(|drawn| run(plan, drawn)).transpose()?;
+        records.add(plan, outcome.as_ref())?;
+        Ok(outcome)
+    };
     let mut study = Study::default();
-    for (plan, result) in in_parallel(plans, job) {
+    for (plan, result) in in_parallel(plans, threads.unwrap_or_else(processors), job) {
         match result {
             Ok(Some(outcome)) => study.outcomes.push(outcome),
             Ok(None) => study.not_applicable += 1,
@@ -193,5 +342,5 @@ pub fn run_all(plans: &[Plan]) -> Study {
 /// Draws all plans without asking the doctor.
 #[must_use]
 pub fn draw_all(plans: &[Plan]) -> Results<Drawn> {
-    in_parallel(plans, draw)
+    in_parallel(plans, processors(), draw)
 }

@@ -2,6 +2,7 @@
 
 mod drawn;
 mod figures;
+mod kinds;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,12 +15,13 @@ pub use figures::{Figure, Figures, Target};
 use figures::NORMAL_95;
 
 use super::judge::Found;
-use super::{Hidden, OUTSIDE, Outcome, Stratum, Study, Wanted, robots};
+use super::{Hidden, OUTSIDE, Outcome, Said, Stratum, Study, Sure, Wanted, robots};
 
 /// All tables of a study: figures, effects by robot, confusions, times.
 #[must_use]
 pub fn markdown(study: &Study) -> String {
     let mut text = figures_table(&Figures::of(study));
+    text.push_str(&kinds::table(study));
     text.push_str(&counts(study));
     let ids: Vec<&str> = CATALOGUE.iter().map(|effect| effect.id()).collect();
     let caption =
@@ -47,13 +49,17 @@ pub(super) fn is_outside(outcome: &Outcome) -> bool {
 
 /// Whether every hidden effect is named or in a short list.
 pub(super) fn found(outcome: &Outcome) -> bool {
-    let right = |found: &Found| matches!(found, Found::Named | Found::Listed);
-    outcome.found.iter().all(right)
+    outcome.found.iter().all(is_found)
+}
+
+/// Whether an effect is named or in a short list.
+fn is_found(found: &Found) -> bool {
+    matches!(found, Found::Named | Found::Listed)
 }
 
 /// Whether something is said, but no cause named.
 pub(super) fn is_honest(outcome: &Outcome) -> bool {
-    !outcome.answers.is_empty() && outcome.wrong_names.is_empty()
+    !outcome.said.is_empty() && outcome.wrong_names.is_empty()
 }
 
 fn figures_table(figures: &Figures) -> String {
@@ -201,12 +207,14 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
             plain.join(", ")
         }
     };
+    let answers: Vec<String> = outcome.said.iter().map(|said| said.text.clone()).collect();
     let hidden = match &outcome.drawn.case.hidden {
         Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
-        Hidden::Nothing if outcome.answers.is_empty() => return Vec::new(),
-        Hidden::Nothing => return vec![("nothing".to_owned(), said(&outcome.answers))],
+        Hidden::Nothing if outcome.said.is_empty() => return Vec::new(),
+        Hidden::Nothing => return vec![("nothing".to_owned(), said(&answers))],
         Hidden::Outside(..) if is_honest(outcome) || !is_outside(outcome) => return Vec::new(),
-        Hidden::Outside(effect, _) => return vec![(effect.id.to_owned(), said(&outcome.answers))],
+        Hidden::Outside(effect, _) => return vec![(effect.id.to_owned(), said(&answers))],
+        Hidden::Exchanged(channels, _) => vec![format!("{} exchanged", channels.name())],
     };
     let hidden: Vec<String> = hidden;
     let missed = hidden.iter().zip(&outcome.found).filter(|(_, found)| {
@@ -214,13 +222,14 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
         !silent && !matches!(found, Found::Named | Found::Listed)
     });
     let mut confusions: Vec<_> = missed
-        .map(|(hidden, _)| (hidden.clone(), said(&outcome.answers)))
+        .map(|(hidden, _)| (hidden.clone(), said(&answers)))
         .collect();
-    if confusions.is_empty() && !outcome.wrong_names.is_empty() {
-        confusions.push((
-            hidden.join(" and "),
-            format!("({})", said(&outcome.wrong_names)),
-        ));
+    let mut besides = outcome.wrong_names.clone();
+    if outcome.unknown_without_reason() {
+        besides.push("unknown".to_owned());
+    }
+    if confusions.is_empty() && !besides.is_empty() {
+        confusions.push((hidden.join(" and "), format!("({})", said(&besides))));
     }
     confusions
 }
@@ -259,7 +268,7 @@ pub fn coverage(study: &Study) -> String {
     let mut errors: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
     for error in study.outcomes.iter().flat_map(|o| &o.parameters) {
         errors
-            .entry(error.name)
+            .entry((error.effect, error.parameter))
             .or_default()
             .push(error.standardised);
     }
@@ -289,18 +298,40 @@ pub fn describe(outcome: &Outcome) -> String {
             text.collect::<Vec<_>>().join(" and ")
         }
         Hidden::Outside(effect, size) => format!("{} {size:.3e}", effect.id),
+        Hidden::Exchanged(channels, cables) => {
+            format!(
+                "{} of {:?} exchanged",
+                channels.name(),
+                cables.map(|k| k + 1)
+            )
+        }
     };
-    let answers: Vec<String> = (outcome.answers.iter().zip(&outcome.delta_chi2))
-        .map(|(answer, gain)| format!("{answer} ({gain:.1})"))
-        .collect();
+    let answers: Vec<String> = outcome.said.iter().map(with_probabilities).collect();
     format!(
-        "{} seed {}: {hidden}, noncentrality {:.1?}: {:?}; said: {}",
+        "{} seed {}: {hidden}, noncentrality {:.1?}: {:?} in {:.2} s; said: {}",
         outcome.plan.robot,
         outcome.plan.seed,
         outcome.drawn.noncentralities,
         outcome.found,
+        outcome.seconds,
         answers.join("; "),
     )
+}
+
+/// What a finding says, with the probabilities that it states and the chi-square that it gains.
+fn with_probabilities(said: &Said) -> String {
+    let each = said
+        .candidates
+        .iter()
+        .map(|candidate| match candidate.probability {
+            Some(probability) => format!("{} {probability:.3}", candidate.name),
+            None => candidate.name.clone(),
+        });
+    let text = match said.sure {
+        Sure::Unknown => said.text.clone(),
+        Sure::Named | Sure::Ambiguous => each.collect::<Vec<_>>().join(" or "),
+    };
+    format!("{text} ({:.1})", said.gain)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::effect::{Effect, EffectParameter, EffectSetting, Scope, Search};
 use tautline_core::robot::Robot;
 
-use super::POSES;
+use super::TestRobot;
 
 /// Effects whose parameter has a sign by nature: play, friction, compliance, expansion of steel, creep under tension,
 /// and weight, as a cable cannot weigh less than nothing.
@@ -37,6 +37,8 @@ pub struct Template {
     pub typical: Option<[f64; 2]>,
     /// One per parameter.
     values: Vec<Value>,
+    /// Turns by which sizes are divided.
+    turns: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -49,27 +51,35 @@ enum Value {
 
 impl Template {
     /// Draws targets, signs, directions, phases and poses.
-    pub fn draw(effect: &'static Effect, robot: &Robot, rng: &mut ChaCha8Rng) -> Self {
+    pub fn draw(effect: &'static Effect, of: &TestRobot, rng: &mut ChaCha8Rng) -> Self {
+        let robot = &of.preset.robot;
         let parameters = effect.parameters();
         let mut values: Vec<Value> = (0..parameters.len())
-            .map(|k| fixed(effect, k, rng).map_or(Value::PerSize(0.0), Value::Fixed))
+            .map(|k| fixed(effect, k, of.poses, rng).map_or(Value::PerSize(0.0), Value::Fixed))
             .collect();
         let sized: Vec<usize> = (0..values.len())
             .filter(|k| matches!(values[*k], Value::PerSize(_)))
             .collect();
         let direction = direction(effect.id(), sized.len(), rng);
+        let turns = build_up_turns(effect.id(), robot);
         for (k, component) in sized.iter().zip(direction) {
             values[*k] = Value::PerSize(component);
         }
         Self {
             effect,
             targets: targets(effect.scope(), robot, rng),
-            typical: sized.first().map(|k| {
-                let turns = build_up_turns(effect.id(), robot);
-                typical(&parameters[*k]).map(|size| size / turns)
-            }),
+            typical: (sized.first()).map(|k| typical(&parameters[*k]).map(|size| size / turns)),
             values,
+            turns,
         }
+    }
+
+    /// The standard deviation of the prior of a size; `None` where an effect has no size.
+    #[must_use]
+    pub fn prior_size(&self) -> Option<f64> {
+        let sized = |value: &Value| matches!(value, Value::PerSize(_));
+        let k = self.values.iter().position(sized)?;
+        Some(self.effect.parameters()[k].prior_sd / self.turns)
     }
 
     /// The effect at a size.
@@ -105,9 +115,9 @@ fn build_up_turns(id: &str, robot: &Robot) -> f64 {
 }
 
 /// Value of a parameter that is no size.
-fn fixed(effect: &Effect, k: usize, rng: &mut ChaCha8Rng) -> Option<f64> {
+fn fixed(effect: &Effect, k: usize, poses: usize, rng: &mut ChaCha8Rng) -> Option<f64> {
     let parameter = &effect.parameters()[k];
-    let last = POSES as i64;
+    let last = poses as i64;
     match effect.search() {
         Search::Wave { phase, .. } if phase == k => {
             Some(std::f64::consts::PI * rng.random_range(-1.0..1.0))
@@ -173,7 +183,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for robot in robots() {
             for effect in CATALOGUE {
-                let template = Template::draw(effect, &robot.preset.robot, &mut rng);
+                let template = Template::draw(effect, &robot, &mut rng);
                 let Some([low, high]) = template.typical else {
                     assert_eq!(effect.id(), "cable_swap");
                     continue;

@@ -7,33 +7,14 @@ use tautline_core::effect::{
 use tautline_core::estimation::{Control, Geometry, Options, Problem, Solution, solve};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
-use tautline_core::simulation::{Simulated, simulate};
 
-use super::POSES;
-use super::robots::TestRobot;
-use crate::truth::preset_options;
+use super::Setup;
 
 /// Noncentrality from which an effect counts as visible: about that at which a test corrected for some hundred
 /// questions finds it with probability 0.99.
 pub const VISIBLE: f64 = 40.0;
 /// Noncentralities of effects that are just visible.
 pub const JUST_VISIBLE: [f64; 2] = [25.0, 60.0];
-
-/// Simulates a robot with effects of the catalogue.
-///
-/// # Errors
-/// If the effects break it.
-pub(super) fn simulated(
-    robot: &TestRobot,
-    seed: u64,
-    effects: &[EffectSetting],
-    noise: bool,
-) -> Result<Simulated> {
-    let mut options = preset_options(&robot.preset, POSES, seed);
-    options.effects = effects.to_vec();
-    options.noise = noise;
-    Ok(simulate(&robot.preset.robot, &options)?)
-}
 
 /// Solves a problem.
 pub(super) fn solved(problem: &Problem<'_>) -> Result<Solution> {
@@ -43,32 +24,19 @@ pub(super) fn solved(problem: &Problem<'_>) -> Result<Solution> {
     Ok(found)
 }
 
-/// The true geometry without what is hidden: a description whose priors are centred at the truth, so that
-/// chi-square of noise-free data is 0 but for what the model lacks.
-pub(super) fn without_effects(truth: &Robot) -> Robot {
-    Robot {
-        effects: Vec::new(),
-        ..truth.clone()
-    }
-}
-
 /// The noncentrality of the first effect if the others are estimated: chi-square of noise-free data that a model
 /// without the first leaves, less what the whole truth leaves because predictions are approximate.
 ///
 /// # Errors
 /// If the effects break the robot, or the truth itself does not explain the data.
 pub fn noncentrality(
-    robot: &TestRobot,
-    seed: u64,
+    setup: &Setup,
     effect: &EffectSetting,
     others: &[EffectSetting],
 ) -> Result<f64> {
     let all: Vec<EffectSetting> = [effect].into_iter().chain(others).cloned().collect();
-    let exact = simulated(robot, seed, &all, false)?;
-    let without = Dataset {
-        robot: without_effects(&exact.truth),
-        measurements: exact.dataset.measurements,
-    };
+    let exact = setup.exact(&all)?;
+    let without = setup.as_seen(&exact);
     let mut problem = Problem::new(&without)?;
     for other in others {
         let bound = BoundEffect::from_setting(other, &without.robot)?;
@@ -88,7 +56,10 @@ pub fn noncentrality(
 /// Chi-square that the truth leaves: large where an effect is beyond the validity of its own formula.
 fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
     let data = Dataset {
-        robot: truth.clone(),
+        robot: Robot {
+            effects: truth.effects.clone(),
+            ..data.robot.clone()
+        },
         measurements: data.measurements.clone(),
     };
     let mut problem = Problem::new(&data)?;
@@ -130,29 +101,79 @@ pub(super) fn size_for(
     None
 }
 
-/// The least chi-square that any one effect of the catalogue, on any one cable or all, leaves of what no effect of
-/// the catalogue made: below [`VISIBLE`] the data cannot tell the two apart. Events and waves are not tried.
-pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
-    let names = dataset.robot.cables.iter().map(|cable| &cable.name);
-    let mut least = f64::INFINITY;
+/// Every effect of the catalogue on any one cable or all. Events and waves are not among them.
+fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
+    let names = robot.cables.iter().map(|cable| &cable.name);
     let direct = |effect: &&&Effect| effect.search() == Search::Direct;
+    let mut all = Vec::new();
     for effect in CATALOGUE.iter().filter(direct) {
         let mut targets: Vec<Option<String>> = vec![None];
         if effect.scope() != Scope::Robot {
             targets.extend(names.clone().cloned().map(Some));
         }
-        for cable in targets {
-            let request = EffectRequest {
-                effect: effect.id().to_owned(),
-                cable,
-                values: Vec::new(),
-            };
-            let mut problem = Problem::new(dataset)?;
-            problem.free(&[request])?;
-            // One that the readings cannot carry explains nothing.
-            if let Ok(found) = solved(&problem) {
-                least = least.min(found.chi2);
+        all.extend(targets.into_iter().map(|cable| EffectRequest {
+            effect: effect.id().to_owned(),
+            cable,
+            values: Vec::new(),
+        }));
+    }
+    all
+}
+
+/// The chi-square that an effect leaves; infinite for one that the readings cannot carry, as it explains nothing.
+fn left_by(dataset: &Dataset, request: EffectRequest) -> Result<f64> {
+    let mut problem = Problem::new(dataset)?;
+    problem.free(&[request])?;
+    Ok(solved(&problem).map_or(f64::INFINITY, |found| found.chi2))
+}
+
+/// The least chi-square that any one effect of the catalogue, on any one cable or all, leaves of what no effect of
+/// the catalogue made: below [`VISIBLE`] the data cannot tell the two apart. Events and waves are not tried.
+pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
+    let mut least = f64::INFINITY;
+    for request in single_effects(&dataset.robot) {
+        least = least.min(left_by(dataset, request)?);
+    }
+    Ok(least)
+}
+
+/// The least chi-square that any other single effect leaves of an effect; the search ends where it falls below `enough`.
+/// An effect in time or at a pose could also be a slip of its cables, which is tried at every second pose.
+pub(super) fn left_by_nearest_other(
+    setup: &Setup,
+    effect: &EffectSetting,
+    enough: f64,
+) -> Result<f64> {
+    let dataset = setup.as_seen(&setup.exact(std::slice::from_ref(effect))?);
+    let robot = &dataset.robot;
+    let mut rivals = single_effects(robot);
+    // The scale of all winches has two names.
+    let alike = |id: &str| id.replace("winch_scale_common", "winch_scale");
+    let single = |rival: &EffectRequest| match effect.targets.as_slice() {
+        [target] => rival.cable.as_ref() == Some(target),
+        _ => rival.cable.is_none(),
+    };
+    rivals.retain(|rival| alike(&rival.effect) != alike(&effect.effect) || !single(rival));
+    if !["cable_slip", "frame_shift", "encoder_outlier"].contains(&effect.effect.as_str()) {
+        for label in dataset.measurements.labels.iter().skip(2).step_by(2) {
+            for cable in &effect.targets {
+                rivals.push(EffectRequest {
+                    effect: "cable_slip".to_owned(),
+                    cable: Some(cable.clone()),
+                    values: vec![("pose".to_owned(), *label as f64)],
+                });
             }
+        }
+    }
+    let mut least = f64::INFINITY;
+    for rival in rivals {
+        // Each cable its own contains the effect itself.
+        let contains = alike(&rival.effect) == alike(&effect.effect) && rival.cable.is_none();
+        if !contains {
+            least = least.min(left_by(&dataset, rival)?);
+        }
+        if least < enough {
+            break;
         }
     }
     Ok(least)
@@ -162,6 +183,15 @@ pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
 mod tests {
     use super::*;
     use crate::hidden::robots::robot;
+    use crate::hidden::{Conditions, Hidden};
+
+    fn mini(seed: u64) -> Setup {
+        Setup {
+            robot: robot("mini").unwrap(),
+            seed,
+            conditions: Conditions::default(),
+        }
+    }
 
     fn scale(size: f64) -> EffectSetting {
         EffectSetting {
@@ -173,13 +203,13 @@ mod tests {
 
     #[test]
     fn noncentrality_is_nothing_without_effect_and_quadratic_in_a_small_one() {
-        let mini = robot("mini").unwrap();
-        let at = |size| noncentrality(&mini, 5, &scale(size), &[]).unwrap();
+        let mini = mini(5);
+        let at = |size| noncentrality(&mini, &scale(size), &[]).unwrap();
         assert!(at(0.0) < 1e-6, "{}", at(0.0));
         let (one, two) = (at(0.002), at(0.004));
         assert!(one > 1.0 && (two / one - 4.0).abs() < 0.2, "{one} {two}");
         let size = size_for(VISIBLE, (0.002, one), |s| {
-            noncentrality(&mini, 5, &scale(s), &[])
+            noncentrality(&mini, &scale(s), &[])
         });
         let found = at(size.unwrap());
         assert!((found / VISIBLE - 1.0).abs() < 0.05, "{found}");
@@ -187,9 +217,9 @@ mod tests {
 
     #[test]
     fn what_is_estimated_beside_an_effect_takes_from_its_noncentrality() {
-        let mini = robot("mini").unwrap();
-        let alone = noncentrality(&mini, 5, &scale(0.003), &[]).unwrap();
-        let same = noncentrality(&mini, 5, &scale(0.003), &[scale(0.001)]).unwrap();
+        let mini = mini(5);
+        let alone = noncentrality(&mini, &scale(0.003), &[]).unwrap();
+        let same = noncentrality(&mini, &scale(0.003), &[scale(0.001)]).unwrap();
         // The other instance of the same effect explains both, but for its prior.
         assert!(same < 0.05 * alone, "{alone} {same}");
     }
@@ -198,12 +228,13 @@ mod tests {
     /// standard deviation of twice the root of the noncentrality.
     #[test]
     fn noncentrality_is_what_noisy_data_gain() {
-        let mini = robot("mini").unwrap();
         let effect = scale(0.004);
         let mut z = 0.0;
         for seed in 0..20 {
-            let expected = noncentrality(&mini, seed, &effect, &[]).unwrap();
-            let run = simulated(&mini, seed, std::slice::from_ref(&effect), true).unwrap();
+            let mini = mini(seed);
+            let expected = noncentrality(&mini, &effect, &[]).unwrap();
+            let hidden = Hidden::Effects(vec![effect.clone()]);
+            let run = mini.measured(&hidden).unwrap();
             let base = Problem::new(&run.dataset).unwrap();
             let mut full = base.clone();
             full.free_effects

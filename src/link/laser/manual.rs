@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::{LONGEST_M, LaserReading, LaserSource};
+use super::source::{LONGEST_M, LaserReading, LaserSource};
 use crate::error::LinkError;
 
 /// A laser whose distance the operator types; clones share it.

@@ -4,8 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
+use crate::error::below;
 use crate::json::VersionedFile;
-use crate::session::{ResultRecord, Session, SessionFile, below};
+use crate::session::{ResultRecord, Session, SessionFile};
 
 /// A session without its measured poses, for [`RecoveryWriter::write_changes`](super::RecoveryWriter::write_changes):
 /// its size does not depend on how much is measured.

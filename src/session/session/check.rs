@@ -7,7 +7,8 @@ use std::collections::HashSet;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::{FieldError, Robot};
 
-use super::{Adjustment, NamedValue, PlannedPose, Verification, below, fail};
+use super::{Adjustment, NamedValue, PlannedPose, Verification};
+use crate::error::{below, fail};
 use crate::phases::{CheckPose, CheckRow, PhaseData};
 use crate::table::quaternion_fault;
 

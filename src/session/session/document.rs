@@ -3,7 +3,8 @@
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
-use super::{MeasurementTable, ResultRecord, Session, below, check, connection, fail};
+use super::{MeasurementTable, ResultRecord, Session, check, connection};
+use crate::error::{below, fail};
 use crate::json::VersionedFile;
 use crate::poses::Columns;
 

@@ -4,7 +4,8 @@ use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
-use super::{MeasurementTable, Session, below, fail};
+use super::{MeasurementTable, Session};
+use crate::error::{below, fail};
 use crate::poses::{Columns, Fault};
 
 /// The readings at one pose.

@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
-use super::fail;
-use crate::error::quoted;
+use crate::error::{fail, quoted};
 use crate::poses::{Column, Columns, Fault, GROUP, LABEL};
 
 /// Measurements by column; all columns have as many values as there are labels.

@@ -25,7 +25,7 @@ use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::{FieldError, Robot};
 
 use crate::dataset::DatasetFolder;
-use crate::error::{Loaded, ReadError, WriteError};
+use crate::error::{Loaded, ReadError, WriteError, below, fail};
 use crate::json::{parse_versioned, read_versioned, write_versioned};
 use crate::phases::PhaseData;
 use crate::poses::Columns;
@@ -315,23 +315,6 @@ pub fn write_session(path: &Path, session: &Session) -> Result<(), WriteError> {
         message: below("/measurements", fault.into()).to_string(),
     })?;
     write_versioned(path, &SessionFile::of(session))
-}
-
-pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
-    FieldError {
-        pointer: format!("{parent}{}", error.pointer),
-        ..error
-    }
-}
-
-pub(crate) fn fail<T>(
-    pointer: impl Into<String>,
-    message: impl Into<String>,
-) -> Result<T, FieldError> {
-    Err(FieldError {
-        pointer: pointer.into(),
-        message: message.into(),
-    })
 }
 
 #[cfg(test)]

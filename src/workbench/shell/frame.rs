@@ -151,5 +151,6 @@ fn robot(ui: &mut Ui, state: &mut State) {
 }
 
 fn plots(ui: &mut Ui, state: &mut State) {
-    views::plots::show(ui, &state.model, &mut state.views, &mut state.outbox);
+    let view = (&mut state.views.plots, &mut state.views.hovered);
+    views::plots::show(ui, &state.model, view, &mut state.outbox);
 }

@@ -54,5 +54,8 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
     }
     CentralPanel::no_frame()
         .frame(Frame::new().fill(palette.ground))
-        .show(ui, |ui| robot_3d::show(ui, model, views, outbox));
+        .show(ui, |ui| {
+            let view = (&mut views.robot_3d, &mut views.hovered);
+            robot_3d::show(ui, model, view, outbox);
+        });
 }

@@ -8,6 +8,7 @@ mod colours;
 mod content;
 mod document;
 mod html;
+mod input;
 mod pdf;
 mod plots;
 #[cfg(test)]
@@ -15,34 +16,11 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use tautline_session::{Session, Timestamp, WriteError, write_bytes};
+use tautline_session::{WriteError, write_bytes};
 
-use crate::documents::diagnosis::Diagnosed;
-use crate::identification::Identification;
 pub use choice::{Part, ReportChoice};
+pub use input::ReportInput;
 pub use pdf::PdfError;
-
-/// Name of the program, as it signs reports.
-const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
-
-/// Input of a report.
-#[derive(Debug, Clone, Copy)]
-pub struct ReportInput<'a> {
-    /// The session.
-    pub session: &'a Session,
-    /// Its identification, if there is one.
-    pub fit: Option<&'a Identification>,
-    /// Its diagnosis, if there is one.
-    pub diagnosis: Option<&'a Diagnosed>,
-    /// Whether the session was changed after identification or diagnosis.
-    pub outdated: bool,
-    /// A picture of the robot (PNG), if there is one.
-    pub picture: Option<&'a [u8]>,
-    /// The parts that are wanted, and the heading.
-    pub choice: &'a ReportChoice,
-    /// When the report is made.
-    pub now: Timestamp,
-}
 
 /// How a report is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

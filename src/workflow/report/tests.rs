@@ -13,8 +13,9 @@ use tautline_session::{
 
 use super::document::{Block, Document};
 use super::*;
+use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::samples::{dataset, diagnosed};
-use crate::identification::{IdentificationRequest, identify};
+use crate::identification::{Identification, IdentificationRequest, identify};
 
 /// A name that would be a program if it were taken as markup.
 const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";

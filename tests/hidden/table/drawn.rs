@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use anyhow::Result;
 
-use super::effects_by_robot;
+use super::{effects_by_robot, kinds};
 use crate::hidden::{Drawn, Plan, Wanted};
 
 /// Per effect and robot: visible of drawn, and the largest noncentrality, the last where there are two.
@@ -25,8 +25,7 @@ pub fn drawn_markdown(draws: &[(Plan, Result<Option<Drawn>>)]) -> String {
         };
         let id = match plan.wanted {
             Wanted::One(id, _) | Wanted::Outside(id) => id,
-            Wanted::Nothing => "nothing",
-            Wanted::Two => "two",
+            wanted => kinds::name(wanted),
         };
         if !ids.contains(&id) {
             ids.push(id);

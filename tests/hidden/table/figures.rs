@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use super::{found, is_honest, is_outside, typical};
+use super::{found, is_found, is_honest, is_outside, typical};
 use crate::hidden::interval::{binomial_tail, clopper_pearson};
 use crate::hidden::judge::Found;
-use crate::hidden::{Outcome, Stratum, Study, Wanted};
+use crate::hidden::{Circumstances, Outcome, Said, Stratum, Study, Sure, Wanted};
 
 /// Size of a 95 % interval in standard deviations.
 pub(super) const NORMAL_95: f64 = 1.959_964;
@@ -102,6 +102,8 @@ impl Figures {
     pub fn of(study: &Study) -> Self {
         let mut all = singles(study);
         all.extend(others(study));
+        all.extend(together(study));
+        all.extend(wrong_models(study));
         all.extend(numbers(study));
         Self { all }
     }
@@ -126,7 +128,7 @@ fn and_more(o: &Outcome) -> bool {
 
 fn singles(study: &Study) -> Vec<Figure> {
     let named = |o: &Outcome| o.found == [Found::Named];
-    let silent = |o: &Outcome| o.answers.is_empty();
+    let silent = |o: &Outcome| o.said.is_empty();
     let figure = |what, target, pick: fn(&Outcome) -> bool, count: &dyn Fn(&Outcome) -> bool| {
         figure(study, (what, target), pick, count)
     };
@@ -170,9 +172,11 @@ fn singles(study: &Study) -> Vec<Figure> {
 }
 
 fn others(study: &Study) -> Vec<Figure> {
-    let clean = |o: &Outcome| o.plan.wanted == Wanted::Nothing;
+    let clean = |o: &Outcome| {
+        o.plan.wanted == Wanted::Nothing && o.plan.circumstances == Circumstances::AsStated
+    };
     let two = |o: &Outcome| o.plan.wanted == Wanted::Two;
-    let any = |o: &Outcome| !o.answers.is_empty();
+    let any = |o: &Outcome| !o.said.is_empty();
     let named = |o: &Outcome| !o.wrong_names.is_empty();
     let figure = |what, target, pick: fn(&Outcome) -> bool, count: fn(&Outcome) -> bool| {
         figure(study, (what, Some(target)), pick, count)
@@ -202,6 +206,155 @@ fn others(study: &Study) -> Vec<Figure> {
             Target::AtMost(0.005),
             two,
             named,
+        ),
+    ]
+}
+
+/// Counts single effects of the outcomes that `pick` takes.
+fn each_effect(
+    study: &Study,
+    (what, target): (&'static str, Target),
+    pick: impl Fn(&Outcome) -> bool,
+    count: fn(&Found) -> bool,
+) -> Figure {
+    let picked = study.outcomes.iter().filter(|o| pick(o));
+    let all: Vec<Found> = picked.flat_map(|o| o.found.clone()).collect();
+    Figure {
+        what,
+        count: all.iter().filter(|found| count(found)).count(),
+        of: all.len(),
+        target: Some(target),
+    }
+}
+
+/// Several effects at once, families, exchanged channels, one that dominates.
+fn together(study: &Study) -> Vec<Figure> {
+    let several = |o: &Outcome| o.plan.wanted == Wanted::Several;
+    let separated = |o: &Outcome| o.plan.wanted == Wanted::Separated;
+    let families = |o: &Outcome| o.plan.wanted == Wanted::Families;
+    let offset = |o: &Outcome| o.plan.wanted == Wanted::CommonOffset && o.drawn.visible;
+    let exchanged = |o: &Outcome| matches!(o.plan.wanted, Wanted::Exchanged(_));
+    let named = |found: &Found| *found == Found::Named;
+    let named_alone = |o: &Outcome| o.found == [Found::Named] && o.said.len() == 1;
+    let wrong = |o: &Outcome| !o.wrong_names.is_empty();
+    let first = |o: &Outcome| {
+        let first = o.said.first();
+        let right = |said: &Said| said.candidates.first().is_some_and(|c| c.right);
+        first.is_some_and(|said| said.sure == Sure::Named && right(said))
+    };
+    let least = Target::AtLeast;
+    let most = Target::AtMost;
+    let of = |what, target, pick: fn(&Outcome) -> bool, count: fn(&Outcome) -> bool| {
+        figure(study, (what, Some(target)), pick, count)
+    };
+    vec![
+        of(
+            "separated by exact evidence: named alone",
+            least(0.95),
+            separated,
+            named_alone,
+        ),
+        of(
+            "separated by exact evidence: a wrong name",
+            most(0.003),
+            separated,
+            wrong,
+        ),
+        each_effect(
+            study,
+            ("three to five effects: named", least(0.9)),
+            several,
+            named,
+        ),
+        each_effect(
+            study,
+            ("three to five effects: named or listed", least(0.98)),
+            several,
+            is_found,
+        ),
+        of(
+            "three to five effects: a wrong name",
+            most(0.02),
+            several,
+            wrong,
+        ),
+        of(
+            "three to five effects: `unknown` for no reason",
+            most(0.02),
+            several,
+            Outcome::unknown_without_reason,
+        ),
+        of("dominating offset: named first", least(0.95), offset, first),
+        each_effect(
+            study,
+            ("families: members named", least(0.9)),
+            families,
+            named,
+        ),
+        of("exchanged channels: named", least(1.0), exchanged, |o| {
+            o.found == [Found::Named]
+        }),
+        of(
+            "exchanged channels: within 2 s",
+            least(1.0),
+            exchanged,
+            |o| o.seconds < 2.0,
+        ),
+    ]
+}
+
+/// Data that are not measured as the description says.
+fn wrong_models(study: &Study) -> Vec<Figure> {
+    let mild = |o: &Outcome| o.plan.circumstances == Circumstances::ModelError;
+    let single = |o: &Outcome| o.plan.wanted == Wanted::Any;
+    let holes = |o: &Outcome| o.without_holes.is_some();
+    let still_visible = |o: &Outcome| o.without_holes.is_some() && o.drawn.visible;
+    let wrong = |o: &Outcome| !o.wrong_names.is_empty();
+    let of = |what, target, pick: &dyn Fn(&Outcome) -> bool, count: &dyn Fn(&Outcome) -> bool| {
+        figure(study, (what, Some(target)), pick, count)
+    };
+    let named = |o: &Outcome| o.found == [Found::Named];
+    let arrives = |o: &Outcome| o.without_holes.as_ref().is_some_and(|w| w.fit_arrives);
+    let as_without = |o: &Outcome| {
+        let without = o.without_holes.as_ref().map(|w| &w.found);
+        without.is_some_and(|without| found(o) || o.found <= *without)
+    };
+    let tails = |o: &Outcome| {
+        use Circumstances::{HeavyTails, Standstills};
+        matches!(o.plan.circumstances, HeavyTails | Standstills)
+    };
+    let mild_one = |o: &Outcome| mild(o) && single(o);
+    let mild_any = |o: &Outcome| mild(o) && o.plan.wanted != Wanted::CommonOffset;
+    vec![
+        of(
+            "model slightly wrong: the effect named",
+            Target::AtLeast(0.85),
+            &mild_one,
+            &named,
+        ),
+        of(
+            "model slightly wrong: a wrong name",
+            Target::AtMost(0.03),
+            &mild_any,
+            &wrong,
+        ),
+        of(
+            "empty cells: the fit arrives",
+            Target::AtLeast(1.0),
+            &holes,
+            &arrives,
+        ),
+        of(
+            "empty cells: found as without them",
+            Target::AtLeast(1.0),
+            &still_visible,
+            &as_without,
+        ),
+        of(
+            "heavy tails or shared errors: a wrong name",
+            Target::AtMost(0.03),
+            &tails,
+            &wrong,
         ),
     ]
 }

@@ -1,15 +1,24 @@
-use tautline_core::diagnosis::Verdict;
 use tautline_core::effect::EffectSetting;
 
 use super::figures::Target;
 use super::*;
-use crate::hidden::{Case, Drawn, ParameterError, Plan};
+use crate::hidden::{Case, Circumstances, Conditions, Drawn, ParameterError, Plan};
+
+fn said(text: &str) -> Said {
+    Said {
+        text: text.to_owned(),
+        sure: Sure::Named,
+        gain: 45.0,
+        candidates: vec![],
+    }
+}
 
 fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) -> Outcome {
     let plan = Plan {
         robot: "mini",
         seed: 1,
         wanted,
+        circumstances: Circumstances::AsStated,
     };
     let answers: Vec<String> = answers.iter().map(|a| (*a).to_owned()).collect();
     let wrong = found.iter().all(|f| *f != Found::Named);
@@ -20,18 +29,19 @@ fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) ->
                 robot: "mini",
                 seed: 1,
                 hidden,
+                conditions: Conditions::default(),
             },
             noncentralities: vec![50.0; found.len()],
             visible: true,
             redraws: 1,
         },
         found: found.to_vec(),
-        verdicts: vec![Verdict::Named; answers.len()],
-        delta_chi2: vec![45.0; answers.len()],
-        wrong_names: if wrong { answers.clone() } else { vec![] },
-        answers,
+        said: answers.iter().map(|text| said(text)).collect(),
+        wrong_names: if wrong { answers } else { vec![] },
+        without_holes: None,
         parameters: vec![ParameterError {
-            name: ("winch_scale", "scale"),
+            effect: "winch_scale",
+            parameter: "scale",
             standardised: 1.0,
         }],
         held_out_ratio: Some(1.01),

@@ -1,5 +1,7 @@
 //! A laser distance sensor that sends lines of text over a network connection or a serial port.
 
+mod text;
+
 use std::io::{self, ErrorKind};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,9 +10,10 @@ use std::time::{Duration, Instant};
 
 use tautline_session::LineLaserSettings;
 
-use super::lines::{LineContent, LineParser, LineSplitter};
+use text::{LineContent, LineParser, LineSplitter};
+
 use super::port::{self, Port};
-use super::{LaserReading, LaserSource};
+use super::source::{LaserReading, LaserSource};
 use crate::clock::Clock;
 use crate::error::LinkError;
 

@@ -4,12 +4,11 @@ use std::collections::HashSet;
 
 use tautline_core::robot::{FieldError, Robot};
 
-use super::super::fail;
 use super::{
     AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsSymbol, AdsSymbols, CABLE,
     Connection, ControllerKind, NUMBER, is_per_cable, name_of_cable,
 };
-
+use crate::error::{below, fail};
 use crate::json::VersionedFile;
 
 type Checked = Result<(), FieldError>;
@@ -19,26 +18,26 @@ const LONGEST: usize = 255;
 
 /// Checks that symbols have names, scales can be inverted and every cable has its symbol.
 pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Checked {
-    let below = |part: &'static str| {
-        let at = format!("/connection/{part}");
-        move |error| super::super::below(&at, error)
+    let part = |name: &'static str| {
+        let at = format!("/connection/{name}");
+        move |error| below(&at, error)
     };
     let missing = |part: &str| {
         let message = "found nothing, expected the address of the controller";
         fail(format!("/connection/{part}"), message)
     };
     match &connection.recording {
-        Some(place) => place.check().map_err(below("recording"))?,
+        Some(place) => place.check().map_err(part("recording"))?,
         None if connection.controller == ControllerKind::Recording => return missing("recording"),
         None => {}
     }
     match &connection.place {
-        Some(place) => place.check().map_err(below("place"))?,
+        Some(place) => place.check().map_err(part("place"))?,
         None if connection.controller == ControllerKind::Ads => return missing("place"),
         None => {}
     }
     let mapping = connection.ads.as_ref();
-    mapping.map_or(Ok(()), |mapping| mapping.check(robot).map_err(below("ads")))
+    mapping.map_or(Ok(()), |mapping| mapping.check(robot).map_err(part("ads")))
 }
 
 impl VersionedFile for AdsMapping {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
-use super::super::fail;
+use crate::error::fail;
 
 /// Valid timeouts (s).
 pub(super) const TIMEOUT_S: std::ops::RangeInclusive<f64> = 0.05..=60.0;

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
-use super::fail;
+use crate::error::fail;
 
 /// Valid baud rates.
 const BAUD: RangeInclusive<u32> = 50..=4_000_000;

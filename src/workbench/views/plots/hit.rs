@@ -6,6 +6,7 @@ use tautline_workflow::plot::figure::{Axis, Figure};
 use tautline_workflow::plot::limits;
 use tautline_workflow::plot::scale::{Scale, readable};
 
+use super::sources::POSE;
 use crate::model::Selection;
 
 /// Farthest distance at which a point is hit (points of the screen).
@@ -68,7 +69,7 @@ pub fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
         let excluded = if point.excluded { ", excluded" } else { "" };
         lines.push(format!("Pose {pose}{excluded}"));
     }
-    let is_pose = figure.x.label == super::POSE && point.pose.is_some();
+    let is_pose = figure.x.label == POSE && point.pose.is_some();
     lines.push(line(&figure.y, point.y, point.sd[1], scale.view[1]));
     if !is_pose {
         lines.push(line(&figure.x, point.x, point.sd[0], scale.view[0]));

@@ -31,9 +31,6 @@ pub use tab::Tab;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
 
-/// Label of an axis along which poses stand.
-pub const POSE: &str = "Pose";
-
 /// A plot that is being saved.
 #[derive(Debug)]
 struct Saving {

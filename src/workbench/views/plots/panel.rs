@@ -11,10 +11,10 @@ use tautline_workflow::plot::figure::{Point, Series};
 use tautline_workflow::plot::scale::{Scale, readable};
 use tautline_workflow::plot::{Canvas, Colours, Figure, Layout, Plot, Seen, Stroke};
 
-use super::POSE;
 use super::dense::picture;
 use super::hit::{Hit, cell_words, nearest, selects, words};
 use super::screen::{Screen, colours, text_width};
+use super::sources::POSE;
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 

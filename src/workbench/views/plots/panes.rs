@@ -9,9 +9,8 @@ use tautline_session::{Arrangement, Plots};
 use super::{PlotState, Tab, bar, pane};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::plot_preparation::Preparation;
-use crate::model::{Model, OpenSession};
+use crate::model::{Model, OpenSession, Selection};
 use crate::theme::GRID;
-use crate::views::ViewStates;
 use crate::widgets::{empty, icon_only};
 
 /// Places for plots.
@@ -142,17 +141,17 @@ fn count(arrangement: Arrangement) -> usize {
     }
 }
 
-/// Draws the plots.
-pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+/// Draws the plots; `hovered` is what is under the pointer, in all views.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    (panes, hovered): (&mut Panes, &mut Selection),
+    outbox: &mut Outbox,
+) {
     let Some(open) = &model.open else {
         empty(ui, "Plots appear here once a session is open.");
         return;
     };
-    let ViewStates {
-        plots: panes,
-        hovered,
-        ..
-    } = views;
     for place in &mut panes.places {
         place.settle(open);
     }

@@ -38,7 +38,6 @@ use crate::model::link::LivePlatform;
 use crate::model::plot_preparation::same;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::GRID;
-use crate::views::ViewStates;
 use crate::widgets::empty;
 use tautline_workflow::identification::Identification;
 
@@ -227,8 +226,13 @@ fn planned(session: &Session) -> Vec<Vec3> {
     planned.map(|pose| pose.pose().position).collect()
 }
 
-/// Draws the robot of the open session.
-pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+/// Draws the robot of the open session; `hovered` is what is under the pointer, in all views.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    (view, hovered): (&mut Robot3d, &mut Selection),
+    outbox: &mut Outbox,
+) {
     let Some(open) = &model.open else {
         empty(
             ui,
@@ -236,9 +240,8 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
         );
         return;
     };
-    let view = &mut views.robot_3d;
     let scene = view.scene_of(model, open);
-    if let Some(selection) = view.show(ui, &scene, model.selection, &mut views.hovered) {
+    if let Some(selection) = view.show(ui, &scene, model.selection, hovered) {
         outbox.send(ViewCommand::Select(selection));
     }
 }

@@ -4,7 +4,7 @@ use tautline_session::{Phase, Session, schemas};
 
 use super::when;
 use crate::report::document::{Block, Section, Table};
-use crate::report::{PROGRAM, ReportInput};
+use crate::report::input::{PROGRAM, ReportInput};
 use crate::wording::list;
 
 pub fn section(input: &ReportInput<'_>) -> Section {

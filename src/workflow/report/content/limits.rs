@@ -3,8 +3,8 @@
 use tautline_core::robot::Robot;
 
 use crate::documents::diagnosis::HIDDEN;
-use crate::report::ReportInput;
 use crate::report::document::Section;
+use crate::report::input::ReportInput;
 use crate::wording::{count, sentence};
 
 pub fn section(input: &ReportInput<'_>) -> Section {

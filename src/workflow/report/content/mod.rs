@@ -14,8 +14,9 @@ mod robot;
 
 use tautline_session::Timestamp;
 
+use super::choice::Part;
 use super::document::Document;
-use super::{Part, ReportInput};
+use super::input::ReportInput;
 use crate::wording::units;
 
 /// Shown in place of a missing number.

@@ -6,8 +6,8 @@ use tautline_session::Session;
 
 use super::accuracy;
 use crate::identification::Identification;
-use crate::report::ReportInput;
 use crate::report::document::{Block, Section};
+use crate::report::input::ReportInput;
 use crate::wording::count;
 use crate::wording::units::quantity;
 

@@ -16,6 +16,7 @@ use tautline_session::Timestamp;
 
 use super::colours;
 use super::document::Document;
+use super::input::PROGRAM;
 use crate::plot::drawing::{Anchor, Shape};
 use faces::Faces;
 use layout::{BOTTOM, LEFT, Layout, PAGE, Page, WIDTH};
@@ -52,7 +53,7 @@ pub fn render(document: &Document, now: Timestamp) -> Result<Vec<u8>, PdfError> 
         Metadata::new()
             .title(document.title.clone())
             .language("en".to_owned())
-            .creator(super::PROGRAM.to_owned())
+            .creator(PROGRAM.to_owned())
             .creation_date(date(now)),
     );
     for page in &pages {

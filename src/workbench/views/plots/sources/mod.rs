@@ -14,6 +14,9 @@ use tautline_core::measurement::Dataset;
 
 use tautline_workflow::plot::figure::Point;
 
+/// Label of an axis along which poses stand.
+pub const POSE: &str = "Pose";
+
 /// A point of a pose, given by its row.
 fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f64) -> Point {
     let pose = dataset.measurements.labels.get(row).copied();

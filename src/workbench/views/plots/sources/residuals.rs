@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 
 use tautline_core::estimation::{Observation, ObservationKind};
 
-use super::over_pose;
-use crate::views::plots::POSE;
+use super::{POSE, over_pose};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 

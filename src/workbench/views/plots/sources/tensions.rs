@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::over_pose;
-use crate::views::plots::POSE;
+use super::{POSE, over_pose};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 

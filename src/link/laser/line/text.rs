@@ -3,7 +3,7 @@
 use regex::Regex;
 use tautline_session::LineLaserSettings;
 
-use super::LONGEST_M;
+use crate::laser::source::LONGEST_M;
 
 /// Longest valid line (bytes).
 const LONGEST_LINE: usize = 256;

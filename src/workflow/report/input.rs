@@ -1,0 +1,29 @@
+//! What a report is made of.
+
+use tautline_session::{Session, Timestamp};
+
+use super::choice::ReportChoice;
+use crate::documents::diagnosis::Diagnosed;
+use crate::identification::Identification;
+
+/// Name of the program, as it signs reports.
+pub const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
+
+/// Input of a report.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportInput<'a> {
+    /// The session.
+    pub session: &'a Session,
+    /// Its identification, if there is one.
+    pub fit: Option<&'a Identification>,
+    /// Its diagnosis, if there is one.
+    pub diagnosis: Option<&'a Diagnosed>,
+    /// Whether the session was changed after identification or diagnosis.
+    pub outdated: bool,
+    /// A picture of the robot (PNG), if there is one.
+    pub picture: Option<&'a [u8]>,
+    /// The parts that are wanted, and the heading.
+    pub choice: &'a ReportChoice,
+    /// When the report is made.
+    pub now: Timestamp,
+}
