@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Plan, Records, Restriction, STUDIES, Study, clean, coverage, describe, draw_all,
+    Plan, Records, Restriction, STUDIES, Study, clean, coverage, describe, diagram, draw_all,
     drawn_markdown, failures, markdown, named, outside, pairs, run_all, single,
 };
 
 const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
                      [--effect ID] [--seed N], or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
-                     [--records FILE] [--failures] [--draw]";
+                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg]";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 6;
@@ -33,6 +33,8 @@ struct Arguments {
     failures: bool,
     threads: Option<usize>,
     records: Option<PathBuf>,
+    /// Where the reliability diagram goes.
+    diagram: Option<PathBuf>,
     restriction: Restriction,
 }
 
@@ -59,6 +61,9 @@ pub fn command(arguments: &[String]) -> Result<()> {
     };
     let study = run_all(&plans, arguments.threads, &records);
     println!("{}", markdown(&study));
+    if let Some(path) = &arguments.diagram {
+        std::fs::write(path, diagram(&study))?;
+    }
     if arguments.restriction.seed.is_some() && !arguments.is_study() {
         study
             .outcomes
@@ -97,6 +102,7 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
         failures: false,
         threads: None,
         records: None,
+        diagram: None,
         restriction: Restriction::default(),
     };
     let mut rest = arguments[1..].iter();
@@ -113,6 +119,7 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
             "--seed" => parsed.restriction.seed = Some(value()?.parse()?),
             "--cases" => parsed.count = Some(value()?.parse()?),
             "--threads" => parsed.threads = Some(value()?.parse()?),
+            "--diagram" => parsed.diagram = Some(value()?.into()),
             "--records" => parsed.records = Some(value()?.into()),
             number => parsed.count = Some(number.parse().with_context(usage)?),
         }

@@ -38,7 +38,9 @@ pub use records::Records;
 pub use robots::{TestRobot, robot, robots};
 pub use run::{Candidate, Outcome, Said, Study, Sure, WithoutHoles, draw_all, run, run_all};
 pub use setup::Setup;
-pub use table::{Figure, Figures, Target, coverage, describe, drawn_markdown, failures, markdown};
+pub use table::{
+    Figure, Figures, Target, coverage, describe, diagram, drawn_markdown, failures, markdown,
+};
 pub use template::Template;
 pub use visibility::{JUST_VISIBLE, VISIBLE, noncentrality};
 

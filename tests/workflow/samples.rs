@@ -127,7 +127,9 @@ fn creep_is_named_and_the_slip_has_one_alternative() {
     assert_eq!(findings[0].verdict, Verdict::Named);
     assert_eq!(findings[1].verdict, Verdict::Ambiguous);
     let alternatives = findings[1].alternatives.iter();
-    let alternatives: Vec<_> = alternatives.map(|other| other.cause.effect().id()).collect();
+    let alternatives: Vec<_> = alternatives
+        .map(|other| other.cause.effect().id())
+        .collect();
     assert_eq!(alternatives, ["frame_shift"]);
     assert_quoted(&made, &readme("hall-creep-and-slip"));
 }

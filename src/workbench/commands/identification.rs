@@ -16,7 +16,7 @@ use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest, discrepancy};
 use tautline_workflow::clock;
-use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
 use tautline_workflow::documents::record;
 use tautline_workflow::identification::{
@@ -211,7 +211,8 @@ fn diagnosed(
 }
 
 fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Diagnosed>, String> {
-    let found = diagnose_dataset(Arc::new(dataset), alpha, &mut |progress| {
+    let terms = (alpha, TIME_LIMIT_S);
+    let found = diagnose_dataset(Arc::new(dataset), terms, &mut |progress| {
         let words = stage(progress.stage);
         let text = match progress.findings {
             0 => words.to_owned(),

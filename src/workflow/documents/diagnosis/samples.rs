@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{
-    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
-    GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
-    Variable, Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
+    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
+    Separation, Variable, Verdict,
 };
 use tautline_core::effect::{BoundEffect, EffectRequest, UNKNOWN};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
@@ -166,6 +166,13 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
     }
 }
 
+fn possible(robot: &Robot) -> Alternative {
+    Alternative {
+        cause: cause(robot, "drum_growth:2"),
+        probability: 0.12,
+    }
+}
+
 fn invisible(robot: &Robot) -> Vec<Invisible> {
     let one = |request: &str, parameter, smallest_visible| Invisible {
         cause: cause(robot, request),
@@ -204,7 +211,11 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         discrepancies: structure.clone(),
         remaining: structure,
         findings: verdicts.iter().map(found).collect(),
-        possible: Vec::new(),
+        possible: if is_clean {
+            Vec::new()
+        } else {
+            vec![possible(robot)]
+        },
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
         base_solution: solution(dataset, &[]),
@@ -216,5 +227,6 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         diagnosis,
         alpha: 0.01,
         seconds: 0.1,
+        limit_s: 60.0,
     }
 }
