@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, SymmetricEigen};
 
 use super::Quantity;
 use super::background::{Group, Shape};
@@ -77,6 +77,12 @@ pub(super) struct Base<'l> {
 }
 
 impl Linear {
+    /// Noise with all variances that many times larger than described, no background.
+    pub fn louder(&self, factor: f64) -> Hyperparameters {
+        let classes = self.conditions.classes.len();
+        self.with_prior(vec![factor; classes], vec![0; self.shapes.len()])
+    }
+
     /// Noise as described, no background.
     pub fn described(&self) -> Hyperparameters {
         let classes = self.conditions.classes.len();
@@ -167,7 +173,7 @@ impl Linear {
         let mut taken = z.transpose();
         if let Some(factor) = normal.cholesky() {
             log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-            factor.l_dirty().solve_lower_triangular_mut(&mut taken);
+            solve_lower(&factor.l_dirty().as_view(), &mut taken.as_view_mut());
         }
         residual -= taken.tr_mul(&(&taken * &residual));
         // The residual is projected once: with priors the projection is no idempotent one.
@@ -291,6 +297,29 @@ impl Linear {
         }
         evidence
     }
+}
+
+/// `b := L^-1 b` for a large triangle `L`, by halves, so that nearly all of it are products of matrices.
+fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
+    const DIRECT: usize = 32;
+    let n = l.nrows();
+    if n <= DIRECT {
+        l.solve_lower_triangular_mut(b);
+        return;
+    }
+    let half = n / 2;
+    let columns = b.ncols();
+    let first = {
+        let mut upper = b.rows_mut(0, half);
+        let mut owned = upper.clone_owned();
+        solve_lower(&l.view((0, 0), (half, half)), &mut owned.as_view_mut());
+        upper.copy_from(&owned);
+        owned
+    };
+    let mut lower = b.view_mut((half, 0), (n - half, columns)).clone_owned();
+    lower.gemm(-1.0, &l.view((half, 0), (n - half, half)), &first, 1.0);
+    solve_lower(&l.view((half, half), (n - half, n - half)), &mut lower.as_view_mut());
+    b.view_mut((half, 0), (n - half, columns)).copy_from(&lower);
 }
 
 fn log_kind(kind: usize) -> f64 {

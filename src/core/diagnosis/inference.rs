@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::background::shapes;
-use super::candidates::{Catalogue, is_alike};
+use super::candidates::{Candidate, Catalogue, is_alike};
 use super::conditions::Conditions;
 use super::evidence::{Member, System};
 use super::fit::Fit;
@@ -209,8 +209,6 @@ struct Explored {
     visibility: Vec<Visibility>,
     /// Members and logarithm of the posterior, the best first.
     ranking: Vec<(Vec<Member>, f64)>,
-    /// The best sets with one cause more than the fit, one for each effect.
-    extensions: Vec<Vec<Member>>,
     /// Hyperparameters of the best.
     at: Hyperparameters,
 }
@@ -276,41 +274,94 @@ fn explore(at: &At<'_, '_>, most: usize, report: &mut Reporter<'_, '_>) -> Explo
         }
     }
     Explored {
-        visibility: points.last().map_or_else(Vec::new, |point| visibility(&point.gram)),
+        visibility: points.first().map_or_else(Vec::new, |point| visibility(&point.gram)),
         ranking: ranked(&mut points),
-        extensions: extensions(&points, at.present.len() + 1),
         at: found,
     }
 }
 
-/// The best sets with so many causes at each point, one for each effect on one cable, on all and on each.
-fn extensions(points: &[Point<'_>], count: usize) -> Vec<Vec<Member>> {
-    let mut found: Vec<Vec<Member>> = Vec::new();
-    for point in points {
-        let candidates = point.gram.candidates;
-        let mut own: Vec<&Visited> = point.visited.values().filter(|v| v.members.len() == count).collect();
-        own.sort_by(|a, b| {
-            let order = b.log_posterior.total_cmp(&a.log_posterior);
-            order.then_with(|| a.members.cmp(&b.members))
-        });
-        let mut kept: Vec<Vec<Member>> = Vec::new();
-        for visited in own {
-            let kind = |members: &[Member]| {
-                let last = members.last().map(|m| &candidates[m.0]);
-                last.map(|c| (c.effect().id(), c.is_family(), c.cause.instances[0].targeted))
-            };
-            let known = |other: &Vec<Member>| kind(other) == kind(&visited.members);
-            if kept.len() < MOST_EXTENSIONS && !kept.iter().any(known) {
-                kept.push(visited.members.clone());
-            }
-        }
-        for members in kept {
-            if !found.contains(&members) {
-                found.push(members);
-            }
+/// The best sets, and the best with so many causes, one for each effect on one cable, on all and on each.
+fn diverse(candidates: &[Candidate], visited: &HashMap<Set, Visited>, count: usize) -> Vec<Vec<Member>> {
+    let mut all: Vec<&Visited> = visited.values().collect();
+    all.sort_by(|a, b| {
+        let order = b.log_posterior.total_cmp(&a.log_posterior);
+        order.then_with(|| a.members.cmp(&b.members))
+    });
+    let mut found: Vec<Vec<Member>> =
+        all.iter().take(MOST_REFITS).map(|v| v.members.clone()).collect();
+    let kind = |members: &[Member]| {
+        let last = members.last().map(|m| &candidates[m.0]);
+        last.map(|c| (c.effect().id(), c.is_family(), c.cause.instances[0].targeted))
+    };
+    let mut kinds = Vec::new();
+    for visited in all.iter().filter(|v| v.members.len() == count) {
+        let own = kind(&visited.members);
+        if kinds.len() < MOST_EXTENSIONS && !kinds.contains(&own) {
+            kinds.push(own);
+            found.push(visited.members.clone());
         }
     }
     found
+}
+
+/// Takes in what explains most of chi-square where that is far from what noise makes: there all is nonlinear, so that
+/// each kind of cause is worth a fit, and the noise is as large as what is left.
+fn approach<'a>(
+    from: Fit<'a>,
+    seen: &mut Option<Vec<Visibility>>,
+    options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<Fit<'a>, EstimationError> {
+    let expected = EXPECTED_PER_ALPHA * options.alpha;
+    let mut problem = from.problem.clone();
+    problem.free_effects.clear();
+    let mut fit = from;
+    for _ in 0..options.most_findings {
+        let left = fit.solution.chi2 / fit.solution.degrees_of_freedom;
+        if left < DOMINATED || !left.is_finite() || !report.stage(Stage::Refits, fit.causes.len()) {
+            break;
+        }
+        let at = At::new(&fit, expected, true);
+        let hyper = at.linear.louder(left);
+        let mut gram = at.gram(&hyper);
+        seen.get_or_insert_with(|| visibility(&at.gram(&at.linear.described())));
+        let candidates = &at.catalogue.candidates;
+        let mut search = Search::new(&mut gram, options.most_findings);
+        search.settle(&at.present);
+        let findings = at.present.len();
+        search.run(MOST_EXTENDED / 2, &mut || report.stage(Stage::Scores, findings));
+        search.drop_from_all();
+        let visited = search.visited;
+        let price = (at.linear.conditions.count as f64).ln();
+        // Noise of the size of what is left, a price for each parameter (Schwarz 1978) and the prior of the set.
+        let score = |fit: &Fit<'_>, members: &[Member]| {
+            let freedom = fit.solution.degrees_of_freedom.max(1.0);
+            let likelihood = freedom * (fit.solution.chi2 / freedom).max(1.0).ln();
+            let odds: f64 = members.iter().map(|m| candidates[m.0].log_odds).sum();
+            odds - 0.5 * (likelihood + price * fit.parameters() as f64)
+        };
+        let mut best: Option<(f64, Fit<'a>)> = None;
+        for members in diverse(candidates, &visited, findings + 1) {
+            if same_members(&members, &at.present) || report.cancelled {
+                continue;
+            }
+            let refit = Fit::new(&problem, &causes_of(&at, &hyper, &members))?;
+            let value = score(&refit, &members);
+            if is_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
+                best = Some((value, refit));
+            }
+        }
+        let own = score(&fit, &at.present);
+        match best {
+            Some((value, better)) if value > own => fit = better,
+            _ => break,
+        }
+    }
+    Ok(fit)
+}
+
+fn same_members(one: &[Member], other: &[Member]) -> bool {
+    one.len() == other.len() && one.iter().all(|m| other.iter().any(|o| o.0 == m.0))
 }
 
 /// The sets of all points with their posteriors, the best first.
@@ -410,14 +461,15 @@ pub(super) fn infer<'a>(
     report: &mut Reporter<'_, '_>,
 ) -> Result<(Inference<'a>, Vec<Visibility>), EstimationError> {
     let expected = EXPECTED_PER_ALPHA * options.alpha;
-    let mut fit = Fit::new(base, &[])?;
+    let none = Fit::new(base, &[])?;
     let mut seen: Option<Vec<Visibility>> = None;
-    let mut tried: Vec<Vec<Cause>> = vec![Vec::new()];
+    let mut fit = approach(none, &mut seen, options, report)?;
+    let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
     for round in 1.. {
         let at = At::new(&fit, expected, true);
         let explored = explore(&at, options.most_findings, report);
         let candidates = &at.catalogue.candidates;
-        let visible = seen.get_or_insert(explored.visibility);
+        let visible = seen.get_or_insert_with(|| explored.visibility);
         let top = explored.ranking.first().map_or(0.0, |(_, value)| *value);
         let causes = |members: &[Member]| -> Vec<Cause> {
             members.iter().map(|m| candidates[m.0].placed()).collect()
@@ -433,12 +485,8 @@ pub(super) fn infer<'a>(
         let here = causes(&at.present);
         let offset = explored.ranking.iter().zip(&ranking).find(|(_, r)| is_same(&r.causes, &here)).map_or(0.0, |((_, v), _)| own - v);
         let near = |(_, value): &&(Vec<Member>, f64)| *value >= top - REFITTED;
-        let mut chosen: Vec<&Vec<Member>> =
+        let chosen: Vec<&Vec<Member>> =
             explored.ranking.iter().filter(near).take(MOST_REFITS).map(|(m, _)| m).collect();
-        if fit.solution.chi2 > DOMINATED * fit.solution.degrees_of_freedom {
-            // Far from the solution all is nonlinear: each kind of cause is worth a fit.
-            chosen.extend(&explored.extensions);
-        }
         for (place, members) in chosen.into_iter().enumerate() {
             if report.cancelled && place > 0 {
                 break;
