@@ -60,7 +60,7 @@ pub fn diagnose(
 }
 
 /// The problem with what effects depend on taken at the poses of its solution.
-fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
+pub(super) fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
     let problem = Problem::new(dataset)?;
     let first = Fit::new(&problem, &[])?;
     Ok(problem.at_poses_of(&first.solution))

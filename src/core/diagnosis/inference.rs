@@ -25,7 +25,7 @@ use super::{DiagnosisOptions, Stage};
 use crate::estimation::{EstimationError, Linearisation, ParameterId, Problem};
 
 /// Causes expected beforehand, for each unit of the probability of a false finding that is allowed.
-const EXPECTED_PER_ALPHA: f64 = 80.0;
+pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
 /// Most linearisations, and most points of the hyperparameters at each.
 const MOST_LINEARISATIONS: usize = 5;
 const MOST_POINTS: usize = 5;
@@ -101,10 +101,10 @@ impl Inference<'_> {
 }
 
 /// A fit with its linear problem.
-struct At<'f, 'a> {
+pub(super) struct At<'f, 'a> {
     fit: &'f Fit<'a>,
-    linear: Linear,
-    catalogue: Catalogue,
+    pub linear: Linear,
+    pub catalogue: Catalogue,
     /// The generators in conditions.
     generators: DMatrix<f64>,
     /// The members that are the causes of the fit.
@@ -112,7 +112,7 @@ struct At<'f, 'a> {
 }
 
 impl<'f, 'a> At<'f, 'a> {
-    fn new(fit: &'f Fit<'a>, expected: f64, is_all: bool) -> Self {
+    pub fn new(fit: &'f Fit<'a>, expected: f64, is_all: bool) -> Self {
         let linear = Linearisation::new(&fit.problem, &fit.solution);
         let catalogue = Catalogue::new(fit, &linear, expected, is_all);
         let conditions = Conditions::new(&linear);
@@ -180,7 +180,7 @@ impl<'f, 'a> At<'f, 'a> {
         self.linear.estimate(&self.linear.described(), &self.columns(members))
     }
 
-    fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
+    pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
         Gram::new(&self.linear, self.linear.base(at, &none), &self.catalogue, &self.generators)
     }
