@@ -11,13 +11,14 @@ use super::gain::Prediction;
 use super::inference::{Inference, Visibility, at_fit, infer};
 use super::noise::noise_statements;
 use super::progress::Reporter;
+use super::reading_id::ReadingId;
 use super::remainder::{Structure, structures};
 use super::report::{
-    Adequacy, Alternative, Diagnosis, Discrepancy, Finding, Invisible, Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Finding, Invisible, Verdict,
 };
 use super::residual_space::ResidualSpace;
 use super::variables::Variables;
-use super::{DiagnosisOptions, Observer, Stage};
+use super::{DiagnosisOptions, Observer, Quantity, Stage};
 use crate::effect::{CablePorts, Dual, Search, measurements_as_modelled};
 use crate::estimation::{EstimationError, Linearisation, Problem};
 use crate::measurement::Dataset;
@@ -100,7 +101,7 @@ fn examine(
     let (extended, remaining, space) = judged(fit, options.alpha);
     if !report.cancelled {
         let left = structures(&inference);
-        temper(&mut findings, &left, fit);
+        temper(&mut findings, &left, &inference);
         findings.extend(left.iter().map(|s| s.finding(fit, &remaining)));
     }
     base.adequate &= findings.is_empty();
@@ -129,16 +130,13 @@ fn kept<'a>(
     options: &DiagnosisOptions,
 ) -> Result<(Inference<'a>, Vec<Claim>, Vec<Alternative>), EstimationError> {
     let full = Prediction::new(&inference.fit);
-    let mut kept = Vec::new();
-    let mut causes = Vec::new();
+    let mut kept: Vec<(f64, Cause, Claim)> = Vec::new();
     for (index, (cause, claim)) in inference.fit.causes.iter().zip(claims).enumerate() {
         let mut others = inference.fit.causes.clone();
         others.remove(index);
-        let predicts = claim.is_sure
-            && full.is_better_than(&Prediction::new(&Fit::new(problem, &others)?));
-        if predicts {
-            causes.push(cause.clone());
-            kept.push(claim);
+        let without = Fit::new(problem, &others)?;
+        if claim.is_sure && full.is_better_than(&Prediction::new(&without)) {
+            kept.push((without.solution.chi2, cause.clone(), claim));
         } else {
             possible.push(Alternative {
                 cause: cause.clone(),
@@ -148,16 +146,22 @@ fn kept<'a>(
         }
     }
     possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    if kept.len() == inference.fit.causes.len() {
-        return Ok((inference, kept, possible));
+    let is_complete = kept.len() == inference.fit.causes.len();
+    let is_ordered = kept.windows(2).all(|pair| pair[0].0 >= pair[1].0);
+    // What explains most comes first.
+    kept.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (causes, claims): (Vec<_>, Vec<_>) = kept.into_iter().map(|(_, cause, claim)| (cause, claim)).unzip();
+    if is_complete && is_ordered {
+        return Ok((inference, claims, possible));
     }
-    let fewer = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
-    Ok((fewer, kept, possible))
+    let ordered = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
+    Ok((ordered, claims, possible))
 }
 
 /// Takes the confidence from names that structure without a name could be behind.
-fn temper(findings: &mut [Finding], left: &[Structure], fit: &Fit<'_>) {
-    let cables = fit.problem.dataset.robot.cable_count();
+fn temper(findings: &mut [Finding], left: &[Structure], inference: &Inference<'_>) {
+    let cables = inference.fit.problem.dataset.robot.cable_count();
+    let scatter = excess(inference);
     let many = |finding: &Finding, all: &[Finding]| {
         let small = |f: &&Finding| {
             let at_pose = matches!(f.cause.effect().search(), Search::AtPose(_));
@@ -172,10 +176,22 @@ fn temper(findings: &mut [Finding], left: &[Structure], fit: &Fit<'_>) {
             let same = own.is_empty() || structure.id.cable.is_none_or(|c| own.contains(&c));
             same && 2.0 * structure.log_evidence > LEFT * finding.evidence.delta_chi2
         });
-        let other = match behind {
-            Some(structure) => structure.cause(cables),
-            None if is_event => Structure::of_length(own.first().copied()).cause(cables),
-            None => continue,
+        let mut beside = scatter.iter();
+        let scattered = beside.find(|(id, excess)| {
+            id.cable.is_some_and(|c| own == [c]) && *excess > LEFT * finding.evidence.delta_chi2
+        });
+        let other = match (behind, scattered) {
+            (Some(structure), _) => structure.cause(cables),
+            (None, Some((id, _))) => Structure::of(*id).cause(cables),
+            (None, None) if is_event => {
+                let id = ReadingId {
+                    quantity: Quantity::Length,
+                    cable: own.first().copied(),
+                    component: None,
+                };
+                Structure::of(id).cause(cables)
+            },
+            (None, None) => continue,
         };
         finding.verdict = Verdict::Ambiguous;
         // Which of them is behind what they share is open.
@@ -186,6 +202,22 @@ fn temper(findings: &mut [Finding], left: &[Structure], fit: &Fit<'_>) {
             probability: finding.probability,
         });
     }
+}
+
+/// Chi-square of the readings of each cable beyond that of the same readings of other cables.
+fn excess(inference: &Inference<'_>) -> Vec<(ReadingId, f64)> {
+    let conditions = &inference.linear.conditions;
+    let of = |class: usize| {
+        let id = conditions.classes[class];
+        let same = conditions.classes.iter().enumerate();
+        let others = same.filter(|(k, other)| *k != class && other.quantity == id.quantity);
+        let mut variances: Vec<f64> = others.map(|(k, _)| inference.at.variance[k]).collect();
+        variances.sort_by(f64::total_cmp);
+        let usual = variances.get(variances.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let readings = conditions.poses_of(class).len() as f64;
+        (id, readings * (inference.at.variance[class] - usual))
+    };
+    (0..conditions.classes.len()).map(of).collect()
 }
 
 /// Whether a fit explains the data, and if not, on what its residuals depend.

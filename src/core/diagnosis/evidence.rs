@@ -5,7 +5,7 @@
 //! parameter. A parameter that is not negative has a normal prior cut at zero, which adds the logarithm of twice the
 //! probability that it is positive given the data. The size of a prior is one of several scales.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::candidates::Candidate;
 use super::gram::{Gram, Own};
@@ -17,7 +17,6 @@ pub(super) type Member = (usize, usize);
 /// A set of causes with its evidence, ready to be extended.
 pub(super) struct System {
     pub members: Vec<Member>,
-    factor: Cholesky<f64, Dyn>,
     /// `L^-1 F^T R` with the rows `R` of the set: one row per parameter, one column per column of the catalogue.
     rows: DMatrix<f64>,
     /// `L^-1 b`.
@@ -77,7 +76,6 @@ impl System {
         let covariance = &factor * cholesky.solve(&factor.transpose());
         let mut system = Self {
             members: members.to_vec(),
-            factor: cholesky,
             rows: whitened,
             log_posterior: 0.5 * (half.norm_squared() - log_determinant) + log_prior,
             score: half,
@@ -110,12 +108,6 @@ impl System {
             first..at
         };
         self.members.iter().map(range).collect()
-    }
-
-    /// The determinant's logarithm of the set's matrix.
-    #[cfg(test)]
-    pub fn log_determinant(&self) -> f64 {
-        2.0 * self.factor.l_dirty().diagonal().map(f64::ln).sum()
     }
 
     /// By how much the logarithm of the posterior rises with a further candidate, and its best scale; nothing where that is

@@ -154,7 +154,7 @@ impl<'f, 'a> At<'f, 'a> {
     }
 
     /// Columns of members in conditions, in units of their prior.
-    fn columns(&self, members: &[Member]) -> DMatrix<f64> {
+    pub fn columns(&self, members: &[Member]) -> DMatrix<f64> {
         let mut parts = Vec::new();
         for (index, scale) in members {
             let candidate = &self.catalogue.candidates[*index];
@@ -537,7 +537,6 @@ pub(super) fn at_fit<'a>(
 ) -> Inference<'a> {
     let at = At::new(&fit, EXPECTED_PER_ALPHA * options.alpha, false);
     let (_, hyper) = at.own_evidence();
-        if std::env::var("DBG").is_ok() { eprintln!("final {:?} v {:?} a {:?} classes {:?}", fit.causes.iter().map(|c| c.effect().id()).collect::<Vec<_>>(), hyper.variance, hyper.amplitude, at.linear.conditions.classes.iter().map(|c| (c.quantity.name(), c.cable)).collect::<Vec<_>>()); for r in ranking.iter().take(8) { eprintln!("  {:.1} {:?}", r.log_posterior, r.causes.iter().map(|c| (c.effect().id(), c.cables())).collect::<Vec<_>>()); } }
     let columns = at.columns(&at.present);
     // The fit is of the likeliest set, but for rounding of the linear comparison.
     if let Some(own) = ranking.iter().position(|r| is_same(&r.causes, &fit.causes)) {

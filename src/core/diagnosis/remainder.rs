@@ -59,14 +59,10 @@ pub(super) fn structures(inference: &Inference<'_>) -> Vec<Structure> {
 }
 
 impl Structure {
-    /// Structure on the length readings of a cable, of which nothing is known.
-    pub fn of_length(cable: Option<usize>) -> Self {
+    /// Structure on readings, of which nothing else is known.
+    pub fn of(id: ReadingId) -> Self {
         Self {
-            id: ReadingId {
-                quantity: Quantity::Length,
-                cable,
-                component: None,
-            },
+            id,
             group: Group::Position,
             log_evidence: 0.0,
         }

@@ -1,15 +1,14 @@
 //! Tests of the doctor: its score tests, its algebra, what it names and what it makes of odd inputs. Seeds are fixed; where
 //! noise decides, the probability of a false failure, had they not been, is said.
 
-
+mod algebra;
 mod cancelling;
 mod held_out;
 mod names;
 mod noise;
 mod odd_inputs;
-
 mod separation;
-
+mod sets;
 
 use super::adequacy_tests::{run_of, run_with, setting};
 use super::fit::Fit;
