@@ -117,7 +117,8 @@ fn is_support(one: &Cause, other: &Cause) -> bool {
     };
     let (a, b) = (one.cables(), other.cables());
     let contains = |all: &Cause, cables: &[usize], some: &[usize]| {
-        all.instances.len() > 1 && !some.is_empty() && some.iter().all(|c| cables.contains(c))
+        let several = all.instances.len() > 1 || cables.len() > 1;
+        several && !some.is_empty() && some.iter().all(|c| cables.contains(c))
     };
     let whole = |one: &Cause, other: &Cause| {
         one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()

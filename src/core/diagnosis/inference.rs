@@ -22,6 +22,7 @@ use super::report::Cause;
 use super::search::{Search, Set, Visited};
 use super::variables::Variables;
 use super::{DiagnosisOptions, Stage};
+use crate::effect::{BoundEffect, Search as EffectSearch};
 use crate::estimation::{EstimationError, Linearisation, ParameterId, Problem};
 
 /// Causes expected beforehand, for each unit of the probability of a false finding that is allowed.
@@ -523,10 +524,53 @@ pub(super) fn infer<'a>(
                 tried.push(next.causes.clone());
                 fit = next;
             }
-            _ => return Ok((at_fit(fit, options, ranking), std::mem::take(visible))),
+            _ => {
+                let united = united(&fit).filter(|_| round < MOST_LINEARISATIONS);
+                let united = united.map(|causes| Fit::new(base, &causes)).transpose()?;
+                let better = united.filter(|fit| {
+                    is_possible(fit) && At::new(fit, expected, false).own_evidence().0 > own
+                });
+                match better {
+                    Some(next) => fit = next,
+                    None => return Ok((at_fit(fit, options, ranking), std::mem::take(visible))),
+                }
+            }
         }
     }
     unreachable!("the last round returns")
+}
+
+/// The causes of a fit with those of the same effect on several single cables replaced by one with a common value.
+fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+    let is_single = |cause: &Cause| match cause.instances.as_slice() {
+        [bound] => {
+            bound.targeted && bound.cables.len() == 1 && bound.effect.search() == EffectSearch::Direct
+        }
+        _ => false,
+    };
+    let singles = || fit.causes.iter().filter(|c| is_single(c));
+    let same = |one: &Cause, other: &Cause| std::ptr::eq(one.effect(), other.effect());
+    let several = |cause: &&Cause| singles().filter(|c| same(c, cause)).count() > 1;
+    let effect = singles().find(several)?;
+    let members: Vec<&Cause> = singles().filter(|c| same(c, effect)).collect();
+    let mut cables: Vec<usize> = members.iter().flat_map(|c| c.cables()).collect();
+    cables.sort_unstable();
+    let bound = &members[0].instances[0];
+    let mean = |k: usize| {
+        let values = members.iter().map(|c| c.instances[0].values[k]);
+        values.sum::<f64>() / members.len() as f64
+    };
+    let common = BoundEffect {
+        effect: bound.effect,
+        cables,
+        targeted: true,
+        values: (0..bound.values.len()).map(mean).collect(),
+    };
+    let others = fit.causes.iter().filter(|c| !(is_single(c) && same(c, effect)));
+    let common = Cause {
+        instances: vec![common],
+    };
+    Some(others.cloned().chain([common]).collect())
 }
 
 /// What is known at a fit.

@@ -8,7 +8,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::candidates::Acts;
+use super::candidates::{Acts, Candidate};
 use super::evidence::{Member, System};
 use super::gram::Gram;
 
@@ -96,8 +96,15 @@ impl<'g, 'l> Search<'g, 'l> {
     /// Looks at sets near the best until none is left or so many were extended; `go_on` is asked before each.
     pub fn run(&mut self, most_extended: usize, go_on: &mut dyn FnMut() -> bool) {
         for _ in 0..most_extended {
-            let Some(members) = self.next() else {
-                return;
+            let members = match self.next() {
+                Some(members) => members,
+                None => {
+                    self.reduce_families();
+                    let Some(members) = self.next() else {
+                        return;
+                    };
+                    members
+                }
             };
             if !go_on() {
                 return;
@@ -146,6 +153,45 @@ impl<'g, 'l> Search<'g, 'l> {
         // What signs say of the whole set is known once it is evaluated as a whole.
         if let Some(best) = self.next().filter(|m| m.len() == members.len() + 1) {
             self.settle(&best);
+        }
+    }
+
+    /// Puts in the place of each family of the best set the single causes of the cables that need one most: of one, of two
+    /// and so on.
+    fn reduce_families(&mut self) {
+        let all = self.gram.candidates;
+        let Some(members) = self.best().map(|b| b.members.clone()) else {
+            return;
+        };
+        let system = System::new(self.gram, &members);
+        let ranges = system.parameters(all);
+        for (place, range) in ranges.into_iter().enumerate() {
+            let family = &all[members[place].0];
+            if !family.is_family() {
+                continue;
+            }
+            let each = range.len() / family.cause.instances.len();
+            let mut cables: Vec<(f64, usize)> = Vec::new();
+            for (k, bound) in family.cause.instances.iter().enumerate() {
+                let is_single = |c: &Candidate| {
+                    std::ptr::eq(c.effect(), family.effect()) && c.cause.cables() == bound.cables
+                };
+                let Some(single) = all.iter().position(is_single) else {
+                    continue;
+                };
+                let first = range.start + k * each;
+                let size = |p: usize| system.estimate[p].powi(2) / system.covariance[(p, p)];
+                cables.push(((first..first + each).map(size).sum(), single));
+            }
+            cables.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let mut fewer = members.clone();
+            let (_, scale) = fewer.remove(place);
+            for (_, single) in cables.iter().take(cables.len().saturating_sub(1)) {
+                fewer.push((*single, scale.min(all[*single].scales.len() - 1)));
+                if !self.visited.contains_key(&set_of(&fewer)) && fewer.len() <= self.most {
+                    self.settle(&fewer);
+                }
+            }
         }
     }
 
