@@ -114,7 +114,9 @@ struct Circumstances {
 
 impl Circumstances {
     fn new(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> Self {
-        let of = |value: &dyn Fn(usize) -> f64| DVector::from_iterator(rows.len(), rows.iter().map(|row| value(*row)));
+        let of = |value: &dyn Fn(usize) -> f64| {
+            DVector::from_iterator(rows.len(), rows.iter().map(|row| value(*row)))
+        };
         let known = |variable: Variable| {
             let values = variables.values(id.quantity, id.cable, variable)?;
             let values = of(&|row| values[row]);
@@ -133,8 +135,12 @@ impl Circumstances {
         }
         Self {
             count: rows.len(),
-            position: (0..3).filter_map(|k| known(Variable::Position(k))).collect(),
-            rotation: (0..3).filter_map(|k| known(Variable::Rotation(k))).collect(),
+            position: (0..3)
+                .filter_map(|k| known(Variable::Position(k)))
+                .collect(),
+            rotation: (0..3)
+                .filter_map(|k| known(Variable::Rotation(k)))
+                .collect(),
             tension: known(Variable::Tension),
             time,
             expressed,
@@ -164,7 +170,8 @@ impl Circumstances {
         }
         let mut found: Sized = Vec::new();
         for (function, size) in wanted {
-            let has_room = found.len() < self.count / READINGS_PER_FUNCTION && basis.len() < self.count;
+            let has_room =
+                found.len() < self.count / READINGS_PER_FUNCTION && basis.len() < self.count;
             if let Some(new) = beside(&basis, &function).filter(|_| has_room) {
                 basis.push(new.clone());
                 found.push((new, size));
@@ -177,8 +184,11 @@ impl Circumstances {
         let position = &self.position;
         let mut wanted = Vec::new();
         // Monomials of one degree from those of the degree before, each with its last variable.
-        let mut monomials: Vec<(DVector<f64>, usize)> =
-            position.iter().enumerate().map(|(k, x)| (x.clone(), k)).collect();
+        let mut monomials: Vec<(DVector<f64>, usize)> = position
+            .iter()
+            .enumerate()
+            .map(|(k, x)| (x.clone(), k))
+            .collect();
         for degree in 2..=DEGREE {
             let more = monomials.iter().flat_map(|(m, last)| {
                 (*last..position.len()).map(|k| (m.component_mul(&position[k]), k))

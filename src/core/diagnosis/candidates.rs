@@ -91,17 +91,14 @@ impl Candidate {
     pub fn is_of(&self, cause: &Cause) -> bool {
         let bound = &cause.instances[0];
         let place = match bound.effect.search() {
-            Search::FromPose(k) | Search::AtPose(k) | Search::Wave { period: Some(k), .. } => {
-                bound.values[k]
-            }
+            Search::FromPose(k)
+            | Search::AtPose(k)
+            | Search::Wave {
+                period: Some(k), ..
+            } => bound.values[k],
             _ => f64::NAN,
         };
         is_alike(&self.cause, cause) && (place.is_nan() || place == self.place)
-    }
-
-    /// Same effect on the same cables, wherever an event or a wave is.
-    pub fn is_alike(&self, other: &Self) -> bool {
-        is_alike(&self.cause, &other.cause)
     }
 
     /// Whether both cannot be in one set: they say the same of a cable.
@@ -109,7 +106,8 @@ impl Candidate {
         let scale = |c: &Self| matches!(c.effect().id(), "winch_scale" | "winch_scale_common");
         let overlap = self.cables & other.cables != 0 || self.cables == other.cables;
         if std::ptr::eq(self.effect(), other.effect()) {
-            return overlap && (self.place.is_nan() || !self.is_event() || self.place == other.place);
+            return overlap
+                && (self.place.is_nan() || !self.is_event() || self.place == other.place);
         }
         // The common scale is the scale of every winch.
         scale(self) && scale(other) && (self.is_family() || other.is_family())
@@ -148,8 +146,11 @@ impl Candidate {
     pub fn placed(&self) -> Cause {
         let mut cause = self.cause.clone();
         for bound in &mut cause.instances {
-            if let Search::FromPose(k) | Search::AtPose(k) | Search::Wave { period: Some(k), .. } =
-                bound.effect.search()
+            if let Search::FromPose(k)
+            | Search::AtPose(k)
+            | Search::Wave {
+                period: Some(k), ..
+            } = bound.effect.search()
             {
                 bound.values[k] = self.place;
             }
@@ -308,13 +309,22 @@ impl Catalogue {
 
 impl Catalogue {
     /// A column in conditions; `generators` are the catalogue's.
-    pub fn column(&self, column: Column, generators: &DMatrix<f64>, conditions: &Conditions) -> DVector<f64> {
+    pub fn column(
+        &self,
+        column: Column,
+        generators: &DMatrix<f64>,
+        conditions: &Conditions,
+    ) -> DVector<f64> {
         let mut values = generators.column(column.generator).into_owned();
         if column.acts == Acts::Everywhere {
             return values;
         }
         for (pose, block) in conditions.blocks.iter().enumerate() {
-            let weight = if pose < conditions.poses { self.weight(column.acts, pose) } else { 0.0 };
+            let weight = if pose < conditions.poses {
+                self.weight(column.acts, pose)
+            } else {
+                0.0
+            };
             let own = block.conditions.clone();
             values.rows_mut(own.start, own.len()).scale_mut(weight);
         }
@@ -360,7 +370,10 @@ impl Builder<'_> {
             self.bounds.push(bound.clone());
             self.bounds.len() - 1
         });
-        let known = self.generators.iter().position(|g| *g == (index, parameter));
+        let known = self
+            .generators
+            .iter()
+            .position(|g| *g == (index, parameter));
         known.unwrap_or_else(|| {
             self.generators.push((index, parameter));
             self.generators.len() - 1
@@ -424,7 +437,10 @@ impl Builder<'_> {
                 let columns = self.columns(cause, |_| Acts::Everywhere);
                 self.push(cause, columns, f64::NAN, expected);
             }
-            Search::Wave { phase, period: None } => {
+            Search::Wave {
+                phase,
+                period: None,
+            } => {
                 let columns = self.wave(cause, phase);
                 self.push(cause, columns, f64::NAN, expected);
             }
@@ -551,7 +567,8 @@ impl Builder<'_> {
         }
         let present = |bound: &BoundEffect, k: usize| {
             let found = self.fit.causes.iter().flat_map(|c| &c.instances);
-            let mut same = found.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
+            let mut same =
+                found.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
             same.next()
                 .map_or(0.0, |b| b.values[k] - effect.parameters()[k].neutral)
         };
@@ -579,8 +596,13 @@ impl Builder<'_> {
         let Some(prior) = covariance.cholesky() else {
             return;
         };
-        let targeted = cause.instances.iter().filter(|b| effect.scope() != Scope::Robot || b.targeted);
-        let cables = targeted.flat_map(|b| &b.cables).fold(0, |mask, c| mask | 1_u64 << c);
+        let targeted = cause
+            .instances
+            .iter()
+            .filter(|b| effect.scope() != Scope::Robot || b.targeted);
+        let cables = targeted
+            .flat_map(|b| &b.cables)
+            .fold(0, |mask, c| mask | 1_u64 << c);
         self.candidates.push(Candidate {
             cause: cause.clone(),
             cables,
@@ -649,12 +671,17 @@ fn on_top_of(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
 fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
-    if !(range > 0.0) {
+    if range.is_nan() || range <= 0.0 {
         return Vec::new();
     }
-    let (shortest, longest) = (typical[0].min(range), typical[1].min(range).max(typical[0].min(range)));
+    let (shortest, longest) = (
+        typical[0].min(range),
+        typical[1].min(range).max(typical[0].min(range)),
+    );
     let (low, high) = (longest.recip(), shortest.recip());
-    let count = ((high - low) * PERIODS_PER_WAVE * range).ceil().clamp(1.0, MOST_PERIODS);
+    let count = ((high - low) * PERIODS_PER_WAVE * range)
+        .ceil()
+        .clamp(1.0, MOST_PERIODS);
     (0..=count as usize)
         .map(|k| (low + (high - low) * k as f64 / count).recip())
         .collect()

@@ -34,7 +34,10 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
     let Some(first) = ranking.first() else {
         return (Vec::new(), Vec::new());
     };
-    let top = ranking.iter().map(|r| r.log_posterior).fold(f64::NEG_INFINITY, f64::max);
+    let top = ranking
+        .iter()
+        .map(|r| r.log_posterior)
+        .fold(f64::NEG_INFINITY, f64::max);
     let weight = |r: &Ranked| (r.log_posterior - top).exp();
     let total: f64 = ranking.iter().map(weight).sum();
     let mut probability = vec![0.0; first.causes.len()];
@@ -62,7 +65,10 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
                 let cables = own.cables();
                 cause.cables().iter().any(|c| cables.contains(c))
             };
-            let instead = spare.iter().position(overlap).or((!spare.is_empty()).then_some(0));
+            let instead = spare
+                .iter()
+                .position(overlap)
+                .or((!spare.is_empty()).then_some(0));
             if let Some(instead) = instead {
                 add(&mut others[place], spare.remove(instead), share);
             }
@@ -74,7 +80,10 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
         let mut sum = probability;
         let mut kept = Vec::new();
         for alternative in alternatives {
-            if sum >= SURE || kept.len() == MOST_ALTERNATIVES || alternative.probability < WORTH_A_LINE {
+            if sum >= SURE
+                || kept.len() == MOST_ALTERNATIVES
+                || alternative.probability < WORTH_A_LINE
+            {
                 break;
             }
             sum += alternative.probability;
@@ -87,7 +96,11 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
         }
     };
     let claims: Vec<Claim> = probability.into_iter().zip(others).map(claim).collect();
-    let listed = |cause: &Cause| claims.iter().any(|c| c.alternatives.iter().any(|a| is_support(&a.cause, cause)));
+    let listed = |cause: &Cause| {
+        claims
+            .iter()
+            .any(|c| c.alternatives.iter().any(|a| is_support(&a.cause, cause)))
+    };
     beside.retain(|a| a.probability >= POSSIBLE && !listed(&a.cause));
     beside.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     (claims, beside)

@@ -50,8 +50,13 @@ pub(super) struct Noise<'c> {
 
 impl Conditions {
     pub fn new(linear: &Linearisation) -> Self {
-        let ids: Vec<_> = linear.rows.iter().map(|row| ReadingId::of(row, linear)).collect();
-        let mut index: BTreeMap<ReadingId, usize> = ids.iter().flatten().map(|id| (*id, 0)).collect();
+        let ids: Vec<_> = linear
+            .rows
+            .iter()
+            .map(|row| ReadingId::of(row, linear))
+            .collect();
+        let mut index: BTreeMap<ReadingId, usize> =
+            ids.iter().flatten().map(|id| (*id, 0)).collect();
         for (place, index) in index.values_mut().enumerate() {
             *index = place;
         }
@@ -79,7 +84,12 @@ impl Conditions {
         found
     }
 
-    fn push(&mut self, rows: std::ops::Range<usize>, basis: DMatrix<f64>, classes: Vec<Option<usize>>) {
+    fn push(
+        &mut self,
+        rows: std::ops::Range<usize>,
+        basis: DMatrix<f64>,
+        classes: Vec<Option<usize>>,
+    ) {
         let first = self.count;
         self.count += basis.nrows();
         self.blocks.push(Block {
@@ -110,7 +120,12 @@ impl Conditions {
                 continue;
             };
             let mut to = conditions.rows_mut(block.conditions.start, block.conditions.len());
-            to.ger(1.0, &block.basis.column(row), &functions.row(pose).transpose(), 0.0);
+            to.ger(
+                1.0,
+                &block.basis.column(row),
+                &functions.row(pose).transpose(),
+                0.0,
+            );
         }
         conditions
     }

@@ -150,7 +150,10 @@ fn kept<'a>(
     let is_ordered = kept.windows(2).all(|pair| pair[0].0 >= pair[1].0);
     // What explains most comes first.
     kept.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (causes, claims): (Vec<_>, Vec<_>) = kept.into_iter().map(|(_, cause, claim)| (cause, claim)).unzip();
+    let (causes, claims): (Vec<_>, Vec<_>) = kept
+        .into_iter()
+        .map(|(_, cause, claim)| (cause, claim))
+        .unzip();
     if is_complete && is_ordered {
         return Ok((inference, claims, possible));
     }
@@ -165,7 +168,9 @@ fn temper(findings: &mut [Finding], left: &[Structure], inference: &Inference<'_
     let many = |finding: &Finding, all: &[Finding]| {
         let small = |f: &&Finding| {
             let at_pose = matches!(f.cause.effect().search(), Search::AtPose(_));
-            at_pose && f.evidence.delta_chi2 < LARGE_EVENT && f.cause.cables() == finding.cause.cables()
+            at_pose
+                && f.evidence.delta_chi2 < LARGE_EVENT
+                && f.cause.cables() == finding.cause.cables()
         };
         small(&finding) && all.iter().filter(small).count() >= MANY_EVENTS
     };
@@ -190,7 +195,7 @@ fn temper(findings: &mut [Finding], left: &[Structure], inference: &Inference<'_
                     component: None,
                 };
                 Structure::of(id).cause(cables)
-            },
+            }
             (None, None) => continue,
         };
         finding.verdict = Verdict::Ambiguous;
@@ -213,7 +218,10 @@ fn excess(inference: &Inference<'_>) -> Vec<(ReadingId, f64)> {
         let others = same.filter(|(k, other)| *k != class && other.quantity == id.quantity);
         let mut variances: Vec<f64> = others.map(|(k, _)| inference.at.variance[k]).collect();
         variances.sort_by(f64::total_cmp);
-        let usual = variances.get(variances.len() / 2).copied().unwrap_or(f64::INFINITY);
+        let usual = variances
+            .get(variances.len() / 2)
+            .copied()
+            .unwrap_or(f64::INFINITY);
         let readings = conditions.poses_of(class).len() as f64;
         (id, readings * (inference.at.variance[class] - usual))
     };

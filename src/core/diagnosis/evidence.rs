@@ -37,7 +37,10 @@ impl System {
     /// The set with these members.
     pub fn new(gram: &mut Gram<'_>, members: &[Member]) -> Self {
         let total = *gram.first.last().unwrap_or(&0);
-        let width: usize = members.iter().map(|m| gram.candidates[m.0].columns.len()).sum();
+        let width: usize = members
+            .iter()
+            .map(|m| gram.candidates[m.0].columns.len())
+            .sum();
         let mut factor = DMatrix::zeros(width, width);
         let mut rows = DMatrix::zeros(width, total);
         let mut score = DVector::zeros(width);

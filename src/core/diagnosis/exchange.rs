@@ -40,7 +40,8 @@ pub(super) fn exchanged(
         return Ok(None);
     }
     let dataset = fit.problem.dataset;
-    let allowed = solution.degrees_of_freedom + LEFT * (solution.chi2 - solution.degrees_of_freedom);
+    let allowed =
+        solution.degrees_of_freedom + LEFT * (solution.chi2 - solution.degrees_of_freedom);
     let kinds: &[f64] = if dataset.measurements.force_n.is_empty() {
         &[1.0]
     } else {

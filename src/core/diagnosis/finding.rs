@@ -99,7 +99,10 @@ impl Found<'_, '_> {
     /// The parameters of the cause in the final model.
     fn parameters(&self) -> Vec<FoundParameter> {
         let fit = self.fit;
-        let before: usize = fit.causes[..self.index].iter().map(|c| c.instances.len()).sum();
+        let before: usize = fit.causes[..self.index]
+            .iter()
+            .map(|c| c.instances.len())
+            .sum();
         let cause = &fit.causes[self.index];
         let several = cause.instances.len() > 1;
         let mut found = Vec::new();

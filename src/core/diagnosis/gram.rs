@@ -40,7 +40,12 @@ pub(super) struct Gram<'l> {
 
 impl<'l> Gram<'l> {
     /// `generators` are those of the catalogue in conditions.
-    pub fn new(linear: &'l Linear, base: Base<'l>, catalogue: &'l Catalogue, generators: &DMatrix<f64>) -> Self {
+    pub fn new(
+        linear: &'l Linear,
+        base: Base<'l>,
+        catalogue: &'l Catalogue,
+        generators: &DMatrix<f64>,
+    ) -> Self {
         let mut whitened = generators.clone();
         base.noise.whiten(&mut whitened);
         let mut first = Vec::new();
@@ -59,7 +64,9 @@ impl<'l> Gram<'l> {
             }
             if matches!(column.acts, Acts::Wave { .. }) {
                 let poses = linear.conditions.poses;
-                waves.push(DVector::from_fn(poses, |pose, _| catalogue.weight(column.acts, pose)));
+                waves.push(DVector::from_fn(poses, |pose, _| {
+                    catalogue.weight(column.acts, pose)
+                }));
             }
         }
         let mut gram = Self {
@@ -113,22 +120,30 @@ impl<'l> Gram<'l> {
         let mut sum = DMatrix::zeros(k, k);
         let mut taken = DMatrix::zeros(self.base.taken.nrows(), k);
         let blocks = &self.linear.conditions.blocks[..self.linear.conditions.poses];
-        let mut found: Vec<_> = blocks.iter().rev().map(|block| {
-            let (first, count) = (block.conditions.start, block.conditions.len());
-            let own = columns.rows(first, count);
-            let square = own.tr_mul(&own);
-            let alone = self.base.taken.columns(first, count) * own;
-            sum += &square;
-            taken += &alone;
-            [square - alone.tr_mul(&alone), &sum - taken.tr_mul(&taken)]
-        }).collect();
+        let mut found: Vec<_> = blocks
+            .iter()
+            .rev()
+            .map(|block| {
+                let (first, count) = (block.conditions.start, block.conditions.len());
+                let own = columns.rows(first, count);
+                let square = own.tr_mul(&own);
+                let alone = self.base.taken.columns(first, count) * own;
+                sum += &square;
+                taken += &alone;
+                [square - alone.tr_mul(&alone), &sum - taken.tr_mul(&taken)]
+            })
+            .collect();
         found.reverse();
         found
     }
 
     /// A column, whitened: weights of poses and noise commute.
     fn column(&self, index: usize) -> DVector<f64> {
-        self.catalogue.column(self.columns[index], &self.generators, &self.linear.conditions)
+        self.catalogue.column(
+            self.columns[index],
+            &self.generators,
+            &self.linear.conditions,
+        )
     }
 
     fn wave_information(&self, index: usize) -> DMatrix<f64> {

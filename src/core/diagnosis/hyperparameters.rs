@@ -115,7 +115,8 @@ impl Linear {
         let density = |ratio: f64, worth: f64| 0.5 * worth * (1.0 - ratio.ln() - ratio.recip());
         let mut log_prior = 0.0;
         for (_, classes) in self.kinds() {
-            let mean = classes.iter().map(|k| variance[*k].ln()).sum::<f64>() / classes.len() as f64;
+            let mean =
+                classes.iter().map(|k| variance[*k].ln()).sum::<f64>() / classes.len() as f64;
             log_prior += density(mean.exp(), KIND_PRIOR);
             for class in &classes {
                 log_prior += density(variance[*class] / mean.exp(), CABLE_PRIOR);
@@ -123,10 +124,14 @@ impl Linear {
         }
         for shapes in self.kinds_of_shapes() {
             let of_kind = |kind: usize| {
-                let each = shapes.iter().map(|k| log_share(amplitude[*k], kind, shapes.len()));
+                let each = shapes
+                    .iter()
+                    .map(|k| log_share(amplitude[*k], kind, shapes.len()));
                 log_kind(kind) + each.sum::<f64>()
             };
-            log_prior += (0..AMPLITUDES.len()).map(of_kind).fold(f64::NEG_INFINITY, f64::max);
+            log_prior += (0..AMPLITUDES.len())
+                .map(of_kind)
+                .fold(f64::NEG_INFINITY, f64::max);
         }
         Hyperparameters {
             variance,
@@ -224,7 +229,11 @@ impl Linear {
             }
             let sums = base.noise.class_sums(&base.residual, &base.taken);
             let variance = self.variances(&sums);
-            let change = at.variance.iter().zip(&variance).map(|(a, b)| (a / b).ln().abs());
+            let change = at
+                .variance
+                .iter()
+                .zip(&variance)
+                .map(|(a, b)| (a / b).ln().abs());
             let settled = change.fold(0.0, f64::max) < SETTLED && strongest.is_none();
             let instead = self.with_prior(variance.clone(), single);
             best = Some((value, at, instead));
@@ -260,7 +269,8 @@ impl Linear {
                 let best = places.max_by(|a, b| value(*a).total_cmp(&value(*b)));
                 best.map_or((0, 0.0), |k| (k, value(k)))
             };
-            let total = |kind: usize| log_kind(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>();
+            let total =
+                |kind: usize| log_kind(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>();
             let kind = (0..AMPLITUDES.len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
             for shape in &shapes {
                 chosen[*shape] = best(*shape, kind.unwrap_or(0)).0;
@@ -318,20 +328,37 @@ fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
     };
     let mut lower = b.view_mut((half, 0), (n - half, columns)).clone_owned();
     lower.gemm(-1.0, &l.view((half, 0), (n - half, half)), &first, 1.0);
-    solve_lower(&l.view((half, half), (n - half, n - half)), &mut lower.as_view_mut());
+    solve_lower(
+        &l.view((half, half), (n - half, n - half)),
+        &mut lower.as_view_mut(),
+    );
     b.view_mut((half, 0), (n - half, columns)).copy_from(&lower);
 }
 
 fn log_kind(kind: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
-    if kind == 0 { NONE } else { (1.0 - NONE) / others }.ln()
+    if kind == 0 {
+        NONE
+    } else {
+        (1.0 - NONE) / others
+    }
+    .ln()
 }
 
 /// Logarithm of the probability of an amplitude of one of `classes` where its kind has another.
 fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
     if classes == 1 {
-        return if amplitude == kind { 0.0 } else { f64::NEG_INFINITY };
+        return if amplitude == kind {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
     }
-    if amplitude == kind { AS_ITS_KIND } else { (1.0 - AS_ITS_KIND) / others }.ln()
+    if amplitude == kind {
+        AS_ITS_KIND
+    } else {
+        (1.0 - AS_ITS_KIND) / others
+    }
+    .ln()
 }

@@ -123,7 +123,8 @@ impl<'f, 'a> At<'f, 'a> {
         let fixed: Vec<usize> = (0..linear.parameters.len()).filter(is_fixed).collect();
         let fixed = conditions.of_rows(&linear.design.select_columns(&fixed));
         let generators = conditions.of_rows(&catalogue.generators);
-        let residual = DMatrix::from_column_slice(linear.residual.len(), 1, linear.residual.as_slice());
+        let residual =
+            DMatrix::from_column_slice(linear.residual.len(), 1, linear.residual.as_slice());
         let mut residual: DVector<f64> = conditions.of_rows(&residual).column(0).into_owned();
         let mut present = Vec::new();
         let poses = conditions.poses;
@@ -161,7 +162,9 @@ impl<'f, 'a> At<'f, 'a> {
             let candidate = &self.catalogue.candidates[*index];
             let mut columns = DMatrix::zeros(self.linear.conditions.count, candidate.columns.len());
             for (k, column) in candidate.columns.iter().enumerate() {
-                let column = self.catalogue.column(*column, &self.generators, &self.linear.conditions);
+                let column =
+                    self.catalogue
+                        .column(*column, &self.generators, &self.linear.conditions);
                 columns.set_column(k, &column);
             }
             parts.push(columns * &candidate.prior * candidate.scales[*scale].0);
@@ -178,12 +181,18 @@ impl<'f, 'a> At<'f, 'a> {
 
     /// The hyperparameters that suit a set, from the noise as described: from louder noise the estimation would stay there.
     fn estimate(&self, members: &[Member]) -> Hyperparameters {
-        self.linear.estimate(&self.linear.described(), &self.columns(members))
+        self.linear
+            .estimate(&self.linear.described(), &self.columns(members))
     }
 
     pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
-        Gram::new(&self.linear, self.linear.base(at, &none), &self.catalogue, &self.generators)
+        Gram::new(
+            &self.linear,
+            self.linear.base(at, &none),
+            &self.catalogue,
+            &self.generators,
+        )
     }
 
     /// The evidence of the causes of the fit at it, its prior included, with the hyperparameters that suit it.
@@ -241,13 +250,19 @@ fn explore(at: &At<'_, '_>, most: usize, report: &mut Reporter<'_, '_>) -> Explo
         search.settle(&at.present);
         search.settle(&best);
         for point in &points {
-            if let Some(top) = point.visited.values().max_by(|a, b| a.log_posterior.total_cmp(&b.log_posterior)) {
+            if let Some(top) = point
+                .visited
+                .values()
+                .max_by(|a, b| a.log_posterior.total_cmp(&b.log_posterior))
+            {
                 search.settle(&top.members);
             }
         }
         let findings = at.present.len();
         search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
-        if hyper.is_loud() || points.is_empty() && search.best().is_some_and(|b| b.members.len() > 2) {
+        if hyper.is_loud()
+            || points.is_empty() && search.best().is_some_and(|b| b.members.len() > 2)
+        {
             search.drop_from_all();
             search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
         }
@@ -275,24 +290,39 @@ fn explore(at: &At<'_, '_>, most: usize, report: &mut Reporter<'_, '_>) -> Explo
         }
     }
     Explored {
-        visibility: points.first().map_or_else(Vec::new, |point| visibility(&point.gram)),
+        visibility: points
+            .first()
+            .map_or_else(Vec::new, |point| visibility(&point.gram)),
         ranking: ranked(&mut points),
         at: found,
     }
 }
 
 /// The best sets, and the best with so many causes, one for each effect on one cable, on all and on each.
-fn diverse(candidates: &[Candidate], visited: &HashMap<Set, Visited>, count: usize) -> Vec<Vec<Member>> {
+fn diverse(
+    candidates: &[Candidate],
+    visited: &HashMap<Set, Visited>,
+    count: usize,
+) -> Vec<Vec<Member>> {
     let mut all: Vec<&Visited> = visited.values().collect();
     all.sort_by(|a, b| {
         let order = b.log_posterior.total_cmp(&a.log_posterior);
         order.then_with(|| a.members.cmp(&b.members))
     });
-    let mut found: Vec<Vec<Member>> =
-        all.iter().take(MOST_REFITS).map(|v| v.members.clone()).collect();
+    let mut found: Vec<Vec<Member>> = all
+        .iter()
+        .take(MOST_REFITS)
+        .map(|v| v.members.clone())
+        .collect();
     let kind = |members: &[Member]| {
         let last = members.last().map(|m| &candidates[m.0]);
-        last.map(|c| (c.effect().id(), c.is_family(), c.cause.instances[0].targeted))
+        last.map(|c| {
+            (
+                c.effect().id(),
+                c.is_family(),
+                c.cause.instances[0].targeted,
+            )
+        })
     };
     let mut kinds = Vec::new();
     for visited in all.iter().filter(|v| v.members.len() == count) {
@@ -330,7 +360,9 @@ fn approach<'a>(
         let mut search = Search::new(&mut gram, options.most_findings);
         search.settle(&at.present);
         let findings = at.present.len();
-        search.run(MOST_EXTENDED / 2, &mut || report.stage(Stage::Scores, findings));
+        search.run(MOST_EXTENDED / 2, &mut || {
+            report.stage(Stage::Scores, findings)
+        });
         search.drop_from_all();
         let visited = search.visited;
         let price = (at.linear.conditions.count as f64).ln();
@@ -371,13 +403,18 @@ fn ranked(points: &mut [Point<'_>]) -> Vec<(Vec<Member>, f64)> {
     for point in points.iter() {
         for (set, visited) in &point.visited {
             let value = point.of_none + visited.log_posterior;
-            let entry = best.entry(set.clone()).or_insert_with(|| (visited.members.clone(), value));
+            let entry = best
+                .entry(set.clone())
+                .or_insert_with(|| (visited.members.clone(), value));
             if value > entry.1 {
                 *entry = (visited.members.clone(), value);
             }
         }
     }
-    let top = best.values().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
+    let top = best
+        .values()
+        .map(|(_, value)| *value)
+        .fold(f64::NEG_INFINITY, f64::max);
     let mut ranking: Vec<(Vec<Member>, f64)> = Vec::new();
     for (set, (members, value)) in best {
         if value < top - COUNTED {
@@ -385,7 +422,8 @@ fn ranked(points: &mut [Point<'_>]) -> Vec<(Vec<Member>, f64)> {
         }
         let all = points.iter_mut().map(|point| {
             let known = point.visited.get(&set).map(|v| v.log_posterior);
-            point.of_none + known.unwrap_or_else(|| System::new(&mut point.gram, &members).log_posterior)
+            point.of_none
+                + known.unwrap_or_else(|| System::new(&mut point.gram, &members).log_posterior)
         });
         let total = log_sum(all);
         ranking.push((members, total));
@@ -470,24 +508,38 @@ pub(super) fn infer<'a>(
         let at = At::new(&fit, expected, true);
         let explored = explore(&at, options.most_findings, report);
         let candidates = &at.catalogue.candidates;
-        let visible = seen.get_or_insert_with(|| explored.visibility);
+        let visible = seen.get_or_insert(explored.visibility);
         let top = explored.ranking.first().map_or(0.0, |(_, value)| *value);
         let causes = |members: &[Member]| -> Vec<Cause> {
             members.iter().map(|m| candidates[m.0].placed()).collect()
         };
-        let mut ranking: Vec<Ranked> = explored.ranking.iter().map(|(members, value)| Ranked {
-            causes: causes(members),
-            log_posterior: *value,
-        }).collect();
+        let mut ranking: Vec<Ranked> = explored
+            .ranking
+            .iter()
+            .map(|(members, value)| Ranked {
+                causes: causes(members),
+                log_posterior: *value,
+            })
+            .collect();
         report.stage(Stage::Refits, at.present.len());
         // The evidence of the likeliest sets at their own fits.
         let (own, _) = at.own_evidence();
         let mut best: Option<(f64, Fit<'a>)> = None;
         let here = causes(&at.present);
-        let offset = explored.ranking.iter().zip(&ranking).find(|(_, r)| is_same(&r.causes, &here)).map_or(0.0, |((_, v), _)| own - v);
+        let offset = explored
+            .ranking
+            .iter()
+            .zip(&ranking)
+            .find(|(_, r)| is_same(&r.causes, &here))
+            .map_or(0.0, |((_, v), _)| own - v);
         let near = |(_, value): &&(Vec<Member>, f64)| *value >= top - REFITTED;
-        let chosen: Vec<&Vec<Member>> =
-            explored.ranking.iter().filter(near).take(MOST_REFITS).map(|(m, _)| m).collect();
+        let chosen: Vec<&Vec<Member>> = explored
+            .ranking
+            .iter()
+            .filter(near)
+            .take(MOST_REFITS)
+            .map(|(m, _)| m)
+            .collect();
         for (place, members) in chosen.into_iter().enumerate() {
             if report.cancelled && place > 0 {
                 break;
@@ -544,7 +596,9 @@ pub(super) fn infer<'a>(
 fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     let is_single = |cause: &Cause| match cause.instances.as_slice() {
         [bound] => {
-            bound.targeted && bound.cables.len() == 1 && bound.effect.search() == EffectSearch::Direct
+            bound.targeted
+                && bound.cables.len() == 1
+                && bound.effect.search() == EffectSearch::Direct
         }
         _ => false,
     };
@@ -566,7 +620,10 @@ fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
         targeted: true,
         values: (0..bound.values.len()).map(mean).collect(),
     };
-    let others = fit.causes.iter().filter(|c| !(is_single(c) && same(c, effect)));
+    let others = fit
+        .causes
+        .iter()
+        .filter(|c| !(is_single(c) && same(c, effect)));
     let common = Cause {
         instances: vec![common],
     };

@@ -37,9 +37,9 @@ mod variables;
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
 pub use report::{
-    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
-    GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
-    Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
+    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
+    Separation, Verdict,
 };
 
 pub use variables::Variables;

@@ -81,7 +81,9 @@ impl Structure {
             Quantity::Tension => Some(BiasedReading::Tension),
             Quantity::Swivel => Some(BiasedReading::Swivel),
             Quantity::Laser => Some(BiasedReading::Laser),
-            Quantity::Inclination => Some(BiasedReading::Inclination(self.id.component.unwrap_or(0))),
+            Quantity::Inclination => {
+                Some(BiasedReading::Inclination(self.id.component.unwrap_or(0)))
+            }
             Quantity::TrackerPosition | Quantity::TrackerOrientation => None,
         };
         let number = BiasedReading::ALL.iter().position(|r| Some(*r) == reading);
@@ -108,7 +110,10 @@ impl Structure {
             None => format!("{name} readings"),
         };
         let own = |d: &&Discrepancy| d.quantity == self.id.quantity && d.cable == self.id.cable;
-        let on = left.iter().find(own).map_or(self.group.name(), |d| d.variable.name());
+        let on = left
+            .iter()
+            .find(own)
+            .map_or(self.group.name(), |d| d.variable.name());
         let prediction = Prediction::new(fit);
         Finding {
             verdict: Verdict::Unknown,

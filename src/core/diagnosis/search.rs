@@ -85,7 +85,8 @@ impl<'g, 'l> Search<'g, 'l> {
     fn next(&self) -> Option<Vec<Member>> {
         let least = self.best()?.log_posterior - NEAR;
         let open = self.visited.iter();
-        let open = open.filter(|(set, v)| v.log_posterior >= least && !self.extended.contains(*set));
+        let open =
+            open.filter(|(set, v)| v.log_posterior >= least && !self.extended.contains(*set));
         let best = open.max_by(|a, b| {
             let by_value = a.1.log_posterior.total_cmp(&b.1.log_posterior);
             by_value.then_with(|| b.0.cmp(a.0))
@@ -95,6 +96,7 @@ impl<'g, 'l> Search<'g, 'l> {
 
     /// Looks at sets near the best until none is left or so many were extended; `go_on` is asked before each.
     pub fn run(&mut self, most_extended: usize, go_on: &mut dyn FnMut() -> bool) {
+        self.reduce_families();
         for _ in 0..most_extended {
             let members = match self.next() {
                 Some(members) => members,

@@ -13,7 +13,11 @@ use crate::measurement::Dataset;
 /// Data with two causes, noise that is not as described.
 fn dataset() -> Dataset {
     let scale = setting("winch_scale", &["cable-3"], &[("scale", 0.004)]);
-    let slip = setting("cable_slip", &["cable-1"], &[("step", 0.003), ("pose", 6.0)]);
+    let slip = setting(
+        "cable_slip",
+        &["cable-1"],
+        &[("step", 0.003), ("pose", 6.0)],
+    );
     run_with("planar", 12, 31, &[scale, slip]).dataset
 }
 
@@ -49,7 +53,9 @@ fn evidence_is_that_of_the_dense_covariance() {
     }
     let candidates = &at.catalogue.candidates;
     let find = |id: &str, acts: fn(Acts) -> bool| {
-        let is = |c: &super::super::candidates::Candidate| c.effect().id() == id && acts(c.columns[0].acts);
+        let is = |c: &super::super::candidates::Candidate| {
+            c.effect().id() == id && acts(c.columns[0].acts)
+        };
         candidates.iter().position(is).unwrap()
     };
     let members: Vec<Member> = vec![
@@ -67,7 +73,10 @@ fn evidence_is_that_of_the_dense_covariance() {
             let of_none = gram.base.log_evidence;
             let closed = of_none + System::new(&mut gram, set).log_posterior - prior;
             let dense = dense_log_evidence(&at, &hyper.variance, &at.columns(set));
-            assert!((closed - dense).abs() < 1e-5 * dense.abs(), "{closed} {dense}");
+            assert!(
+                (closed - dense).abs() < 1e-5 * dense.abs(),
+                "{closed} {dense}"
+            );
             // The gain of the next is the difference of both.
             let (Some(next), system) = (members.get(count), System::new(&mut gram, set)) else {
                 continue;
@@ -94,7 +103,9 @@ fn enumerated(gram: &mut Gram<'_>) -> Vec<(Vec<usize>, f64)> {
                 let mut others = members.clone();
                 others.remove(place);
                 let system = System::new(gram, &others);
-                let best = system.gain(gram, members[place].0, f64::NEG_INFINITY).unwrap();
+                let best = system
+                    .gain(gram, members[place].0, f64::NEG_INFINITY)
+                    .unwrap();
                 members[place].1 = best.1;
             }
         }
@@ -132,8 +143,11 @@ fn the_search_finds_what_enumeration_finds() {
     let mut search = Search::new(&mut gram, 3);
     search.visit(&[]);
     search.run(200, &mut || true);
-    let visited: Vec<(Vec<usize>, f64)> =
-        search.visited.iter().map(|(set, v)| (set.clone(), v.log_posterior)).collect();
+    let visited: Vec<(Vec<usize>, f64)> = search
+        .visited
+        .iter()
+        .map(|(set, v)| (set.clone(), v.log_posterior))
+        .collect();
     let probabilities = |sets: &[(Vec<usize>, f64)]| -> DVector<f64> {
         let top = sets.iter().map(|s| s.1).fold(f64::NEG_INFINITY, f64::max);
         let mut sums = DVector::zeros(count);
