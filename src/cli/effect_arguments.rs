@@ -9,7 +9,7 @@ use tautline_core::robot::Robot;
 /// Effects to hide.
 #[derive(Debug, Default, clap::Args)]
 pub struct HiddenEffects {
-    /// Hide an effect in the data, on all cables unless one is named; may be repeated
+    /// Simulate a fault: give the robot this effect, on all cables unless one is named; may be repeated
     #[arg(
         long = "effect",
         alias = "effects",
@@ -21,8 +21,8 @@ pub struct HiddenEffects {
 /// Effects to estimate.
 #[derive(Debug, Default, clap::Args)]
 pub struct FreedEffects {
-    /// Estimate an effect, on each cable unless one is named; what cannot be estimated is given, as the pose of a slip:
-    /// cable_slip:cable-3:pose=12; may be repeated, or several separated by commas
+    /// Estimate this effect, too, on each cable unless one is named; a parameter that cannot be estimated is given, such
+    /// as the pose of a slip: cable_slip:cable-3:pose=12; may be repeated, or several effects separated by commas
     #[arg(
         long = "effect",
         alias = "effects",

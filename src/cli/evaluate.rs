@@ -19,10 +19,10 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// Model file or robot.json whose geometry and effects are held
+    /// Model file or robot.json whose geometry and effects are kept fixed
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// Also hold the poses, at the external instrument's positions
+    /// Also keep the poses fixed, at the positions that the external instrument measured
     #[arg(long)]
     poses_held: bool,
     #[command(flatten)]

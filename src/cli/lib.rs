@@ -63,7 +63,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Make a dataset of a virtual robot
+    /// Simulate a calibration run: make a dataset of a virtual robot
     Simulate(simulate::Arguments),
     /// Choose the poses to measure and predict the standard deviations
     Plan(plan::Arguments),
@@ -73,13 +73,13 @@ enum Command {
     Identify(identify::Arguments),
     /// Diagnose the model: does it explain a dataset, what does it lack and what to do about it
     Diagnose(diagnose::Arguments),
-    /// Fit poses only, with the geometry and effects of a model held
+    /// Estimate poses only, with the geometry and effects of a model kept fixed
     Evaluate(evaluate::Arguments),
     /// Compare two runs: which pulleys moved, which differences are noise
     Compare(compare::Arguments),
-    /// Accuracy figures of ISO 9283 from a check.csv
+    /// Compute the accuracy figures of ISO 9283 from a check.csv
     Accuracy(accuracy::Arguments),
-    /// Fit winches, force sensors, home platform and cable elongation of a dataset
+    /// Fit winches, force sensors, home platform and cable elongation to the calibration tables of a dataset
     Precalibrate(precalibrate::Arguments),
     /// Identify, diagnose and write a report as HTML or PDF
     Report(report::Arguments),
@@ -89,7 +89,7 @@ enum Command {
     Verify(verify::Arguments),
     /// Write the default symbol names of a controller, for --symbols
     Symbols(symbols::Arguments),
-    /// List the physical effects that simulate can hide and identify can free
+    /// List the physical effects that can be simulated, identified and diagnosed
     Effects,
     /// Write the JSON Schemas of the file formats
     Schemas {

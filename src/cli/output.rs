@@ -28,7 +28,7 @@ pub(crate) use say;
 /// `--json`.
 #[derive(Debug, clap::Args)]
 pub struct JsonOutput {
-    /// Write the machine form; - is standard output
+    /// Write the results as JSON; - is standard output
     #[arg(id = "json", long, value_name = "FILE")]
     file: Option<PathBuf>,
 }
@@ -39,7 +39,7 @@ impl JsonOutput {
         self.file.as_deref() != Some(Path::new("-"))
     }
 
-    /// Writes the machine form of a document where it was asked for, and prints the readable one.
+    /// Writes a document as JSON where it was asked for, and prints the readable form.
     pub fn deliver<D: VersionedFile>(&self, document: &D, print: impl FnOnce()) -> Result<()> {
         if let Some(path) = &self.file {
             write_json(path, &tautline_session::versioned(document))?;

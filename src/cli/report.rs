@@ -23,7 +23,7 @@ pub struct Arguments {
     /// File to write; its name ends with .html or .pdf
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Parts that are wanted, separated by commas; all by default
+    /// Parts to include, separated by commas; all by default
     #[arg(
         long,
         value_name = "PART",
@@ -32,7 +32,7 @@ pub struct Arguments {
         conflicts_with = "without"
     )]
     sections: Vec<Part>,
-    /// Parts that are left out, separated by commas
+    /// Parts to leave out, separated by commas
     #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = part())]
     without: Vec<Part>,
     /// Title instead of the name of the session
@@ -44,7 +44,7 @@ pub struct Arguments {
     /// Who made the measurements
     #[arg(long, default_value = "")]
     operator: String,
-    /// For whom they were made
+    /// Company that the report is for
     #[arg(long, default_value = "")]
     company: String,
 }

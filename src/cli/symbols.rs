@@ -13,7 +13,7 @@ pub struct Arguments {
     /// A preset (mini, hall, suspended, planar) or a robot.json
     #[arg(value_name = "PRESET|FILE")]
     robot: String,
-    /// Write them to a file; - is standard output
+    /// File to write; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }

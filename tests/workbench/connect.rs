@@ -352,7 +352,7 @@ fn a_reconnected_controller_is_disarmed_and_the_run_continues() {
     bench.press("Reconnect now");
     bench.wait("the connection", |state| state.model.link.is_connected());
     bench.wait("the message", |state| {
-        told(state, "It holds the values that it held before")
+        told(state, "Its values are unchanged")
     });
     assert!(
         !bench.state().model.link.is_armed(),

@@ -40,10 +40,10 @@ pub struct Arguments {
     /// Show what would be written, and write nothing
     #[arg(long)]
     dry_run: bool,
-    /// Write the values that were there before the last adjustment
+    /// Restore the values from before the last adjustment
     #[arg(long, conflicts_with_all = ["method", "dry_run", "allow_unconverged"])]
     roll_back: bool,
-    /// Write controller and identified values as a table
+    /// Write the values of the controller and the identified ones as a CSV table
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Write the identified values as constants in Structured Text

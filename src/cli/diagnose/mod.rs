@@ -33,7 +33,7 @@ pub struct Arguments {
     time_limit: f64,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write the robot with the geometry and the effects of the extended model
+    /// Write the identified robot, with the effects found, as a model file
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
     /// Also print the statistics behind the verdicts

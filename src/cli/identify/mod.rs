@@ -27,21 +27,21 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// joint: tensions as unknowns, static equilibrium holds; simple: tensions as exact; published: Jin
-    /// et al. 2018
+    /// joint: tensions are unknowns, tied by static equilibrium; simple: measured tensions are taken as exact;
+    /// published: the method of Jin et al. 2018
     #[arg(long, value_enum, default_value_t = MethodName::Joint)]
     method: MethodName,
     #[command(flatten)]
     effects: FreedEffects,
-    /// Huber's loss beyond this many standard deviations
+    /// Use Huber's loss, in which residuals beyond this many standard deviations weigh less; 1.5 without a number
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
     robust: Option<f64>,
-    /// Solve N times and report the least time
+    /// Solve N times and report the shortest time
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub repeat: usize,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write the identified robot
+    /// Write the identified robot as a model file
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
 }

@@ -24,7 +24,7 @@ use drive::{Drive, RunEnd};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Session file to make, or to go on with
+    /// Session file to create or to continue
     #[arg(value_name = "SESSION")]
     session: PathBuf,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Poses to measure, as a table pose,x_m,y_m,z_m,qw,qx,qy,qz
     #[arg(long, value_name = "FILE.csv")]
     plan: Option<PathBuf>,
-    /// Number of poses to plan where there is no plan, without the home pose
+    /// Number of poses to plan if there is no plan, without the home pose
     #[arg(long, value_name = "N", default_value_t = 25)]
     poses: usize,
     /// Seed of the plan and of a new simulated robot
@@ -50,7 +50,7 @@ pub struct Arguments {
     /// both with ?pattern=..&unit=mm; kept in the session
     #[arg(long, value_name = "SOURCE")]
     laser: Option<LaserSettings>,
-    /// How often a pose at which the run pauses is retried before it is skipped
+    /// How often a pose that cannot be measured is retried before it is skipped
     #[arg(long, value_name = "N", default_value_t = 1)]
     retries: usize,
     #[command(flatten)]

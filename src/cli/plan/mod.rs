@@ -31,7 +31,7 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     effects: FreedEffects,
-    /// Write the poses in the order of measurement
+    /// Write the poses, in the order of measurement, as a table
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
     #[command(flatten)]

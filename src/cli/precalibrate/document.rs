@@ -153,7 +153,7 @@ fn of_file(file: &'static str) -> impl Fn(&String) -> Failure {
 }
 
 impl Precalibration {
-    /// The machine form of fits that all succeeded.
+    /// The document of fits that all succeeded.
     ///
     /// # Errors
     /// The first that did not.

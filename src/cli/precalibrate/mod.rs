@@ -20,7 +20,7 @@ pub struct Arguments {
     dataset: PathBuf,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write the robot with the fitted values
+    /// Write the robot with the fitted values as a model file
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
 }

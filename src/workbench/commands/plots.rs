@@ -67,7 +67,7 @@ fn picture(model: &mut Model, path: PathBuf, part: Rect) {
     write(model, SAVING, path, move |path| {
         let image = receiver
             .recv_timeout(PICTURE)
-            .map_err(|_| "The window gave no picture of itself; save as SVG instead.".to_owned())?;
+            .map_err(|_| "The window could not be captured; save as SVG instead.".to_owned())?;
         save_part(path, &image, part, scale).map(|()| None)
     });
 }

@@ -37,12 +37,12 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
         Setup::AskImport => pick(
             model,
             || {
-                let dialog = rfd::FileDialog::new().add_filter("Names of symbols", &["json"]);
+                let dialog = rfd::FileDialog::new().add_filter("Symbol names", &["json"]);
                 dialog.pick_file()
             },
             |path| RobotCommand::Setup(Setup::Import(path)),
         ),
-        Setup::Import(path) => start(model, "Reading names of symbols", move || {
+        Setup::Import(path) => start(model, "Reading symbol names", move || {
             let read = read_versioned::<AdsMapping>(&path);
             let read = read.map(|read| Box::new(read.value));
             SetupOutcome::Imported(read.map_err(|error| error.to_string()))
@@ -55,7 +55,7 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
             },
             |path| RobotCommand::Setup(Setup::Export(path, mapping)),
         ),
-        Setup::Export(path, mapping) => start(model, "Writing names of symbols", move || {
+        Setup::Export(path, mapping) => start(model, "Writing symbol names", move || {
             let written = write_versioned(&path, &*mapping).map(|()| path);
             SetupOutcome::Exported(written.map_err(|error| error.to_string()))
         }),

@@ -75,7 +75,7 @@ fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
         .spacing([3.0 * GRID, 1.5 * GRID])
         .show(ui, |ui| {
             for (name, text, hint) in [
-                ("Title", &mut choice.title, "That of the session"),
+                ("Title", &mut choice.title, "Name of the session"),
                 ("Header line", &mut choice.header, "None"),
                 ("Company", &mut choice.company, "None"),
                 ("Operator", &mut choice.operator, "None"),

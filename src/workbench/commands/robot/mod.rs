@@ -146,7 +146,7 @@ fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
     };
     let others = parameters.iter().filter(is_other).count();
     let holds = match others {
-        0 => "It holds the values that it held before.".to_owned(),
+        0 => "Its values are unchanged.".to_owned(),
         1 => "Attention: one of its values has changed.".to_owned(),
         many => format!("Attention: {many} of its values have changed."),
     };

@@ -12,7 +12,7 @@ use tautline_workflow::planning::PlanSummary;
 pub const PLANNING: &str = "Planning poses";
 
 /// Title of the task that computes what to expect of a plan.
-pub const EXPECTING: &str = "Looking at the plan";
+pub const EXPECTING: &str = "Predicting the accuracy of the plan";
 
 /// Concerns the robot: what to measure, its controller, what is written to it.
 #[derive(Debug, Clone)]

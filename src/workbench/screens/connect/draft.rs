@@ -39,7 +39,7 @@ pub enum Field {
     Device,
     /// Baud rate.
     Baud,
-    /// Pattern of a line.
+    /// Line pattern.
     Pattern,
     /// Something else of the laser.
     Laser,

@@ -41,13 +41,13 @@ impl Need {
         (Self::Pose, "Commanded pose", "m"),
         (Self::Moving, "Platform is moving", ""),
         (Self::Fault, "Fault", ""),
-        (Self::FaultText, "Fault in words", ""),
+        (Self::FaultText, "Fault text", ""),
         (Self::Target, "Target pose", "m"),
-        (Self::Kind, "Kind of command", ""),
-        (Self::Number, "Number of command", ""),
-        (Self::Acknowledged, "Number taken", ""),
+        (Self::Kind, "Command type", ""),
+        (Self::Number, "Command number", ""),
+        (Self::Acknowledged, "Acknowledged number", ""),
         (Self::Release, "Release", ""),
-        (Self::Watchdog, "Count of samples", ""),
+        (Self::Watchdog, "Sample counter", ""),
     ];
 
     pub fn has_scale(self) -> bool {

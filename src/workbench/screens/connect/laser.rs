@@ -219,19 +219,19 @@ impl LaserDraft {
                 let hint = "The first number that stands alone";
                 line(
                     ui,
-                    ("Pattern of a line", hint),
+                    ("Line pattern", hint),
                     &mut self.pattern,
                     problems.of(Field::Pattern),
                 );
                 line(
                     ui,
-                    ("Text for no return", "None"),
+                    ("Text without a return", "None"),
                     &mut self.no_return,
                     None,
                 );
                 line(
                     ui,
-                    ("Command that asks", "None: it sends by itself"),
+                    ("Request command", "None: it sends by itself"),
                     &mut self.command,
                     problems.of(Field::Laser),
                 );

@@ -1,4 +1,4 @@
-//! From a diagnosis to its machine form.
+//! From a diagnosis to its JSON document.
 
 use tautline_core::diagnosis::{
     Adequacy, Alternative, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
