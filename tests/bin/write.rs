@@ -15,6 +15,8 @@ use tautline_validation::{
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
 /// Seed of the first data set of the truth study.
 const FIRST_SEED: u64 = 1000;
+/// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
+const RECORDS: &str = "target/studies.jsonl";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -27,6 +29,7 @@ fn main() -> Result<()> {
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
+        Some("studies") => studies(argument)?,
         Some("write") => write(argument)?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
         Some("screenshots") => {
@@ -38,7 +41,7 @@ fn main() -> Result<()> {
         }
         _ => bail!(
             "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
-             write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
+             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
         ),
     }
     Ok(())
@@ -77,6 +80,18 @@ fn workbench(what: Option<&str>) -> Result<()> {
         replace(&mut text, "workbench", &table)?;
         tautline_session::write_text(&path, &text)?;
     }
+    Ok(())
+}
+
+/// Puts the studies of hidden effects, or their first data sets, into the document, with their diagram beside it.
+fn studies(first: Option<&str>) -> Result<()> {
+    let first = first.map(str::parse).transpose()?;
+    let (table, diagram) = hidden::studies(Path::new(RECORDS), first)?;
+    let path = document();
+    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+    replace(&mut text, "hidden_studies", &table)?;
+    tautline_session::write_text(&path, &text)?;
+    tautline_session::write_text(&path.with_file_name("reliability.svg"), &diagram)?;
     Ok(())
 }
 

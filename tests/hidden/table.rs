@@ -22,9 +22,7 @@ use super::{Hidden, OUTSIDE, Outcome, Said, Stratum, Study, Sure, Wanted, robots
 /// All tables of a study: figures, effects by robot, confusions, times.
 #[must_use]
 pub fn markdown(study: &Study) -> String {
-    let mut text = figures_table(&Figures::of(study));
-    text.push_str(&kinds::table(study));
-    text.push_str(&reliability::table(study));
+    let mut text = summary(study);
     text.push_str(&counts(study));
     let ids: Vec<&str> = CATALOGUE.iter().map(|effect| effect.id()).collect();
     let caption =
@@ -39,6 +37,15 @@ pub fn markdown(study: &Study) -> String {
         is_outside(outcome).then(|| is_honest(outcome))
     }));
     text.push_str(&confusions(study));
+    text
+}
+
+/// The tables of the studies: what is asked for, each kind of data, and how far stated probabilities can be relied on.
+#[must_use]
+pub fn summary(study: &Study) -> String {
+    let mut text = figures_table(&Figures::of(study));
+    text.push_str(&kinds::table(study));
+    text.push_str(&reliability::table(study));
     text
 }
 

@@ -5,5 +5,6 @@ mod hangprinter;
 mod hidden_effects;
 mod nist;
 mod published;
+mod real_machines;
 mod table1;
 mod truth;

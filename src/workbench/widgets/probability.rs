@@ -1,17 +1,18 @@
 //! A probability as a bar with its words.
 
-use egui::{Rect, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use tautline_workflow::wording::probability::certainty;
 use tautline_workflow::wording::sentence;
 
 use crate::theme::{self, GRID};
-use crate::widgets::muted;
 
 /// Probability from which something is as good as certain.
 const SURE: f64 = 0.95;
 
-/// Draws the probability of `what`: a bar from 0 to 1, marked at 0.95 from where a cause is named, and the words below.
-pub fn probability(ui: &mut Ui, what: &str, probability: f64) {
+/// Draws the probability of `what`: a bar from 0 to 1, marked at 0.95 from where a cause is named, and the words below,
+/// which are returned.
+pub fn probability(ui: &mut Ui, what: &str, probability: f64) -> Response {
+    ui.add_space(0.5 * GRID);
     let palette = theme::of(ui);
     let size = vec2(ui.available_width(), 1.5 * GRID);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -36,5 +37,5 @@ pub fn probability(ui: &mut Ui, what: &str, probability: f64) {
     response.on_hover_text(format!(
         "{name}. The mark is at 95 %, from where a cause is named."
     ));
-    muted(ui, &sentence(&words));
+    ui.add(egui::Label::new(sentence(&words)).wrap())
 }

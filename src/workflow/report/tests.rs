@@ -207,7 +207,7 @@ fn the_words_say_how_sure_they_are() {
         "2. Pulley radius (cable-3), more likely than not (60 %)",
         "Causes that these data cannot tell apart",
         "3 to 2",
-        "Possible, but not established: Drum growth (cable-2), 12 %.",
+        "Possible, but not established: Build-up of layers on the drum (cable-2), 12 %.",
         "Measure far from cable-3.",
         "3. Unknown cause (cable-3)",
         "no effect in the catalogue explains",

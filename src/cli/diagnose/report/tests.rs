@@ -92,7 +92,7 @@ fn the_invisible_is_condensed() {
 fn the_numbers_are_explained_on_demand() {
     let text = report(&[Verdict::Named], true);
     let parts = [
-        "\nPossible, but not established: Drum growth (cable-2), 12 %.\n",
+        "\nPossible, but not established: Build-up of layers on the drum (cable-2), 12 %.\n",
         "Finding 1: chi-square falls by 61.0 for 1 more parameters, p = 1.0e-13 corrected for 300 tests; ranking:",
         "Winch scale (cable-3)",
         "Pulley radius (cable-3)",

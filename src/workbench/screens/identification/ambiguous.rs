@@ -51,7 +51,7 @@ pub fn body(
             }
         });
     }
-    card::evidence(ui, finding);
+    muted(ui, &card::evidence(finding));
     gain::show(ui, &finding.gain);
     if let Some(text) = diagnosed.decides(finding) {
         ui.add_space(GRID);

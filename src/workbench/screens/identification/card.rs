@@ -1,7 +1,7 @@
 //! A cause that was found.
 
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
-use tautline_core::diagnosis::{Cause, Finding, FoundParameter, Verdict as Sure};
+use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
 use tautline_core::effect::{EffectSetting, UNKNOWN};
 
 use super::{Panel, ambiguous, effects, gain};
@@ -9,9 +9,9 @@ use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::wording::odds;
 use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{range, unit_of};
+use tautline_workflow::wording::{count, odds};
 
 /// Draws a finding.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
@@ -62,11 +62,10 @@ fn named(
 ) {
     let name = diagnosed.title(&finding.cause);
     title(ui, &format!("{}. {name}", number + 1));
-    probability(ui, &name, finding.probability);
+    probable(ui, &name, finding);
     paragraph(ui, &finding.sentence);
     size(ui, diagnosed, finding);
     otherwise(ui, diagnosed, finding);
-    evidence(ui, finding);
     gain::show(ui, &finding.gain);
     advice(ui, &finding.advice);
     add_or_remove(
@@ -90,14 +89,13 @@ fn unknown(
         ui,
         &format!("{}. {}", number + 1, diagnosed.heading(finding)),
     );
-    probability(ui, "an error of unknown cause", finding.probability);
+    probable(ui, "an error of unknown cause", finding);
     paragraph(ui, &finding.sentence);
     verdict(
         ui,
         Verdict::Doubtful,
         "No cause is named: only which readings depend on which variable.",
     );
-    evidence(ui, finding);
     gain::show(ui, &finding.gain);
     advice(ui, &finding.advice);
     muted(
@@ -147,18 +145,32 @@ fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter) -> Option<String>
     Some(format!("95 % interval of {of}{}: {ends}", parameter.name))
 }
 
-/// Probability of the finding by chance.
-pub fn evidence(ui: &mut Ui, finding: &Finding) {
-    let evidence = &finding.evidence;
-    if !evidence.p_value.is_finite() {
-        return;
-    }
-    let text = format!("By chance alone this happens {}.", odds(evidence.p_value));
-    let tip = format!(
-        "p = {:.1e} after {} tests; chi-square falls by {:.1} for {} more parameters",
-        evidence.p_value, evidence.questions, evidence.delta_chi2, evidence.parameters
+/// The probability of a finding, with the numbers behind it on demand.
+fn probable(ui: &mut Ui, what: &str, finding: &Finding) {
+    probability(ui, what, finding.probability).on_hover_text(evidence(finding));
+}
+
+/// The numbers behind a finding.
+pub fn evidence(finding: &Finding) -> String {
+    let Evidence {
+        delta_chi2,
+        parameters,
+        p_value,
+        questions,
+        ..
+    } = &finding.evidence;
+    let gain = format!(
+        "Chi-square falls by {delta_chi2:.1} for {}",
+        count(*parameters, "more parameter")
     );
-    ui.add(egui::Label::new(text).wrap()).on_hover_text(tip);
+    if !p_value.is_finite() {
+        return format!("{gain}.");
+    }
+    format!(
+        "{gain}; by chance alone this happens {} in {}.",
+        odds(*p_value),
+        count(*questions, "test")
+    )
 }
 
 /// The likeliest of the causes that a named one leaves little room for.
