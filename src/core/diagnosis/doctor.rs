@@ -100,8 +100,12 @@ fn examine(
     let (mut base, discrepancies, _) = judged(first, options.alpha);
     let (extended, remaining, space) = judged(fit, options.alpha);
     if !report.cancelled {
-        let left = structures(&inference);
-        temper(&mut findings, &left, &inference);
+        let mut left = structures(&inference);
+        if left.is_empty() {
+            left.extend(remaining.first().map(Structure::of_discrepancy));
+        }
+        let scatter = excess(&inference, &remaining);
+        temper(&mut findings, (&left, &scatter), fit);
         findings.extend(left.iter().map(|s| s.finding(fit, &remaining)));
     }
     base.adequate &= findings.is_empty();
@@ -162,9 +166,12 @@ fn kept<'a>(
 }
 
 /// Takes the confidence from names that structure without a name could be behind.
-fn temper(findings: &mut [Finding], left: &[Structure], inference: &Inference<'_>) {
-    let cables = inference.fit.problem.dataset.robot.cable_count();
-    let scatter = excess(inference);
+fn temper(
+    findings: &mut [Finding],
+    (left, scatter): (&[Structure], &[(ReadingId, f64)]),
+    fit: &Fit<'_>,
+) {
+    let cables = fit.problem.dataset.robot.cable_count();
     let many = |finding: &Finding, all: &[Finding]| {
         let small = |f: &&Finding| {
             let at_pose = matches!(f.cause.effect().search(), Search::AtPose(_));
@@ -183,7 +190,8 @@ fn temper(findings: &mut [Finding], left: &[Structure], inference: &Inference<'_
         });
         let mut beside = scatter.iter();
         let scattered = beside.find(|(id, excess)| {
-            id.cable.is_some_and(|c| own == [c]) && *excess > LEFT * finding.evidence.delta_chi2
+            let same = own.is_empty() || id.cable.is_none_or(|c| own.contains(&c));
+            same && *excess > LEFT * finding.evidence.delta_chi2
         });
         let other = match (behind, scattered) {
             (Some(structure), _) => structure.cause(cables),
@@ -209,8 +217,13 @@ fn temper(findings: &mut [Finding], left: &[Structure], inference: &Inference<'_
     }
 }
 
-/// Chi-square of the readings of each cable beyond that of the same readings of other cables.
-fn excess(inference: &Inference<'_>) -> Vec<(ReadingId, f64)> {
+/// Chi-square of readings that depend on something, beyond what noise gives, and of the readings of each cable beyond that
+/// of the same readings of other cables.
+fn excess(inference: &Inference<'_>, remaining: &[Discrepancy]) -> Vec<(ReadingId, f64)> {
+    let structured = remaining.iter().map(|d| {
+        let excess = d.points.len() as f64 * (d.rms_over_sd.powi(2) - 1.0);
+        (Structure::of_discrepancy(d).id, excess)
+    });
     let conditions = &inference.linear.conditions;
     let of = |class: usize| {
         let id = conditions.classes[class];
@@ -225,7 +238,8 @@ fn excess(inference: &Inference<'_>) -> Vec<(ReadingId, f64)> {
         let readings = conditions.poses_of(class).len() as f64;
         (id, readings * (inference.at.variance[class] - usual))
     };
-    (0..conditions.classes.len()).map(of).collect()
+    let classes = 0..conditions.classes.len();
+    structured.chain(classes.map(of)).collect()
 }
 
 /// Whether a fit explains the data, and if not, on what its residuals depend.

@@ -49,6 +49,14 @@ impl Hyperparameters {
         self.amplitude != other.amplitude || self.variance.iter().zip(&other.variance).any(far)
     }
 
+    /// The same noise with other amplitudes.
+    pub fn with(&self, amplitude: &[usize]) -> Self {
+        Self {
+            amplitude: amplitude.to_vec(),
+            ..self.clone()
+        }
+    }
+
     /// Whether much is left unexplained.
     pub fn is_loud(&self) -> bool {
         self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
@@ -243,6 +251,30 @@ impl Linear {
             }
         }
         best.map_or(at, |(_, best, _)| best)
+    }
+
+    /// The variances that suit given amplitudes and further columns, and the logarithm of the posterior density there.
+    pub fn with_amplitudes(
+        &self,
+        amplitude: &[usize],
+        further: &DMatrix<f64>,
+    ) -> (f64, Hyperparameters) {
+        let mut at = self.with_prior(self.described().variance, amplitude.to_vec());
+        let mut value = f64::NEG_INFINITY;
+        for _ in 0..MOST_STEPS {
+            let base = self.base(&at, further);
+            let gained = base.log_evidence + at.log_prior - value;
+            value += if value.is_finite() { gained } else { 0.0 };
+            if !value.is_finite() {
+                value = base.log_evidence + at.log_prior;
+            }
+            if gained < TOLERATED {
+                break;
+            }
+            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            at = self.with_prior(self.variances(&sums), amplitude.to_vec());
+        }
+        (value, at)
     }
 
     fn variances(&self, sums: &[[f64; 2]]) -> Vec<f64> {

@@ -9,7 +9,7 @@ use super::report::{Cause, Discrepancy, Evidence, Finding, Quantity, Verdict};
 use crate::effect::unknown::{FIRST, FUNCTIONS, READING, SCALE};
 use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
 
-/// Readings with structure, and the logarithm of the evidence for it.
+/// Readings with structure, and the logarithm of the posterior odds for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Structure {
     pub id: ReadingId,
@@ -19,41 +19,43 @@ pub(super) struct Structure {
 
 /// Most readings of which it is said.
 const MOST: usize = 3;
-/// Logarithm of the prior odds against structure on any readings.
-const RARE: f64 = 4.0;
-/// Logarithm of the posterior odds from which it is said.
-const SAID: f64 = 2.944;
+/// Logarithm of the posterior odds from which structure is said, its prior odds included.
+const SAID: f64 = 4.0;
+/// Logarithm of the evidence, in the noise that there is, from which it is compared with none.
+const COMPARED: f64 = 4.0;
 
 /// The readings with structure given the causes, the clearest first.
 pub(super) fn structures(inference: &Inference<'_>) -> Vec<Structure> {
     let linear = &inference.linear;
-    let classes = &linear.conditions.classes;
-    let mut at = inference.at.clone();
-    at.amplitude.fill(0);
+    let columns = &inference.columns;
+    let mut amplitude = vec![0; linear.shapes.len()];
+    let (mut value, mut at) = linear.with_amplitudes(&amplitude, columns);
     let mut found: Vec<Structure> = Vec::new();
     while found.len() < MOST {
-        let base = linear.base(&at, &inference.columns);
-        let best = |shape: usize| {
-            let evidence = linear.amplitude_evidence(&base, &at, shape);
-            let (place, value) = (0..evidence.len())
-                .map(|k| (k, evidence[k]))
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .unwrap_or((0, 0.0));
-            (value, shape, place)
+        let best = {
+            let base = linear.base(&inference.at.with(&amplitude), columns);
+            let of = |shape: usize| {
+                let evidence = linear.amplitude_evidence(&base, &at, shape);
+                let places = (0..evidence.len()).map(|k| (evidence[k], shape, k));
+                places.max_by(|a, b| a.0.total_cmp(&b.0))
+            };
+            let open = (0..amplitude.len()).filter(|shape| amplitude[*shape] == 0);
+            open.filter_map(of).max_by(|a, b| a.0.total_cmp(&b.0))
         };
-        let open = (0..linear.shapes.len()).filter(|shape| at.amplitude[*shape] == 0);
-        let Some((value, shape, place)) = open.map(best).max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        let Some((_, shape, place)) = best.filter(|best| best.0 > COMPARED) else {
             break;
         };
-        if value < SAID + RARE + (classes.len() as f64).ln() {
+        amplitude[shape] = place;
+        let (with, there) = linear.with_amplitudes(&amplitude, columns);
+        if with - value < SAID {
             break;
         }
-        at.amplitude[shape] = place;
         found.push(Structure {
-            id: classes[linear.shapes[shape].class],
+            id: linear.conditions.classes[linear.shapes[shape].class],
             group: linear.shapes[shape].group,
-            log_evidence: value,
+            log_evidence: with - value,
         });
+        (value, at) = (with, there);
     }
     found
 }
@@ -68,10 +70,22 @@ impl Structure {
         }
     }
 
+    /// Structure that a test of the residuals found.
+    pub fn of_discrepancy(discrepancy: &Discrepancy) -> Self {
+        let id = ReadingId {
+            quantity: discrepancy.quantity,
+            cable: discrepancy.cable,
+            component: None,
+        };
+        Self {
+            log_evidence: -discrepancy.p_value.max(f64::MIN_POSITIVE).ln(),
+            ..Self::of(id)
+        }
+    }
+
     /// Its posterior probability.
     pub fn probability(&self) -> f64 {
-        let odds = self.log_evidence - RARE;
-        1.0 / (1.0 + (-odds).exp())
+        1.0 / (1.0 + (-self.log_evidence).exp())
     }
 
     /// The cause that stands for it.
