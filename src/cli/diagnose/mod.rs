@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(BadInput::new(message));
     }
     let limit_s = arguments.time_limit;
-    if !(limit_s > 0.0) {
+    if limit_s.is_nan() || limit_s <= 0.0 {
         let message =
             format!("--time-limit: found {limit_s}, expected a number of seconds above 0");
         return Err(BadInput::new(message));

@@ -227,8 +227,10 @@ fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Di
         findings,
         ..
     } = &diagnosed.diagnosis;
-    // Without its last tests a diagnosis that found nothing yet looks like one that found nothing.
-    let is_inconclusive = *cancelled && findings.is_empty();
+    // Without its last tests a diagnosis that found nothing yet looks like one that found nothing. At its time limit it
+    // says so.
+    let by_operator = *cancelled && diagnosed.seconds < diagnosed.limit_s;
+    let is_inconclusive = by_operator && findings.is_empty();
     Ok((!is_inconclusive).then_some(diagnosed))
 }
 
