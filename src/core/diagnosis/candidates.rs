@@ -17,8 +17,6 @@ use crate::estimation::{Linearisation, ParameterId};
 
 /// Columns that are linearised at once.
 const CHUNK: usize = 64;
-/// Poses before and after a step that an event needs at least.
-const BESIDE_STEP: usize = 2;
 /// Steps of a wave's frequency for each wave over the range of its variable.
 const PERIODS_PER_WAVE: f64 = 2.5;
 /// Most periods that are tried.
@@ -538,9 +536,9 @@ impl Builder<'_> {
             }
         }
         let mut places: Vec<usize> = (0..self.labels.len()).collect();
-        if matches!(acts(0), Acts::From(_)) {
-            let last = places.len().saturating_sub(BESIDE_STEP);
-            places = places.get(BESIDE_STEP..last).unwrap_or_default().to_vec();
+        if matches!(acts(0), Acts::From(_)) && !places.is_empty() {
+            // From the first pose on it would be no event but an offset.
+            places.remove(0);
         }
         let share = expected / places.len().max(1) as f64;
         for place in places {
