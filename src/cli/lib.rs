@@ -19,6 +19,7 @@ mod plan;
 mod precalibrate;
 mod report;
 mod schemas;
+mod settled;
 mod simulate;
 mod symbols;
 mod table;
@@ -34,9 +35,10 @@ use tautline_workflow::session_file::SessionFileError;
 
 use bad_input::BadInput;
 use not_converged::NotConverged;
+use settled::Settled;
 
 const EXIT_CODES: &str = "Exit codes: 0 success, 2 bad input (one line that names file, line and column), \
-    3 identify or evaluate did not converge, 1 any other failure";
+    3 identify or evaluate did not converge, 4 adjust settled an earlier attempt and wrote nothing else, 1 any other failure";
 
 /// Calibrate cable-driven parallel robots.
 #[derive(Debug, Parser)]
@@ -178,6 +180,8 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
             2
         } else if error.is::<NotConverged>() {
             not_converged::EXIT_CODE
+        } else if error.is::<Settled>() {
+            settled::EXIT_CODE
         } else {
             1
         },
@@ -193,6 +197,7 @@ mod tests {
         for (error, code) in [
             (BadInput::new("poses.csv: not found"), 2),
             (NotConverged.into(), 3),
+            (Settled.into(), 4),
             (anyhow::anyhow!("the connection is lost"), 1),
         ] {
             assert_eq!(finish(Err(error)), ExitCode::from(code));

@@ -49,6 +49,8 @@ pub struct Sample {
     pub inclination_rad: Option<[f64; 3]>,
     /// The pose that was commanded last; the nominal home pose after homing.
     pub commanded: Option<Pose>,
+    /// What changes with every start of the controller: a number of starts or the time of the last one.
+    pub started: Option<f64>,
 }
 
 /// A robot's controller. No call waits for a motion to end.
@@ -121,6 +123,10 @@ pub trait Controller: Send {
     /// # Errors
     /// If not armed, moving, the connection is lost, there is no such parameter or it cannot have the value.
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError>;
+
+    /// The operator has decided to go on although a cable is overloaded; it may not get worse. By default nothing, for
+    /// controllers without limits of our own.
+    fn accept_overload(&mut self) {}
 
     /// Why there is no laser distance at present, where the reason is known.
     fn laser_problem(&self) -> Option<String> {

@@ -18,6 +18,11 @@ pub enum LinkError {
     /// The controller reports a fault.
     #[error("the controller reports a fault: {0}")]
     Fault(String),
+    /// The controller was restarted, so that its encoders have lost their zero; by what this is known.
+    #[error(
+        "the controller was restarted ({0}): its encoders have lost their zero. Poses measured before and after belong to separate series, each with its own way home"
+    )]
+    Restarted(String),
     /// A pose or tension outside the limits.
     #[error("outside the limits: {0}")]
     Limit(String),

@@ -25,7 +25,7 @@ pub mod verifying;
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use controller::{Activity, Controller, ControllerState, Instrument, Sample};
 pub use error::LinkError;
-pub use guarded::GuardedController;
+pub use guarded::{GuardedController, Seen};
 pub use laser::LaserSource;
 pub use limits::Limits;
 pub use parameters::ParameterInfo;

@@ -65,17 +65,23 @@ impl Limits {
         })
     }
 
-    /// Whether no cable pulls harder than the limit, beyond the noise of its sensor.
+    /// Whether no cable pulls harder than the limit, beyond the noise of its sensor, or than in readings that were
+    /// `accepted` (raw, N; empty: none).
     ///
     /// # Errors
     /// [`LinkError::Limit`] that names the cable.
-    pub fn check_forces(&self, force_n: &[f64]) -> Result<(), LinkError> {
-        for (cable, reading) in self.robot.cables.iter().zip(force_n) {
+    pub fn check_forces(&self, force_n: &[f64], accepted: &[f64]) -> Result<(), LinkError> {
+        for (index, (cable, reading)) in self.robot.cables.iter().zip(force_n).enumerate() {
             let Some(sensor) = cable.force_sensor else {
                 continue;
             };
             let tension = sensor.tension_n(*reading);
-            if tension > self.tension.upper_n + NOISE * sensor.tension_sd_n {
+            let accepted_n = accepted
+                .get(index)
+                .map(|reading| sensor.tension_n(*reading));
+            // A reading that is no number accepts nothing.
+            let limit_n = self.tension.upper_n.max(accepted_n.unwrap_or(f64::NAN));
+            if tension > limit_n + NOISE * sensor.tension_sd_n {
                 return Err(LinkError::Limit(format!(
                     "{} pulls with {tension:.0} N, at most {:.0} N are allowed",
                     cable.name, self.tension.upper_n

@@ -98,7 +98,7 @@ impl Reconnect {
 
 /// How a caller restores a lost connection while values are being written.
 pub trait ReconnectPolicy {
-    /// Connects and arms the controller again.
+    /// Connects the controller again. It is not armed: only the operator does that.
     ///
     /// # Errors
     /// If it was given up.
@@ -110,7 +110,7 @@ pub trait ReconnectPolicy {
 
 /// Attempts with growing pauses; `wait` is called with each pause (s).
 #[derive(Debug)]
-pub struct Attempts<W> {
+pub struct Attempts<W, G = fn() -> bool> {
     /// Pauses.
     pub back_off: BackOff,
     /// Most attempts to connect.
@@ -119,15 +119,19 @@ pub struct Attempts<W> {
     pub late_s: f64,
     /// Waits so many seconds.
     pub wait: W,
+    /// Whether no further attempt is wanted.
+    pub gives_up: G,
 }
 
-impl<W: FnMut(f64)> ReconnectPolicy for Attempts<W> {
+impl<W: FnMut(f64), G: Fn() -> bool> ReconnectPolicy for Attempts<W, G> {
     fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
         let mut last = LinkError::Disconnected("no attempt was allowed".to_owned());
         for failed in 0..self.attempts {
             (self.wait)(self.back_off.pause_s(failed));
-            let brought = controller.connect().and_then(|()| controller.arm());
-            match brought {
+            if (self.gives_up)() {
+                return Err(LinkError::Refused("it was interrupted".to_owned()));
+            }
+            match controller.connect() {
                 Ok(()) => return Ok(()),
                 Err(error) => last = error,
             }

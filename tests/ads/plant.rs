@@ -4,9 +4,9 @@
 //! tests do not depend on the speed of the machine.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -17,23 +17,39 @@ use tautline_link::ads::{AdsController, AdsOptions};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup, SimulatedTracker};
 use tautline_link::{Activity, Controller, GuardedController, Limits, ManualClock, SystemClock};
 
-use super::server::{Orders, Server, Written};
+use super::host::{Host, Orders, Written};
+use super::server::Server;
 use super::symbols::{Place, Style, TURNS, declarations, global, mapping, places};
+use super::unruly::Unruly;
 
 /// Simulated time of a sample (s).
 const STEP_S: f64 = 0.05;
 /// Simulated time of a sample where the program is the client: it samples at the rate of a real robot.
 const LONG_STEP_S: f64 = 0.25;
 
-/// A controller: the server with a simulated robot behind it.
-pub struct Plant {
+/// What the controller shows of its robot that the robot does not know.
+#[derive(Debug, Clone, Default)]
+struct Shown {
+    /// Added to all encoders until it is homed.
+    revolutions: f64,
+    /// Subtracted from the time (s).
+    since_s: f64,
+    /// Number of starts.
+    starts: u32,
+    /// The tension that a sensor shows instead of its own: cable and reading (N).
+    force: Option<(usize, f64)>,
+}
+
+/// A controller: a server with a simulated robot behind it.
+pub struct Plant<H: Host = Server> {
     /// The server.
-    pub server: Server,
+    pub server: H,
     /// The robot that is simulated.
     pub preset: Preset,
     /// The layout of the symbols.
     pub style: Style,
     tracker: Option<SimulatedTracker>,
+    shown: Arc<Mutex<Shown>>,
     ends: Arc<AtomicBool>,
     worker: Option<JoinHandle<()>>,
 }
@@ -54,7 +70,7 @@ impl Plant {
     /// If the server cannot be started.
     #[must_use]
     pub fn fast(style: Style) -> Self {
-        Self::with(style, LONG_STEP_S, |_| ())
+        Self::with(Server::start(), (style, LONG_STEP_S), |_| ())
     }
 
     /// Starts a controller with changes to the simulated robot.
@@ -63,10 +79,62 @@ impl Plant {
     /// If the server cannot be started.
     #[must_use]
     pub fn changed(style: Style, change: impl FnOnce(&mut SimulatedSetup)) -> Self {
-        Self::with(style, STEP_S, change)
+        Self::with(Server::start(), (style, STEP_S), change)
+    }
+}
+
+impl Plant<Unruly> {
+    /// Starts a controller whose server can misbehave and whose simulated time runs fast.
+    ///
+    /// # Panics
+    /// If the server cannot be started.
+    #[must_use]
+    pub fn unruly() -> Self {
+        Self::with(Unruly::start(), (Style::Arrays, LONG_STEP_S), |_| ())
     }
 
-    fn with(style: Style, step_s: f64, change: impl FnOnce(&mut SimulatedSetup)) -> Self {
+    /// The controller starts anew: connections end, its time begins at 0, it counts one start more, and its encoders have
+    /// lost their zero by so many revolutions.
+    pub fn restart(&self, revolutions: f64) {
+        self.server.down();
+        let time_s = self.server.numbers(&global("time"))[0];
+        self.change(|shown| {
+            shown.revolutions += revolutions;
+            shown.since_s += time_s;
+            shown.starts += 1;
+        });
+        self.server
+            .carry_out(json!({"set": {global("release"): [false]}}));
+        self.server.up();
+    }
+
+    /// A force sensor shows this from now on: cable and reading (N); nothing: its own.
+    pub fn show_force(&self, force: Option<(usize, f64)>) {
+        self.change(|shown| shown.force = force);
+    }
+
+    /// Another client sends the robot somewhere.
+    pub fn command_as_another(&self, kind: f64) {
+        let number = self.server.numbers(&global("number"))[0];
+        self.server.write_as_another(&global("kind"), &[kind]);
+        self.server
+            .write_as_another(&global("number"), &[number + 1.0]);
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Shown)) {
+        change(&mut self.shown.lock().unwrap_or_else(PoisonError::into_inner));
+        // The program shows it at the next thing that is written.
+        self.server.write_as_another(&global("shown"), &[0.0]);
+        std::thread::sleep(Duration::from_millis(60));
+    }
+}
+
+impl<H: Host> Plant<H> {
+    fn with(
+        server: H,
+        (style, step_s): (Style, f64),
+        change: impl FnOnce(&mut SimulatedSetup),
+    ) -> Self {
         let preset = presets::find("mini").expect("a preset");
         let mut setup = SimulatedSetup::of_preset(&preset, 4);
         change(&mut setup);
@@ -74,8 +142,8 @@ impl Plant {
         let mut robot = SimulatedRobot::new(setup, Arc::new(clock.clone())).expect("a robot");
         robot.connect().expect("connected");
         let tracker = robot.tracker(2e-5, 5e-5, 8);
-        let server = Server::start();
-        server.order(json!({ "declare": declarations(&preset.robot, style) }));
+        server.carry_out(json!({ "declare": declarations(&preset.robot, style) }));
+        let shown = Arc::new(Mutex::new(Shown::default()));
         let ends = Arc::new(AtomicBool::new(false));
         let mut program = Program {
             robot,
@@ -87,10 +155,11 @@ impl Plant {
             written: BTreeMap::new(),
             acknowledged: 7.0,
             fault: None,
+            shown: Arc::clone(&shown),
         };
         program.show();
         // Orders are carried out in turn: what is shown is there after this.
-        server.order(json!({}));
+        server.carry_out(json!({}));
         let (wrote, end) = (server.wrote(), Arc::clone(&ends));
         let worker = std::thread::spawn(move || program.run(&wrote, &end));
         Self {
@@ -98,6 +167,7 @@ impl Plant {
             preset,
             style,
             tracker: Some(tracker),
+            shown,
             ends,
             worker: Some(worker),
         }
@@ -160,7 +230,7 @@ impl Plant {
     }
 }
 
-impl Drop for Plant {
+impl<H: Host> Drop for Plant<H> {
     fn drop(&mut self) {
         self.ends.store(true, Ordering::Relaxed);
         if let Some(worker) = self.worker.take() {
@@ -180,6 +250,7 @@ struct Program {
     written: BTreeMap<String, Vec<f64>>,
     acknowledged: f64,
     fault: Option<String>,
+    shown: Arc<Mutex<Shown>>,
 }
 
 impl Program {
@@ -222,7 +293,10 @@ impl Program {
     fn obey(&mut self) -> Result<(), tautline_link::LinkError> {
         let kind = self.written.get(&global("kind")).and_then(|v| v.first());
         match kind.copied().unwrap_or(0.0) as i64 {
-            1 => self.robot.home(),
+            1 => {
+                self.shown().revolutions = 0.0;
+                self.robot.home()
+            }
             2 => {
                 let target = self
                     .written
@@ -258,8 +332,21 @@ impl Program {
         }
     }
 
+    fn shown(&self) -> MutexGuard<'_, Shown> {
+        self.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn show(&mut self) {
-        let sample = self.robot.sample().expect("connected");
+        let mut sample = self.robot.sample().expect("connected");
+        let shown = self.shown().clone();
+        sample
+            .revolutions
+            .iter_mut()
+            .for_each(|turns| *turns += shown.revolutions);
+        sample.time_s -= shown.since_s;
+        if let Some((cable, reading_n)) = shown.force {
+            sample.force_n[cable] = reading_n;
+        }
         let moving = self.robot.state().activity == Activity::Moving;
         let pose = sample.commanded.expect("a pose");
         let pose: Vec<f64> = pose
@@ -278,6 +365,7 @@ impl Program {
             global("fault"): [u8::from(self.fault.is_some())],
             global("fault_text"): [self.fault.clone().unwrap_or_default()],
             global("acknowledged"): [self.acknowledged],
+            global("started"): [f64::from(shown.starts)],
         });
         match self.style {
             Style::Arrays => {

@@ -6,33 +6,28 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use serde_json::{Value, json};
 use tautline_link::ads::AdsAddress;
 
+use super::host::{Host, Orders, Written};
+
 /// How long an order may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A symbol that was written, and all its values.
-pub type Written = (String, Vec<f64>);
-
-/// Sends orders to a server.
-#[derive(Debug, Clone)]
-pub struct Orders(Arc<Mutex<ChildStdin>>);
-
-impl Orders {
-    /// Gives an order without waiting for it. A server that has ended takes none.
-    pub fn give(&self, order: &Value) {
-        let mut pipe = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+/// Gives orders to a process, as lines of JSON.
+fn orders_to(pipe: ChildStdin) -> Orders {
+    let pipe = Mutex::new(pipe);
+    Orders::new(move |order| {
+        let mut pipe = pipe.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = writeln!(pipe, "{order}");
         let _ = pipe.flush();
-    }
+    })
 }
 
 /// A server; its process ends when it is dropped.
-#[derive(Debug)]
 pub struct Server {
     process: Child,
     orders: Orders,
@@ -69,28 +64,12 @@ impl Server {
         let port = port.1.recv_timeout(PATIENCE).expect("the server's port");
         Self {
             process,
-            orders: Orders(Arc::new(Mutex::new(orders))),
+            orders: orders_to(orders),
             port,
             next: AtomicU64::new(1),
             done: Mutex::new(done.1),
             wrote: Mutex::new(Some(wrote.1)),
         }
-    }
-
-    /// Sends orders without waiting for them.
-    #[must_use]
-    pub fn orders(&self) -> Orders {
-        self.orders.clone()
-    }
-
-    /// What clients write.
-    ///
-    /// # Panics
-    /// If it was taken before.
-    #[must_use]
-    pub fn wrote(&self) -> Receiver<Written> {
-        let mut wrote = self.wrote.lock().unwrap_or_else(PoisonError::into_inner);
-        wrote.take().expect("taken once")
     }
 
     /// Where clients connect to.
@@ -129,6 +108,25 @@ impl Server {
     /// the answer by three seconds.
     pub fn fault(&self, kind: &str, number: u64, action: &str) {
         self.order(json!({"fault": {"kind": kind, "number": number, "action": action}}));
+    }
+}
+
+impl Host for Server {
+    fn address(&self) -> AdsAddress {
+        self.address()
+    }
+
+    fn orders(&self) -> Orders {
+        self.orders.clone()
+    }
+
+    fn wrote(&self) -> Receiver<Written> {
+        let mut wrote = self.wrote.lock().unwrap_or_else(PoisonError::into_inner);
+        wrote.take().expect("taken once")
+    }
+
+    fn carry_out(&self, order: Value) {
+        self.order(order);
     }
 }
 

@@ -140,6 +140,8 @@ pub fn declarations(robot: &Robot, style: Style) -> Vec<Value> {
         json!([global("acknowledged"), "UDINT", 1, [7]]),
         json!([global("release"), "BOOL", 1, [false]]),
         json!([global("watchdog"), "UDINT", 1, [0]]),
+        json!([global("started"), "LREAL", 1, [0.0]]),
+        json!([global("shown"), "LREAL", 1, [0.0]]),
     ];
     let zeros = vec![0.0; cables];
     match style {

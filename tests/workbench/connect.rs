@@ -190,8 +190,8 @@ fn a_replayed_recording_is_never_shown_as_a_robot() {
         let off_m = measurements.laser_m[row] - dataset.measurements.laser_m[recorded];
         assert!(off_m.abs() < 1e-9, "{off_m}");
     }
-    let link = &mut bench.harness.state_mut().state.model.link;
-    link.write(vec![("home.x_m".into(), 0.0)], Purpose::Adjust);
+    let values = vec![("home.x_m".into(), 0.0)];
+    bench.give(RobotCommand::WriteValues(values, Purpose::Adjust));
     bench.wait("a refusal", |state| {
         told(state, "in which nothing can be changed")
     });
@@ -376,15 +376,13 @@ fn a_connection_lost_while_writing_reports_what_the_controller_holds() {
     let held = bench.state().model.link.parameters[0].clone();
     // The old value is read before anything is written, so the first read after that comes with the new value.
     plant.server.fault("write", 2, "after");
-    let link = &mut bench.harness.state_mut().state.model.link;
-    link.write(
-        vec![(held.name.clone(), held.value + 1e-3)],
-        Purpose::Adjust,
-    );
+    let values = vec![(held.name.clone(), held.value + 1e-3)];
+    bench.give(RobotCommand::WriteValues(values, Purpose::Adjust));
     bench.wait("an outcome", |state| !state.model.link.writing);
     let settled = |state: &State| {
         let document = state.model.open.as_ref();
-        document.is_some_and(|d| !d.session().adjustments().is_empty())
+        let last = document.and_then(|d| d.session().adjustments().last());
+        last.is_some_and(|last| !last.is_open())
     };
     bench.wait("the record", settled);
     bench.wait("the connection", |state| state.model.link.is_connected());

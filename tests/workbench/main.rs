@@ -23,4 +23,5 @@ mod support;
 mod tables;
 mod timeline;
 mod undo;
+mod unruly;
 mod walk;

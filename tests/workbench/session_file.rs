@@ -189,7 +189,7 @@ fn writing_values_that_did_not_converge_needs_confirmation() {
     bench.give(IdentificationCommand::Identify);
     bench.settle("an identification");
     bench.give(RobotCommand::Write);
-    assert!(!bench.state().model.dialogs.unconverged);
+    assert!(bench.state().model.dialogs.doubts.is_empty());
     let document = bench.harness.state_mut().state.model.open.as_mut();
     let document = document.expect("a session");
     let mut fit = document.fit().expect("a fit").as_ref().clone();
@@ -197,12 +197,12 @@ fn writing_values_that_did_not_converge_needs_confirmation() {
     let inputs = document.inputs();
     document.set_fit(fit, inputs);
     bench.give(RobotCommand::Write);
-    assert!(bench.state().model.dialogs.unconverged);
+    assert!(!bench.state().model.dialogs.doubts.is_empty());
     question(&mut bench);
     bench.press("Do not write");
-    assert!(!bench.state().model.dialogs.unconverged);
+    assert!(bench.state().model.dialogs.doubts.is_empty());
     bench.give(RobotCommand::Write);
     question(&mut bench);
     bench.press("Write anyway");
-    assert!(!bench.state().model.dialogs.unconverged);
+    assert!(bench.state().model.dialogs.doubts.is_empty());
 }

@@ -7,3 +7,5 @@ mod headless;
 mod pipeline;
 mod samples;
 mod schemas;
+#[cfg(unix)]
+mod unruly;

@@ -171,7 +171,7 @@ fn sessions_satisfy_schema_and_reader() {
         ),
         ("/simulator/seed", json!(-1)),
         ("/simulator/truth/cables", json!([])),
-        ("/controller/0/value", Value::Null),
+        ("/controller/0/value", json!("x")),
         ("/adjustments/0/outcome", json!("maybe")),
         ("/adjustments/1/outcome/failed", json!(7)),
         ("/verifications/0/stage", json!("during")),

@@ -5,8 +5,6 @@ use serde::{Deserialize, Serialize};
 use tautline_link::adjusting::{Difference, Holds};
 use tautline_session::{Outcome, VersionedFile};
 
-use super::interrupted::InterruptedState;
-use super::writing::WriteOutcome;
 use crate::output::say;
 use crate::table;
 use tautline_workflow::wording::units::display_unit;
@@ -25,7 +23,8 @@ pub struct AdjustmentDocument {
     pub interrupted: Option<String>,
     /// Controller and identified values.
     pub differences: Vec<DifferenceRow>,
-    /// written, rolled_back, failed, not_written (--dry-run) or nothing_to_write.
+    /// written, rolled_back, failed (the controller holds its old values), unsettled (it may hold both old and new ones),
+    /// not_written (--dry-run) or nothing_to_write.
     pub outcome: String,
     /// What the controller holds after an attempt to write: all new values, all old ones, mixed or unknown; null
     /// where nothing was written.
@@ -41,8 +40,11 @@ pub struct DifferenceRow {
     pub name: String,
     /// SI unit; "1" for a ratio.
     pub unit: String,
-    /// What the controller held; null if it has no such parameter.
+    /// What the controller held; null if it has no such parameter, or holds what is no number.
     pub controller: Option<f64>,
+    /// What the controller held where that was no number: NaN, inf or -inf; else null.
+    #[serde(default)]
+    pub not_a_number: Option<String>,
     /// What was identified.
     pub identified: f64,
     /// Identified less controller.
@@ -79,9 +81,10 @@ impl AdjustmentDocument {
         let rows = differences.iter().map(|line| DifferenceRow {
             name: line.name.clone(),
             unit: line.unit.to_owned(),
-            controller: line.controller,
+            controller: line.controller.filter(|held| held.is_finite()),
+            not_a_number: not_a_number(line.controller),
             identified: line.identified,
-            difference: line.difference,
+            difference: line.difference.filter(|difference| difference.is_finite()),
             sd: line.sd,
             changes: line.is_writable_change(),
         });
@@ -89,32 +92,37 @@ impl AdjustmentDocument {
     }
 
     /// Sets the state that an interrupted adjustment was found in.
-    pub fn set_interrupted(&mut self, found: InterruptedState) {
-        let word = match found {
-            InterruptedState::Old => "old",
-            InterruptedState::New => "new",
-            InterruptedState::Mixed(_) => "mixed",
-        };
-        self.interrupted = Some(word.to_owned());
+    pub fn set_interrupted(&mut self, found: &Holds) {
+        self.interrupted = Some(word(found).to_owned());
     }
 
-    /// Sets the outcome.
-    pub fn set_outcome(&mut self, written: &WriteOutcome) {
-        self.outcome = match written.outcome {
+    /// Sets the outcome; `holds`: what the controller holds after an attempt to write.
+    pub fn set_outcome(&mut self, outcome: &Outcome, holds: Option<&Holds>, text: &str) {
+        self.outcome = match outcome {
             Outcome::Written => "written",
             Outcome::RolledBack => "rolled_back",
-            Outcome::Failed(_) | Outcome::Begun => "failed",
+            Outcome::Failed(_) => "failed",
+            Outcome::Begun | Outcome::Unsettled(_) => "unsettled",
         }
         .to_owned();
-        let holds = written.attempt.as_ref().map(|attempt| match attempt.holds {
-            Holds::New => "new",
-            Holds::Old => "old",
-            Holds::Mixed(_) => "mixed",
-            Holds::Unknown => "unknown",
-        });
-        self.holds = holds.map(str::to_owned);
-        self.text = Some(written.text.clone());
+        self.holds = holds.map(|holds| word(holds).to_owned());
+        self.text = Some(text.to_owned());
     }
+}
+
+fn word(holds: &Holds) -> &'static str {
+    match holds {
+        Holds::New => "new",
+        Holds::Old => "old",
+        Holds::Mixed(_) => "mixed",
+        Holds::Unknown => "unknown",
+    }
+}
+
+/// What a controller holds where that is no number.
+fn not_a_number(held: Option<f64>) -> Option<String> {
+    let odd = held.filter(|held| !held.is_finite())?;
+    Some(odd.to_string())
 }
 
 /// Prints it.
@@ -138,7 +146,9 @@ pub fn print(document: &AdjustmentDocument) {
             let cells = [
                 row.name.clone(),
                 unit.to_owned(),
-                number(row.controller),
+                row.not_a_number
+                    .clone()
+                    .unwrap_or_else(|| number(row.controller)),
                 number(Some(row.identified)),
                 number(row.difference),
                 number(row.sd),

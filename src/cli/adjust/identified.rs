@@ -1,15 +1,19 @@
 //! The identification whose values are to be written.
 
+use std::sync::Arc;
+
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Solution};
 use tautline_core::robot::Robot;
 use tautline_session::{Method, ResultRecord, Session};
+use tautline_workflow::adjusting::{self, Doubt, DoubtKind};
 use tautline_workflow::clock;
+use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::record;
 use tautline_workflow::identification::{
-    Identification, IdentificationDocument, IdentificationRequest, identify_published,
+    FitVerdict, Identification, IdentificationDocument, IdentificationRequest, identify_published,
     identify_session,
 };
 
@@ -19,8 +23,8 @@ use crate::method::MethodName;
 pub struct Identified {
     /// The robot with the identified values.
     pub model: Robot,
-    /// One sentence, without a full stop, where the identification did not converge.
-    pub unconverged: Option<String>,
+    /// Why its values should not be written.
+    pub doubts: Vec<Doubt>,
     /// Machine form.
     pub document: IdentificationDocument,
     /// Of the joint and simple methods; the published one has no standard deviations.
@@ -44,10 +48,7 @@ impl Identified {
         let document = identified.document();
         Ok(Self {
             model: identified.model.clone(),
-            unconverged: (!document.converged).then(|| {
-                let steps = document.iterations;
-                format!("The identification did not converge in {steps} steps")
-            }),
+            doubts: doubts_with_diagnosis(&session, &identified)?,
             document,
             identification: Some(identified),
         })
@@ -58,7 +59,7 @@ impl Identified {
             |error: &dyn std::fmt::Display| BadInput::new(format!("{}: {error}", session.name));
         let request = IdentificationRequest::of_session(session).map_err(|error| place(&error))?;
         let published = identify_published(&request.dataset).map_err(|error| place(&error))?;
-        let unconverged = match published.result.stop {
+        let unconverged: Option<String> = match published.result.stop {
             PublishedStop::SmallStep | PublishedStop::SmallError => None,
             // As in the publication, whose steps are counted, not awaited.
             PublishedStop::IterationLimit => Some(format!(
@@ -70,9 +71,18 @@ impl Identified {
             }
         };
         let document = published.document();
+        let model = published.poses.dataset.robot.clone();
+        let unconverged = unconverged.map(|text| Doubt::new(DoubtKind::Unconverged, text));
+        let others = [
+            adjusting::implausible(&session.robot, &model),
+            adjusting::unanswered(session),
+        ];
         Ok(Self {
-            model: published.poses.dataset.robot.clone(),
-            unconverged,
+            model,
+            doubts: unconverged
+                .into_iter()
+                .chain(others.into_iter().flatten())
+                .collect(),
             document,
             identification: None,
         })
@@ -87,4 +97,22 @@ impl Identified {
     pub fn record(&self, session: &Session) -> ResultRecord {
         record(session, "Identification", &self.document, clock::now())
     }
+}
+
+/// The reasons against writing an identification. Where the model hardly explains the readings, what it lacks is looked
+/// for, unless the session has that already.
+fn doubts_with_diagnosis(session: &Session, fit: &Identification) -> Result<Vec<Doubt>> {
+    let mut doubts = adjusting::doubts(session, fit);
+    let hardly = FitVerdict::of(fit.solution.p_value()) == FitVerdict::Doubtful;
+    if hardly && doubts.iter().all(|doubt| doubt.kind != DoubtKind::Finding) {
+        let dataset = Arc::new(dataset_to_diagnose(session, fit));
+        let alpha = session.settings.diagnosis.alpha;
+        let diagnosed = diagnose_dataset(dataset, alpha, &mut |_| Control::Continue)
+            .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
+        let findings = diagnosed.diagnosis.findings.iter();
+        doubts.extend(adjusting::finding(
+            findings.map(|finding| finding.sentence.as_str()),
+        ));
+    }
+    Ok(doubts)
 }

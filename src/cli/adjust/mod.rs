@@ -13,7 +13,9 @@ use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::plan_adjustment;
 use tautline_session::Outcome;
-use tautline_workflow::adjusting::{Purpose, former_values, revertible, values_to_write};
+use tautline_workflow::adjusting::{
+    self, DoubtKind, Purpose, former_values, revertible, values_to_write,
+};
 use tautline_workflow::controllers::ConnectionSetup;
 
 use crate::live::{Connection, RobotArguments, SessionFile, link_error};
@@ -22,6 +24,7 @@ use crate::method::MethodName;
 use crate::output::{JsonOutput, notice, say};
 pub use document::AdjustmentDocument;
 use identified::Identified;
+use interrupted::Next;
 use writing::write;
 
 #[derive(Debug, clap::Args)]
@@ -37,11 +40,20 @@ pub struct Arguments {
     /// Write the values even if the identification did not converge
     #[arg(long, alias = "unconverged")]
     allow_unconverged: bool,
+    /// Write the values even if the model does not explain the readings
+    #[arg(long)]
+    allow_unexplained: bool,
+    /// Write the values even if a parameter lies far outside its prior
+    #[arg(long)]
+    allow_implausible: bool,
+    /// Write the values even if the diagnosis has a finding that the model does not have
+    #[arg(long)]
+    allow_finding: bool,
     /// Show what would be written, and write nothing
     #[arg(long)]
     dry_run: bool,
     /// Restore the values from before the last adjustment
-    #[arg(long, conflicts_with_all = ["method", "dry_run", "allow_unconverged"])]
+    #[arg(long, conflicts_with_all = ["method", "dry_run"])]
     roll_back: bool,
     /// Write the values of the controller and the identified ones as a CSV table
     #[arg(long, value_name = "FILE")]
@@ -66,10 +78,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     require_simulated(&file.session, &choice, &place)?;
     let symbols = &arguments.robot_arguments.symbols;
     let renamed = symbols.take(&mut file.session, &choice)?;
-    if interrupted::is(&file.session) {
+    if let Some(open) = adjusting::open(&file.session).cloned() {
         let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
         let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
-        return interrupted::settle(arguments, &mut file, &mut connection);
+        return match interrupted::settle(arguments, &mut file, &mut connection, &open)? {
+            Next::Done => Ok(()),
+            Next::RollBack => {
+                let robot = &arguments.robot_arguments;
+                robot.require_arm("The former values were not restored")?;
+                roll_back(arguments, &mut file, &mut connection)
+            }
+        };
     }
     if !arguments.dry_run {
         let robot = &arguments.robot_arguments;
@@ -81,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
-    check_converged(arguments, &identified)?;
+    check_doubts(arguments, &identified)?;
     let effects = &identified.model.effects;
     let rig = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
     let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
@@ -91,18 +110,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     adjust(arguments, &mut file, &mut connection, &identified)
 }
 
-/// Values of an identification that did not converge are written only on request.
-fn check_converged(arguments: &Arguments, identified: &Identified) -> Result<()> {
-    let Some(why) = &identified.unconverged else {
-        return Ok(());
-    };
-    if arguments.dry_run || arguments.allow_unconverged {
+/// Values that there is reason to doubt are written only on request.
+fn check_doubts(arguments: &Arguments, identified: &Identified) -> Result<()> {
+    for doubt in &identified.doubts {
+        let (flag, allowed) = match doubt.kind {
+            DoubtKind::Unconverged => ("--allow-unconverged", arguments.allow_unconverged),
+            DoubtKind::Unexplained => ("--allow-unexplained", arguments.allow_unexplained),
+            DoubtKind::Implausible => ("--allow-implausible", arguments.allow_implausible),
+            DoubtKind::Finding => ("--allow-finding", arguments.allow_finding),
+        };
+        let why = &doubt.sentence;
+        if !arguments.dry_run && !allowed {
+            return Err(anyhow!(
+                "{why}: nothing was written to the controller; {flag} writes the values anyway"
+            ));
+        }
         eprintln!("{why}.");
-        return Ok(());
     }
-    Err(anyhow!(
-        "{why}: nothing was written to the controller; --allow-unconverged writes the values anyway"
-    ))
+    Ok(())
 }
 
 fn adjust(
@@ -131,7 +156,7 @@ fn adjust(
     }
     file.session.add_result(identified.record(&file.session));
     let written = write(file, connection, &parameters, &values, Purpose::Adjust)?;
-    document.set_outcome(&written);
+    written.tell(&mut document);
     arguments.deliver(&document)?;
     match written.outcome {
         Outcome::Written => Ok(()),
@@ -154,7 +179,7 @@ fn roll_back(
     let parameters = parameters(connection)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
-    document.set_outcome(&written);
+    written.tell(&mut document);
     arguments.deliver(&document)?;
     match written.outcome {
         Outcome::RolledBack => Ok(()),

@@ -3,16 +3,16 @@
 use std::thread;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{Adjustment as Attempt, write_adjustment_reconnecting};
 use tautline_link::reconnecting::{Attempts, BackOff};
-use tautline_session::{Adjustment, Outcome, Phase};
-
-use crate::live::{Connection, SessionFile, link_error};
-use tautline_workflow::adjusting::Purpose;
-use tautline_workflow::adjusting::{changes, held, outcome, summary};
+use tautline_session::{Outcome, Phase};
+use tautline_workflow::adjusting::{Purpose, begun, held, outcome, summary};
 use tautline_workflow::clock;
+
+use super::document::AdjustmentDocument;
+use crate::live::{Connection, SessionFile, interrupt, link_error};
 
 /// Attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
@@ -29,7 +29,16 @@ pub struct WriteOutcome {
     pub text: String,
 }
 
-/// Writes values, and records in the session the previous values, the operator and the outcome.
+impl WriteOutcome {
+    /// Sets the outcome in a document.
+    pub fn tell(&self, document: &mut AdjustmentDocument) {
+        let holds = self.attempt.as_ref().map(|attempt| &attempt.holds);
+        document.set_outcome(&self.outcome, holds, &self.text);
+    }
+}
+
+/// Writes values, and records in the session the previous values, the operator and the outcome. Space on the disk for the
+/// outcome is kept free before anything is written.
 pub fn write(
     file: &mut SessionFile,
     connection: &mut Connection,
@@ -37,24 +46,43 @@ pub fn write(
     values: &[(String, f64)],
     purpose: Purpose,
 ) -> Result<WriteOutcome> {
+    interrupt::finish_first()?;
     connection.controller.arm().map_err(link_error)?;
-    let now = clock::now();
     file.session.controller = held(parameters);
-    file.session.add_adjustment(Adjustment {
-        time: now,
-        operator: operator(),
-        controller: connection.controller.identity(),
-        changes: changes(parameters, &old_values(parameters, values), values),
-        outcome: Outcome::Begun,
-    });
+    let identity = connection.controller.identity();
+    let record = begun(
+        (identity, operator()),
+        parameters,
+        values,
+        purpose,
+        clock::now(),
+    );
+    file.session.add_adjustment(record);
     file.save()?;
-    let written = attempt(connection, values, purpose);
+    let kept = file.keep_space();
+    let written = match &kept {
+        Err(error) => unwritten(format!("Nothing was written: {error}.")),
+        Ok(_) if interrupt::requested() => {
+            unwritten("Nothing was written: the command was interrupted.".to_owned())
+        }
+        Ok(_) => attempt(connection, values, purpose),
+    };
+    drop(kept);
     conclude(file, connection, &written)?;
     Ok(written)
 }
 
-/// Writes values, reconnecting where the connection is lost.
-pub fn attempt(
+fn unwritten(text: String) -> WriteOutcome {
+    WriteOutcome {
+        attempt: None,
+        outcome: Outcome::Failed(text.clone()),
+        text,
+    }
+}
+
+/// Writes values, reconnecting where the connection is lost. An interrupt waits until they are written or taken back, and
+/// ends the attempts to reconnect.
+fn attempt(
     connection: &mut Connection,
     values: &[(String, f64)],
     purpose: Purpose,
@@ -63,7 +91,8 @@ pub fn attempt(
         back_off: BackOff::default(),
         attempts: ATTEMPTS,
         late_s: LATE_S,
-        wait: |seconds| thread::sleep(Duration::from_secs_f64(seconds)),
+        wait: wait_unless_interrupted,
+        gives_up: interrupt::requested,
     };
     let controller = &mut *connection.controller;
     let (attempt, text) = match write_adjustment_reconnecting(controller, values, &mut policy) {
@@ -73,6 +102,10 @@ pub fn attempt(
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),
     };
+    let text = match interrupt::requested() {
+        true => format!("The command was interrupted. {text}"),
+        false => text,
+    };
     let holds = attempt.as_ref().map(|attempt| &attempt.holds);
     WriteOutcome {
         outcome: outcome(holds, purpose, &text),
@@ -81,7 +114,19 @@ pub fn attempt(
     }
 }
 
-/// Records in the session the outcome of the attempt that was begun, and the values of the controller.
+fn wait_unless_interrupted(seconds: f64) {
+    const STEP_S: f64 = 0.05;
+    let mut left_s = seconds;
+    while left_s > 0.0 && !interrupt::requested() {
+        thread::sleep(Duration::from_secs_f64(left_s.min(STEP_S)));
+        left_s -= STEP_S;
+    }
+}
+
+/// Records in the session the outcome of the open adjustment, and the values of the controller.
+///
+/// # Errors
+/// If the record cannot be saved: the message says first what the controller holds.
 pub fn conclude(
     file: &mut SessionFile,
     connection: &mut Connection,
@@ -93,15 +138,14 @@ pub fn conclude(
         file.session.controller = held(&parameters);
     }
     file.log(Phase::Accuracy, written.text.clone());
-    file.save()?;
+    file.save().map_err(|error| {
+        anyhow!(
+            "{} The record of this is missing in {}, which says that the adjustment was begun: {error}. Run the same command again once it can be written.",
+            written.text,
+            file.path.display()
+        )
+    })?;
     Ok(file.remove_controller()?)
-}
-
-/// Present values of the parameters that are to be written.
-fn old_values(parameters: &[ParameterInfo], values: &[(String, f64)]) -> Vec<(String, f64)> {
-    let known = |name: &str| parameters.iter().find(|p| p.name == name);
-    let old = values.iter().filter_map(|(name, _)| known(name));
-    old.map(|p| (p.name.clone(), p.value)).collect()
 }
 
 /// The user who runs the program.

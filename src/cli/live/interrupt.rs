@@ -1,8 +1,11 @@
-//! The operator's interrupt, Ctrl-C, which ends a run in an orderly way.
+//! The operator's interrupt, Ctrl-C, or the request of the system to end, which ends a run in an orderly way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+static LISTENS: AtomicBool = AtomicBool::new(false);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+/// Whether what goes on is finished, however often it is interrupted: it takes a bounded time.
+static FINISHES: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a program that was interrupted twice.
 const INTERRUPTED: i32 = 130;
@@ -12,12 +15,24 @@ const INTERRUPTED: i32 = 130;
 /// # Errors
 /// If the operating system does not allow it: then a robot must not move.
 pub fn listen() -> anyhow::Result<()> {
+    if LISTENS.swap(true, Ordering::SeqCst) {
+        return Ok(());
+    }
     let note = || {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
+        if REQUESTED.swap(true, Ordering::SeqCst) && !FINISHES.load(Ordering::SeqCst) {
             std::process::exit(INTERRUPTED);
         }
     };
     ctrlc::set_handler(note).map_err(|error| anyhow::anyhow!("Ctrl-C cannot be handled: {error}"))
+}
+
+/// From now on only notes interrupts: values of a controller are written, or taken back, before the program ends.
+///
+/// # Errors
+/// If the operating system does not allow it: then nothing must be written.
+pub fn finish_first() -> anyhow::Result<()> {
+    FINISHES.store(true, Ordering::SeqCst);
+    listen()
 }
 
 /// Whether there was an interrupt.

@@ -1,10 +1,12 @@
 //! A new session.
 
+use std::path::Path;
+
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, true_robot};
-use tautline_session::{LogEntry, Phase, Session, Simulator};
+use tautline_session::{LogEntry, Phase, Session, Simulator, read_session};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::ControllerChoice;
 
@@ -13,6 +15,9 @@ use crate::input;
 
 /// A session of the robot that is asked for, nothing measured yet.
 pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Session> {
+    if let Some(path) = &arguments.series_of {
+        return another_series(path, arguments);
+    }
     let robot = match (&arguments.robot, choice) {
         (Some(name), _) => input::robot(name)?.robot,
         (None, ControllerChoice::Replay(folder)) => input::dataset(folder)?.robot,
@@ -40,6 +45,22 @@ pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Sessi
         time: now,
         phase: Phase::Session,
         text: format!("Created by command with the controller {choice}."),
+    });
+    Ok(session)
+}
+
+/// A session like another one, nothing measured yet.
+fn another_series(path: &Path, arguments: &Arguments) -> Result<Session> {
+    let read = read_session(path)?;
+    let stem = arguments.session.file_stem();
+    let name = stem.map_or(read.value.name.clone(), |s| {
+        s.to_string_lossy().into_owned()
+    });
+    let mut session = read.value.another_series(name, clock::now());
+    session.record(LogEntry {
+        time: clock::now(),
+        phase: Phase::Session,
+        text: format!("Another series of {}.", path.display()),
     });
     Ok(session)
 }

@@ -46,6 +46,8 @@ pub struct RunOutcome {
     pub skipped: Vec<(i64, String)>,
     /// Largest standard deviation of a coordinate that the readings lead to (m), where it was asked for.
     pub largest_sd_m: Option<f64>,
+    /// Whether the controller was restarted, so that no other run can continue this one.
+    pub restarted: bool,
 }
 
 /// A run with its stop criteria.
@@ -85,6 +87,7 @@ impl Drive {
                 measured: Vec::new(),
                 skipped: Vec::new(),
                 largest_sd_m: None,
+                restarted: false,
             },
         }
     }
@@ -109,6 +112,7 @@ impl Drive {
             }
             Err(error) => self.ended.end = RunEnd::Failed(format!("{error:#}")),
         }
+        self.ended.restarted = self.run.was_restarted();
         super::log(file, &self.ended);
         file.save()?;
         keeper.finish()?;
@@ -144,7 +148,11 @@ impl Drive {
                             ask_distance(label, laser)?;
                         }
                     }
-                    MeasuringEvent::Paused { reason } => self.paused(&reason, connection)?,
+                    MeasuringEvent::Paused {
+                        reason,
+                        is_overload: true,
+                    } => return Err(anyhow!("{}", sentence(&reason))),
+                    MeasuringEvent::Paused { reason, .. } => self.paused(&reason, connection)?,
                     MeasuringEvent::Finished => return Ok(RunEnd::Finished),
                     MeasuringEvent::Failed(text) => return Ok(RunEnd::Failed(text)),
                     MeasuringEvent::Commanded { .. }

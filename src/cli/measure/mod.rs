@@ -10,7 +10,8 @@ use std::path::PathBuf;
 
 use crate::BadInput;
 use anyhow::{Result, anyhow};
-use tautline_session::{LaserSettings, Outcome, Phase, Session};
+use tautline_session::{LaserSettings, Phase, Session};
+use tautline_workflow::adjusting;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 use tautline_workflow::identification::{Identification, identify_session};
 use tautline_workflow::wording::count;
@@ -32,6 +33,10 @@ pub struct Arguments {
     /// Robot of a new session: a preset (mini, hall, suspended, planar) or a robot.json
     #[arg(long, value_name = "PRESET|FILE")]
     robot: Option<String>,
+    /// Session whose robot, plan and settings a new session takes over, to measure a series of its own: after the controller
+    /// was restarted
+    #[arg(long, value_name = "SESSION", conflicts_with = "robot")]
+    series_of: Option<PathBuf>,
     /// Poses to measure, as a table pose,x_m,y_m,z_m,qw,qx,qy,qz
     #[arg(long, value_name = "FILE.csv")]
     plan: Option<PathBuf>,
@@ -120,7 +125,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// Refuses a session that this command cannot continue.
 fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -> Result<()> {
     let place = file.path.display();
-    refuse_interrupted(&file.session, &place.to_string())?;
+    refuse_unsettled(&file.session, &place.to_string())?;
     require_simulated(&file.session, choice, &place.to_string())?;
     if let Some(robot) = &arguments.robot {
         let asked = input::robot(robot)?.robot.name;
@@ -144,15 +149,14 @@ pub fn require_simulated(session: &Session, choice: &ControllerChoice, place: &s
     Ok(())
 }
 
-/// Refuses to measure while the controller may hold a mixture of old and new values.
-pub fn refuse_interrupted(session: &Session, place: &str) -> Result<()> {
-    let last = session.adjustments().last();
-    if last.is_some_and(|last| last.outcome == Outcome::Begun) {
-        return Err(BadInput::new(format!(
-            "{place}: an adjustment of the controller was interrupted; run `tautline adjust` first, which resolves it"
-        )));
+/// Refuses to move while the controller may hold a mixture of old and new values.
+pub fn refuse_unsettled(session: &Session, place: &str) -> Result<()> {
+    match adjusting::unsettled(session) {
+        None => Ok(()),
+        Some(why) => Err(BadInput::new(format!(
+            "{place}: {why}; run `tautline adjust` first, which settles it"
+        ))),
     }
-    Ok(())
 }
 
 /// Whether the poses measured so far determine the robot: without the drawings, each of which counts as one reading of
@@ -175,6 +179,10 @@ fn result(
     match &ended.end {
         RunEnd::Interrupted => Err(anyhow!(
             "Stopped by the operator: {place} has {on_disk}; the same command continues"
+        )),
+        RunEnd::Failed(why) if ended.restarted => Err(anyhow!(
+            "{} {place} has {on_disk}; measure another series with --series-of {place}",
+            ensure_full_stop(why)
         )),
         RunEnd::Failed(why) => Err(anyhow!(
             "{} {place} has {on_disk}; the same command continues",

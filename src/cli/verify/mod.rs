@@ -17,11 +17,11 @@ use tautline_session::{
 use super::live::{
     Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
 };
-use super::measure::{refuse_interrupted, require_simulated};
+use super::measure::{refuse_unsettled, require_simulated};
 use crate::BadInput;
 use crate::output::{JsonOutput, notice};
 pub use document::VerificationDocument;
-use tautline_workflow::adjusting::title;
+use tautline_workflow::adjusting::{in_effect, title};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(BadInput::new(message));
     }
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
-    refuse_interrupted(&file.session, &arguments.session.display().to_string())?;
+    refuse_unsettled(&file.session, &arguments.session.display().to_string())?;
     let (rows, source) = match (&arguments.check, &choice) {
         (Some(path), _) => (from_file(path)?, format!("from {}", path.display())),
         (None, Some(choice)) => {
@@ -201,7 +201,7 @@ fn targets(arguments: &Arguments, rig: &ConnectionSetup) -> Vec<CheckTarget> {
 
 /// After the adjustment if the last one was written.
 fn stage(arguments: &Arguments, session: &Session) -> Stage {
-    let last = session.adjustments().last();
+    let last = in_effect(session);
     match arguments.stage {
         Some(StageName::Before) => Stage::Before,
         Some(StageName::After) => Stage::After,

@@ -2,7 +2,11 @@
 //!
 //! Controllers have no transactions. So the old values are read first, the new ones are written and read back, and if
 //! any does not read back as written, the old ones are restored and read back. If the connection breaks, it is
-//! re-established and the values are read again: either all are new, or all are old, or the old ones are restored.
+//! re-established and the values are read again: either all are new, or all are old, or they are mixed. Then only the
+//! operator arms the controller again, after which [`settle_adjustment`] restores the old ones.
+//!
+//! A controller may hold what is no number (NaN or infinity). It is overwritten like any other value, but cannot be
+//! restored, because nothing is written that is no number.
 
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::robot::Robot;
@@ -27,7 +31,8 @@ pub struct Difference {
     pub name: String,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
-    /// Value in the controller; `None` if it has no such parameter, so that the value cannot be written.
+    /// Value in the controller, which may be no number; `None` if it has no such parameter, so that the value cannot be
+    /// written.
     pub controller: Option<f64>,
     /// Identified value.
     pub identified: f64,
@@ -130,6 +135,7 @@ pub enum Holds {
 
 const OLD_VALUES: &str =
     "The controller holds its old values: look for the cause, then write again.";
+const UNKNOWN_VALUES: &str = "Do not move the robot: connect and arm it again, which brings the old values back; they are saved here.";
 
 /// Outcome of an attempt to write.
 #[derive(Debug, Clone, PartialEq)]
@@ -180,8 +186,9 @@ pub fn write_adjustment(
     Ok(roll_back(controller, old, problem))
 }
 
-/// As [`write_adjustment`]; if the connection breaks, it is re-established and [`settle_adjustment`] is repeated until two
-/// results agree, because what was sent before may still arrive late.
+/// As [`write_adjustment`]; if the connection breaks, it is re-established, not armed, and the values are read until two
+/// results agree, because what was sent before may still arrive late. A mixture of old and new values is left as it is
+/// for [`settle_adjustment`].
 ///
 /// # Errors
 /// As those of [`write_adjustment`]: nothing was written.
@@ -205,21 +212,54 @@ pub fn write_adjustment_reconnecting(
             });
         }
         // Lost again before anything could be read: another attempt.
-        let settled = settle_adjustment(controller, &written.old, new).ok();
-        match settled {
-            Some(settled) if last.as_ref() == Some(&settled.holds) => {
-                let problem = written.problem;
-                return Ok(Adjustment { problem, ..settled });
-            }
-            settled => last = settled.map(|settled| settled.holds),
+        let found = holds(controller, &written.old, new).ok();
+        if let Some(holds) = found.clone().filter(|_| found == last) {
+            return Ok(Adjustment {
+                advice: found_advice(&holds),
+                holds,
+                ..written
+            });
         }
+        last = found;
         policy.pause();
     }
     Ok(written)
 }
 
-/// Finds out what a controller holds after the connection was lost while `new` values replaced `old` ones. If all are new
-/// or all are old, nothing is changed; in a mixture the old ones are restored, for which the controller has to be armed.
+/// What a controller holds after `new` values may have replaced `old` ones.
+///
+/// # Errors
+/// If the values cannot be read.
+pub fn holds(
+    controller: &mut dyn Controller,
+    old: &[(String, f64)],
+    new: &[(String, f64)],
+) -> Result<Holds, LinkError> {
+    if differing(controller, new)?.is_empty() {
+        return Ok(Holds::New);
+    }
+    let others = differing(controller, old)?;
+    Ok(match others.is_empty() {
+        true => Holds::Old,
+        false => Holds::Mixed(others),
+    })
+}
+
+/// What to do about values that were found after the connection was lost.
+fn found_advice(holds: &Holds) -> String {
+    match holds {
+        Holds::New => "All new values arrived before the connection was lost: verify them with a verification run.".to_owned(),
+        Holds::Old => OLD_VALUES.to_owned(),
+        Holds::Mixed(names) => format!(
+            "Do not move the robot: {} of its values are not the old ones. Arm the controller again to bring the old values back.",
+            names.len()
+        ),
+        Holds::Unknown => UNKNOWN_VALUES.to_owned(),
+    }
+}
+
+/// Finds out what a controller holds after writing `new` values instead of `old` ones was interrupted. If all are new or
+/// all are old, nothing is changed; in a mixture the old ones are restored, for which the controller has to be armed.
 ///
 /// # Errors
 /// If the values cannot be read.
@@ -228,21 +268,17 @@ pub fn settle_adjustment(
     old: &[(String, f64)],
     new: &[(String, f64)],
 ) -> Result<Adjustment, LinkError> {
-    let problem = "The connection was lost while values were written.".to_owned();
-    let settled = |holds, advice: &str| Adjustment {
-        holds,
+    let problem = "Writing was interrupted before.".to_owned();
+    let found = holds(controller, old, new)?;
+    if matches!(found, Holds::Mixed(_)) && controller.state().armed {
+        return Ok(roll_back(controller, old.to_vec(), problem));
+    }
+    Ok(Adjustment {
+        advice: found_advice(&found),
+        holds: found,
         old: old.to_vec(),
-        problem: Some(problem.clone()),
-        advice: advice.to_owned(),
-    };
-    if differing(controller, new)?.is_empty() {
-        let advice = "All new values arrived before the connection was lost: verify them with a verification run.";
-        return Ok(settled(Holds::New, advice));
-    }
-    if differing(controller, old)?.is_empty() {
-        return Ok(settled(Holds::Old, OLD_VALUES));
-    }
-    Ok(roll_back(controller, old.to_vec(), problem))
+        problem: Some(problem),
+    })
 }
 
 /// Restores the old values.
@@ -251,8 +287,20 @@ fn roll_back(
     old: Vec<(String, f64)>,
     problem: String,
 ) -> Adjustment {
-    let (holds, advice) = match write_and_compare(controller, &old) {
-        Ok(wrong) if wrong.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
+    let (numbers, others): (Vec<_>, Vec<_>) = old
+        .iter()
+        .cloned()
+        .partition(|(_, value)| value.is_finite());
+    let others: Vec<String> = others.into_iter().map(|(name, _)| name).collect();
+    let (holds, advice) = match write_and_compare(controller, &numbers) {
+        Ok(wrong) if wrong.is_empty() && others.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
+        Ok(wrong) if wrong.is_empty() => {
+            let list = others.join(", ");
+            let advice = format!(
+                "The controller holds its old values, but for those that were no numbers and cannot be written: {list}."
+            );
+            (Holds::Old, advice)
+        }
         Ok(wrong) => {
             let list = wrong.join(", ");
             let advice = format!(
@@ -260,7 +308,7 @@ fn roll_back(
             );
             (Holds::Mixed(wrong), advice)
         }
-        Err(error) => after_failed_rollback(controller, &old, &error),
+        Err(error) => after_failed_rollback(controller, &numbers, &error),
     };
     Adjustment {
         holds,
@@ -277,10 +325,7 @@ fn after_failed_rollback(
     error: &LinkError,
 ) -> (Holds, String) {
     match differing(controller, old) {
-        Ok(wrong) if wrong.is_empty() => (
-            Holds::Old,
-            OLD_VALUES.to_owned(),
-        ),
+        Ok(wrong) if wrong.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
         Ok(wrong) => {
             let advice = format!(
                 "Do not move the robot: {} of its values are new and the old ones could not be written ({error}); write the old values again.",
@@ -288,10 +333,7 @@ fn after_failed_rollback(
             );
             (Holds::Mixed(wrong), advice)
         }
-        Err(_) => (
-            Holds::Unknown,
-            "Do not move the robot: connect again and write the old values, which are saved here, before anything else.".to_owned(),
-        ),
+        Err(_) => (Holds::Unknown, UNKNOWN_VALUES.to_owned()),
     }
 }
 
@@ -317,6 +359,9 @@ fn differing(
 }
 
 fn is_held(held: f64, value: f64) -> bool {
+    if !value.is_finite() {
+        return !held.is_finite();
+    }
     (held - value).abs() <= TOLERANCE + RELATIVE_TOLERANCE * value.abs()
 }
 

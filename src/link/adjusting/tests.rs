@@ -82,7 +82,7 @@ fn old_values_that_cannot_be_brought_back_are_named() {
 fn after_a_lost_connection_nothing_is_claimed() {
     let (adjustment, mut robot) = attempt(vec![Fault::WriteDisconnects { after: 1 }]);
     assert_eq!(adjustment.holds, Holds::Unknown);
-    assert!(adjustment.advice.contains("connect again"));
+    assert!(adjustment.advice.contains("connect and arm it again"));
     robot.inner_mut().set_faults(Vec::new());
     robot.connect().unwrap();
     robot.arm().unwrap();
@@ -135,24 +135,127 @@ fn attempts(attempts: u32, waited: &mut Vec<f64>) -> Attempts<impl FnMut(f64)> {
         attempts,
         late_s: 3.0,
         wait: |pause_s| waited.push(pause_s),
+        gives_up: || false,
     }
 }
 
 #[test]
-fn a_lost_connection_is_made_anew_and_settled() {
-    // The fault stays, so writing the old values breaks the connection again, until too few values are left to write.
+fn a_lost_connection_is_made_anew_and_only_the_operator_arms_it() {
     let (mut robot, _) = robot(vec![Fault::WriteDisconnects { after: 1 }]);
     let mut waited = Vec::new();
     let mut policy = attempts(2, &mut waited);
-    let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut policy).unwrap();
-    // The first value was written back before the connection broke again.
-    assert_eq!(adjustment.holds, Holds::Old);
+    let new = new_values();
+    let adjustment = write_adjustment_reconnecting(&mut robot, &new, &mut policy).unwrap();
+    drop(policy);
+    assert_eq!(adjustment.holds, Holds::Mixed(vec![new[0].0.clone()]));
+    assert!(adjustment.advice.contains("Arm the controller again"));
     let problem = adjustment.problem.unwrap();
     assert!(problem.contains("connection"), "{problem}");
+    assert!(!robot.state().armed);
+    // The same was read twice, a pause apart.
+    assert_eq!(waited.iter().filter(|pause| **pause == 3.0).count(), 1);
+    robot.inner_mut().set_faults(Vec::new());
+    robot.arm().unwrap();
+    let settled = settle_adjustment(&mut robot, &adjustment.old, &new).unwrap();
+    assert_eq!(settled.holds, Holds::Old);
     assert_eq!(held(&mut robot), OLD);
-    drop(policy);
-    // Lost twice; then the same was read twice, a pause apart.
-    assert_eq!(waited.iter().filter(|pause| **pause == 3.0).count(), 2);
+}
+
+#[test]
+fn nobody_waits_for_a_controller_once_it_is_given_up() {
+    let (mut robot, _) = robot(vec![Fault::WriteDisconnects { after: 1 }]);
+    let mut policy = Attempts {
+        back_off: BackOff::default(),
+        attempts: 9,
+        late_s: 3.0,
+        wait: |_| (),
+        gives_up: || true,
+    };
+    let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut policy);
+    let adjustment = adjustment.unwrap();
+    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert!(adjustment.problem.unwrap().contains("interrupted"));
+}
+
+/// A controller that holds what is no number.
+struct Odd(Vec<(String, f64)>);
+
+impl Controller for Odd {
+    fn identity(&self) -> String {
+        "odd".to_owned()
+    }
+    fn connect(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+    fn disconnect(&mut self) {}
+    fn state(&self) -> crate::ControllerState {
+        crate::ControllerState {
+            activity: crate::Activity::Still,
+            armed: true,
+        }
+    }
+    fn arm(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+    fn disarm(&mut self) {}
+    fn sample(&mut self) -> Result<crate::Sample, LinkError> {
+        Err(LinkError::NotArmed)
+    }
+    fn home(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+    fn command(&mut self, _: &tautline_core::geometry::Pose) -> Result<(), LinkError> {
+        Ok(())
+    }
+    fn stop(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
+        Ok(Vec::new())
+    }
+    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
+        let value = |name: &String| {
+            self.0
+                .iter()
+                .find(|held| held.0 == *name)
+                .map(|held| held.1)
+        };
+        Ok(names.iter().filter_map(value).collect())
+    }
+    fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
+        for (name, value) in values {
+            assert!(value.is_finite(), "{name}");
+            // The value that is called "stuck" never changes.
+            let held = self
+                .0
+                .iter_mut()
+                .find(|held| held.0 == *name && name != "stuck");
+            held.into_iter().for_each(|held| held.1 = *value);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn what_is_no_number_is_overwritten_and_cannot_be_restored() {
+    let named = |values: [f64; 3]| -> Vec<(String, f64)> {
+        let names = ["a", "b", "stuck"].map(str::to_owned);
+        names.into_iter().zip(values).collect()
+    };
+    let mut odd = Odd(named([f64::NAN, 1.0, 3.0]));
+    let new = named([4.0, 5.0, 3.0]);
+    let written = write_adjustment(&mut odd, &new).unwrap();
+    assert_eq!(written.holds, Holds::New);
+    // The value that does not arrive brings the others back, as far as they were numbers.
+    let mut odd = Odd(named([f64::INFINITY, 1.0, 3.0]));
+    let adjustment = write_adjustment(&mut odd, &named([4.0, 5.0, 6.0])).unwrap();
+    assert_eq!(adjustment.holds, Holds::Old);
+    assert!(
+        adjustment
+            .advice
+            .contains("no numbers and cannot be written: a.")
+    );
+    assert_eq!(odd.0, named([4.0, 1.0, 3.0]));
 }
 
 #[test]

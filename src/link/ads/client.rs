@@ -1,20 +1,16 @@
 //! One connection: requests and answers, in as few frames as possible.
 //!
-//! The answers are parsed here and not by the library, because that trusts the lengths in them. After a
-//! [`RequestError::Lost`] the client has to be dropped: a late answer must never be taken for that of a later request.
+//! After a [`RequestError::Lost`] the client has to be dropped: a late answer must never be taken for that of a later
+//! request.
 
 use std::net::{SocketAddr, ToSocketAddrs};
-use std::sync::Arc;
 use std::time::Duration;
 
-use ads::client::{Command, Device, Source};
-use ads::{AmsAddr, AmsNetId, Client, Timeouts, index};
-
 use super::address::AdsAddress;
+use super::codes::{AdsCode, RUN, state_name};
 use super::options::AdsOptions;
-use super::probe::{OWN_PORT, probe};
 use super::symbols::{Place, Symbol};
-use crate::clock::Clock;
+use super::wire::{AmsAddress, Broken, Command, Wire, words};
 use crate::error::LinkError;
 
 /// Most parts of one request; controllers allow 500.
@@ -23,27 +19,19 @@ const PARTS: usize = 256;
 const BYTES: usize = 1 << 16;
 /// Longest description of a symbol (bytes).
 const ENTRY: usize = 8192;
-/// The ADS state in which the program runs.
-const RUN: u16 = 5;
+/// Bytes of the error code that every answer begins with.
+const CODE: usize = 4;
+/// Bytes of the answer about the state: error code, state of the device, state of its hardware.
+const STATE: usize = 8;
 
-/// An error code of the controller: one part was refused, the connection is still good.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct AdsCode(pub u32);
-
-impl AdsCode {
-    /// What it means, in words.
-    pub fn explain(self) -> String {
-        let known = ads::errors::ADS_ERRORS
-            .iter()
-            .find(|(code, _)| *code == self.0);
-        let meaning = known.map_or("unknown error", |(_, text)| text);
-        format!("{meaning} (ADS error {:#x})", self.0)
-    }
-
-    /// Whether the controller does not know such a request.
-    fn is_unknown_request(self) -> bool {
-        matches!(self.0, 0x8 | 0xB | 0x701 | 0x702)
-    }
+/// Index groups: what a request is about.
+mod group {
+    /// The description of a symbol by its name.
+    pub const SYMBOL: u32 = 0xF009;
+    /// Several reads, with an error for each.
+    pub const READ_TOGETHER: u32 = 0xF083;
+    /// Several writes, with an error for each.
+    pub const WRITE_TOGETHER: u32 = 0xF081;
 }
 
 /// Why a request failed.
@@ -59,97 +47,118 @@ type Answer<T> = Result<T, RequestError>;
 
 /// A connection to a controller.
 pub(super) struct AdsClient {
-    client: Client,
-    target: AmsAddr,
+    wire: Wire,
     timeout_s: f64,
-    clock: Arc<dyn Clock>,
     /// Whether the controller takes several parts in one request.
     sums: bool,
 }
 
 impl AdsClient {
-    pub fn open(
-        address: &AdsAddress,
-        options: &AdsOptions,
-        clock: Arc<dyn Clock>,
-    ) -> Result<Self, LinkError> {
+    /// Connects to a server that speaks ADS: it is asked for the state of the program.
+    pub fn open(address: &AdsAddress, options: &AdsOptions) -> Result<Self, LinkError> {
         let timeout = Duration::try_from_secs_f64(options.timeout_s)
             .ok()
             .filter(|timeout| !timeout.is_zero())
             .ok_or_else(|| LinkError::Setup("the timeout is not a positive time".to_owned()))?;
-        let source = match options.own_net_id {
-            None => Source::Auto,
-            Some(id) => Source::Addr(AmsAddr::new(AmsNetId(id), OWN_PORT)),
+        let target = AmsAddress {
+            net_id: address.net_id,
+            port: address.ams_port,
         };
-        let target = AmsAddr::new(AmsNetId(address.net_id), address.ams_port);
         let mut last =
             LinkError::Disconnected(format!("the host {:?} has no address", address.host));
         for place in places_of(address)? {
-            let opened = probe(place, target, options.own_net_id, timeout).and_then(|()| {
-                Client::new(place, Timeouts::new(timeout), source)
-                    .map_err(|error| LinkError::Disconnected(unreachable(place, &error)))
-            });
+            let opened =
+                Wire::connect(place, target, options.own_net_id, timeout).and_then(|mut wire| {
+                    // An error, too, is said in ADS.
+                    wire.exchange(Command::ReadState, &[], STATE).map(|_| wire)
+                });
             match opened {
-                Ok(client) => {
+                Ok(wire) => {
                     return Ok(Self {
-                        client,
-                        target,
+                        wire,
                         timeout_s: options.timeout_s,
-                        clock,
                         sums: true,
                     });
                 }
-                Err(error) => last = error,
+                Err(Broken::Invalid(_)) => {
+                    last = LinkError::Disconnected(format!(
+                        "the server at {place} does not speak ADS"
+                    ));
+                }
+                Err(Broken::Io(error)) => {
+                    last = LinkError::Disconnected(format!("{place} cannot be reached ({error})"));
+                }
+                Err(broken) => last = lost(broken, options.timeout_s),
             }
         }
         Err(last)
     }
 
-    /// Sends a request and says what a failure means.
-    fn ask<T>(&self, request: impl FnOnce(Device<'_>) -> ads::Result<T>) -> Answer<T> {
-        let asked_s = self.clock.now_s();
-        request(self.client.device(self.target)).map_err(|error| match error {
-            ads::Error::Ads(_, _, code) => RequestError::Refused(AdsCode(code)),
-            ads::Error::Io(_, error) => {
-                // The library reports a timeout also when the other side has closed the connection.
-                let waited_s = self.clock.now_s() - asked_s;
-                let late = error.kind() == std::io::ErrorKind::TimedOut
-                    || error.kind() == std::io::ErrorKind::WouldBlock;
-                RequestError::Lost(if late && waited_s >= 0.9 * self.timeout_s {
-                    LinkError::Timeout(self.timeout_s)
-                } else {
-                    let text =
-                        "it closed the connection (does it have an ADS route to this computer?)";
-                    LinkError::Disconnected(text.to_owned())
-                })
-            }
-            ads::Error::Reply(_, what, _) => broken(what),
-            ads::Error::Overflow(_) => broken("a request is too long"),
-        })
+    /// Sends a request and returns what follows the error code in its answer, at most `longest` bytes.
+    fn ask(&mut self, command: Command, data: &[u8], longest: usize) -> Answer<Vec<u8>> {
+        let reply = self.wire.exchange(command, data, CODE + longest);
+        let reply = reply.map_err(|broken| RequestError::Lost(lost(broken, self.timeout_s)))?;
+        let mut content = reply.map_err(RequestError::Refused)?;
+        if content.len() < CODE {
+            return Err(broken("an answer without its error code"));
+        }
+        let rest = content.split_off(CODE);
+        match word(&content) {
+            0 => Ok(rest),
+            code => Err(RequestError::Refused(AdsCode(code))),
+        }
+    }
+
+    /// The data of an answer that has a length of its own before them, at most `longest` bytes.
+    fn ask_for_data(
+        &mut self,
+        command: Command,
+        request: &[u8],
+        longest: usize,
+    ) -> Answer<Vec<u8>> {
+        let mut content = self.ask(command, request, 4 + longest)?;
+        if content.len() < 4 {
+            return Err(broken("an answer without its length"));
+        }
+        let data = content.split_off(4);
+        let length = word(&content);
+        if usize::try_from(length) != Ok(data.len()) {
+            let arrived = data.len();
+            return Err(broken(&format!(
+                "an answer announces {length} bytes and has {arrived}"
+            )));
+        }
+        Ok(data)
+    }
+
+    fn read_write(
+        &mut self,
+        (group, offset): (u32, u32),
+        longest: usize,
+        sent: &[u8],
+    ) -> Answer<Vec<u8>> {
+        let (longest_word, sent_word) = (size_word(longest), size_word(sent.len()));
+        let mut request = words(&[group, offset, longest_word, sent_word]);
+        request.extend_from_slice(sent);
+        self.ask_for_data(Command::ReadWrite, &request, longest)
     }
 
     /// The state of the ADS device, and its name; the program runs in state "Run".
-    pub fn state(&self) -> Answer<(bool, String)> {
-        let mut state = [0; 4];
-        self.ask(|device| {
-            let client = device.client;
-            client.communicate(Command::ReadState, self.target, &[], &mut [&mut state])
-        })?;
-        let number = u16::from_le_bytes([state[0], state[1]]);
-        let name = ads::AdsState::try_from(number)
-            .map_or_else(|_| format!("number {number}"), |state| format!("{state:?}"));
-        Ok((number == RUN, name))
+    pub fn state(&mut self) -> Answer<(bool, String)> {
+        let state = self.ask(Command::ReadState, &[], STATE - CODE)?;
+        let Ok([low, high, _, _]) = <[u8; 4]>::try_from(state) else {
+            return Err(broken("a state that is incomplete"));
+        };
+        let number = u16::from_le_bytes([low, high]);
+        Ok((number == RUN, state_name(number)))
     }
 
     /// Looks a symbol up.
-    pub fn symbol(&self, name: &str) -> Answer<Symbol> {
-        let mut entry = vec![0; ENTRY];
+    pub fn symbol(&mut self, name: &str) -> Answer<Symbol> {
         let mut asked = name.as_bytes().to_vec();
         asked.push(0);
-        let length = self
-            .ask(|device| device.write_read(index::GET_SYMINFO_BYNAME_EX, 0, &asked, &mut entry))?;
-        let entry = entry.get(..length).unwrap_or_default();
-        Symbol::parse(name, entry)
+        let entry = self.read_write((group::SYMBOL, 0), ENTRY, &asked)?;
+        Symbol::parse(name, &entry)
             .ok_or_else(|| broken("the description of a symbol is incomplete"))
     }
 
@@ -172,29 +181,27 @@ impl AdsClient {
         Ok(all)
     }
 
-    fn read_together(&self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
+    fn read_together(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let heads: Vec<u8> = (places.iter().flat_map(|p| p.head().concat())).collect();
         let sizes: usize = places.iter().map(|place| place.size).sum();
-        let mut answer = vec![0; 8 * places.len() + sizes];
-        let count = u32::try_from(places.len()).unwrap_or(u32::MAX);
-        let length =
-            self.ask(|device| device.write_read(index::SUMUP_READ_EX, count, &heads, &mut answer))?;
-        let answer = answer.get(..length).unwrap_or_default();
-        split(answer, places).ok_or_else(|| broken("an answer has another length than its parts"))
+        let longest = 8 * places.len() + sizes;
+        let request = (group::READ_TOGETHER, size_word(places.len()));
+        let answer = self.read_write(request, longest, &heads)?;
+        split(&answer, places).ok_or_else(|| broken("an answer has another length than its parts"))
     }
 
-    fn read_singly(&self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
-        let read = |place: &Place| {
-            let mut bytes = vec![0; place.size];
-            let asked = self.ask(|device| device.read(place.group, place.offset, &mut bytes));
-            match asked {
-                Ok(length) if length == place.size => Ok(Ok(bytes)),
-                Ok(_) => Err(broken("an answer is shorter than what was asked for")),
-                Err(RequestError::Refused(code)) => Ok(Err(code)),
-                Err(lost) => Err(lost),
-            }
+    fn read_singly(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
+        let mut read = |place: &Place| match self.ask_for_data(
+            Command::Read,
+            &place.head().concat(),
+            place.size,
+        ) {
+            Ok(bytes) if bytes.len() == place.size => Ok(Ok(bytes)),
+            Ok(_) => Err(broken("an answer is shorter than what was asked for")),
+            Err(RequestError::Refused(code)) => Ok(Err(code)),
+            Err(lost) => Err(lost),
         };
-        places.iter().map(read).collect()
+        places.iter().map(&mut read).collect()
     }
 
     /// Writes places in their order and stops after the batch of the first that is refused, whose index is returned.
@@ -221,20 +228,19 @@ impl AdsClient {
     }
 
     /// Whether the controller takes several parts in one request, asked by reading.
-    fn knows_sums(&self) -> bool {
+    fn knows_sums(&mut self) -> bool {
         self.read_together(&[Place::VERSION]).is_ok()
     }
 
-    fn write_together(&self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
+    fn write_together(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         let heads = values.iter().flat_map(|(place, _)| place.head().concat());
         let bytes = values.iter().flat_map(|(_, bytes)| bytes.iter().copied());
         let request: Vec<u8> = heads.chain(bytes).collect();
-        let mut answer = vec![0; 4 * values.len()];
-        let count = u32::try_from(values.len()).unwrap_or(u32::MAX);
-        let asked =
-            self.ask(|device| device.write_read(index::SUMUP_WRITE, count, &request, &mut answer));
-        let length = asked.map_err(|error| (error, 0))?;
-        if length != answer.len() {
+        let longest = CODE * values.len();
+        let asked = (group::WRITE_TOGETHER, size_word(values.len()));
+        let answer = self.read_write(asked, longest, &request);
+        let answer = answer.map_err(|error| (error, 0))?;
+        if answer.len() != longest {
             return Err((broken("an answer has another length than its parts"), 0));
         }
         let codes = answer.chunks_exact(4).map(word);
@@ -244,10 +250,11 @@ impl AdsClient {
         }
     }
 
-    fn write_singly(&self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
+    fn write_singly(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         for (index, (place, bytes)) in values.iter().enumerate() {
-            self.ask(|device| device.write(place.group, place.offset, bytes))
-                .map_err(|error| (error, index))?;
+            let request = [place.head().concat(), bytes.clone()].concat();
+            let asked = self.ask(Command::Write, &request, 0);
+            asked.map_err(|error| (error, index))?;
         }
         Ok(())
     }
@@ -270,11 +277,21 @@ fn places_of(address: &AdsAddress) -> Result<Vec<SocketAddr>, LinkError> {
     Ok(found.collect())
 }
 
-fn unreachable(place: SocketAddr, error: &ads::Error) -> String {
-    match error {
-        ads::Error::Io(_, error) => format!("{place} cannot be reached ({error})"),
-        error => format!("{place} cannot be reached ({error})"),
+/// What a broken connection means to the operator.
+fn lost(broken: Broken, timeout_s: f64) -> LinkError {
+    match broken {
+        Broken::Late => LinkError::Timeout(timeout_s),
+        Broken::Closed => {
+            let text = "it closed the connection (does it have an ADS route to this computer?)";
+            LinkError::Disconnected(text.to_owned())
+        }
+        Broken::Io(error) => LinkError::Disconnected(format!("it failed ({error})")),
+        Broken::Invalid(what) => LinkError::Disconnected(format!("its answer is invalid: {what}")),
     }
+}
+
+fn size_word(size: usize) -> u32 {
+    u32::try_from(size).unwrap_or(u32::MAX)
 }
 
 fn word(bytes: &[u8]) -> u32 {
@@ -372,17 +389,5 @@ mod tests {
         let lengths: Vec<usize> = batches(&sizes, |s| *s).iter().map(|p| p.len()).collect();
         assert_eq!(lengths, [1, 1, 1, 1]);
         assert!(batches(&[0_usize; 0], |s| *s).is_empty());
-    }
-
-    #[test]
-    fn codes_are_told_with_their_meaning() {
-        assert_eq!(
-            AdsCode(0x710).explain(),
-            "Symbol not found (ADS error 0x710)"
-        );
-        assert_eq!(
-            AdsCode(0x9999).explain(),
-            "unknown error (ADS error 0x9999)"
-        );
     }
 }

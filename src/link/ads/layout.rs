@@ -80,6 +80,8 @@ pub(super) struct ReadingSlots {
     pub time: Option<Channel>,
     pub inclination: Option<Channel>,
     pub pose: Option<PoseSlots>,
+    /// What changes with every start of the controller.
+    pub started: Option<Slot>,
 }
 
 /// State of the controller, read at every sample.
@@ -91,6 +93,20 @@ pub(super) struct StatusSlots {
     pub acknowledged: Option<Slot>,
     /// Whether we may move and write; written when armed.
     pub release: Option<Slot>,
+}
+
+impl StatusSlots {
+    /// Indices of its symbols.
+    pub fn symbols(&self) -> impl Iterator<Item = usize> {
+        let all = [
+            self.moving,
+            self.fault,
+            self.fault_text,
+            self.acknowledged,
+            self.release,
+        ];
+        all.into_iter().flatten().map(|slot| slot.symbol)
+    }
 }
 
 /// Everything that is read and written.
@@ -111,7 +127,8 @@ impl Layout {
         let checked = mapping.check(robot);
         checked.map_err(|e| LinkError::Setup(format!("the symbols: {e}")))?;
         let mut symbols = Symbols(Vec::new());
-        let readings = symbols.readings(&mapping.readings, robot);
+        let mut readings = symbols.readings(&mapping.readings, robot);
+        readings.started = symbols.optional(&mapping.state.started, Expected::Number);
         let status = symbols.status(mapping);
         let sampled = symbols.0.len();
         let command = mapping.command.as_ref().map(|command| CommandSlots {
@@ -182,6 +199,7 @@ impl Symbols {
                 offset: symbols.offset,
             }),
             pose: readings.pose.as_ref().map(|pose| self.pose(pose)),
+            started: None,
         }
     }
 

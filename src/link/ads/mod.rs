@@ -1,24 +1,24 @@
 //! Controllers that speak ADS, Beckhoff's protocol.
 //!
 //! A [`tautline_session::AdsMapping`] says which symbol holds what; `docs/ADS.md` describes the handshake between this
-//! program and that of the controller. Requests are sent only by calls from outside, and each waits at most
-//! [`AdsOptions::timeout_s`]; the library below has one thread per connection, which receives the answers. Nothing is
-//! written before [`crate::Controller::arm`].
+//! program and that of the controller. Requests are sent only by calls from outside, and each is over, answered or not,
+//! after at most [`AdsOptions::timeout_s`]. There is no thread: an answer is read by whoever asked. Nothing is written
+//! before [`crate::Controller::arm`].
 //!
 //! Readings are polled, because one request returns all readings of one moment. Notifications of several symbols arrive
-//! one by one, queue up where nobody takes them, and make the library's thread fail when the connection is dropped
-//! while one arrives.
+//! one by one and queue up where nobody takes them.
 
 mod address;
 mod client;
+mod codes;
 mod controller;
 mod layout;
 mod options;
 mod pose;
-mod probe;
 mod program;
 mod sample;
 mod symbols;
+mod wire;
 
 pub use address::AdsAddress;
 pub use controller::AdsController;

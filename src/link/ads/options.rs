@@ -5,7 +5,7 @@ use crate::reconnecting::BackOff;
 /// Options of an ADS connection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdsOptions {
-    /// Timeout of a connection or an answer (s).
+    /// Longest time of one exchange, from the request to the last byte of its answer, and of connecting (s).
     pub timeout_s: f64,
     /// Timeout of the acknowledgement of a command (s).
     pub acknowledge_s: f64,

@@ -1,16 +1,14 @@
 //! A connection to a running program whose symbols are known.
 
-use std::sync::Arc;
-
 use tautline_core::robot::Robot;
 use tautline_session::AdsMapping;
 
 use super::address::AdsAddress;
-use super::client::{AdsClient, AdsCode, RequestError};
+use super::client::{AdsClient, RequestError};
+use super::codes::AdsCode;
 use super::layout::{Layout, Slot, Wanted};
 use super::options::AdsOptions;
 use super::symbols::{Place, Symbol, SymbolCheck, SymbolFound, encode};
-use crate::clock::Clock;
 use crate::error::LinkError;
 
 /// Values that are written in one request, so that a controller's task is not held up.
@@ -82,22 +80,21 @@ impl Program {
         address: &AdsAddress,
         layout: &Layout,
         options: &AdsOptions,
-        clock: Arc<dyn Clock>,
     ) -> Result<Self, LinkError> {
-        let mut client = open(address, options, clock)?;
+        let mut client = open(address, options)?;
         let version = client.read(&[Place::VERSION]).map_err(|error| {
             Failure::of(error, &format!("the program at {address}")).into_error()
         })?;
         let version = version.into_iter().next().and_then(Result::ok);
         Ok(Self {
-            symbols: usable_symbols(&client, &layout.wanted)?,
+            symbols: usable_symbols(&mut client, &layout.wanted)?,
             version: version.and_then(|bytes| bytes.first().copied()),
             client,
         })
     }
 
     /// Why the program does not run, if it does not.
-    pub fn problem(&self) -> Result<Option<String>, Failure> {
+    pub fn problem(&mut self) -> Result<Option<String>, Failure> {
         let state = self.client.state();
         let (running, state) = state.map_err(|e| Failure::of(e, "the state of the program"))?;
         Ok((!running).then(|| not_running(&state)))
@@ -188,12 +185,8 @@ fn program_changed() -> Failure {
 }
 
 /// Connects to a program that runs.
-fn open(
-    address: &AdsAddress,
-    options: &AdsOptions,
-    clock: Arc<dyn Clock>,
-) -> Result<AdsClient, LinkError> {
-    let client = AdsClient::open(address, options, clock)?;
+fn open(address: &AdsAddress, options: &AdsOptions) -> Result<AdsClient, LinkError> {
+    let mut client = AdsClient::open(address, options)?;
     let (running, state) = client
         .state()
         .map_err(|error| Failure::of(error, &format!("the program at {address}")).into_error())?;
@@ -205,7 +198,7 @@ fn open(
 
 /// Looks a symbol up: what the controller says about it, and the symbol if it can be used.
 fn look_up(
-    client: &AdsClient,
+    client: &mut AdsClient,
     wanted: &Wanted,
 ) -> Result<(SymbolFound, Option<Symbol>), LinkError> {
     let symbol = match client.symbol(&wanted.name) {
@@ -230,7 +223,7 @@ fn look_up(
 }
 
 /// The symbols that are wanted; all that are missing are named together.
-fn usable_symbols(client: &AdsClient, wanted: &[Wanted]) -> Result<Vec<Symbol>, LinkError> {
+fn usable_symbols(client: &mut AdsClient, wanted: &[Wanted]) -> Result<Vec<Symbol>, LinkError> {
     let mut symbols = Vec::with_capacity(wanted.len());
     let mut missing: Vec<String> = Vec::new();
     for want in wanted {
@@ -271,12 +264,11 @@ pub fn check_symbols(
     mapping: &AdsMapping,
     robot: &Robot,
     options: &AdsOptions,
-    clock: Arc<dyn Clock>,
 ) -> Result<Vec<SymbolCheck>, LinkError> {
     let layout = Layout::of(mapping, robot)?;
-    let client = open(address, options, clock)?;
+    let mut client = open(address, options)?;
     let check = |wanted: &Wanted| {
-        let (found, _) = look_up(&client, wanted)?;
+        let (found, _) = look_up(&mut client, wanted)?;
         Ok(SymbolCheck {
             name: wanted.name.clone(),
             found,

@@ -38,6 +38,7 @@ pub(super) fn sample_of(raw: &SymbolValues<'_>, slots: &ReadingSlots) -> Sample 
         temperature_c: value(raw, &slots.temperature).filter(|degrees| degrees.is_finite()),
         swivel_rad: list(&slots.swivel),
         inclination_rad: list(&slots.inclination).and_then(|angles| angles.try_into().ok()),
+        started: slots.started.as_ref().map(|slot| raw.number(*slot)),
         commanded: slots.pose.as_ref().and_then(|pose| {
             let numbers: Vec<f64> = pose.slots.iter().map(|slot| raw.number(*slot)).collect();
             pose_of(&numbers, &pose.written)

@@ -1,7 +1,5 @@
 //! Symbols of a controller: their addresses, their types and the numbers in their bytes.
 
-use ads::index;
-
 /// More bytes than any symbol that is used has, so that a wrong answer cannot fill the memory.
 const LARGEST: usize = 1 << 20;
 
@@ -48,7 +46,7 @@ pub(super) struct Place {
 impl Place {
     /// The version of the symbols, which changes with the program, so that no address is used in another program.
     pub const VERSION: Self = Self {
-        group: index::GET_SYMVERSION,
+        group: 0xF008,
         offset: 0,
         size: 1,
     };

@@ -1,11 +1,14 @@
 //! A controller as the rest of the program uses it: with rules of our own, whatever the controller itself allows.
 //!
-//! * No pose outside the limits is commanded, and an overloaded cable stops the motion.
+//! * No pose outside the limits is commanded, and an overloaded cable stops the motion, each time until the operator has
+//!   decided.
 //! * Nothing moves and nothing is written unless it was armed here, in this connection: a controller that lost its
 //!   connection and re-established it by itself is not armed, even if it reports that it is.
+//! * A controller that was restarted goes nowhere but home, where its encoders are zeroed anew.
 //! * Readings have the channels that the robot has.
 //! * An external laser replaces the controller's own.
 
+mod restart;
 #[cfg(test)]
 mod tests;
 
@@ -18,6 +21,7 @@ use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
 use crate::parameters::ParameterInfo;
+pub use restart::Seen;
 
 /// A controller behind our own limits, with the external laser and the latest sample.
 pub struct GuardedController<C: ?Sized> {
@@ -25,8 +29,14 @@ pub struct GuardedController<C: ?Sized> {
     limits: Limits,
     laser: Option<Box<dyn LaserSource>>,
     last: Option<Sample>,
-    /// Whether a cable was overloaded in the latest sample: reported once, so that the operator can still see and move.
-    overloaded: bool,
+    /// Whether the platform was stopped because of the present overload.
+    stopped: bool,
+    /// Readings of the force sensors that the operator has accepted although a cable is overloaded.
+    accepted: Vec<f64>,
+    /// The controller as it was seen last, also in an earlier connection or run.
+    seen: Option<Seen>,
+    /// By what a restart was recognised after which it was not homed.
+    restarted: Option<String>,
     /// Whether it was armed here and the connection was not seen to end since, not even by reading the state.
     armed: Cell<bool>,
 }
@@ -40,9 +50,19 @@ impl<C: Controller + ?Sized> GuardedController<C> {
             limits,
             laser: None,
             last: None,
-            overloaded: false,
+            stopped: false,
+            accepted: Vec::new(),
+            seen: None,
+            restarted: None,
             armed: Cell::new(false),
         }
+    }
+
+    /// The same controller as it was seen at the end of an earlier run, by which a restart since then is recognised.
+    #[must_use]
+    pub fn seen_before(mut self, seen: Option<Seen>) -> Self {
+        self.seen = seen;
+        self
     }
 
     /// The same controller with an external laser whose distance replaces its own.
@@ -107,7 +127,37 @@ impl<C: Controller + ?Sized> GuardedController<C> {
     fn forget(&mut self) {
         self.armed.set(false);
         self.last = None;
-        self.overloaded = false;
+        self.stopped = false;
+        self.accepted.clear();
+        if let Some(seen) = &mut self.seen {
+            seen.was_away = true;
+        }
+    }
+
+    /// Remembers the controller as it is now; by what a restart since it was seen last is recognised.
+    fn note_restart(&mut self, sample: &Sample) -> Option<String> {
+        let moving = self.inner.state().activity == Activity::Moving;
+        let now = Seen::of(sample, moving);
+        let seen = self.seen.replace(now.clone())?;
+        let reason = seen.restart(&now, &self.limits.robot)?;
+        self.restarted = Some(reason.clone());
+        Some(reason)
+    }
+
+    /// Stops the platform if a cable is overloaded, more than the operator has accepted.
+    fn check_overload(&mut self, force_n: &[f64]) -> Result<(), LinkError> {
+        let Err(limit) = self.limits.check_forces(force_n, &self.accepted) else {
+            if self.limits.check_forces(force_n, &[]).is_ok() {
+                self.accepted.clear();
+            }
+            self.stopped = false;
+            return Ok(());
+        };
+        // Once for each motion: a stop is a command, too.
+        if !std::mem::replace(&mut self.stopped, true) {
+            self.stop()?;
+        }
+        Err(limit)
     }
 
     fn discard_reading(&mut self) {
@@ -177,6 +227,13 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
     }
 
     fn arm(&mut self) -> Result<(), LinkError> {
+        // Also a restarted controller is armed, to be sent home; what it has lost is known from here on.
+        if self.seen.as_ref().is_some_and(|seen| seen.was_away) {
+            let sample = self.inner.sample();
+            let sample = self.noted(sample)?;
+            self.check_channels(&sample)?;
+            self.note_restart(&sample);
+        }
         let armed = self.inner.arm();
         self.noted(armed)?;
         let state = self.inner.state();
@@ -199,8 +256,8 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         self.inner.disarm();
     }
 
-    /// The controller's sample with the external laser. A clock that runs backwards disarms the controller; a cable that
-    /// becomes overloaded stops the platform and is an error once.
+    /// The controller's sample with the external laser. A restart disarms the controller; an overloaded cable stops the
+    /// platform. Both are errors, and the sample is kept all the same.
     fn sample(&mut self) -> Result<Sample, LinkError> {
         let sample = self.inner.sample();
         let mut sample = self.noted(sample)?;
@@ -208,20 +265,12 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         if let Some(laser) = &self.laser {
             sample.laser_m = laser.distance_m();
         }
-        // A clock that runs backwards belongs to a controller that was restarted.
-        let back = (self.last.as_ref()).is_some_and(|last| sample.time_s < last.time_s);
         self.last = Some(sample.clone());
-        if back {
+        if let Some(reason) = self.note_restart(&sample) {
             self.disarm();
-            let text = "its clock ran backwards, so it was restarted: arm it again";
-            return Err(LinkError::Refused(text.to_owned()));
+            return Err(LinkError::Restarted(reason));
         }
-        let checked = self.limits.check_forces(&sample.force_n);
-        let was = std::mem::replace(&mut self.overloaded, checked.is_err());
-        if let (Err(limit), false) = (checked, was) {
-            self.stop()?;
-            return Err(limit);
-        }
+        self.check_overload(&sample.force_n)?;
         Ok(sample)
     }
 
@@ -229,15 +278,25 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         self.check_armed()?;
         self.discard_reading();
         let answer = self.inner.home();
-        self.noted(answer)
+        self.noted(answer)?;
+        // The encoders count from there: what they showed before says nothing any more.
+        self.seen = None;
+        self.restarted = None;
+        self.stopped = false;
+        Ok(())
     }
 
     fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
         self.check_armed()?;
+        if let Some(reason) = &self.restarted {
+            return Err(LinkError::Restarted(reason.clone()));
+        }
         self.limits.check_pose(pose)?;
         self.discard_reading();
         let answer = self.inner.command(pose);
-        self.noted(answer)
+        self.noted(answer)?;
+        self.stopped = false;
+        Ok(())
     }
 
     fn stop(&mut self) -> Result<(), LinkError> {
@@ -266,6 +325,12 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         }
         let written = self.inner.write(values);
         self.noted(written)
+    }
+
+    fn accept_overload(&mut self) {
+        let last = self.last.as_ref();
+        self.accepted = last.map_or_else(Vec::new, |sample| sample.force_n.clone());
+        self.stopped = false;
     }
 
     fn laser_problem(&self) -> Option<String> {

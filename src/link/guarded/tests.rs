@@ -10,7 +10,7 @@ use crate::simulated::Fault;
 use crate::testing::{armed, limits, preset};
 
 #[test]
-fn an_overloaded_cable_stops_the_motion_and_is_told_once() {
+fn an_overloaded_cable_stops_every_motion_until_the_operator_has_decided() {
     let preset = preset("mini");
     let (mut robot, clock) = armed(&preset, |_| ());
     let mut target = preset.workspace.centre;
@@ -29,7 +29,56 @@ fn an_overloaded_cable_stops_the_motion_and_is_told_once() {
     );
     assert_eq!(robot.last().unwrap().force_n[1], 400.0);
     assert_eq!(robot.state().activity, Activity::Still);
+    // As long as it pulls, and however often it is told to move.
+    for _ in 0..2 {
+        assert_eq!(robot.sample().unwrap_err().to_string(), told);
+        robot.command(&target).unwrap();
+        clock.advance(0.01);
+        assert!(robot.sample().is_err());
+        assert_eq!(robot.state().activity, Activity::Still);
+    }
+    robot.accept_overload();
+    robot.command(&target).unwrap();
+    clock.advance(0.01);
     assert!(robot.sample().is_ok());
+    assert_eq!(robot.state().activity, Activity::Moving);
+    // What was accepted may not get worse, and is not accepted any more once it was well.
+    let pulling = |reading_n| {
+        vec![Fault::Tension {
+            cable: 1,
+            reading_n,
+        }]
+    };
+    robot.inner_mut().set_faults(pulling(420.0));
+    assert!(robot.sample().is_err());
+    robot.inner_mut().set_faults(Vec::new());
+    assert!(robot.sample().is_ok());
+    robot.inner_mut().set_faults(pulling(400.0));
+    assert!(robot.sample().is_err());
+}
+
+#[test]
+fn a_restarted_controller_is_only_sent_home() {
+    let preset = preset("mini");
+    let pose = preset.workspace.centre;
+    let mut station = Bad::station(&preset);
+    station.inner.sample.started = Some(3.0);
+    station.connect().unwrap();
+    station.sample().unwrap();
+    station.disconnect();
+    station.inner.sample.started = Some(4.0);
+    station.connect().unwrap();
+    station.arm().unwrap();
+    assert!(station.sample().is_ok(), "it was noticed when it was armed");
+    let told = station.command(&pose).unwrap_err();
+    assert!(matches!(told, LinkError::Restarted(_)), "{told}");
+    station.home().unwrap();
+    assert_eq!(station.command(&pose), Ok(()));
+    // Amid a connection it disarms.
+    station.sample().unwrap();
+    station.inner.sample.started = Some(5.0);
+    assert!(matches!(station.sample(), Err(LinkError::Restarted(_))));
+    assert!(!station.state().armed);
 }
 
 /// A controller that does whatever it is told, armed or not, and connects again by itself.
@@ -56,6 +105,7 @@ impl Bad {
             swivel_rad: None,
             inclination_rad: None,
             commanded: None,
+            started: None,
         };
         let bad = Self {
             sample,
@@ -204,6 +254,7 @@ fn a_connection_that_comes_back_by_itself_is_not_armed() {
         station.connect().unwrap();
         assert!(!station.state().armed);
         station.arm().unwrap();
+        station.home().unwrap();
         assert_eq!(station.command(&pose), Ok(()));
         // Connecting while it is connected disarms.
         station.connect().unwrap();

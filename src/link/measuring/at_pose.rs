@@ -124,7 +124,10 @@ impl MeasuringRun {
         let Some((label, pose)) = self.current else {
             return;
         };
-        let measured = MeasuredPose::from(mean_readings(label, pose, &self.samples));
+        let measured = MeasuredPose {
+            started: self.samples.last().and_then(|sample| sample.started),
+            ..MeasuredPose::from(mean_readings(label, pose, &self.samples))
+        };
         let expected = (self.predictor)(&pose);
         let checks = Checks {
             robot: &self.robot,

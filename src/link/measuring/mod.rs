@@ -39,6 +39,8 @@ const LOST_ANSWERS: usize = 5;
 pub const LOST: &str =
     "the connection to the controller is lost; when it is restored, arm it and resume";
 
+const DISARMED: &str = "the controller is not armed: arm it, then resume";
+
 /// An event of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuringEvent {
@@ -82,6 +84,8 @@ pub enum MeasuringEvent {
     Paused {
         /// The reason, for the operator.
         reason: String,
+        /// Whether only the operator may decide to go on, by [`Controller::accept_overload`].
+        is_overload: bool,
     },
     /// All poses are measured or skipped.
     Finished,
@@ -129,6 +133,8 @@ pub struct MeasuringRun {
     /// Caller's time of the last new sample, and the controller's time in it.
     heard: Option<(f64, f64)>,
     lost_answers: usize,
+    /// Whether it has failed because the controller was restarted.
+    restarted: bool,
     channels: Channels,
     pending: Vec<MeasuringEvent>,
 }
@@ -155,6 +161,7 @@ impl MeasuringRun {
             commanded_at_s: None,
             heard: None,
             lost_answers: 0,
+            restarted: false,
             channels: Channels::default(),
             pending: Vec::new(),
         }
@@ -193,6 +200,12 @@ impl MeasuringRun {
         self.paused
     }
 
+    /// Whether it has failed because the controller was restarted, so that another run cannot continue it.
+    #[must_use]
+    pub fn was_restarted(&self) -> bool {
+        self.restarted
+    }
+
     /// Label of the present pose.
     #[must_use]
     pub fn current(&self) -> Option<i64> {
@@ -227,9 +240,16 @@ impl MeasuringRun {
 
     /// Pauses for a reason, unless the run is paused already.
     pub fn hold(&mut self, reason: String) {
+        self.pause_for(reason, false);
+    }
+
+    fn pause_for(&mut self, reason: String, is_overload: bool) {
         if !self.paused && self.stage != Stage::Ended {
             self.paused = true;
-            self.pending.push(MeasuringEvent::Paused { reason });
+            self.pending.push(MeasuringEvent::Paused {
+                reason,
+                is_overload,
+            });
         }
     }
 
@@ -306,6 +326,12 @@ impl MeasuringRun {
         self.pending.push(MeasuringEvent::Failed(text));
     }
 
+    /// What is measured cannot be continued.
+    fn fail_restarted(&mut self, error: &LinkError) {
+        self.restarted = true;
+        self.fail(format!("{error}."));
+    }
+
     /// The connection is lost.
     fn lose(&mut self, text: String) {
         if self.options.waits_for_connection {
@@ -337,12 +363,19 @@ impl MeasuringRun {
             _ => {}
         }
         if !state.armed {
-            let reason = "the controller is not armed: arm it, then resume";
-            return self.hold(reason.to_owned());
+            return self.hold(DISARMED.to_owned());
         }
         let Some(sample) = self.listen(controller, now_s) else {
             return;
         };
+        // The sample itself may say that it does not count: then the pose is not measured.
+        let now = controller.state();
+        if let Activity::Fault(text) = now.activity {
+            return self.fail(format!("The controller reports a fault: {text}."));
+        }
+        if !now.armed {
+            return self.hold(DISARMED.to_owned());
+        }
         match self.stage {
             Stage::Ready => self.command_next(controller, sample),
             Stage::Approaching => {
@@ -369,7 +402,8 @@ impl MeasuringRun {
                     self.fail("The controller sends no new readings.".to_owned());
                 }
             }
-            Err(error @ LinkError::Limit(_)) => self.hold(error.to_string()),
+            Err(error @ LinkError::Limit(_)) => self.pause_for(error.to_string(), true),
+            Err(error @ LinkError::Restarted(_)) => self.fail_restarted(&error),
             Err(error) => {
                 self.lost_answers += 1;
                 if error.is_disconnection() {
@@ -398,6 +432,8 @@ impl MeasuringRun {
             self.queue.push_front((label, pose));
             if error.is_disconnection() {
                 self.lose(error.to_string());
+            } else if matches!(error, LinkError::Restarted(_)) {
+                self.fail_restarted(&error);
             } else {
                 self.hold(format!("pose {label} was not commanded: {error}"));
             }

@@ -128,6 +128,7 @@ impl Recording {
             swivel_rad: (!swivel_rad.is_empty()).then_some(swivel_rad),
             inclination_rad: m.inclination_rad.get(row).copied(),
             commanded: None,
+            started: None,
         }
     }
 }

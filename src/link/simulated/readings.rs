@@ -46,6 +46,7 @@ pub(super) fn sample_of(row: &[f64], cables: usize, laser_range_m: [f64; 2]) -> 
         inclination_rad: Some(inclination_rad).filter(|a: &[f64; 3]| !a[0].is_nan()),
         temperature_c: None,
         commanded: None,
+        started: None,
     }
 }
 

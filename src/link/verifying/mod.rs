@@ -158,6 +158,10 @@ impl VerifyingRun {
             return Err(LinkError::Fault(text));
         }
         let sample = controller.sample()?;
+        // The sample itself may say that the platform is not where it was told to go.
+        if let Activity::Fault(text) = controller.state().activity {
+            return Err(LinkError::Fault(text));
+        }
         let Some((commanded_s, resting_s)) = self.under_way else {
             return self.command(controller, &sample).map(Some);
         };

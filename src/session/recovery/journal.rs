@@ -22,6 +22,9 @@ pub(super) struct Entry {
     /// Label of the pose that this one replaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<i64>,
+    /// What the controller said of its last start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub started: Option<f64>,
 }
 
 /// A line with its checksum and line end.
@@ -54,6 +57,7 @@ impl Entry {
         Self {
             table: MeasurementTable::of(&pose.readings),
             repeats: pose.repeats,
+            started: pose.started.filter(|started| started.is_finite()),
         }
     }
 

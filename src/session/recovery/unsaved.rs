@@ -244,7 +244,7 @@ fn changed(
     for entry in &journal.entries {
         if entry.table.labels().iter().all(|l| measured.contains(l)) {
             // What does not fit is reported when the journal is replayed.
-            let _ = session.append_table(entry.table.clone(), None);
+            let _ = session.append_table(entry.table.clone(), None, None);
         }
     }
     for label in &excluded {
@@ -273,7 +273,7 @@ fn replay(session: &mut Session, journal: Journal, file: &str) -> Vec<String> {
                 "{file}: pose {label} was measured twice with different readings; the first ones are used"
             )),
             None => {
-                if let Err(error) = session.append_table(entry.table, entry.repeats) {
+                if let Err(error) = session.append_table(entry.table, entry.repeats, entry.started) {
                     notices.push(format!("{file}: pose {label} does not fit: {error}"));
                 }
             }

@@ -1,7 +1,7 @@
 //! Parameters of the controller and what was written to it.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Timestamp;
 
@@ -10,7 +10,9 @@ use super::Timestamp;
 pub struct NamedValue {
     /// Its name.
     pub name: String,
-    /// Its value.
+    /// Its value; null in a file where the controller holds none, but NaN or infinity.
+    #[serde(deserialize_with = "number_or_null")]
+    #[schemars(with = "Option<f64>")]
     pub value: f64,
 }
 
@@ -27,6 +29,17 @@ pub struct Adjustment {
     pub changes: Vec<ValueChange>,
     /// Its outcome.
     pub outcome: Outcome,
+    /// Whether it was to bring back the values from before an earlier one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub restores: bool,
+}
+
+impl Adjustment {
+    /// Whether the controller may hold both old and new values: nothing may move before it is settled.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        matches!(self.outcome, Outcome::Begun | Outcome::Unsettled(_))
+    }
 }
 
 /// One parameter of a controller before and after an adjustment.
@@ -36,7 +49,9 @@ pub struct ValueChange {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// The old value.
+    /// The old value; null in a file where the controller held none, but NaN or infinity.
+    #[serde(deserialize_with = "number_or_null")]
+    #[schemars(with = "Option<f64>")]
     pub before: f64,
     /// The new value.
     pub after: f64,
@@ -53,6 +68,13 @@ pub enum Outcome {
     Written,
     /// The old values were written back.
     RolledBack,
-    /// It failed; one sentence says why.
+    /// It failed, and the controller holds its old values; one sentence says why.
     Failed(String),
+    /// The controller holds both old and new values, or did not answer any more; one sentence says why.
+    Unsettled(String),
+}
+
+/// A number, or NaN for the null that JSON has in its place.
+fn number_or_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }

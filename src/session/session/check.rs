@@ -82,7 +82,7 @@ pub(super) fn plan(plan: &[PlannedPose]) -> Checked {
     Ok(())
 }
 
-/// Checks that parameters of the controller have different names and finite values.
+/// Checks that parameters of the controller have different names. A controller may hold what is no number.
 pub(super) fn controller(values: &[NamedValue]) -> Checked {
     let mut names = HashSet::with_capacity(values.len());
     for (k, value) in values.iter().enumerate() {
@@ -91,17 +91,15 @@ pub(super) fn controller(values: &[NamedValue]) -> Checked {
             let message = format!("found {:?} again, expected each name once", value.name);
             return fail(format!("{at}/name"), message);
         }
-        finite(&at, "value", value.value)?;
     }
     Ok(())
 }
 
-/// Checks that adjustments have finite values before and after.
+/// Checks that adjustments have written finite values. What was there before may be no number.
 pub(super) fn adjustments(adjustments: &[Adjustment]) -> Checked {
     for (k, adjustment) in adjustments.iter().enumerate() {
         for (j, change) in adjustment.changes.iter().enumerate() {
             let at = format!("/adjustments/{k}/changes/{j}");
-            finite(&at, "before", change.before)?;
             finite(&at, "after", change.after)?;
         }
     }

@@ -15,6 +15,8 @@ pub struct MeasuredPose {
     pub readings: Measurements,
     /// Label of the pose that was measured again and that this one counts instead of.
     pub repeats: Option<i64>,
+    /// What the controller said of its last start, if it does.
+    pub started: Option<f64>,
 }
 
 impl From<Measurements> for MeasuredPose {
@@ -23,6 +25,7 @@ impl From<Measurements> for MeasuredPose {
         Self {
             readings,
             repeats: None,
+            started: None,
         }
     }
 }
@@ -67,7 +70,9 @@ impl Session {
     /// If the label is measured already, the readings are not those of this robot or are not plausible, or the pose that
     /// it repeats is not there or is the home pose; nothing changes then.
     pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), FieldError> {
-        self.append(Columns::of(&pose.readings), pose.repeats)
+        self.append(Columns::of(&pose.readings), pose.repeats)?;
+        self.controller_started = pose.started.or(self.controller_started);
+        Ok(())
     }
 
     /// Adds the poses that another state of the same session has and this one does not; returns their labels.
@@ -82,6 +87,9 @@ impl Session {
                 added.push(*label);
             }
         }
+        if !added.is_empty() {
+            self.controller_started = other.controller_started.or(self.controller_started);
+        }
         Ok(added)
     }
 
@@ -90,9 +98,12 @@ impl Session {
         &mut self,
         table: MeasurementTable,
         repeats: Option<i64>,
+        started: Option<f64>,
     ) -> Result<(), FieldError> {
         table.check()?;
-        self.append(table.into_columns(), repeats)
+        self.append(table.into_columns(), repeats)?;
+        self.controller_started = started.or(self.controller_started);
+        Ok(())
     }
 
     fn append(&mut self, row: Columns, repeats: Option<i64>) -> Result<(), FieldError> {

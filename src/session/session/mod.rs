@@ -87,6 +87,10 @@ pub struct Session<M = Measurements> {
     /// The parameters that the controller holds, so that a simulated one goes on where it was.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub controller: Vec<NamedValue>,
+    /// What the controller said of its last start when the last pose was measured: the encoders of a controller that was
+    /// started again have lost their zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller_started: Option<f64>,
     /// Where the laser distance comes from.
     #[serde(default, skip_serializing_if = "LaserSettings::is_controller")]
     pub laser_source: LaserSettings,
@@ -120,6 +124,7 @@ impl<M> Session<M> {
             results: self.results.clone(),
             simulator: self.simulator.clone(),
             controller: self.controller.clone(),
+            controller_started: self.controller_started,
             laser_source: self.laser_source.clone(),
             connection: self.connection.clone(),
             adjustments: self.adjustments.clone(),
@@ -144,6 +149,7 @@ impl Session {
             settings: Settings::default(),
             simulator: None,
             controller: Vec::new(),
+            controller_started: None,
             laser_source: LaserSettings::default(),
             connection: Connection::default(),
             excluded: BTreeSet::new(),
@@ -151,6 +157,22 @@ impl Session {
             adjustments: Vec::new(),
             verifications: Vec::new(),
             log: Vec::new(),
+        }
+    }
+
+    /// A session of the same robot with the same plan, settings and controller, nothing measured and nothing concluded: a
+    /// series of its own, with its own way home.
+    #[must_use]
+    pub fn another_series(&self, name: impl Into<String>, now: Timestamp) -> Self {
+        Self {
+            plan: self.plan.clone(),
+            phases: self.phases.clone(),
+            settings: self.settings.clone(),
+            simulator: self.simulator.clone(),
+            controller: self.controller.clone(),
+            laser_source: self.laser_source.clone(),
+            connection: self.connection.clone(),
+            ..Self::new(name, self.robot.clone(), now)
         }
     }
 
@@ -245,20 +267,19 @@ impl Session {
         self.results.push(result);
     }
 
-    /// Adds an adjustment; adjustments are never changed afterwards, but for one that was only
-    /// [begun](Outcome::Begun).
+    /// Adds an adjustment; adjustments are never changed afterwards, but for one that is still [open](Adjustment::is_open).
     pub fn add_adjustment(&mut self, adjustment: Adjustment) {
         self.modified = self.modified.max(adjustment.time);
         self.adjustments.push(adjustment);
     }
 
-    /// Says what came of the adjustment that was begun last; whether there was one.
+    /// Says what came of the last adjustment if it is still [open](Adjustment::is_open); whether it was.
     pub fn conclude_adjustment(&mut self, outcome: Outcome, now: Timestamp) -> bool {
         let last = self.adjustments.last_mut();
-        let Some(begun) = last.filter(|last| last.outcome == Outcome::Begun) else {
+        let Some(open) = last.filter(|last| last.is_open()) else {
             return false;
         };
-        begun.outcome = outcome;
+        open.outcome = outcome;
         self.modified = self.modified.max(now);
         true
     }

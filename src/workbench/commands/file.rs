@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
-use tautline_session::Outcome::Begun;
 use tautline_session::{Import, Loaded, Session, find_unsaved_sessions, import, write_session};
 
 use super::file_tasks::pick;
@@ -317,12 +316,6 @@ fn open(model: &mut Model, opening: Opening) {
     } = opening;
     let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
     model.messages.info(format!("Opened {name}."));
-    let adjusted = session.adjustments().last();
-    if adjusted.is_some_and(|last| last.outcome == Begun) {
-        let text =
-            "An adjustment of the controller was interrupted: the command adjust settles it.";
-        model.messages.warning(text);
-    }
     if let Some(path) = &path {
         let when = clock::now();
         model.change_preferences(|preferences| preferences.remember(path, &name, when));
@@ -339,6 +332,9 @@ fn open(model: &mut Model, opening: Opening) {
     } else {
         Phase::Precalibration
     });
+    if let Some(text) = model.unsettled() {
+        model.messages.warning(text);
+    }
     super::identification::reopened(model);
 }
 

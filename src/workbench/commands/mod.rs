@@ -62,6 +62,7 @@ fn changed(
 pub fn autosaved(model: &mut Model, event: AutosaveEvent) {
     match event {
         AutosaveEvent::Measured(label) => robot::autosaved(model, label),
+        AutosaveEvent::Kept => robot::recorded(model),
         AutosaveEvent::Failed(text) => {
             robot::autosave_failed(model);
             model.messages.error(text);

@@ -1,8 +1,5 @@
 //! The connection dialog: its settings, its files, and looking symbols up.
 
-use std::sync::Arc;
-
-use tautline_link::SystemClock;
 use tautline_link::ads::{AdsAddress, AdsOptions, check_symbols};
 use tautline_session::{
     AdsMapping, AdsPlace, Connection, LaserSettings, LastConnection, read_versioned,
@@ -103,8 +100,7 @@ fn check(model: &mut Model, (place, mapping): (AdsPlace, AdsMapping)) {
             timeout_s: place.timeout_s,
             ..AdsOptions::default()
         };
-        let clock = Arc::new(SystemClock::start());
-        let checked = check_symbols(&address, &mapping, &robot, &options, clock);
+        let checked = check_symbols(&address, &mapping, &robot, &options);
         SetupOutcome::Checked(checked.map_err(|error| error.to_string()))
     });
 }

@@ -23,6 +23,8 @@ enum Job {
     Measured(Box<MeasuredPose>),
     /// Discard what an earlier crash has left behind.
     Discard(Box<UnsavedSession>),
+    /// Tell when everything that was handed over before is on disk.
+    Tell,
     /// Nothing is unsaved any more, or the operator does not want it.
     Finish,
 }
@@ -32,6 +34,8 @@ enum Job {
 pub enum AutosaveEvent {
     /// The pose of this label is on disk.
     Measured(i64),
+    /// Everything is on disk that was handed over before this was asked for.
+    Kept,
     /// Something could not be kept; one sentence.
     Failed(String),
 }
@@ -164,6 +168,11 @@ impl Autosave {
         self.send(Job::Measured(Box::new(pose)));
     }
 
+    /// [`AutosaveEvent::Kept`] tells when everything that was handed over is on disk.
+    pub fn tell(&self) {
+        self.send(Job::Tell);
+    }
+
     /// Discards what an earlier crash has left behind, after everything that was handed over before.
     pub fn discard(&self, left: UnsavedSession) {
         self.send(Job::Discard(Box::new(left)));
@@ -273,6 +282,10 @@ fn perform(
             tell(AutosaveEvent::Measured(pose.label()));
             Ok(())
         }
+        Job::Tell => {
+            tell(AutosaveEvent::Kept);
+            Ok(())
+        }
         Job::Discard(left) => left.discard().map(drop).map_err(failed),
         Job::Finish => writer
             .take()
@@ -307,7 +320,7 @@ mod tests {
         let event = autosave.events.recv_timeout(Duration::from_secs(60));
         match event.expect("it is kept") {
             AutosaveEvent::Measured(label) => label,
-            AutosaveEvent::Failed(text) => panic!("{text}"),
+            event => panic!("{event:?}"),
         }
     }
 

@@ -40,9 +40,10 @@ use messages::Messages;
 use phase::Screen;
 use session_lock::SessionLock;
 use tasks::Tasks;
-use tautline_workflow::adjusting;
+use tautline_workflow::adjusting::{self, Doubt};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::wording::sentence;
 
 /// How the program was started.
 #[derive(Debug, Clone, Default)]
@@ -68,8 +69,8 @@ pub struct Dialogs {
     pub save_as: Option<String>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
-    /// Whether writing values that did not converge has to be confirmed.
-    pub unconverged: bool,
+    /// Why writing the identified values has to be confirmed; nothing while that is not asked.
+    pub doubts: Vec<Doubt>,
     /// The report that is to be saved, while that dialog is open.
     pub report: Option<ReportDraft>,
     /// Whether the log is open.
@@ -221,6 +222,15 @@ impl Model {
         fit.map_or_else(Vec::new, |fit| {
             plan_adjustment(&self.link.parameters, &fit.model, Some(&fit.solution))
         })
+    }
+
+    /// Why nothing may move and nothing else may be written, if so: one sentence.
+    #[must_use]
+    pub fn unsettled(&self) -> Option<String> {
+        let why = adjusting::unsettled(self.open.as_ref()?.session())?;
+        Some(sentence(&format!(
+            "{why}: connect and arm the controller, which settles it."
+        )))
     }
 
     /// The last adjustment, if it can be taken back.

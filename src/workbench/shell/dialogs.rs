@@ -18,8 +18,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     if state.model.dialogs.leaving.is_some() && state.model.dialogs.save_as.is_none() {
         unsaved(ui, state);
     }
-    if state.model.dialogs.unconverged {
-        unconverged(ui, state);
+    if !state.model.dialogs.doubts.is_empty() {
+        doubts(ui, state);
     }
     if let Some(draft) = state.model.dialogs.report.take() {
         report(ui, state, draft);
@@ -138,26 +138,27 @@ fn unsaved(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Write values that were still changing?
-fn unconverged(ui: &mut Ui, state: &mut State) {
-    let modal = Modal::new(Id::unique("unconverged values")).show(ui.ctx(), |ui| {
+/// Write values that there is reason to doubt?
+fn doubts(ui: &mut Ui, state: &mut State) {
+    let modal = Modal::new(Id::unique("doubtful values")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
         heading(ui, "Write these values?");
-        ui.label(
-            "The identification did not converge: its values can make the robot less accurate.",
-        );
+        for doubt in &state.model.dialogs.doubts {
+            ui.label(format!("{}.", doubt.sentence));
+        }
+        ui.label("Such values can make the robot less accurate.");
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
             if primary(ui, "Do not write", true).clicked() {
-                state.outbox.send(RobotCommand::WriteUnconverged(false));
+                state.outbox.send(RobotCommand::WriteDoubtful(false));
             }
             if ui.button("Write anyway").clicked() {
-                state.outbox.send(RobotCommand::WriteUnconverged(true));
+                state.outbox.send(RobotCommand::WriteDoubtful(true));
             }
         });
     });
     if modal.should_close() {
-        state.outbox.send(RobotCommand::WriteUnconverged(false));
+        state.outbox.send(RobotCommand::WriteDoubtful(false));
     }
 }
 

@@ -71,6 +71,7 @@ impl ConnectionSetup {
         let manual_laser = laser.as_ref().and_then(ExternalLaser::manual);
         Ok(Opened {
             controller: GuardedController::new(controller, self.limits.clone())
+                .seen_before(self.seen.clone())
                 .with_laser(laser.map(ExternalLaser::into_source)),
             manual_laser,
             instrument,

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{TensionRange, Workspace};
-use tautline_link::Limits;
 use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::simulated::SimulatedSetup;
+use tautline_link::{Limits, Seen};
 use tautline_session::{AdsMapping, ControllerKind, LaserSettings, Session};
 
 use super::choice::ControllerChoice;
@@ -54,6 +54,8 @@ pub struct ConnectionSetup {
     /// File in which a simulated controller saves its values while they are written.
     pub(super) values_file: Option<PathBuf>,
     pub(super) limits: Limits,
+    /// The controller as it was seen when the last pose of the session was measured.
+    pub(super) seen: Option<Seen>,
     pub(super) laser: LaserSettings,
 }
 
@@ -109,8 +111,11 @@ impl ConnectionSetup {
         };
         Self {
             kind,
-            source,
             values_file: values_file.map(Path::to_owned),
+            seen: matches!(source, Source::Ads(..))
+                .then(|| seen(session))
+                .flatten(),
+            source,
             limits,
             laser: session.laser_source.clone(),
         }
@@ -161,6 +166,27 @@ impl ConnectionSetup {
     pub fn workspace(&self) -> &Workspace {
         &self.limits.workspace
     }
+}
+
+/// The controller as the last measured pose of a session shows it. A simulated one is made anew for every connection, at
+/// home and with its clock at 0.
+fn seen(session: &Session) -> Option<Seen> {
+    let measured = &session.measurements;
+    let row = measured.len().checked_sub(1)?;
+    let mapping = session.connection.ads.as_ref();
+    // Without a clock of its own times are those of the connection; the default symbols have one.
+    let has_clock = mapping.is_none_or(|mapping| mapping.readings.time.is_some());
+    let time_s = measured.time_s.get(row).copied();
+    Some(Seen {
+        time_s: time_s.filter(|time_s| has_clock && time_s.is_finite()),
+        started: session.controller_started,
+        resting: measured.commanded.get(row).copied().flatten(),
+        revolutions: match measured.revolutions.is_empty() {
+            true => Vec::new(),
+            false => measured.revolutions.row(row).to_vec(),
+        },
+        was_away: true,
+    })
 }
 
 fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) -> SimulatedSetup {

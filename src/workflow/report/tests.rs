@@ -84,6 +84,7 @@ fn sample(verdicts: &[Verdict]) -> Sample {
             after: 1.0123,
         }],
         outcome: Outcome::Written,
+        restores: false,
     });
     Sample {
         choice: ReportChoice::default(),

@@ -6,6 +6,7 @@
 //! the poses over.
 
 mod lock;
+mod space;
 
 use std::fs;
 use std::io::{Error as IoError, ErrorKind};
@@ -13,15 +14,17 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
 use tautline_session::{
-    LogEntry, Outcome, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
+    LogEntry, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
     find_unsaved_sessions, read_session, write_session,
 };
 
+use crate::adjusting::open as open_adjustment;
 use crate::clock;
 use crate::controllers::beside;
 use crate::wording::{count, sentence};
 use lock::LOCK_NAME;
 pub use lock::{FileLock, LockError, unsaved_folder};
+pub use space::KeptSpace;
 
 /// Ending of the file that a simulated controller's values are in while they are written.
 const CONTROLLER: &str = ".controller";
@@ -59,6 +62,14 @@ pub enum SessionFileError {
         /// What does not fit.
         reason: FieldError,
     },
+    /// There is no space for what is to be recorded.
+    #[error("there is no space for the record beside {}: {reason}", path.display())]
+    NoSpace {
+        /// The session.
+        path: PathBuf,
+        /// Reason given by the system.
+        reason: IoError,
+    },
     /// A file beside it cannot be read or removed.
     #[error("{} cannot be {action}: {reason}", path.display())]
     Io {
@@ -78,7 +89,7 @@ impl SessionFileError {
         match self {
             Self::Read(_) | Self::Recovery { .. } | Self::Misfit { .. } => true,
             Self::Lock(error) => matches!(error, LockError::NoFolder(_)),
-            Self::Write(_) | Self::Io { .. } => false,
+            Self::Write(_) | Self::NoSpace { .. } | Self::Io { .. } => false,
         }
     }
 }
@@ -159,8 +170,7 @@ impl SessionFile {
         };
         file.take_over(left, notify)?;
         file.tidy()?;
-        let last = file.session.adjustments().last();
-        if last.is_none_or(|last| last.outcome != Outcome::Begun) {
+        if open_adjustment(&file.session).is_none() {
             // The values are in the session, which may have changed since.
             file.remove_controller()?;
         }
@@ -202,6 +212,14 @@ impl SessionFile {
     /// If it cannot be written.
     pub fn save(&self) -> Result<(), SessionFileError> {
         Ok(write_session(&self.path, &self.session)?)
+    }
+
+    /// Keeps as much space on the disk as writing the session takes, until the result is dropped.
+    ///
+    /// # Errors
+    /// If there is not enough.
+    pub fn keep_space(&self) -> Result<KeptSpace, SessionFileError> {
+        KeptSpace::beside(&self.path, self.lock.folder())
     }
 
     /// Adds to the session's log.

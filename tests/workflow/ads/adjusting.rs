@@ -7,10 +7,10 @@ use tautline_core::robot::presets;
 use tautline_link::adjusting::{
     Holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
 };
-use tautline_link::ads::AdsOptions;
+use tautline_link::ads::{AdsController, AdsOptions};
 use tautline_link::parameters::parameters_of;
 use tautline_link::reconnecting::{Attempts, BackOff, ReconnectPolicy};
-use tautline_link::{Controller, LinkError};
+use tautline_link::{Controller, GuardedController, LinkError};
 
 use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global};
@@ -42,6 +42,7 @@ fn policy() -> Attempts<fn(f64)> {
         attempts: 3,
         late_s: 0.0,
         wait: |_| (),
+        gives_up: || false,
     }
 }
 
@@ -57,6 +58,10 @@ fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
     // Where the old values could not even be read nothing was written.
     let holds = written.map_or(Holds::Old, |adjustment| adjustment.holds);
     let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
+    let holds = match holds {
+        Holds::Mixed(names) => settled(&plant, client, (&old, &new), &names),
+        holds => holds,
+    };
     let now = held(&plant);
     match holds {
         Holds::New => assert_eq!(now, new, "{at}"),
@@ -64,6 +69,27 @@ fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
         ref other => panic!("{at}: {other:?}"),
     }
     holds
+}
+
+/// A mixture is left as it is until the operator arms the controller again.
+fn settled(
+    plant: &Plant,
+    mut client: GuardedController<AdsController>,
+    (old, new): (&[f64], &[f64]),
+    names: &[String],
+) -> Holds {
+    assert!(!client.state().armed);
+    let amid = held(plant);
+    let others = amid.iter().zip(old).filter(|(now, old)| now != old);
+    assert_eq!(others.count(), names.len());
+    assert!(amid != new);
+    client.arm().expect("armed");
+    let named = |values: &[f64]| -> Vec<(String, f64)> {
+        let names = new_values().into_iter().map(|(name, _)| name);
+        names.zip(values.iter().copied()).collect()
+    };
+    let settled = settle_adjustment(&mut client, &named(old), &named(new));
+    settled.expect("settled").holds
 }
 
 #[test]
@@ -141,14 +167,15 @@ fn a_missing_controller_leaves_an_interrupted_adjustment_open() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
     plant.server.fault("write", 1, "after");
-    // Nothing can be looked up any more, so there is no new connection.
-    plant.server.order(json!({"codes": {}, "state": 6}));
+    // The state is asked for before values are written; after that every new connection breaks.
+    for _ in 0..3 {
+        plant.server.fault("state", 2, "before");
+    }
     let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy())
         .expect("an attempt");
     assert_eq!(adjustment.holds, Holds::Unknown);
     let problem = adjustment.problem.expect("a problem");
     assert!(problem.contains("Reconnecting failed"), "{problem}");
-    plant.server.order(json!({"state": 5}));
     client.connect().expect("connected again");
     let settled = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
     assert_eq!(settled.holds, Holds::New);
@@ -182,7 +209,12 @@ fn the_controller_restarts_while_values_are_written() {
     plant.server.fault("write", 4, "before");
     let mut policy = Restarting(&plant, 0);
     let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
-    assert_eq!(adjustment.expect("an attempt").holds, Holds::Old);
+    let holds = adjustment.expect("an attempt").holds;
+    let Holds::Mixed(names) = holds else {
+        panic!("{holds:?}");
+    };
+    let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
+    assert_eq!(settled(&plant, client, (&old, &new), &names), Holds::Old);
     assert_eq!(held(&plant), old);
 }
 
@@ -201,6 +233,7 @@ fn a_write_arrives_after_the_reconnection() {
         attempts: 3,
         late_s: 3.0,
         wait: |pause_s| std::thread::sleep(Duration::from_secs_f64(pause_s)),
+        gives_up: || false,
     };
     let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
     // Old values were read first; then the late ones arrived.

@@ -115,7 +115,15 @@ fn after_a_killed_adjustment_the_next_call_restores_old_or_new_values() {
             begun || found != "mixed",
             "kill {kill}: mixed values without a record"
         );
-        let answer = tautline(&arguments).succeeded().json();
+        let answer = tautline(&arguments);
+        let expected = if begun { 4 } else { 0 };
+        assert_eq!(
+            answer.code,
+            Some(expected),
+            "kill {kill}: {}",
+            answer.stderr
+        );
+        let answer = answer.json();
         if begun {
             assert_eq!(answer["interrupted"], found, "kill {kill}");
             seen.push(found);

@@ -174,7 +174,7 @@ fn the_robot_does_not_move_with_partly_written_values() {
             tautline(&[&["measure", &file], sim.as_slice()].concat()).refused(refused);
             let dry = tautline(&["adjust", &file, "--controller", "sim", "--dry-run"]);
             assert!(dry.succeeded().stdout.contains("was interrupted"));
-            tautline(&adjust).succeeded();
+            assert_eq!(tautline(&adjust).code, Some(4));
             tautline(&[&["verify", &file], sim.as_slice()].concat()).succeeded();
             return;
         }

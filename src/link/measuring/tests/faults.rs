@@ -206,8 +206,10 @@ fn said(preset: &Preset, (seed, poses): (u64, usize), fault: Option<(i64, MakeFa
                 }
                 MeasuringEvent::Warning(warning) => said.texts.push(warning.text),
                 // The controller cannot hold the platform there.
-                MeasuringEvent::Paused { reason } if reason.contains("no tensions") => run.skip(),
-                MeasuringEvent::Paused { reason } | MeasuringEvent::Failed(reason) => {
+                MeasuringEvent::Paused { reason, .. } if reason.contains("no tensions") => {
+                    run.skip();
+                }
+                MeasuringEvent::Paused { reason, .. } | MeasuringEvent::Failed(reason) => {
                     said.texts.push(reason);
                     return said;
                 }

@@ -18,7 +18,9 @@ fn labels(events: &[MeasuringEvent]) -> Vec<i64> {
 
 fn reason(events: &[MeasuringEvent]) -> String {
     match events.last() {
-        Some(MeasuringEvent::Paused { reason } | MeasuringEvent::Failed(reason)) => reason.clone(),
+        Some(MeasuringEvent::Paused { reason, .. } | MeasuringEvent::Failed(reason)) => {
+            reason.clone()
+        }
         other => panic!("{other:?}"),
     }
 }
@@ -261,7 +263,7 @@ fn exchanged_encoders_are_noticed() {
 #[test]
 fn what_cannot_be_used_pauses_the_run() {
     let paused = |faults: Vec<Fault>| match with_faults(3, 1, faults) {
-        (_, MeasuringEvent::Paused { reason }) => reason,
+        (_, MeasuringEvent::Paused { reason, .. }) => reason,
         (_, other) => panic!("{other:?}"),
     };
     let laser = paused(vec![Fault::LaserLost]);

@@ -58,6 +58,7 @@ impl AdsMapping {
             ("/state/moving", &state.moving),
             ("/state/fault", &state.fault),
             ("/state/fault_text", &state.fault_text),
+            ("/state/started", &state.started),
             ("/release", &self.release),
             ("/watchdog", &self.watchdog),
         ] {

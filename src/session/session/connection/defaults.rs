@@ -33,6 +33,7 @@ impl AdsMapping {
                 moving: Some(global("moving")),
                 fault: Some(global("fault")),
                 fault_text: Some(global("fault_text")),
+                started: Some(global("started")),
             },
             command: Some(AdsCommand {
                 target: pose("target"),

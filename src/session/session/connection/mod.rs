@@ -183,6 +183,9 @@ pub struct AdsStatus {
     /// STRING that describes the fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault_text: Option<String>,
+    /// Number that changes with every start of the controller: the time of its start, or a counter of its starts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub started: Option<String>,
 }
 
 /// Symbols of a command to the controller.

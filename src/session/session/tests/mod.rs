@@ -78,6 +78,7 @@ fn with_the_later_steps(mut session: Session) -> Session {
             after: 0.101,
         }],
         outcome: Outcome::Failed("The controller did not answer.".into()),
+        restores: false,
     });
     let at_origin = CheckPose {
         position_m: [0.0; 3],
@@ -261,7 +262,9 @@ fn a_session_that_cannot_be_read_is_not_written() {
     let mut infinite = session();
     infinite.measurements.time_s = vec![f64::INFINITY, 0.0];
     let mut unknown = session();
-    unknown.controller[0].value = f64::NAN;
+    let mut change = unknown.adjustments()[0].clone();
+    change.changes[0].after = f64::NAN;
+    unknown.add_adjustment(change);
     let mut without_length = session();
     without_length.phases.winch[0].length_m = f64::NAN;
     let mut unclear = session();
@@ -270,7 +273,7 @@ fn a_session_that_cannot_be_read_is_not_written() {
     }
     for (broken, pointer) in [
         (infinite, "/measurements/columns/time_s"),
-        (unknown, "/controller/0/value"),
+        (unknown, "/adjustments/1/changes/0/after"),
         (without_length, "/phases/winch/0/length_m"),
         (unclear, "/laser_source/pattern"),
     ] {
@@ -285,7 +288,7 @@ fn a_session_that_cannot_be_read_is_not_written() {
 }
 
 #[test]
-fn only_an_adjustment_that_was_begun_is_concluded() {
+fn only_an_open_adjustment_is_concluded() {
     let mut session = session();
     let now = session.modified;
     assert!(!session.conclude_adjustment(Outcome::Written, now));
@@ -296,10 +299,31 @@ fn only_an_adjustment_that_was_begun_is_concluded() {
     session.add_adjustment(begun);
     let document = serde_json::to_value(SessionFile::of(&session)).expect("JSON");
     assert_eq!(document["adjustments"][1]["outcome"], "begun");
+    let unsettled = Outcome::Unsettled("The line broke.".into());
+    assert!(session.conclude_adjustment(unsettled.clone(), now));
+    assert_eq!(session.adjustments()[1].outcome, unsettled);
     assert!(session.conclude_adjustment(Outcome::Written, now));
     assert_eq!(session.adjustments()[1].outcome, Outcome::Written);
     assert!(matches!(
         session.adjustments()[0].outcome,
         Outcome::Failed(_)
     ));
+}
+
+#[test]
+fn what_is_no_number_at_the_controller_reads_back() {
+    let mut session = session();
+    session.controller[0].value = f64::INFINITY;
+    let mut odd = session.adjustments()[0].clone();
+    odd.changes[0].before = f64::NAN;
+    session.add_adjustment(odd);
+    let document = serde_json::to_value(SessionFile::of(&session)).expect("JSON");
+    assert_eq!(document["controller"][0]["value"], Value::Null);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.json");
+    write_session(&path, &session).expect("written");
+    let read = read_session(&path).expect("a session").value;
+    assert!(read.controller[0].value.is_nan());
+    assert!(read.adjustments()[1].changes[0].before.is_nan());
+    assert_eq!(read.adjustments()[1].changes[0].after, 0.101);
 }

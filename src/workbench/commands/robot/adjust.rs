@@ -2,9 +2,10 @@
 
 use tautline_link::adjusting::{Adjustment as Written, Holds};
 use tautline_link::verifying::{circle, cube_poses, line};
-use tautline_session::{Adjustment, CheckRow, NamedValue, Phase as LogPhase, Stage, Verification};
+use tautline_session::{CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification};
 
 use crate::model::Model;
+use crate::model::link::{DriverCommand, ValuesToWrite};
 use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::clock;
@@ -14,17 +15,24 @@ use tautline_workflow::wording::sentence;
 const POINTS: (usize, usize) = (16, 9);
 
 pub(super) fn write(model: &mut Model) {
-    let fit = model.open.as_ref().and_then(|open| open.fit());
-    if fit.is_some_and(|fit| !fit.solution.converged()) {
-        model.dialogs.unconverged = true;
-        return;
+    let open = model.open.as_ref();
+    let fit = open.and_then(|open| Some((open.session(), open.fit()?)));
+    let doubts = fit.map_or_else(Vec::new, |(session, fit)| adjusting::doubts(session, fit));
+    if doubts.is_empty() {
+        write_identified(model);
     }
-    write_identified(model);
+    model.dialogs.doubts = doubts;
 }
 
-pub(super) fn write_unconverged(model: &mut Model, wanted: bool) {
-    model.dialogs.unconverged = false;
+pub(super) fn write_doubtful(model: &mut Model, wanted: bool) {
+    let doubts = std::mem::take(&mut model.dialogs.doubts);
     if wanted {
+        if let Some(open) = &mut model.open {
+            for doubt in doubts {
+                let text = format!("Written all the same: {}.", doubt.sentence);
+                open.log(LogPhase::Accuracy, text);
+            }
+        }
         write_identified(model);
     }
 }
@@ -41,11 +49,48 @@ pub(super) fn roll_back(model: &mut Model) {
     give(model, values, Purpose::RollBack);
 }
 
-fn give(model: &mut Model, values: Vec<(String, f64)>, purpose: Purpose) {
-    if values.is_empty() || model.link.is_busy() || !model.link.is_armed() {
+/// Whether nothing may move or be written because an adjustment is still to be settled; the operator is told so.
+pub(super) fn refuses(model: &mut Model) -> bool {
+    let unsettled = model.unsettled();
+    if let Some(text) = &unsettled {
+        model.messages.error(text);
+    }
+    unsettled.is_some()
+}
+
+/// Records the attempt; the values are written once the record is on disk.
+pub(super) fn give(model: &mut Model, values: Vec<(String, f64)>, purpose: Purpose) {
+    if values.is_empty() || model.link.is_busy() || !model.link.is_armed() || refuses(model) {
         return;
     }
-    model.link.write(values, purpose);
+    let Some(open) = &mut model.open else {
+        return;
+    };
+    let by = (
+        model.link.identity.clone(),
+        model.preferences.operator.clone(),
+    );
+    let record = adjusting::begun(by, &model.link.parameters, &values, purpose, clock::now());
+    let [old, new] = adjusting::old_and_new(&record);
+    open.record(|session| session.add_adjustment(record));
+    model.link.prepare(ValuesToWrite { old, new, purpose });
+    model.autosave.follow(model.open.as_ref());
+    model.autosave.tell();
+}
+
+/// The record of an attempt is on disk.
+pub fn recorded(model: &mut Model) {
+    model.link.write();
+}
+
+/// The record of an attempt cannot be kept: nothing is written.
+pub(super) fn not_recorded(model: &mut Model) {
+    if model.link.to_write.take().is_some() {
+        model.link.writing = false;
+        let text = "Nothing was written: its record cannot be kept on disk.";
+        conclude(model, Outcome::Failed(text.to_owned()), text);
+        model.messages.error(text);
+    }
 }
 
 pub(super) fn written(
@@ -68,18 +113,41 @@ pub(super) fn written(
     } else {
         model.messages.error(&text);
     }
-    let known = &model.link.parameters;
-    let record = Adjustment {
-        time: clock::now(),
-        operator: model.preferences.operator.clone(),
-        controller: model.link.identity.clone(),
-        changes: adjustment.map_or_else(Vec::new, |a| adjusting::changes(known, &a.old, values)),
-        outcome,
+    conclude(model, outcome, &text);
+}
+
+/// Has an interrupted adjustment settled: at once where all values are old or all are new, else when the controller is
+/// armed.
+pub(super) fn settle(model: &Model) {
+    let open = model.open.as_ref().map(|open| open.session());
+    if let Some(open) = open
+        .and_then(adjusting::open)
+        .filter(|_| !model.link.writing)
+    {
+        let [old, new] = adjusting::old_and_new(open);
+        model.link.send(DriverCommand::Settle { old, new });
+    }
+}
+
+pub(super) fn settled(model: &mut Model, found: &Holds, adjustment: &Written) {
+    let session = model.open.as_ref().map(|open| open.session());
+    let Some(open) = session.and_then(adjusting::open) else {
+        return;
     };
+    let (outcome, text) = adjusting::settled(open, found, adjustment);
+    match &outcome {
+        Outcome::Unsettled(_) => model.messages.error(&text),
+        _ => model.messages.info(&text),
+    }
+    conclude(model, outcome, &text);
+}
+
+/// Records what came of the attempt.
+fn conclude(model: &mut Model, outcome: Outcome, text: &str) {
     let held = held(model);
     if let Some(open) = &mut model.open {
         open.record(|session| {
-            session.add_adjustment(record);
+            session.conclude_adjustment(outcome, clock::now());
             if let Some(held) = held {
                 session.controller = held;
             }
@@ -95,6 +163,9 @@ fn held(model: &Model) -> Option<Vec<NamedValue>> {
 }
 
 pub(super) fn verify(model: &mut Model, stage: Stage) {
+    if refuses(model) {
+        return;
+    }
     let (Some(open), Some(connected)) = (&model.open, &model.link.connected) else {
         return;
     };

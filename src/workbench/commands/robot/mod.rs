@@ -15,6 +15,7 @@ use crate::model::messages::full_sentence;
 use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
 use tautline_workflow::controllers::{ConnectionSetup, Kind};
 
+pub use self::adjust::recorded;
 pub use self::plan::planned;
 pub use self::run::{autosave_failed, autosaved};
 
@@ -36,7 +37,10 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
             model.link.send(DriverCommand::TypedPose(number, pose));
         }
         RobotCommand::Disconnect => model.link.send(DriverCommand::Disconnect),
-        RobotCommand::Arm => model.link.send(DriverCommand::Arm),
+        RobotCommand::Arm => {
+            model.link.send(DriverCommand::Arm);
+            adjust::settle(model);
+        }
         RobotCommand::Disarm => model.link.send(DriverCommand::Disarm),
         RobotCommand::Watch(watches) => model.link.watch(watches),
         RobotCommand::Speed(speed) => model.link.set_speed(speed),
@@ -52,7 +56,8 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::SetOperator(name) => model.change_preferences(|p| p.operator = name),
         RobotCommand::ReadBack => model.link.send(DriverCommand::ReadParameters),
         RobotCommand::Write => adjust::write(model),
-        RobotCommand::WriteUnconverged(wanted) => adjust::write_unconverged(model, wanted),
+        RobotCommand::WriteValues(values, purpose) => adjust::give(model, values, purpose),
+        RobotCommand::WriteDoubtful(wanted) => adjust::write_doubtful(model, wanted),
         RobotCommand::RollBack => adjust::roll_back(model),
         RobotCommand::AskExport(export) => files::ask(model, export),
         RobotCommand::Export(export, path) => files::write(model, export, path),
@@ -92,6 +97,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             model.link.identity = identity;
             model.link.connected = Some(Connected { session_id, rig });
             model.link.take_parameters(parameters);
+            adjust::settle(model);
         }
         DriverEvent::Disconnected(why) => disconnected(model, why),
         DriverEvent::Lost(why) => lost(model, &why),
@@ -112,6 +118,16 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
                 model.link.take_parameters(holds);
             }
             adjust::written(model, &values, purpose, result);
+        }
+        DriverEvent::Settled {
+            found,
+            adjustment,
+            holds,
+        } => {
+            if let Some(holds) = holds {
+                model.link.take_parameters(holds);
+            }
+            adjust::settled(model, &found, &adjustment);
         }
         DriverEvent::Verified(stage, result) => adjust::verified(model, stage, result),
         event => run::receive(model, event),
@@ -156,6 +172,7 @@ fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
         0 => model.messages.info(text),
         _ => model.messages.warning(text),
     }
+    adjust::settle(model);
 }
 
 fn disconnected(model: &mut Model, why: Option<String>) {

@@ -4,6 +4,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::{MeasuredPose, Phase as LogPhase};
 
+use super::adjust::{not_recorded, refuses};
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
 use crate::model::{Model, OpenSession};
 use tautline_workflow::planning::missing;
@@ -18,6 +19,9 @@ fn reference(open: &OpenSession) -> Robot {
 }
 
 pub(super) fn start(model: &mut Model) {
+    if refuses(model) {
+        return;
+    }
     let Some(open) = &mut model.open else {
         return;
     };
@@ -42,6 +46,9 @@ pub(super) fn start(model: &mut Model) {
 }
 
 pub(super) fn repeat(model: &mut Model, label: i64) {
+    if refuses(model) {
+        return;
+    }
     let Some(open) = &mut model.open else {
         return;
     };
@@ -171,6 +178,7 @@ pub fn autosaved(model: &mut Model, label: i64) {
 
 /// A pose could not be saved: the run waits with it.
 pub fn autosave_failed(model: &mut Model) {
+    not_recorded(model);
     if let Some(pending) = &mut model.link.pending {
         pending.failed = true;
     }

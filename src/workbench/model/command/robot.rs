@@ -6,6 +6,7 @@ use tautline_session::{CheckPose, PlannedPose, Stage};
 
 use super::Setup;
 use crate::model::OpenSession;
+use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::planning::PlanSummary;
 
 /// Title of the task that plans.
@@ -67,10 +68,12 @@ pub enum RobotCommand {
     SetOperator(String),
     /// Reads what the controller holds.
     ReadBack,
-    /// Writes the identified values to the controller; asks first where the identification did not converge.
+    /// Writes the identified values to the controller; asks first where there is reason to doubt them.
     Write,
-    /// Answers whether values that did not converge are written.
-    WriteUnconverged(bool),
+    /// Writes these values to the controller.
+    WriteValues(Vec<(String, f64)>, Purpose),
+    /// Answers whether values that there is reason to doubt are written.
+    WriteDoubtful(bool),
     /// Writes the values that were there before the last adjustment.
     RollBack,
     /// Writes a file; asks for its place.

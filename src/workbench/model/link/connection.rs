@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use tautline_link::adjusting::{Adjustment, Holds, settle_adjustment};
 use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::reconnecting::{Attempts, BackOff, Reconnect, ReconnectPolicy, Reconnected};
@@ -14,7 +13,6 @@ use tautline_link::{
 use super::message::{Doing, Lost, MeasuringRequest};
 use super::pose_tracker::PoseTracker;
 use super::work::Measuring;
-use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
 /// Attempts to reconnect at once after a connection broke while values were written; later ones are made in the background.
@@ -35,15 +33,7 @@ pub(super) struct Connection {
     pub clock: SimulationClock,
     pub rig: Box<ConnectionSetup>,
     pub whereabouts: Option<PoseTracker>,
-    pub unsettled: Option<Unsettled>,
     lost: Option<Reconnection>,
-}
-
-/// Values that were being written when the connection was lost.
-pub(super) struct Unsettled {
-    pub old: Vec<(String, f64)>,
-    pub new: Vec<(String, f64)>,
-    pub purpose: Purpose,
 }
 
 /// A lost connection that is being re-established.
@@ -62,7 +52,6 @@ impl Connection {
             clock: opened.clock,
             whereabouts: PoseTracker::of(rig.robot()),
             rig,
-            unsettled: None,
             lost: None,
         }
     }
@@ -131,27 +120,6 @@ impl Connection {
         false
     }
 
-    /// Settles what the controller holds where the connection was lost amid writing; `None` if there is nothing to settle.
-    pub fn settle(&mut self) -> Option<(Unsettled, Adjustment)> {
-        let unsettled = self.unsettled.take()?;
-        match settle_adjustment(&mut self.controller, &unsettled.old, &unsettled.new) {
-            Ok(adjustment) => {
-                if !matches!(adjustment.holds, Holds::New | Holds::Old) {
-                    self.unsettled = Some(Unsettled {
-                        old: unsettled.old.clone(),
-                        new: unsettled.new.clone(),
-                        ..unsettled
-                    });
-                }
-                Some((unsettled, adjustment))
-            }
-            Err(_) => {
-                self.unsettled = Some(unsettled);
-                None
-            }
-        }
-    }
-
     /// A measuring run of this robot.
     pub fn measuring(&self, order: MeasuringRequest) -> Measuring {
         let rig = &self.rig;
@@ -181,18 +149,16 @@ impl Connection {
 pub(super) struct ReconnectWhileWriting<W> {
     /// Waits so many seconds, and publishes that it does.
     pub wait: W,
-    /// Whether that was necessary.
-    pub was_lost: bool,
 }
 
 impl<W: FnMut(f64)> ReconnectPolicy for ReconnectWhileWriting<W> {
     fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError> {
-        self.was_lost = true;
         let mut attempts = Attempts {
             back_off: BackOff::default(),
             attempts: ATTEMPTS,
             late_s: LATE_S,
             wait: &mut self.wait,
+            gives_up: || false,
         };
         attempts.restore(controller)
     }

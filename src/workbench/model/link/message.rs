@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
-use tautline_link::adjusting::Adjustment;
+use tautline_link::adjusting::{Adjustment, Holds};
 use tautline_link::measuring::{Rates, Warning};
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{ControllerState, ParameterInfo, Sample};
@@ -51,8 +51,23 @@ pub enum DriverCommand {
     TryNow,
     /// Reads what the controller holds.
     ReadParameters,
-    /// Writes values.
-    Write(Vec<(String, f64)>, Purpose),
+    /// Writes values instead of the old ones, unless the controller holds others.
+    Write {
+        /// What it holds.
+        old: Vec<(String, f64)>,
+        /// What is to be written.
+        new: Vec<(String, f64)>,
+        /// Why.
+        purpose: Purpose,
+    },
+    /// Finds out which of old and new values it holds after writing was interrupted; if it is armed, the old ones are
+    /// restored in a mixture.
+    Settle {
+        /// What it held before.
+        old: Vec<(String, f64)>,
+        /// What was to be written.
+        new: Vec<(String, f64)>,
+    },
 }
 
 /// A measuring run.
@@ -123,6 +138,15 @@ pub enum DriverEvent {
         /// What came of it, or why nothing was written.
         result: Result<Box<Adjustment>, String>,
         /// What the controller holds now, if it tells.
+        holds: Option<Vec<ParameterInfo>>,
+    },
+    /// An interrupted attempt to write was looked at, and settled if possible; what the controller holds now.
+    Settled {
+        /// What it held.
+        found: Holds,
+        /// What came of it.
+        adjustment: Box<Adjustment>,
+        /// What it holds now, if it tells.
         holds: Option<Vec<ParameterInfo>>,
     },
     /// Something that was asked for was not done; why.

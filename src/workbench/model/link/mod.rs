@@ -39,6 +39,17 @@ pub struct Connected {
     pub rig: Box<ConnectionSetup>,
 }
 
+/// Values that are to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValuesToWrite {
+    /// What the controller holds.
+    pub old: Vec<(String, f64)>,
+    /// What it is to hold.
+    pub new: Vec<(String, f64)>,
+    /// Why.
+    pub purpose: Purpose,
+}
+
 /// The connection to the controller.
 pub struct Link {
     context: egui::Context,
@@ -67,6 +78,8 @@ pub struct Link {
     pub connecting: bool,
     /// Whether values are being written.
     pub writing: bool,
+    /// Values that are written once their record is on disk.
+    pub to_write: Option<ValuesToWrite>,
     /// Whether readings are wanted while nothing goes on.
     pub watches: bool,
 }
@@ -96,6 +109,7 @@ impl Link {
             targets: Vec::new(),
             connecting: false,
             writing: false,
+            to_write: None,
             watches: false,
         }
     }
@@ -180,6 +194,7 @@ impl Link {
         self.parameters_version += 1;
         self.verifying = None;
         self.writing = false;
+        self.to_write = None;
     }
 
     /// Takes what the controller holds.
@@ -225,10 +240,17 @@ impl Link {
         self.send(DriverCommand::Verify(targets, stage));
     }
 
-    /// Writes values.
-    pub fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {
+    /// Values that are to be written once their record is on disk.
+    pub fn prepare(&mut self, values: ValuesToWrite) {
         self.writing = true;
-        self.send(DriverCommand::Write(values, purpose));
+        self.to_write = Some(values);
+    }
+
+    /// Writes the values that are prepared.
+    pub fn write(&mut self) {
+        if let Some(ValuesToWrite { old, new, purpose }) = self.to_write.take() {
+            self.send(DriverCommand::Write { old, new, purpose });
+        }
     }
 
     /// Starts the thread at the first connection.

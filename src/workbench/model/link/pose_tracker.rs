@@ -84,6 +84,7 @@ mod tests {
             swivel_rad: None,
             inclination_rad: None,
             commanded: None,
+            started: None,
         };
         let mut whereabouts = PoseTracker::of(&robot).expect("it has a home pose");
         let found = whereabouts.of_sample(&sample);

@@ -130,7 +130,7 @@ impl Measuring {
             }
             MeasuringEvent::Warning(warning) => DriverEvent::Warning(warning),
             MeasuringEvent::Skipped { label } => DriverEvent::Skipped(label),
-            MeasuringEvent::Paused { reason } => DriverEvent::Paused(reason),
+            MeasuringEvent::Paused { reason, .. } => DriverEvent::Paused(reason),
             MeasuringEvent::Finished => DriverEvent::RunEnded(Ok(())),
             MeasuringEvent::Failed(text) => DriverEvent::RunEnded(Err(text)),
         })

@@ -5,14 +5,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::{
-    Adjustment, Holds, write_adjustment, write_adjustment_reconnecting,
+    Adjustment, Holds, holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
 };
 use tautline_link::measuring::LOST;
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{Activity, Clock, Controller, LinkError};
 use tautline_session::Stage;
 
-use super::connection::{Connection, ReconnectWhileWriting, Unsettled};
+use super::connection::{Connection, ReconnectWhileWriting};
 use super::message::{DriverCommand, DriverEvent, Live, Lost};
 use super::publisher::{PICTURE, StatusPublisher};
 use super::work::{Verifying, Work};
@@ -165,28 +165,26 @@ impl Worker {
         match connection.controller.parameters() {
             Ok(parameters) => {
                 self.publisher.report(DriverEvent::Regained(parameters));
-                self.settle();
                 self.show(true);
             }
             Err(error) => connection.lose(error.to_string()),
         }
     }
 
-    /// Tells what the controller holds where the connection was lost amid writing.
-    fn settle(&mut self) {
+    /// Finds out what the controller holds after writing was interrupted, and restores the old values where it can.
+    fn settle(&mut self, old: &[(String, f64)], new: &[(String, f64)]) -> Result<(), LinkError> {
         let Some(connection) = &mut self.connection else {
-            return;
+            return Ok(());
         };
-        let Some((unsettled, adjustment)) = connection.settle() else {
-            return;
-        };
-        let holds = connection.controller.parameters().ok();
-        self.publisher.report(DriverEvent::Written {
-            values: unsettled.new,
-            purpose: unsettled.purpose,
-            result: Ok(Box::new(adjustment)),
-            holds,
+        let controller = &mut connection.controller;
+        let found = holds(controller, old, new)?;
+        let adjustment = settle_adjustment(controller, old, new)?;
+        self.publisher.report(DriverEvent::Settled {
+            found,
+            adjustment: Box::new(adjustment),
+            holds: controller.parameters().ok(),
         });
+        Ok(())
     }
 
     fn perform(&mut self, command: DriverCommand) -> Result<(), LinkError> {
@@ -215,10 +213,7 @@ impl Worker {
         };
         let controller = &mut connection.controller;
         match command {
-            DriverCommand::Arm => {
-                controller.arm()?;
-                self.settle();
-            }
+            DriverCommand::Arm => controller.arm()?,
             DriverCommand::Disarm => controller.disarm(),
             DriverCommand::Abort => {
                 let stopped = controller.stop();
@@ -242,13 +237,18 @@ impl Worker {
                 let parameters = controller.parameters()?;
                 self.publisher.report(DriverEvent::Parameters(parameters));
             }
-            DriverCommand::Write(values, purpose) => self.write(values, purpose),
+            DriverCommand::Write { old, new, purpose } => self.write(&old, new, purpose),
+            DriverCommand::Settle { old, new } => self.settle(&old, &new)?,
             DriverCommand::Pause => self.work.measuring(|m| m.run.pause()),
             DriverCommand::Resume => {
+                controller.accept_overload();
                 self.work.measuring(|m| m.run.resume());
                 self.publisher.report(DriverEvent::Resumed);
             }
-            DriverCommand::Skip => self.work.measuring(|m| m.run.skip()),
+            DriverCommand::Skip => {
+                controller.accept_overload();
+                self.work.measuring(|m| m.run.skip());
+            }
             DriverCommand::Repeat(label) => self.work.measuring(|m| {
                 m.run.repeat(label);
             }),
@@ -335,7 +335,7 @@ impl Worker {
         }
     }
 
-    fn write(&mut self, values: Vec<(String, f64)>, purpose: Purpose) {
+    fn write(&mut self, old: &[(String, f64)], values: Vec<(String, f64)>, purpose: Purpose) {
         let Some(connection) = &mut self.connection else {
             return;
         };
@@ -343,17 +343,9 @@ impl Worker {
             let text = "this is a recording, in which nothing can be changed";
             Err(LinkError::Refused(text.to_owned()))
         } else {
-            write(connection, &mut self.publisher, &values)
+            check_old(connection, old)
+                .and_then(|()| write(connection, &mut self.publisher, &values))
         };
-        if let Ok(adjustment) = &written
-            && adjustment.holds == Holds::Unknown
-        {
-            connection.unsettled = Some(Unsettled {
-                old: adjustment.old.clone(),
-                new: values.clone(),
-                purpose,
-            });
-        }
         let holds = connection.controller.parameters().ok();
         self.publisher.report(DriverEvent::Written {
             values,
@@ -433,7 +425,18 @@ impl Worker {
     }
 }
 
-/// Writes values; where the connection breaks it is re-established, and a controller that was armed for that is disarmed again.
+/// Whether the controller holds the values that are recorded as the old ones.
+fn check_old(connection: &mut Connection, old: &[(String, f64)]) -> Result<(), LinkError> {
+    match holds(&mut connection.controller, old, old)? {
+        Holds::New => Ok(()),
+        _ => {
+            let text = "its values are not those that were read before: read them back first";
+            Err(LinkError::Refused(text.to_owned()))
+        }
+    }
+}
+
+/// Writes values; where the connection breaks it is re-established.
 fn write(
     connection: &mut Connection,
     publisher: &mut StatusPublisher,
@@ -454,15 +457,10 @@ fn write(
             });
             std::thread::sleep(pause);
         },
-        was_lost: false,
     };
     let controller = &mut connection.controller;
-    let written = match reconnects {
+    match reconnects {
         true => write_adjustment_reconnecting(controller, values, &mut policy),
         false => write_adjustment(controller, values),
-    };
-    if policy.was_lost {
-        controller.disarm();
     }
-    written
 }

@@ -27,7 +27,9 @@ pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
         }
         Outcome::Written => PhaseStatus::new(Progress::InProgress, "written, not verified"),
         Outcome::RolledBack => PhaseStatus::new(Progress::NotStarted, "rolled back"),
-        Outcome::Begun => PhaseStatus::new(Progress::Attention, "writing was interrupted"),
+        Outcome::Begun | Outcome::Unsettled(_) => {
+            PhaseStatus::new(Progress::Attention, "writing was interrupted")
+        }
         Outcome::Failed(_) => PhaseStatus::new(Progress::Attention, "writing failed"),
     }
 }

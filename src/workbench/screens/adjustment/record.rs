@@ -53,6 +53,6 @@ fn words(adjustment: &Adjustment) -> (Verdict, String) {
             Verdict::Bad,
             "The program ended while values were being written: the controller may hold a mix of old and new values.".to_owned(),
         ),
-        Outcome::Failed(why) => (Verdict::Bad, why.clone()),
+        Outcome::Failed(why) | Outcome::Unsettled(why) => (Verdict::Bad, why.clone()),
     }
 }

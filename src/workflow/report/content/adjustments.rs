@@ -33,6 +33,9 @@ fn sentence(adjustment: &Adjustment) -> String {
         Outcome::RolledBack => "the old values were written back".to_owned(),
         Outcome::Begun => "it was interrupted while values were being written".to_owned(),
         Outcome::Failed(reason) => format!("it failed: {reason}"),
+        Outcome::Unsettled(reason) => {
+            format!("the controller may hold both old and new values: {reason}")
+        }
     };
     let who = if operator.trim().is_empty() {
         String::new()

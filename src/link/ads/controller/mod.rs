@@ -1,5 +1,7 @@
 //! The ADS controller behind the trait [`Controller`].
 
+mod checks;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -18,6 +20,8 @@ use crate::controller::{Activity, Controller, ControllerState, Sample};
 use crate::error::LinkError;
 use crate::parameters::ParameterInfo;
 
+/// Parameters that are written in one request, before the next of which the release is read again.
+const BLOCK: usize = 16;
 /// Time between two checks whether the program runs (s).
 const STATE_EVERY_S: f64 = 1.0;
 
@@ -45,6 +49,8 @@ pub struct AdsController {
     armed: bool,
     status: Status,
     number: u32,
+    /// Where it was told to go last; none after homing or a stop.
+    told: Option<Pose>,
     pending: Option<Pending>,
     /// A fault that was noticed on our side, shown until it is armed again.
     own_fault: Option<String>,
@@ -53,8 +59,7 @@ pub struct AdsController {
 }
 
 impl AdsController {
-    /// A controller that is not connected. The clock, which has to be a real one, tells a late answer from a lost
-    /// connection.
+    /// A controller that is not connected. The clock tells a late acknowledgement.
     ///
     /// # Errors
     /// If the mapping does not fit the robot or names a parameter that it does not have.
@@ -79,6 +84,7 @@ impl AdsController {
             armed: false,
             status: Status::default(),
             number: 0,
+            told: None,
             pending: None,
             own_fault: None,
             watchdog: 0,
@@ -114,6 +120,7 @@ impl AdsController {
         self.program = None;
         self.armed = false;
         self.pending = None;
+        self.told = None;
         self.status = Status::default();
     }
 
@@ -134,8 +141,8 @@ impl AdsController {
                 status_of(&raw, &layout.status),
             ))
         })?;
-        self.status = status;
-        self.check_acknowledgement();
+        self.take(status);
+        self.check_told(sample.commanded.as_ref());
         Ok(Sample {
             time_s: if self.layout.readings.time.is_some() {
                 sample.time_s
@@ -144,30 +151,6 @@ impl AdsController {
             },
             ..sample
         })
-    }
-
-    /// Disarms if the controller has revoked the release: a command in progress must not count as completed.
-    fn check_release(&mut self) {
-        if self.armed && !self.status.released {
-            self.armed = false;
-            self.pending = None;
-            let text = "it revoked the release, by its switch or because its watchdog saw no samples: arm it again";
-            self.own_fault = Some(text.to_owned());
-        }
-    }
-
-    /// Checks whether the controller has acknowledged the last command.
-    fn check_acknowledgement(&mut self) {
-        let Some(pending) = self.pending else { return };
-        if self.status.acknowledged == pending.number {
-            self.pending = None;
-        } else if self.clock.now_s() - pending.since_s > self.options.acknowledge_s {
-            self.pending = None;
-            self.own_fault = Some(format!(
-                "it did not acknowledge command {} within {:.1} s",
-                pending.number, self.options.acknowledge_s
-            ));
-        }
     }
 
     fn fault(&self) -> Option<&String> {
@@ -205,6 +188,7 @@ impl AdsController {
             program.write_at_once(&[(command.number, f64::from(number))])
         })?;
         self.number = number;
+        self.told = target.copied();
         self.pending = Some(Pending {
             number,
             since_s: self.clock.now_s(),
@@ -277,8 +261,7 @@ impl Controller for AdsController {
         }
         self.forget();
         self.own_fault = None;
-        let clock = Arc::clone(&self.clock);
-        let program = Program::connect(&self.address, &self.layout, &self.options, clock)?;
+        let program = Program::connect(&self.address, &self.layout, &self.options)?;
         self.program = Some(program);
         self.state_asked_s = self.clock.now_s();
         self.poll().map(drop).inspect_err(|_| self.forget())
@@ -312,6 +295,7 @@ impl Controller for AdsController {
         }
         self.number = self.last_number()?;
         self.pending = None;
+        self.told = None;
         self.release(true)?;
         self.armed = true;
         Ok(())
@@ -394,10 +378,6 @@ impl Controller for AdsController {
 
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
         self.check_armed()?;
-        if self.moves() {
-            let text = "values can be written only while the platform stands still";
-            return Err(LinkError::Refused(text.to_owned()));
-        }
         if let Some((name, value)) = values.iter().find(|(_, value)| !value.is_finite()) {
             return Err(LinkError::InvalidValue {
                 name: name.clone(),
@@ -411,7 +391,11 @@ impl Controller for AdsController {
         let raw: Vec<(Slot, f64)> = raw
             .map(|((slot, scale), (_, value))| (*slot, value / scale))
             .collect();
-        self.with(|program, _| program.write(&raw))
+        for block in raw.chunks(BLOCK) {
+            self.check_writable()?;
+            self.with(|program, _| program.write_at_once(block))?;
+        }
+        Ok(())
     }
 }
 

@@ -1,0 +1,399 @@
+//! Frames of AMS over TCP: one request at a time, and its answer by a deadline.
+//!
+//! Nothing that arrives is believed: a length is compared with its limit before anything is allocated and with what
+//! arrived before anything is read, and time is taken of the whole exchange, not of its parts. A connection that broke
+//! any of this has to be dropped, so that a late answer is never taken for that of a later request. No thread is
+//! needed: what nobody asked for is read, and thrown away, on the way to the answer.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{IpAddr, SocketAddr, TcpStream};
+use std::time::{Duration, Instant};
+
+use super::codes::AdsCode;
+
+/// The AMS port of this computer.
+const OWN_PORT: u16 = 58913;
+/// Bytes of the header of TCP: two that name the kind of frame, and the length of the rest.
+const OUTER: usize = 6;
+/// Bytes of the header of AMS.
+const HEADER: usize = 32;
+/// More than what a router tells unasked, and than any notification of ours.
+const LONGEST_UNASKED: usize = 1 << 12;
+/// The Net ID that stands for the computer it is used on.
+const LOCAL: [u8; 6] = [127, 0, 0, 1, 1, 1];
+/// Set in the flags of an answer.
+const ANSWER: u16 = 1;
+/// Flags of a request: it is an ADS command.
+const COMMAND: u16 = 4;
+
+/// Commands of ADS.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Command {
+    Read = 2,
+    Write = 3,
+    ReadState = 4,
+    /// What a device tells unasked.
+    Notification = 8,
+    ReadWrite = 9,
+}
+
+/// Why a connection cannot be used any more.
+#[derive(Debug)]
+pub(super) enum Broken {
+    /// It cannot be made, or the system says that it failed.
+    Io(std::io::Error),
+    /// The answer was not there in time.
+    Late,
+    /// The other side closed it.
+    Closed,
+    /// What arrived is not what the protocol allows; what.
+    Invalid(String),
+}
+
+/// An address of AMS: Net ID and port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct AmsAddress {
+    pub net_id: [u8; 6],
+    pub port: u16,
+}
+
+impl AmsAddress {
+    fn bytes(self) -> [u8; 8] {
+        let [a, b, c, d, e, f] = self.net_id;
+        let [low, high] = self.port.to_le_bytes();
+        [a, b, c, d, e, f, low, high]
+    }
+}
+
+/// A connection.
+pub(super) struct Wire {
+    socket: TcpStream,
+    target: AmsAddress,
+    source: AmsAddress,
+    timeout: Duration,
+    /// Number of the last request.
+    number: u32,
+}
+
+/// An answer, without its headers; or the error that the router gives in its place.
+pub(super) type Reply = Result<Vec<u8>, AdsCode>;
+
+impl Wire {
+    /// Connects; `own` is the Net ID by which this computer presents itself, that of its address if absent.
+    pub fn connect(
+        place: SocketAddr,
+        target: AmsAddress,
+        own: Option<[u8; 6]>,
+        timeout: Duration,
+    ) -> Result<Self, Broken> {
+        let socket =
+            TcpStream::connect_timeout(&place, timeout).map_err(|error| match error.kind() {
+                ErrorKind::WouldBlock | ErrorKind::TimedOut => Broken::Late,
+                _ => Broken::Io(error),
+            })?;
+        socket.set_nodelay(true).map_err(Broken::Io)?;
+        let address = socket.local_addr().map_err(Broken::Io)?;
+        let net_id = own.unwrap_or(match address.ip() {
+            IpAddr::V4(ip) => {
+                let [a, b, c, d] = ip.octets();
+                [a, b, c, d, 1, 1]
+            }
+            IpAddr::V6(_) => LOCAL,
+        });
+        let target = AmsAddress {
+            net_id: if target.net_id == LOCAL {
+                net_id
+            } else {
+                target.net_id
+            },
+            ..target
+        };
+        Ok(Self {
+            socket,
+            target,
+            source: AmsAddress {
+                net_id,
+                port: OWN_PORT,
+            },
+            timeout,
+            number: 0,
+        })
+    }
+
+    /// Sends a request and returns its answer, which has at most `longest` bytes.
+    pub fn exchange(
+        &mut self,
+        command: Command,
+        data: &[u8],
+        longest: usize,
+    ) -> Result<Reply, Broken> {
+        let until = Instant::now() + self.timeout;
+        self.number = self.number.wrapping_add(1);
+        let frame = self.request(command, data)?;
+        self.send(&frame, until)?;
+        let limit = (HEADER + longest).max(LONGEST_UNASKED);
+        loop {
+            let (kind, frame) = self.receive(limit, until)?;
+            match kind {
+                0 => {}
+                // What a router tells unasked, which may arrive at any time.
+                1 | 0x1000..=0x1002 => continue,
+                _ => return Err(invalid(format!("a frame of the unknown kind {kind:#x}"))),
+            }
+            if let Some(reply) = self.reply(command, &frame)? {
+                return Ok(reply);
+            }
+        }
+    }
+
+    fn request(&self, command: Command, data: &[u8]) -> Result<Vec<u8>, Broken> {
+        let sizes = u32::try_from(data.len()).ok();
+        let sizes = sizes.and_then(|size| Some((size, size.checked_add(HEADER as u32)?)));
+        let (size, whole) =
+            sizes.ok_or_else(|| invalid("a request of ours is too long".to_owned()))?;
+        let mut frame = Vec::with_capacity(OUTER + HEADER + data.len());
+        frame.extend_from_slice(&[0, 0]);
+        frame.extend_from_slice(&whole.to_le_bytes());
+        frame.extend_from_slice(&self.target.bytes());
+        frame.extend_from_slice(&self.source.bytes());
+        frame.extend_from_slice(&(command as u16).to_le_bytes());
+        frame.extend_from_slice(&COMMAND.to_le_bytes());
+        for word in [size, 0, self.number] {
+            frame.extend_from_slice(&word.to_le_bytes());
+        }
+        frame.extend_from_slice(data);
+        Ok(frame)
+    }
+
+    /// The reply in a frame; `None` for what nobody asked for.
+    fn reply(&self, command: Command, frame: &[u8]) -> Result<Option<Reply>, Broken> {
+        let short = || {
+            invalid(format!(
+                "a frame of {} bytes, shorter than its header",
+                frame.len()
+            ))
+        };
+        let (header, data) = frame.split_at_checked(HEADER).ok_or_else(short)?;
+        let half = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
+        let word = |at: usize| {
+            u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
+        };
+        let (told, flags, length, code, number) =
+            (half(16), half(18), word(20), word(24), word(28));
+        if usize::try_from(length) != Ok(data.len()) {
+            return Err(invalid(format!(
+                "a frame announces {length} bytes of data and has {}",
+                data.len()
+            )));
+        }
+        if told == Command::Notification as u16 && flags & ANSWER == 0 {
+            return Ok(None);
+        }
+        if told != command as u16 || flags & ANSWER == 0 || number != self.number {
+            return Err(invalid(
+                "a frame that does not belong to the request".to_owned(),
+            ));
+        }
+        Ok(Some(match code {
+            0 => Ok(data.to_vec()),
+            code => Err(AdsCode(code)),
+        }))
+    }
+
+    /// The next frame: its kind and what follows the length.
+    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
+        let mut outer = [0; OUTER];
+        self.fill(&mut outer, until)?;
+        let [low, high, length @ ..] = outer;
+        let length = u32::from_le_bytes(length);
+        let size = usize::try_from(length).ok().filter(|size| *size <= limit);
+        let size = size.ok_or_else(|| {
+            invalid(format!(
+                "a frame of {length} bytes, at most {limit} are possible"
+            ))
+        })?;
+        let mut frame = vec![0; size];
+        self.fill(&mut frame, until)?;
+        Ok((u16::from_le_bytes([low, high]), frame))
+    }
+
+    fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
+        let mut done = 0;
+        while done < buffer.len() {
+            let left = remaining(until)?;
+            self.socket
+                .set_read_timeout(Some(left))
+                .map_err(Broken::Io)?;
+            match self.socket.read(&mut buffer[done..]) {
+                Ok(0) => return Err(Broken::Closed),
+                Ok(count) => done += count,
+                Err(error) => passing(error)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, frame: &[u8], until: Instant) -> Result<(), Broken> {
+        let mut done = 0;
+        while done < frame.len() {
+            let left = remaining(until)?;
+            self.socket
+                .set_write_timeout(Some(left))
+                .map_err(Broken::Io)?;
+            match self.socket.write(&frame[done..]) {
+                Ok(0) => return Err(Broken::Closed),
+                Ok(count) => done += count,
+                Err(error) => passing(error)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+fn invalid(what: String) -> Broken {
+    Broken::Invalid(what)
+}
+
+/// The time that is left.
+fn remaining(until: Instant) -> Result<Duration, Broken> {
+    let left = until.saturating_duration_since(Instant::now());
+    match left.is_zero() {
+        true => Err(Broken::Late),
+        false => Ok(left),
+    }
+}
+
+/// An error of a socket after which it can be tried again, until the time is over.
+fn passing(error: std::io::Error) -> Result<(), Broken> {
+    match error.kind() {
+        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(()),
+        ErrorKind::UnexpectedEof
+        | ErrorKind::ConnectionReset
+        | ErrorKind::ConnectionAborted
+        | ErrorKind::BrokenPipe => Err(Broken::Closed),
+        _ => Err(Broken::Io(error)),
+    }
+}
+
+/// Words of a request, as it carries them.
+pub(super) fn words(words: &[u32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::TcpListener;
+
+    const TARGET: AmsAddress = AmsAddress {
+        net_id: [1, 2, 3, 4, 5, 6],
+        port: 851,
+    };
+
+    /// What comes of a request for the state to a server that takes it, says this and then holds its tongue.
+    fn asked(says: Vec<u8>, closes: bool, timeout_ms: u64) -> Result<Reply, Broken> {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let place = listener.local_addr().unwrap();
+        let server = std::thread::spawn(move || {
+            let (mut socket, _) = listener.accept().unwrap();
+            let mut request = [0; OUTER + HEADER];
+            socket.read_exact(&mut request).unwrap();
+            socket.write_all(&says).unwrap();
+            if !closes {
+                // Until the other side has gone.
+                let mut rest = Vec::new();
+                let _ = socket.read_to_end(&mut rest);
+            }
+        });
+        let wire = Wire::connect(place, TARGET, None, Duration::from_millis(timeout_ms));
+        let told = wire.unwrap().exchange(Command::ReadState, &[], 8);
+        server.join().unwrap();
+        told
+    }
+
+    /// A frame from the outside: kind, command, flags, number, announced data and data.
+    fn frame(
+        kind: u16,
+        (command, flags, number): (u16, u16, u32),
+        length: usize,
+        data: &[u8],
+    ) -> Vec<u8> {
+        let mut frame = kind.to_le_bytes().to_vec();
+        frame.extend_from_slice(&(32 + data.len() as u32).to_le_bytes());
+        frame.extend_from_slice(&[9; 16]);
+        frame.extend_from_slice(&command.to_le_bytes());
+        frame.extend_from_slice(&flags.to_le_bytes());
+        frame.extend_from_slice(&(length as u32).to_le_bytes());
+        frame.extend_from_slice(&[0; 4]);
+        frame.extend_from_slice(&number.to_le_bytes());
+        frame.extend_from_slice(data);
+        frame
+    }
+
+    fn state(number: u32) -> Vec<u8> {
+        frame(0, (4, 5, number), 8, &[0, 0, 0, 0, 5, 0, 0, 0])
+    }
+
+    fn refused(says: Vec<u8>) -> String {
+        match asked(says, false, 20_000) {
+            Err(Broken::Invalid(what)) => what,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn an_answer_is_found_among_what_nobody_asked_for() {
+        let mut says = frame(0x1001, (0, 0, 0), 0, &[]);
+        says.extend(frame(0, (8, 4, 0), 0, &[]));
+        says.extend(state(1));
+        assert_eq!(
+            asked(says, false, 20_000).unwrap(),
+            Ok(vec![0, 0, 0, 0, 5, 0, 0, 0])
+        );
+    }
+
+    #[test]
+    fn lengths_that_cannot_be_are_refused_before_anything_is_allocated() {
+        for length in [0, 23, 31] {
+            let mut says = vec![0, 0];
+            says.extend_from_slice(&u32::to_le_bytes(length));
+            says.resize(OUTER + length as usize, 1);
+            assert!(
+                refused(says).contains("shorter than its header"),
+                "{length}"
+            );
+        }
+        for length in [u32::MAX, 1 << 31, 4097] {
+            let mut says = vec![0, 0];
+            says.extend_from_slice(&length.to_le_bytes());
+            assert!(
+                refused(says).contains("at most 4096 are possible"),
+                "{length}"
+            );
+        }
+        let told = refused(frame(0, (4, 5, 1), 8, &[0; 4]));
+        assert_eq!(told, "a frame announces 8 bytes of data and has 4");
+    }
+
+    #[test]
+    fn frames_of_others_are_refused() {
+        for says in [
+            state(2),
+            frame(0, (2, 5, 1), 0, &[]),
+            frame(0, (4, 4, 1), 0, &[]),
+        ] {
+            assert!(refused(says).contains("does not belong to the request"));
+        }
+        assert!(refused(b"SSH-2.0-OpenSSH_9.2p1\r\n".to_vec()).contains("at most"));
+        assert!(refused(frame(0x5353, (4, 5, 1), 8, &[0; 8])).contains("unknown kind 0x5353"));
+    }
+
+    #[test]
+    fn time_is_taken_of_the_whole_exchange() {
+        assert!(matches!(asked(Vec::new(), false, 200), Err(Broken::Late)));
+        assert!(matches!(
+            asked(vec![0, 0, 32], true, 20_000),
+            Err(Broken::Closed)
+        ));
+    }
+}

@@ -1,0 +1,354 @@
+//! Writing identified values to a controller: which values, what is reported and what is recorded, for window and commands.
+//!
+//! An adjustment is recorded before the first value is written and concluded when it is known what the controller holds.
+//! Until then it is [open](Adjustment::is_open): nothing moves, and nothing else is written, before it is settled with the
+//! same old and new values.
+
+mod doubts;
+
+use tautline_link::ParameterInfo;
+use tautline_link::adjusting::{self, Difference, Holds};
+use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestamp, ValueChange};
+
+use crate::wording::count;
+pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
+
+/// Why values are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Identified values.
+    Adjust,
+    /// Those that were there before.
+    RollBack,
+}
+
+/// The values that a controller can be given and does not hold.
+#[must_use]
+pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
+    differences
+        .into_iter()
+        .filter(Difference::is_writable_change)
+        .map(|difference| (difference.name, difference.identified))
+        .collect()
+}
+
+/// The last adjustment that changed what the controller holds.
+#[must_use]
+pub fn in_effect(session: &Session) -> Option<&Adjustment> {
+    let mut all = session.adjustments().iter().rev();
+    all.find(|adjustment| !matches!(adjustment.outcome, Outcome::Failed(_)))
+}
+
+/// The last adjustment, if it can be rolled back.
+#[must_use]
+pub fn revertible(session: &Session) -> Option<&Adjustment> {
+    let last = in_effect(session)?;
+    (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
+}
+
+/// The adjustment that is still to be settled.
+#[must_use]
+pub fn open(session: &Session) -> Option<&Adjustment> {
+    session.adjustments().last().filter(|last| last.is_open())
+}
+
+/// Why nothing may move and nothing else may be written: one sentence without full stop, to which the caller adds how an
+/// adjustment is settled.
+#[must_use]
+pub fn unsettled(session: &Session) -> Option<String> {
+    let open = open(session)?;
+    Some(format!(
+        "an adjustment of the controller was interrupted, so that {} may be old or new ones",
+        match open.changes.len() {
+            1 => "1 value".to_owned(),
+            values => format!("its {}", count(values, "value")),
+        }
+    ))
+}
+
+/// The values that were there before an adjustment, as far as they were numbers.
+#[must_use]
+pub fn former_values(adjustment: &Adjustment) -> Vec<(String, f64)> {
+    let changes = adjustment.changes.iter();
+    changes
+        .filter(|change| change.before.is_finite())
+        .map(|change| (change.name.clone(), change.before))
+        .collect()
+}
+
+/// The old and the new values of an adjustment, for settling it.
+#[must_use]
+pub fn old_and_new(adjustment: &Adjustment) -> [Vec<(String, f64)>; 2] {
+    let named = |value: fn(&ValueChange) -> f64| {
+        let changes = adjustment.changes.iter();
+        changes.map(|c| (c.name.clone(), value(c))).collect()
+    };
+    [named(|change| change.before), named(|change| change.after)]
+}
+
+/// The record of an attempt that begins now.
+#[must_use]
+pub fn begun(
+    (controller, operator): (String, String),
+    parameters: &[ParameterInfo],
+    values: &[(String, f64)],
+    purpose: Purpose,
+    now: Timestamp,
+) -> Adjustment {
+    let held = |name: &str| parameters.iter().find(|p| p.name == name);
+    let old = values.iter().filter_map(|(name, _)| held(name));
+    let old: Vec<(String, f64)> = old.map(|p| (p.name.clone(), p.value)).collect();
+    Adjustment {
+        time: now,
+        operator,
+        controller,
+        changes: changes(parameters, &old, values),
+        outcome: Outcome::Begun,
+        restores: purpose == Purpose::RollBack,
+    }
+}
+
+/// What was found after an adjustment was interrupted: one sentence.
+#[must_use]
+pub fn found(open: &Adjustment, found: &Holds) -> String {
+    let values = count(open.changes.len(), "value");
+    let was = match found {
+        Holds::Old => format!("the controller still held all {values} from before"),
+        Holds::New => format!("the controller held all {values} that were to be written"),
+        Holds::Mixed(others) => format!(
+            "{} of {values} in the controller differed from before",
+            others.len()
+        ),
+        Holds::Unknown => "the controller did not answer".to_owned(),
+    };
+    let when = open.time;
+    let what = if open.restores {
+        "roll-back"
+    } else {
+        "adjustment"
+    };
+    format!("The {what} of {when} was interrupted: {was}.")
+}
+
+/// What came of settling an adjustment: the outcome for the record, and a text for the operator.
+#[must_use]
+pub fn settled(
+    open: &Adjustment,
+    found: &Holds,
+    settled: &adjusting::Adjustment,
+) -> (Outcome, String) {
+    let now = match &settled.holds {
+        Holds::New => "It is complete: verify the values with a verification run.".to_owned(),
+        Holds::Old if *found == Holds::Old => "Nothing was written.".to_owned(),
+        Holds::Old => "The values from before were written back and verified.".to_owned(),
+        Holds::Mixed(_) | Holds::Unknown => String::new(),
+    };
+    // Where values were no numbers, the advice names them.
+    let advice = match &settled.holds {
+        Holds::New => "",
+        Holds::Old if *found == Holds::Old => "",
+        _ => settled.advice.as_str(),
+    };
+    let parts = [self::found(open, found), now, advice.to_owned()];
+    let text = parts
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ");
+    let outcome = match (&settled.holds, open.restores) {
+        (Holds::New, false) => Outcome::Written,
+        (Holds::New, true) => Outcome::RolledBack,
+        (Holds::Old, false) if *found != Holds::Old => Outcome::RolledBack,
+        (Holds::Old, _) => Outcome::Failed(text.clone()),
+        (Holds::Mixed(_) | Holds::Unknown, _) => Outcome::Unsettled(text.clone()),
+    };
+    (outcome, text)
+}
+
+/// Summary of an attempt to write so many values, for the operator.
+#[must_use]
+pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
+    let what = match (&adjustment.holds, purpose) {
+        (Holds::New, Purpose::Adjust) => {
+            format!(
+                "The identified values were written to the controller and verified ({values} changed)."
+            )
+        }
+        (Holds::New, Purpose::RollBack) => {
+            format!("The previous values were restored ({values} changed).")
+        }
+        (Holds::Old, _) => "The values were not written.".to_owned(),
+        (Holds::Mixed(names), _) => {
+            format!("Warning: {} values are only partly written.", names.len())
+        }
+        (Holds::Unknown, _) => "Warning: the values in the controller are not known.".to_owned(),
+    };
+    let problem = adjustment.problem.as_deref().unwrap_or_default();
+    let advice = match purpose {
+        Purpose::RollBack if adjustment.holds == Holds::New => "",
+        _ => adjustment.advice.as_str(),
+    };
+    let parts = [what.as_str(), problem, advice].into_iter();
+    let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
+    parts.join(" ")
+}
+
+/// The outcome for the session's record; `text` is the summary. `None`: nothing was written.
+#[must_use]
+pub fn outcome(holds: Option<&Holds>, purpose: Purpose, text: &str) -> Outcome {
+    match (holds, purpose) {
+        (Some(Holds::New), Purpose::Adjust) => Outcome::Written,
+        (Some(Holds::New), Purpose::RollBack) => Outcome::RolledBack,
+        (Some(Holds::Mixed(_) | Holds::Unknown), _) => Outcome::Unsettled(text.to_owned()),
+        (Some(Holds::Old) | None, _) => Outcome::Failed(text.to_owned()),
+    }
+}
+
+/// Old and new values side by side, with the units of the controller's parameters.
+fn changes(
+    parameters: &[ParameterInfo],
+    old: &[(String, f64)],
+    new: &[(String, f64)],
+) -> Vec<ValueChange> {
+    let unit = |name: &str| {
+        let known = parameters.iter().find(|p| p.name == name);
+        known.map_or("", |parameter| parameter.unit).to_owned()
+    };
+    let pairs = old.iter().zip(new);
+    pairs
+        .map(|((name, before), (_, after))| ValueChange {
+            name: name.clone(),
+            unit: unit(name),
+            before: *before,
+            after: *after,
+        })
+        .collect()
+}
+
+/// The values of a controller in the form of a session.
+#[must_use]
+pub fn held(parameters: &[ParameterInfo]) -> Vec<NamedValue> {
+    let parameters = parameters.iter();
+    parameters
+        .map(|parameter| NamedValue {
+            name: parameter.name.clone(),
+            value: parameter.value,
+        })
+        .collect()
+}
+
+/// Title of a verification.
+#[must_use]
+pub fn title(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Before => "Before the adjustment",
+        Stage::After => "After the adjustment",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(outcome: Outcome, restores: bool) -> Adjustment {
+        let changes = ["a", "b", "c"].map(|name| ValueChange {
+            name: name.into(),
+            unit: "m".into(),
+            before: 1.0,
+            after: 1.5,
+        });
+        Adjustment {
+            time: Timestamp::from_unix_seconds(0),
+            operator: String::new(),
+            controller: String::new(),
+            changes: changes.to_vec(),
+            outcome,
+            restores,
+        }
+    }
+
+    fn session(adjustments: impl IntoIterator<Item = Adjustment>) -> Session {
+        let robot = tautline_core::robot::presets::find("mini")
+            .expect("a preset")
+            .robot;
+        let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+        adjustments
+            .into_iter()
+            .for_each(|a| session.add_adjustment(a));
+        session
+    }
+
+    #[test]
+    fn what_is_unknown_or_mixed_stays_open_and_keeps_everything_still() {
+        for holds in [Holds::Unknown, Holds::Mixed(vec!["a".into()])] {
+            for purpose in [Purpose::Adjust, Purpose::RollBack] {
+                let outcome = outcome(Some(&holds), purpose, "why");
+                let session = session([record(outcome, false)]);
+                assert!(open(&session).is_some());
+                assert!(
+                    unsettled(&session)
+                        .expect("a reason")
+                        .contains("its 3 values")
+                );
+                assert!(revertible(&session).is_none());
+            }
+        }
+        for outcome in [
+            Outcome::Written,
+            Outcome::RolledBack,
+            Outcome::Failed("why".into()),
+        ] {
+            assert!(unsettled(&session([record(outcome, false)])).is_none());
+        }
+    }
+
+    #[test]
+    fn a_failed_roll_back_can_be_repeated() {
+        let failed = record(Outcome::Failed("why".into()), true);
+        let session = session([record(Outcome::Written, false), failed]);
+        assert_eq!(revertible(&session).map(|a| a.restores), Some(false));
+        assert_eq!(
+            in_effect(&session).map(|a| &a.outcome),
+            Some(&Outcome::Written)
+        );
+    }
+
+    #[test]
+    fn settling_says_what_was_found_and_what_is_there_now() {
+        let attempt = |holds| adjusting::Adjustment {
+            holds,
+            old: Vec::new(),
+            problem: None,
+            advice: "Advice.".into(),
+        };
+        let mixed = Holds::Mixed(vec!["a".into()]);
+        for (restores, found, holds, expected) in [
+            (false, Holds::New, Holds::New, Outcome::Written),
+            (true, Holds::New, Holds::New, Outcome::RolledBack),
+            (false, mixed.clone(), Holds::Old, Outcome::RolledBack),
+        ] {
+            let (outcome, _) = settled(&record(Outcome::Begun, restores), &found, &attempt(holds));
+            assert_eq!(outcome, expected);
+        }
+        let (outcome, text) = settled(
+            &record(Outcome::Begun, false),
+            &Holds::Old,
+            &attempt(Holds::Old),
+        );
+        assert!(matches!(outcome, Outcome::Failed(_)));
+        assert!(
+            text.ends_with("still held all 3 values from before. Nothing was written."),
+            "{text}"
+        );
+        let (outcome, text) = settled(
+            &record(Outcome::Begun, true),
+            &mixed,
+            &attempt(mixed.clone()),
+        );
+        assert!(matches!(outcome, Outcome::Unsettled(_)));
+        assert!(
+            text.starts_with("The roll-back of 1970") && text.ends_with("Advice."),
+            "{text}"
+        );
+    }
+}

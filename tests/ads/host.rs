@@ -1,0 +1,41 @@
+//! What a server offers to the controller's program behind it.
+
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+
+use serde_json::Value;
+use tautline_link::ads::AdsAddress;
+
+/// A symbol that was written, and all its values.
+pub type Written = (String, Vec<f64>);
+
+/// Sends orders to a server.
+#[derive(Clone)]
+pub struct Orders(Arc<dyn Fn(&Value) + Send + Sync>);
+
+impl Orders {
+    /// Orders that are given by a function.
+    pub fn new(give: impl Fn(&Value) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(give))
+    }
+
+    /// Gives an order without waiting for it. A server that has ended takes none.
+    pub fn give(&self, order: &Value) {
+        (self.0)(order);
+    }
+}
+
+/// A server of symbols.
+pub trait Host {
+    /// Where clients connect to.
+    fn address(&self) -> AdsAddress;
+
+    /// Sends orders without waiting for them.
+    fn orders(&self) -> Orders;
+
+    /// What clients write. It can be taken once.
+    fn wrote(&self) -> Receiver<Written>;
+
+    /// Gives an order and waits until it is carried out.
+    fn carry_out(&self, order: Value);
+}
