@@ -5,7 +5,7 @@
 //! that share its prior probability. Columns are derivatives of the readings at the value without effect; those of
 //! events and waves are one derivative, the generator, times a weight for each pose.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use nalgebra::{DMatrix, DVector};
 
@@ -156,6 +156,26 @@ impl Candidate {
         cause
     }
 
+    /// The cause at its pose or with its period at typical size: each parameter at the geometric mean of the smallest and
+    /// the largest that are typical, over the root of their number.
+    pub fn typical(&self) -> Cause {
+        let mut cause = self.placed();
+        for bound in &mut cause.instances {
+            let parameters = bound.effect.parameters();
+            if let Search::Wave { phase, period } = bound.effect.search() {
+                let amplitude = amplitude_of(phase, period);
+                bound.values[amplitude] = typical_size(&parameters[amplitude]);
+                bound.values[phase] = FRAC_PI_4;
+                continue;
+            }
+            let count = estimable(bound.effect).count() as f64;
+            for k in estimable(bound.effect) {
+                bound.values[k] = parameters[k].neutral + typical_size(&parameters[k]) / count.sqrt();
+            }
+        }
+        cause
+    }
+
     /// The scale nearest to the size of values.
     pub fn nearest_scale(&self, coordinates: &[f64]) -> usize {
         let size = |k: usize| coordinates[k].abs() / self.prior.row(k).norm();
@@ -236,6 +256,12 @@ pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectP
         _ => estimable(effect).next(),
     };
     index.map(|k| &effect.parameters()[k])
+}
+
+/// The geometric mean of the smallest and the largest typical size.
+fn typical_size(parameter: &EffectParameter) -> f64 {
+    let [a, b] = parameter.typical.map(f64::abs);
+    if a.min(b) > 0.0 { (a * b).sqrt() } else { 0.5 * a.max(b) }
 }
 
 /// Sizes over the largest typical one, each with the logarithm of its probability: evenly over the orders of

@@ -23,6 +23,7 @@ mod gain;
 mod gram;
 mod hyperparameters;
 mod inference;
+mod isolability;
 mod noise;
 mod progress;
 mod reading_id;
@@ -36,6 +37,9 @@ mod variables;
 
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
+pub use isolability::{
+    ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
+};
 pub use report::{
     Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
     GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
