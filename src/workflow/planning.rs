@@ -9,6 +9,7 @@ use tautline_core::planning::{DesignCriteria, Plan, PlanOptions, PlanProgress, e
 use tautline_session::{PlannedPose, Session};
 
 use crate::controllers::bounds;
+use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable};
 use crate::identification::IdentificationRequest;
 
 /// Seed of the poses among which is chosen.
@@ -27,6 +28,8 @@ pub struct PlanSummary {
     pub after_m: Vec<Option<f64>>,
     /// Travel distance (m).
     pub travel_m: f64,
+    /// Which faults all poses together show; none where that could not be computed.
+    pub isolability: Option<IsolabilityTable>,
 }
 
 /// Options of a plan for what is to be identified, on top of the raw measurements `existing`.
@@ -78,6 +81,9 @@ impl PlanSummary {
                 .map(|count| planned.after(count).criteria.mean_m)
                 .collect(),
             travel_m: planned.order.travel_m,
+            isolability: IsolabilityDocument::of_dataset(&planned.dataset)
+                .ok()
+                .map(|document| IsolabilityTable::of(&document)),
         }
     }
 }

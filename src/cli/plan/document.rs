@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
+use tautline_workflow::documents::isolability::IsolabilityDocument;
 
 /// Poses to measure, and what to expect of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,6 +29,20 @@ pub struct PlanDocument {
     /// Root mean square standard deviation of the entry points after the first 0, 1, 2, .. poses (m); null where
     /// they leave something open.
     pub entry_point_sd_after_m: Vec<Option<f64>>,
+    /// What the poses are for: `geometry`, `faults`, `both` or `accuracy`.
+    #[serde(default = "geometry")]
+    pub goal: String,
+    /// Value of the criterion of that goal, of which only differences mean anything: larger is better; null where
+    /// parameters are left open.
+    #[serde(default)]
+    pub reached: Option<f64>,
+    /// Which faults the poses show, where it was asked for.
+    #[serde(default)]
+    pub isolability: Option<IsolabilityDocument>,
+}
+
+fn geometry() -> String {
+    "geometry".to_owned()
 }
 
 /// A pose of the plan.
@@ -54,8 +69,8 @@ pub struct ExpectedDocument {
     pub worst_m: Option<f64>,
     /// A-index: root mean square standard deviation of the entry points (m).
     pub mean_m: Option<f64>,
-    /// I-index: root mean square position error of the platform over the workspace to expect once the values are at
-    /// the controller (m); null also without a home pose.
+    /// I-index: root mean square position error of the platform over the workspace, or over the volume of the goal
+    /// `accuracy`, to expect once the values are at the controller (m); null also without a home pose.
     pub platform_m: Option<f64>,
     /// Each parameter.
     pub parameters: Vec<ExpectedParameter>,
@@ -116,6 +131,9 @@ impl PlanDocument {
             entry_point_sd_after_m: (0..=plan.poses.len())
                 .map(|count| plan.after(count).criteria.mean_m)
                 .collect(),
+            goal: plan.goal.name().to_owned(),
+            reached: plan.reached,
+            isolability: None,
         }
     }
 }
