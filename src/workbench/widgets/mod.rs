@@ -1,6 +1,7 @@
 //! Widgets that panels are made of.
 
 mod button;
+mod fault_matrix;
 mod import_row;
 mod number;
 mod parts;
@@ -11,6 +12,7 @@ mod table;
 mod text;
 
 pub use button::{icon_button, icon_only, primary};
+pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
 pub use number::{Entered, Number, number, parse as parse_number};
 pub use parts::parts;
