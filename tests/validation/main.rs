@@ -3,6 +3,7 @@
 mod ceres;
 mod hangprinter;
 mod hidden_effects;
+mod isolability;
 mod nist;
 mod published;
 mod real_machines;
