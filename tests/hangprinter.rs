@@ -77,7 +77,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
                 (
                     f.verdict,
                     std::iter::once(&f.cause)
-                        .chain(&f.alternatives)
+                        .chain(f.alternatives.iter().map(|other| &other.cause))
                         .map(of)
                         .collect(),
                 )

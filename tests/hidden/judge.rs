@@ -38,6 +38,8 @@ pub struct Claim {
     pub verdict: Verdict,
     /// The cause and its alternatives.
     pub candidates: Vec<Cause>,
+    /// Their stated probabilities.
+    pub probabilities: Vec<f64>,
     /// Number of the finding.
     pub finding: usize,
 }
@@ -67,6 +69,7 @@ impl Claim {
 fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
     let claim = |candidates: Vec<Cause>| Claim {
         verdict: of.verdict,
+        probabilities: vec![of.probability; candidates.len()],
         candidates,
         finding,
     };
@@ -78,10 +81,16 @@ fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
         let each = of.cause.instances.iter();
         return each.map(|bound| claim(vec![alone(bound)])).collect();
     }
-    let alternatives = of.alternatives.iter().cloned();
-    vec![claim(
-        [of.cause.clone()].into_iter().chain(alternatives).collect(),
-    )]
+    let others = of.alternatives.iter();
+    let own = std::iter::once((of.cause.clone(), of.probability));
+    let all = own.chain(others.map(|other| (other.cause.clone(), other.probability)));
+    let (candidates, probabilities) = all.unzip();
+    vec![Claim {
+        verdict: of.verdict,
+        candidates,
+        probabilities,
+        finding,
+    }]
 }
 
 pub(super) fn describe(cause: &Cause) -> String {

@@ -9,34 +9,41 @@
 mod adequacy;
 #[cfg(test)]
 mod adequacy_tests;
+mod background;
+mod candidates;
+mod claims;
+mod conditions;
 mod discrepancy;
 mod doctor;
+mod evidence;
 mod exchange;
-mod family;
+mod finding;
 mod fit;
 mod gain;
-mod honesty;
-mod moments;
+mod gram;
+mod hyperparameters;
+mod inference;
+mod isolability;
 mod noise;
 mod progress;
-mod questions;
 mod reading_id;
+mod remainder;
 mod report;
 mod residual_space;
-mod scores;
-mod selection;
+mod search;
 mod separation;
 mod space;
-mod unknown;
 mod variables;
-mod verdict;
 
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
+pub use isolability::{
+    ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
+};
 pub use report::{
-    Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
-    GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
-    Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
+    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
+    Separation, Verdict,
 };
 
 pub use variables::Variables;

@@ -127,7 +127,8 @@ mod tests {
                 |cause: &tautline_core::diagnosis::Cause| cause.effect().id() == hidden.effect;
             let first = found.findings.first();
             let right = first.is_some_and(|f| is_it(&f.cause) && f.verdict == Verdict::Named);
-            let among = first.is_some_and(|f| is_it(&f.cause) || f.alternatives.iter().any(is_it));
+            let among = first
+                .is_some_and(|f| is_it(&f.cause) || f.alternatives.iter().any(|a| is_it(&a.cause)));
             named += usize::from(right);
             listed += usize::from(among);
         }
