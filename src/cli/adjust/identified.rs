@@ -107,10 +107,9 @@ fn doubts_with_diagnosis(session: &Session, fit: &Identification) -> Result<Vec<
     let hardly = FitVerdict::of(fit.solution.p_value()) == FitVerdict::Doubtful;
     if hardly && doubts.iter().all(|doubt| doubt.kind != DoubtKind::Finding) {
         let dataset = Arc::new(dataset_to_diagnose(session, fit));
-        let alpha = session.settings.diagnosis.alpha;
-        let diagnosed =
-            diagnose_dataset(dataset, (alpha, TIME_LIMIT_S), &mut |_| Control::Continue)
-                .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
+        let terms = (session.settings.diagnosis.alpha, TIME_LIMIT_S);
+        let diagnosed = diagnose_dataset(dataset, terms, &mut |_| Control::Continue)
+            .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
         let findings = diagnosed.diagnosis.findings.iter();
         doubts.extend(adjusting::finding(
             findings.map(|finding| finding.sentence.as_str()),

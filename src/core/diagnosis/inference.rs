@@ -594,6 +594,9 @@ pub(super) fn infer<'a>(
 
 /// The causes of a fit with those of the same effect on several single cables replaced by one with a common value.
 fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+    if let Some(causes) = shared_by_some(fit) {
+        return Some(causes);
+    }
     let is_single = |cause: &Cause| match cause.instances.as_slice() {
         [bound] => {
             bound.targeted
@@ -628,6 +631,39 @@ fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
         instances: vec![common],
     };
     Some(others.cloned().chain([common]).collect())
+}
+
+/// The causes of a fit with a family, of which some cables have about the same value and the others nearly none, replaced
+/// by one with a common value on these.
+fn shared_by_some(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+    for (place, cause) in fit.causes.iter().enumerate() {
+        let first = &cause.instances[0];
+        if cause.instances.len() < 2 || first.values.len() != 1 {
+            continue;
+        }
+        let neutral = first.effect.parameters()[0].neutral;
+        let value = |bound: &BoundEffect| bound.values[0] - neutral;
+        let values = || cause.instances.iter().map(value);
+        let largest = values().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        let shares = |bound: &&BoundEffect| value(bound) / largest > 0.5;
+        let some: Vec<&BoundEffect> = cause.instances.iter().filter(shares).collect();
+        if some.len() < 2 || some.len() == cause.instances.len() {
+            continue;
+        }
+        let mean = some.iter().map(|b| b.values[0]).sum::<f64>() / some.len() as f64;
+        let common = BoundEffect {
+            effect: first.effect,
+            cables: some.iter().flat_map(|b| b.cables.clone()).collect(),
+            targeted: true,
+            values: vec![mean],
+        };
+        let mut causes = fit.causes.clone();
+        causes[place] = Cause {
+            instances: vec![common],
+        };
+        return Some(causes);
+    }
+    None
 }
 
 /// What is known at a fit.
