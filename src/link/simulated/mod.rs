@@ -61,6 +61,9 @@ impl Shared {
     }
 }
 
+/// Saves the values of all parameters.
+type Save = Box<dyn FnMut(&[ParameterInfo]) -> Result<(), LinkError> + Send>;
+
 /// A simulated controller with its robot.
 pub struct SimulatedRobot {
     setup: SimulatedSetup,
@@ -78,6 +81,7 @@ pub struct SimulatedRobot {
     connected: bool,
     armed: bool,
     faults: Vec<Fault>,
+    save: Option<Save>,
 }
 
 fn moment(label: i64, time_s: f64) -> Epoch {
@@ -136,10 +140,24 @@ impl SimulatedRobot {
             connected: false,
             armed: false,
             faults: Vec::new(),
+            save: None,
             setup,
         };
         robot.noise.renew();
         Ok(robot)
+    }
+
+    /// The same robot, which calls `save` with all its parameters after each value that is written, so that they can
+    /// survive the program like those of a real controller.
+    #[must_use]
+    pub fn saving(
+        self,
+        save: impl FnMut(&[ParameterInfo]) -> Result<(), LinkError> + Send + 'static,
+    ) -> Self {
+        Self {
+            save: Some(Box::new(save)),
+            ..self
+        }
     }
 
     /// Where the platform truly is now.
@@ -280,7 +298,10 @@ impl SimulatedRobot {
         let known = self.parameters.iter_mut().find(|p| p.name == name);
         let known = known.ok_or_else(|| LinkError::UnknownParameter(name.to_owned()))?;
         known.value = arrives;
-        Ok(())
+        match &mut self.save {
+            Some(save) => save(&self.parameters),
+            None => Ok(()),
+        }
     }
 
     /// What a fault does to the value that is to be written as number `index`, from 0.

@@ -5,12 +5,12 @@
 
 mod choice;
 mod clock;
+mod held_values;
 mod opened;
 mod setup;
-mod stored;
 
 pub use choice::{ControllerChoice, ControllerChoiceError};
 pub use clock::SimulationClock;
+pub use held_values::{beside, held_values};
 pub use opened::{OpenError, Opened};
 pub use setup::{ConnectionSetup, Kind, bounds};
-pub use stored::{beside, held_values};

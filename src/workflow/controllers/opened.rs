@@ -12,8 +12,8 @@ use tautline_link::{
 use tautline_session::{ReadError, read_dataset};
 
 use super::clock::SimulationClock;
+use super::held_values::{held_values, save_to};
 use super::setup::{ConnectionSetup, Source};
-use super::stored::{Stored, held_values};
 
 /// Noise of the simulated tracker (m, rad).
 const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
@@ -94,14 +94,11 @@ impl ConnectionSetup {
         let robot = SimulatedRobot::new(setup, Arc::new(clock.clone()))?;
         let (position_sd_m, orientation_sd_rad) = TRACKER_SD;
         let tracker = robot.tracker(position_sd_m, orientation_sd_rad, seed);
-        let controller: Box<dyn Controller> = match &self.values_file {
-            Some(path) => Box::new(Stored {
-                inner: robot,
-                path: path.clone(),
-            }),
-            None => Box::new(robot),
+        let robot = match &self.values_file {
+            Some(path) => robot.saving(save_to(path.clone())),
+            None => robot,
         };
-        Ok((controller, Some(Box::new(tracker))))
+        Ok((Box::new(robot), Some(Box::new(tracker))))
     }
 }
 

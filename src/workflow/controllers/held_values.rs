@@ -1,12 +1,11 @@
-//! A simulated controller whose values survive the program, like those of a real one.
+//! Values of a simulated controller that survive the program, like those of a real one.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::geometry::Pose;
-use tautline_link::{Controller, ControllerState, LinkError, ParameterInfo, Sample};
+use tautline_link::{LinkError, ParameterInfo};
 use tautline_session::{NamedValue, ReadError, VersionedFile, read_versioned, write_versioned};
 
 /// Values of a simulated controller while they are written to it; before and afterwards they are in the session.
@@ -42,71 +41,18 @@ pub fn held_values(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     Ok(Some(read.value.values))
 }
 
-/// A controller that saves its values to a file, one by one as they are written.
-pub(super) struct Stored<C> {
-    pub inner: C,
-    pub path: PathBuf,
-}
-
-impl<C: Controller> Stored<C> {
-    fn store(&mut self) -> Result<(), LinkError> {
-        let values = self.inner.parameters()?.into_iter();
+/// Saves the values of a simulated controller to a file, for [`SimulatedRobot::saving`](tautline_link::simulated::SimulatedRobot::saving).
+pub(super) fn save_to(path: PathBuf) -> impl FnMut(&[ParameterInfo]) -> Result<(), LinkError> {
+    move |parameters| {
+        let values = parameters.iter().map(|parameter| NamedValue {
+            name: parameter.name.clone(),
+            value: parameter.value,
+        });
         let held = HeldValues {
-            values: values
-                .map(|parameter| NamedValue {
-                    name: parameter.name,
-                    value: parameter.value,
-                })
-                .collect(),
+            values: values.collect(),
         };
-        let written = write_versioned(&self.path, &held);
+        let written = write_versioned(&path, &held);
         written.map_err(|error| LinkError::Refused(error.to_string()))
-    }
-}
-
-impl<C: Controller> Controller for Stored<C> {
-    fn identity(&self) -> String {
-        self.inner.identity()
-    }
-    fn connect(&mut self) -> Result<(), LinkError> {
-        self.inner.connect()
-    }
-    fn disconnect(&mut self) {
-        self.inner.disconnect();
-    }
-    fn state(&self) -> ControllerState {
-        self.inner.state()
-    }
-    fn arm(&mut self) -> Result<(), LinkError> {
-        self.inner.arm()
-    }
-    fn disarm(&mut self) {
-        self.inner.disarm();
-    }
-    fn sample(&mut self) -> Result<Sample, LinkError> {
-        self.inner.sample()
-    }
-    fn home(&mut self) -> Result<(), LinkError> {
-        self.inner.home()
-    }
-    fn command(&mut self, pose: &Pose) -> Result<(), LinkError> {
-        self.inner.command(pose)
-    }
-    fn stop(&mut self) -> Result<(), LinkError> {
-        self.inner.stop()
-    }
-    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
-        self.inner.parameters()
-    }
-    fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
-        self.inner.read(names)
-    }
-    fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
-        for value in values {
-            self.inner.write(std::slice::from_ref(value))?;
-            self.store()?;
-        }
-        Ok(())
     }
 }
 
@@ -115,8 +61,8 @@ mod tests {
     use std::sync::Arc;
 
     use tautline_core::robot::presets;
-    use tautline_link::ManualClock;
     use tautline_link::simulated::{Fault, SimulatedRobot, SimulatedSetup};
+    use tautline_link::{Controller, ManualClock};
 
     use super::*;
 
@@ -129,7 +75,8 @@ mod tests {
         let preset = presets::find("mini").expect("a preset");
         let setup = SimulatedSetup::of_preset(&preset, 1);
         let clock = Arc::new(ManualClock::default());
-        let mut robot = SimulatedRobot::new(setup, clock).expect("a robot");
+        let robot = SimulatedRobot::new(setup, clock).expect("a robot");
+        let mut robot = robot.saving(save_to(path.clone()));
         robot.connect().expect("connected");
         robot.arm().expect("armed");
         let before = robot.parameters().expect("values");
@@ -139,13 +86,10 @@ mod tests {
             times: 1,
         };
         robot.set_faults(vec![differs]);
-        let mut stored = Stored { inner: robot, path };
         let values = before[..2].iter();
         let values: Vec<(String, f64)> = values.map(|p| (p.name.clone(), p.value + 1e-3)).collect();
-        assert!(stored.write(&values).is_err());
-        let held = held_values(&stored.path)
-            .expect("readable")
-            .expect("a file");
+        assert!(robot.write(&values).is_err());
+        let held = held_values(&path).expect("readable").expect("a file");
         assert_eq!(held.len(), before.len());
         assert_eq!(held[0].value, before[0].value + 1e-3);
         assert_eq!(held[1].value, before[1].value);
