@@ -1,7 +1,8 @@
 //! The built program, for suites that start it.
 
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
@@ -122,6 +123,42 @@ pub fn tautline(arguments: &[&str]) -> Answer {
         code: output.status.code(),
         stdout: String::from_utf8(output.stdout).expect("UTF-8"),
         stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+/// Starts the program, whose standard input is `input`.
+///
+/// # Panics
+/// If it cannot be started.
+#[must_use]
+pub fn start(arguments: &[&str], input: Stdio) -> Child {
+    Command::new(program())
+        .args(arguments)
+        .stdin(input)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts")
+}
+
+/// Lets a started program run to its end, and calls `heard` with every line of its standard error.
+///
+/// # Panics
+/// If its output cannot be read.
+pub fn heard(mut child: Child, mut heard: impl FnMut(&str, &mut Child)) -> Answer {
+    let told = BufReader::new(child.stderr.take().expect("a pipe"));
+    let mut stderr = String::new();
+    for line in told.lines() {
+        let line = line.expect("text");
+        stderr.push_str(&line);
+        stderr.push('\n');
+        heard(&line, &mut child);
+    }
+    let output = child.wait_with_output().expect("it ends");
+    Answer {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr,
     }
 }
 

@@ -154,6 +154,20 @@ impl<'a> EffectName<'a> {
     }
 }
 
+/// Refuses values that are no finite numbers: they are never written.
+pub(crate) fn check_finite(values: &[(String, f64)]) -> Result<(), LinkError> {
+    match values.iter().find(|(_, value)| !value.is_finite()) {
+        None => Ok(()),
+        Some((name, value)) => Err(LinkError::InvalidValue {
+            name: name.clone(),
+            value: *value,
+            reason: NOT_FINITE.to_owned(),
+        }),
+    }
+}
+
+const NOT_FINITE: &str = "it is not a finite number";
+
 /// Sets one parameter of a robot.
 ///
 /// # Errors
@@ -167,7 +181,7 @@ pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), Li
         })
     };
     if !value.is_finite() {
-        return invalid("it is not a finite number");
+        return invalid(NOT_FINITE);
     }
     let Some(place) = place_of(robot, name) else {
         return Err(LinkError::UnknownParameter(name.to_owned()));

@@ -20,7 +20,7 @@ use crate::controller::{Activity, Controller, ControllerState, Sample};
 use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
-use crate::parameters::ParameterInfo;
+use crate::parameters::{ParameterInfo, check_finite};
 pub use restart::Seen;
 
 /// A controller behind our own limits, with the external laser and the latest sample.
@@ -316,13 +316,7 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
 
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
         self.check_armed()?;
-        if let Some((name, value)) = values.iter().find(|(_, value)| !value.is_finite()) {
-            return Err(LinkError::InvalidValue {
-                name: name.clone(),
-                value: *value,
-                reason: "it is not a finite number".to_owned(),
-            });
-        }
+        check_finite(values)?;
         let written = self.inner.write(values);
         self.noted(written)
     }

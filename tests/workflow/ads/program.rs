@@ -1,9 +1,9 @@
 //! The program itself, through real frames: the whole loop as a user runs it, and what interrupts it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{BufRead, BufReader, Write};
+use std::io::Write;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 
 use serde_json::{Value, json};
 use tautline_core::robot::presets;
@@ -11,7 +11,7 @@ use tautline_link::parameters::parameters_of;
 use tautline_link::simulated::SimulatedTracker;
 use tautline_link::{Controller, Instrument};
 use tautline_session::{Outcome, Session, read_session, write_symbols};
-use tautline_validation::program::{Answer, Folder, program, tautline};
+use tautline_validation::program::{self, Folder, heard, tautline};
 
 use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global, mapping};
@@ -40,32 +40,9 @@ fn drawn() -> BTreeMap<String, f64> {
     parameters.map(|p| (p.name, p.value)).collect()
 }
 
+/// Starts the program, to type there.
 fn start(words: &[&str]) -> Child {
-    Command::new(program())
-        .args(words)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts")
-}
-
-/// Lets the program run, and calls `heard` with every line of its standard error.
-fn heard(mut child: Child, mut heard: impl FnMut(&str, &mut Child)) -> Answer {
-    let told = BufReader::new(child.stderr.take().expect("a pipe"));
-    let mut stderr = String::new();
-    for line in told.lines() {
-        let line = line.expect("text");
-        stderr.push_str(&line);
-        stderr.push('\n');
-        heard(&line, &mut child);
-    }
-    let output = child.wait_with_output().expect("it ends");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr,
-    }
+    program::start(words, Stdio::piped())
 }
 
 /// Verifies, and types what a tracker measures where the program asks for it; largest AP (m).

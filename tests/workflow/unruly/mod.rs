@@ -7,9 +7,8 @@ mod measuring;
 mod stopping;
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::OnceLock;
 
 use serde_json::{Value, json};
@@ -17,7 +16,7 @@ use tautline_link::{Controller, GuardedController};
 use tautline_session::{Outcome, Session, read_session};
 use tautline_validation::ads::unruly::Unruly;
 use tautline_validation::ads::{Host, Plant};
-use tautline_validation::program::{Answer, Folder, program, tautline};
+use tautline_validation::program::{self, Folder, heard, tautline};
 
 /// The name of the release for which the sample program waits.
 const RELEASE: &str = "GVL_Tautline.release";
@@ -79,29 +78,5 @@ fn measured(folder: &Folder, name: &str) -> String {
 
 /// Starts the program; nobody can type there.
 fn start(words: &[&str]) -> Child {
-    Command::new(program())
-        .args(words)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts")
-}
-
-/// Lets the program run to its end, and calls `heard` with every line of its standard error.
-fn heard(mut child: Child, mut heard: impl FnMut(&str, &mut Child)) -> Answer {
-    let told = BufReader::new(child.stderr.take().expect("a pipe"));
-    let mut stderr = String::new();
-    for line in told.lines() {
-        let line = line.expect("text");
-        stderr.push_str(&line);
-        stderr.push('\n');
-        heard(&line, &mut child);
-    }
-    let output = child.wait_with_output().expect("it ends");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr,
-    }
+    program::start(words, Stdio::null())
 }

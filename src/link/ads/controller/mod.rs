@@ -18,7 +18,7 @@ use super::sample::{Status, sample_of, status_of};
 use crate::clock::Clock;
 use crate::controller::{Activity, Controller, ControllerState, Sample};
 use crate::error::LinkError;
-use crate::parameters::ParameterInfo;
+use crate::parameters::{ParameterInfo, check_finite};
 
 /// Parameters that are written in one request, before the next of which the release is read again.
 const BLOCK: usize = 16;
@@ -378,13 +378,7 @@ impl Controller for AdsController {
 
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError> {
         self.check_armed()?;
-        if let Some((name, value)) = values.iter().find(|(_, value)| !value.is_finite()) {
-            return Err(LinkError::InvalidValue {
-                name: name.clone(),
-                value: *value,
-                reason: "it is not a finite number".to_owned(),
-            });
-        }
+        check_finite(values)?;
         let names: Vec<String> = values.iter().map(|(name, _)| name.clone()).collect();
         let places = self.places(&names)?;
         let raw = places.iter().zip(values);
