@@ -49,8 +49,8 @@ pub struct Opinion {
     pub findings: Vec<(Verdict, Vec<Name>)>,
     /// Sentence, held-out error before and after of each finding.
     pub lines: Vec<(String, f64, f64)>,
-    /// Common build-up of line with its standard deviation (1/rev), if there is one.
-    pub growth: Option<(f64, f64)>,
+    /// Build-up of line, the mean of all winches (1/rev), if there is one.
+    pub growth: Option<f64>,
     /// Length residual of series 1, poses held at the camera's values, the extended model held (m).
     pub other_rms_m: f64,
 }
@@ -66,9 +66,11 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
     let diagnosis = diagnose(&series2, &options, &mut |_| Control::Continue)?;
     let model = diagnosis.extended_solution.globals.model(&series2.robot);
     let of = |cause: &Cause| (cause.effect().id(), cause.cables());
-    let common = |f: &&Finding| of(&f.cause) == ("drum_growth", Vec::new());
-    let growth = diagnosis.findings.iter().find(common);
-    let growth = growth.and_then(|f| f.parameters.first());
+    let of_drums = |f: &&Finding| f.cause.effect().id() == "drum_growth";
+    let growth = diagnosis.findings.iter().find(of_drums).map(|f| {
+        let values = f.parameters.iter().map(|p| p.value);
+        values.sum::<f64>() / f.parameters.len() as f64
+    });
     let all = diagnosis.findings.iter();
     Ok(Opinion {
         findings: all
@@ -77,7 +79,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
                 (
                     f.verdict,
                     std::iter::once(&f.cause)
-                        .chain(&f.alternatives)
+                        .chain(f.alternatives.iter().map(|other| &other.cause))
                         .map(of)
                         .collect(),
                 )
@@ -86,7 +88,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
         lines: all
             .map(|f| (f.sentence.clone(), f.gain.before, f.gain.after))
             .collect(),
-        growth: growth.and_then(|p| Some((p.value, p.sd?))),
+        growth,
         other_rms_m: length_rms(&with_robot(&series1, &model), None)?,
     })
 }

@@ -6,6 +6,7 @@ pub mod bad_input_cases;
 pub mod hangprinter;
 pub mod harness;
 pub mod hidden;
+pub mod isolability;
 pub mod nist;
 pub mod program;
 pub mod screenshots;

@@ -3,6 +3,7 @@
 mod accuracy;
 mod adjust;
 mod bad_input;
+mod check;
 mod compare;
 mod diagnose;
 mod effect_arguments;
@@ -11,6 +12,7 @@ mod evaluate;
 mod home;
 mod identify;
 mod input;
+mod isolability;
 mod live;
 mod measure;
 mod method;
@@ -36,11 +38,13 @@ use tautline_workflow::identification::Identification;
 use tautline_workflow::session_file::SessionFileError;
 
 use bad_input::BadInput;
+use check::NotReady;
 use not_converged::NotConverged;
 use settled::Settled;
 
 const EXIT_CODES: &str = "Exit codes: 0 success, 2 bad input (one line that names file, line and column), \
-    3 identify or evaluate did not converge, 4 adjust settled an earlier attempt and wrote nothing else, 1 any other failure";
+    3 identify or evaluate did not converge, 4 adjust settled an earlier attempt and wrote nothing else, \
+    5 a part of check failed, 1 any other failure";
 
 /// Calibrate cable-driven parallel robots.
 #[derive(Debug, Parser)]
@@ -73,6 +77,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Drive a robot to the planned poses and measure; continues an interrupted run
     Measure(measure::Arguments),
+    /// Check a dataset before identification: readings, geometry, which faults it would show
+    Check(check::Arguments),
     /// Identify the pulleys from a dataset
     Identify(identify::Arguments),
     /// Diagnose the model: does it explain a dataset, what does it lack and what to do about it
@@ -141,6 +147,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
@@ -187,6 +194,8 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
             not_converged::EXIT_CODE
         } else if error.is::<Settled>() {
             settled::EXIT_CODE
+        } else if error.is::<NotReady>() {
+            check::EXIT_CODE
         } else {
             1
         },
@@ -203,6 +212,7 @@ mod tests {
             (BadInput::new("poses.csv: not found"), 2),
             (NotConverged.into(), 3),
             (Settled.into(), 4),
+            (NotReady.into(), 5),
             (anyhow::anyhow!("the connection is lost"), 1),
         ] {
             assert_eq!(finish(Err(error)), ExitCode::from(code));

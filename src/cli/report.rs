@@ -9,7 +9,7 @@ use anyhow::Result;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tautline_core::estimation::Control;
 use tautline_workflow::clock;
-use tautline_workflow::diagnosis::dataset_to_diagnose;
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose};
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat, ReportInput, write_report};
 
@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
             .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
         let dataset = Arc::new(dataset_to_diagnose(&session, &fit));
         let alpha = session.settings.diagnosis.alpha;
-        let diagnosis = diagnose_with_progress(dataset, alpha)
+        let diagnosis = diagnose_with_progress(dataset, (alpha, TIME_LIMIT_S))
             .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
         (Some(fit), Some(diagnosis))
     };

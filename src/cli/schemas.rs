@@ -16,6 +16,7 @@ use crate::output::say;
 use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::identification::IdentificationDocument;
+use tautline_workflow::readiness::ReadinessDocument;
 
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
@@ -25,6 +26,7 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<Accuracy>());
     schemas.push(tautline_session::versioned_schema::<Precalibration>());
     schemas.push(tautline_session::versioned_schema::<PlanDocument>());
+    schemas.push(tautline_session::versioned_schema::<ReadinessDocument>());
     schemas.push(tautline_session::versioned_schema::<ComparisonDocument>());
     schemas.push(tautline_session::versioned_schema::<MeasuringDocument>());
     schemas.push(tautline_session::versioned_schema::<AdjustmentDocument>());

@@ -42,6 +42,18 @@ pub fn normal_two_sided(size: f64) -> f64 {
     2.0 * Normal::standard().sf(size.abs())
 }
 
+/// Logarithm of the probability that a standard normal variable is below `value`, also where that is too small
+/// for a number.
+#[must_use]
+pub fn log_normal_cdf(value: f64) -> f64 {
+    if value > -30.0 {
+        Normal::standard().cdf(value).ln()
+    } else {
+        // The tail of the density over its distance: Abramowitz and Stegun 26.2.12.
+        -0.5 * (value * value + std::f64::consts::TAU.ln()) - (-value).ln()
+    }
+}
+
 /// The standard normal quantile: value that is exceeded with probability `1 - probability`.
 #[must_use]
 pub fn normal_quantile(probability: f64) -> f64 {
@@ -59,6 +71,9 @@ mod tests {
         assert!((normal_two_sided(1.959_963_985) - 0.05).abs() < 1e-9);
         assert!((normal_quantile(0.975) - 1.959_963_985).abs() < 1e-8);
         assert_eq!(chi_square_survival(1.0, 0.0), None);
+        assert!((log_normal_cdf(-1.959_963_985) - 0.025_f64.ln()).abs() < 1e-8);
+        let [one, other] = [-29.99, -30.01].map(log_normal_cdf);
+        assert!(((one - other) / 0.02 - 30.03).abs() < 0.1);
         // Tables 26.8 (0.975 and 0.025 at 10 degrees of freedom) and 26.9 (F at 5 and 10).
         assert!((chi_square_quantile(0.025, 10.0).unwrap() - 3.246_97).abs() < 1e-5);
         assert!((chi_square_two_sided(3.246_97, 10.0).unwrap() - 0.05).abs() < 1e-5);

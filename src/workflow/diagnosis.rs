@@ -11,13 +11,16 @@ use tautline_session::Session;
 use crate::documents::diagnosis::Diagnosed;
 use crate::identification::Identification;
 
-/// Diagnoses the model of a dataset, with its raw measurements, at a probability of a false alarm.
+/// Time (s) after which a diagnosis ends with the best answer so far, unless another limit is given.
+pub const TIME_LIMIT_S: f64 = 60.0;
+
+/// Diagnoses the model of a dataset, with its raw measurements, at a probability of a false alarm and within a time (s).
 ///
 /// # Errors
 /// If the data do not make a problem.
 pub fn diagnose_dataset(
     dataset: Arc<Dataset>,
-    alpha: f64,
+    (alpha, limit_s): (f64, f64),
     observe: &mut dyn FnMut(&DiagnosisProgress) -> Control,
 ) -> Result<Diagnosed, EstimationError> {
     let options = DiagnosisOptions {
@@ -25,11 +28,19 @@ pub fn diagnose_dataset(
         ..DiagnosisOptions::default()
     };
     let started = Instant::now();
-    let diagnosis = diagnose(&dataset, &options, observe)?;
+    let diagnosis = diagnose(&dataset, &options, &mut |progress| {
+        let in_time = started.elapsed().as_secs_f64() < limit_s;
+        if in_time {
+            observe(progress)
+        } else {
+            Control::Cancel
+        }
+    })?;
     Ok(Diagnosed {
         diagnosis,
         alpha,
         seconds: started.elapsed().as_secs_f64(),
+        limit_s,
         dataset,
     })
 }

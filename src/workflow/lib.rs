@@ -14,6 +14,7 @@ pub mod identification;
 pub mod planning;
 pub mod plot;
 pub mod precalibration;
+pub mod readiness;
 pub mod report;
 pub mod samples;
 pub mod session_file;

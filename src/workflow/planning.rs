@@ -8,6 +8,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::planning::{DesignCriteria, Plan, PlanOptions, PlanProgress, evaluate, plan};
 use tautline_session::{PlannedPose, Session};
 
+use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable};
 use crate::identification::IdentificationRequest;
 use crate::wording::units;
 
@@ -29,6 +30,8 @@ pub struct PlanSummary {
     pub travel_m: f64,
     /// What measuring the home pose more often gains.
     pub home: HomeGain,
+    /// Which faults all poses together show; none where that could not be computed.
+    pub isolability: Option<IsolabilityTable>,
 }
 
 /// How often the home pose might be measured, in multiples of what its standard deviations stand for.
@@ -133,6 +136,9 @@ impl PlanSummary {
                 .collect(),
             travel_m: planned.order.travel_m,
             home: HomeGain::of(planned),
+            isolability: IsolabilityDocument::of_dataset(&planned.dataset)
+                .ok()
+                .map(|document| IsolabilityTable::of(&document)),
         }
     }
 }

@@ -1,16 +1,17 @@
 //! The hidden-effect test on the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Plan, Records, Restriction, STUDIES, Study, clean, coverage, describe, draw_all,
-    drawn_markdown, failures, markdown, named, outside, pairs, run_all, single,
+    Plan, Records, Restriction, STUDIES, Study, TABLE_SEED, clean, coverage, describe, diagram,
+    draw_all, drawn_markdown, failures, markdown, named, outside, pairs, run_all, single, summary,
+    table_plans,
 };
 
 const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
-                     [--effect ID] [--seed N], or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
-                     [--records FILE] [--failures] [--draw]";
+                     [--effect ID] [--seed N], hidden table, or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
+                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg]";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 6;
@@ -22,8 +23,6 @@ const OUTSIDE: usize = 3;
 const CASES: usize = 20;
 /// First seed of data sets that are looked at while the program is developed.
 const DEVELOPMENT: u64 = 600_000;
-/// First seed of data sets of which nobody sees more than the table.
-const TABLE: u64 = 8_000_000;
 
 struct Arguments {
     kind: String,
@@ -33,6 +32,8 @@ struct Arguments {
     failures: bool,
     threads: Option<usize>,
     records: Option<PathBuf>,
+    /// Where the reliability diagram goes.
+    diagram: Option<PathBuf>,
     restriction: Restriction,
 }
 
@@ -59,6 +60,9 @@ pub fn command(arguments: &[String]) -> Result<()> {
     };
     let study = run_all(&plans, arguments.threads, &records);
     println!("{}", markdown(&study));
+    if let Some(path) = &arguments.diagram {
+        std::fs::write(path, diagram(&study))?;
+    }
     if arguments.restriction.seed.is_some() && !arguments.is_study() {
         study
             .outcomes
@@ -83,6 +87,22 @@ pub fn tables() -> Result<String> {
     Ok(markdown(&study))
 }
 
+/// The table of the studies, or of their first data sets, taken from a file as far as they are on record there, and
+/// their diagram.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn studies(records: &Path, first: Option<usize>) -> Result<(String, String)> {
+    let mut plans = table_plans(&Restriction::default());
+    let all = plans.len();
+    plans.truncate(first.unwrap_or(all));
+    let study = run_all(&plans, Some(1), &Records::open(records)?);
+    report_impossible(&study);
+    let summary = summary(&study);
+    let text = format!("The first {} of {all} data sets.\n\n{summary}", plans.len());
+    Ok((text, diagram(&study)))
+}
+
 fn report_impossible(study: &Study) {
     for (plan, why) in &study.impossible {
         eprintln!("{plan:?}: {why}");
@@ -97,6 +117,7 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
         failures: false,
         threads: None,
         records: None,
+        diagram: None,
         restriction: Restriction::default(),
     };
     let mut rest = arguments[1..].iter();
@@ -113,14 +134,15 @@ fn parse(arguments: &[String]) -> Result<Arguments> {
             "--seed" => parsed.restriction.seed = Some(value()?.parse()?),
             "--cases" => parsed.count = Some(value()?.parse()?),
             "--threads" => parsed.threads = Some(value()?.parse()?),
+            "--diagram" => parsed.diagram = Some(value()?.into()),
             "--records" => parsed.records = Some(value()?.into()),
             number => parsed.count = Some(number.parse().with_context(usage)?),
         }
     }
     let first = parsed.restriction.seed.unwrap_or(0);
     ensure!(
-        first < TABLE || !parsed.failures,
-        "data sets from seed {TABLE} on are for the table alone: their failures stay unseen"
+        (first < TABLE_SEED && parsed.kind != "table") || !parsed.failures,
+        "data sets from seed {TABLE_SEED} on are for the table alone: their failures stay unseen"
     );
     Ok(parsed)
 }
@@ -146,6 +168,7 @@ fn plans(arguments: &Arguments) -> Result<Vec<Plan>> {
             all.extend(outside(OUTSIDE, only));
             all
         }
+        "table" => table_plans(only),
         study => {
             let first = only.seed.unwrap_or(DEVELOPMENT);
             match named(study, count(CASES), first, only) {

@@ -8,13 +8,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use tautline_validation::{
-    adjusted, hangprinter, nist, screenshots, sessions, table1, truth, window,
+    adjusted, hangprinter, isolability, nist, screenshots, sessions, table1, truth, window,
 };
 
 /// Presets of the truth study.
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
+/// Seed of the study of isolability.
+const ISOLABILITY_SEED: u64 = 2027;
 /// Seed of the first data set of the truth study.
 const FIRST_SEED: u64 = 1000;
+/// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
+const RECORDS: &str = "target/studies.jsonl";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -24,9 +28,11 @@ fn main() -> Result<()> {
         Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
         Some("adjusted") => println!("{}", adjusted::markdown(&adjusted::study()?)),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
+        Some("isolability") => println!("{}", isolability_table()?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
+        Some("studies") => studies(argument)?,
         Some("write") => write(argument)?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
         Some("screenshots") => {
@@ -37,11 +43,16 @@ fn main() -> Result<()> {
             screenshots::looks::write_all(Path::new(folder))?;
         }
         _ => bail!(
-            "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], nist, hidden KIND, workbench [write | PART], \
-             write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
+            "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, nist, hidden KIND, workbench [write | PART], \
+             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
         ),
     }
     Ok(())
+}
+
+fn isolability_table() -> Result<String> {
+    let pairs = isolability::study(30, 60, ISOLABILITY_SEED)?;
+    Ok(isolability::markdown(&pairs))
 }
 
 fn truth_table(data_sets: Option<&str>) -> Result<String> {
@@ -80,6 +91,18 @@ fn workbench(what: Option<&str>) -> Result<()> {
     Ok(())
 }
 
+/// Puts the studies of hidden effects, or their first data sets, into the document, with their diagram beside it.
+fn studies(first: Option<&str>) -> Result<()> {
+    let first = first.map(str::parse).transpose()?;
+    let (table, diagram) = hidden::studies(Path::new(RECORDS), first)?;
+    let path = document();
+    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+    replace(&mut text, "hidden_studies", &table)?;
+    tautline_session::write_text(&path, &text)?;
+    tautline_session::write_text(&path.with_file_name("reliability.svg"), &diagram)?;
+    Ok(())
+}
+
 fn document() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/VALIDATION.md")
 }
@@ -94,6 +117,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
     let adjusted = adjusted::markdown(&adjusted::study()?);
     replace(&mut text, "adjusted", &adjusted)?;
+    replace(&mut text, "isolability", &isolability_table()?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,

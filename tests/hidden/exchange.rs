@@ -112,6 +112,7 @@ mod tests {
                 candidates: vec![Cause {
                     instances: vec![BoundEffect::from_setting(&setting, &mini).unwrap()],
                 }],
+                probabilities: vec![1.0],
                 finding: 0,
             }
         };

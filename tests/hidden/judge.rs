@@ -38,6 +38,8 @@ pub struct Claim {
     pub verdict: Verdict,
     /// The cause and its alternatives.
     pub candidates: Vec<Cause>,
+    /// Their stated probabilities.
+    pub probabilities: Vec<f64>,
     /// Number of the finding.
     pub finding: usize,
 }
@@ -67,6 +69,7 @@ impl Claim {
 fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
     let claim = |candidates: Vec<Cause>| Claim {
         verdict: of.verdict,
+        probabilities: vec![of.probability; candidates.len()],
         candidates,
         finding,
     };
@@ -78,10 +81,16 @@ fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
         let each = of.cause.instances.iter();
         return each.map(|bound| claim(vec![alone(bound)])).collect();
     }
-    let alternatives = of.alternatives.iter().cloned();
-    vec![claim(
-        [of.cause.clone()].into_iter().chain(alternatives).collect(),
-    )]
+    let others = of.alternatives.iter();
+    let own = std::iter::once((of.cause.clone(), of.probability));
+    let all = own.chain(others.map(|other| (other.cause.clone(), other.probability)));
+    let (candidates, probabilities) = all.unzip();
+    vec![Claim {
+        verdict: of.verdict,
+        candidates,
+        probabilities,
+        finding,
+    }]
 }
 
 pub(super) fn describe(cause: &Cause) -> String {
@@ -158,11 +167,21 @@ pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) ->
         }
     }
     let one_value = cause.instances.len() == 1;
-    if blamed == claimed.cables && !(one_value && differ(truths, &matched)) {
+    if one_value && differ(truths, &matched) {
+        // One value for all of these cables stands for what is hidden on all of them, not for what one has besides.
+        matched.retain(|k| cables_of(&truths[*k], robot) == claimed.cables);
+    }
+    if blamed == claimed.cables {
         matched
     } else {
         Vec::new()
     }
+}
+
+/// The cables of a hidden effect.
+fn cables_of(truth: &EffectSetting, robot: &Robot) -> BTreeSet<usize> {
+    let bound = BoundEffect::from_setting(truth, robot);
+    bound.map_or_else(|_| BTreeSet::new(), |b| Identity::of(&[b], robot).cables)
 }
 
 /// Whether effects on cables of their own have values for which one value for all cannot stand.

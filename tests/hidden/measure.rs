@@ -3,7 +3,7 @@
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{Cause, Finding};
-use tautline_core::effect::{BoundEffect, EffectSetting, Search};
+use tautline_core::effect::{BoundEffect, EffectSetting, Search, UNKNOWN};
 use tautline_core::estimation::{Geometry, Globals, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -165,6 +165,10 @@ pub fn rivals_fit(
         parameters.filter(|p| !p.discrete).count() as f64
     };
     for cause in listed {
+        if cause.effect().id() == UNKNOWN.id() {
+            // An error without a name has no parameters to fit; its evidence is what lists it.
+            continue;
+        }
         if !cause.effect().is_estimable() {
             return Ok(false);
         }

@@ -33,12 +33,17 @@ pub use interval::{binomial_tail, clopper_pearson};
 pub use judge::{Claim, Found, judge, wrong_names};
 pub use measure::{ParameterError, held_out_ratio, parameter_errors, rivals_fit};
 pub use outside::{OUTSIDE, Outside, Scene};
-pub use plans::{Restriction, STUDIES, clean, named, outside, pairs, single};
+pub use plans::{
+    Restriction, STUDIES, TABLE_SEED, clean, named, outside, pairs, single, table_plans,
+};
 pub use records::Records;
 pub use robots::{TestRobot, robot, robots};
 pub use run::{Candidate, Outcome, Said, Study, Sure, WithoutHoles, draw_all, run, run_all};
 pub use setup::Setup;
-pub use table::{Figure, Figures, Target, coverage, describe, drawn_markdown, failures, markdown};
+pub use table::{
+    Figure, Figures, Target, coverage, describe, diagram, drawn_markdown, failures, markdown,
+    summary,
+};
 pub use template::Template;
 pub use visibility::{JUST_VISIBLE, VISIBLE, noncentrality};
 

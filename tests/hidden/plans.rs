@@ -5,7 +5,7 @@ use tautline_core::effect::CATALOGUE;
 use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
 /// Seed of the first data set.
-const FIRST_SEED: u64 = 500_000;
+const FIRST_SEED: u64 = 700_000;
 /// Of this many data sets per effect and robot the last is just visible.
 const JUST_VISIBLE_EVERY: usize = 3;
 
@@ -108,12 +108,14 @@ pub fn outside(count: usize, restriction: &Restriction) -> Vec<Plan> {
 const NOISES: [Circumstances; 2] = [Circumstances::AsStated, Circumstances::OtherNoise];
 
 /// Studies that take their data sets one after the other from all robots, and what is in them.
-pub const STUDIES: [(&str, &str); 11] = [
+pub const STUDIES: [(&str, &str); 13] = [
     (
         "several",
         "three to five effects at once, noise 0.5 to 2 times as stated, 60 poses",
     ),
     ("separated", "one effect that no other could be taken for"),
+    ("nothing", "nothing, measured as stated"),
+    ("unknown", "effects that the catalogue does not have"),
     (
         "anything",
         "one visible effect, or nothing, noise 0.5 to 2 times as stated",
@@ -140,6 +142,47 @@ pub const STUDIES: [(&str, &str); 11] = [
     ("chance", "as many effects as chance has it"),
 ];
 
+/// First seed of data sets of which nobody sees more than the table.
+pub const TABLE_SEED: u64 = 9_000_000;
+/// Distance of the first seeds of two studies of the table.
+const APART: u64 = 100_000;
+/// Data sets of each study of the table.
+const TABLE: [(&str, usize); 13] = [
+    ("several", 90),
+    ("separated", 63),
+    ("nothing", 90),
+    ("unknown", 48),
+    ("anything", 54),
+    ("mild", 54),
+    ("dominating", 20),
+    ("families", 10),
+    ("exchanged", 27),
+    ("holes", 45),
+    ("tails", 36),
+    ("standstills", 36),
+    ("chance", 90),
+];
+
+/// The data sets of the table, of seeds of their own. The studies take turns so that the first ones are a table, too, with
+/// wider intervals.
+#[must_use]
+pub fn table_plans(only: &Restriction) -> Vec<Plan> {
+    let studies = (TABLE_SEED..).step_by(APART as usize).zip(TABLE);
+    let mut placed: Vec<(f64, Plan)> = Vec::new();
+    for (first, (study, count)) in studies {
+        let plans = named(study, count, first, only).unwrap_or_default();
+        let place = |k: usize| (k as f64 + 0.5) / count as f64;
+        placed.extend(
+            plans
+                .into_iter()
+                .enumerate()
+                .map(|(k, plan)| (place(k), plan)),
+        );
+    }
+    placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    placed.into_iter().map(|(_, plan)| plan).collect()
+}
+
 /// The first `count` data sets of a study called by its name in [`STUDIES`], their seeds counted from `first_seed`; the
 /// robots in turn. `None` if there is no such study.
 #[must_use]
@@ -150,6 +193,10 @@ pub fn named(study: &str, count: usize, first_seed: u64, only: &Restriction) -> 
     let kinds: Vec<(Wanted, Circumstances)> = match study {
         "several" => vec![(W::Several, C::OtherNoise)],
         "separated" => vec![(W::Separated, C::AsStated)],
+        "nothing" => vec![(W::Nothing, C::AsStated)],
+        "unknown" => (OUTSIDE.iter())
+            .map(|effect| (W::Outside(effect.id), C::AsStated))
+            .collect(),
         "anything" => vec![(W::Any, C::OtherNoise), (W::Nothing, C::OtherNoise)],
         "mild" => vec![(W::Any, C::ModelError), (W::Nothing, C::ModelError)],
         "dominating" => vec![(W::CommonOffset, C::ModelError)],
@@ -184,7 +231,8 @@ mod tests {
 
     #[test]
     fn studies_have_their_names_and_take_all_robots() {
-        for (name, _) in STUDIES {
+        for ((name, _), (of_table, _)) in STUDIES.into_iter().zip(TABLE) {
+            assert_eq!(name, of_table);
             assert!(
                 named(name, 3, 7, &Restriction::default()).is_some_and(|plans| plans.len() == 3)
             );

@@ -6,8 +6,10 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
-use tautline_core::diagnosis::{Diagnosis, DiagnosisOptions, Finding, Verdict, diagnose};
-use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::diagnosis::{
+    Alternative, Cause, Diagnosis, DiagnosisOptions, Finding, NoiseStatement, Verdict, diagnose,
+};
+use tautline_core::effect::{BoundEffect, EffectSetting, UNKNOWN};
 use tautline_core::estimation::{Control, Geometry, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -38,7 +40,7 @@ pub struct Candidate {
     /// Identifier with cables.
     pub name: String,
     /// Probability that is stated.
-    pub probability: Option<f64>,
+    pub probability: f64,
     /// Whether it is hidden.
     pub right: bool,
 }
@@ -76,6 +78,10 @@ pub struct Outcome {
     pub found: Vec<Found>,
     /// What was said, finding by finding.
     pub said: Vec<Said>,
+    /// What is said to be possible without being found.
+    pub possible: Vec<Candidate>,
+    /// Readings whose noise is said to be larger or smaller than described: their kind and cable, and the factor.
+    pub noise: Vec<(String, f64)>,
     /// Effects named with confidence that were not hidden.
     pub wrong_names: Vec<String>,
     /// Errors of the parameters of effects that were named rightly.
@@ -147,11 +153,18 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     } else {
         held_out_ratio(&setup, &run, &diagnosis.extended_solution.globals)?
     };
+    let possible = |other: &Alternative| Candidate {
+        name: judge::describe(&other.cause),
+        probability: other.probability,
+        right: !matched(truths, &other.cause, robot).is_empty(),
+    };
     let say = |claim: &Claim| said(claim, &diagnosis.findings, (truths, undone), robot);
     Ok(Outcome {
         plan: *plan,
         found: found.iter().map(|(found, _)| *found).collect(),
         said: claims.iter().map(say).collect(),
+        possible: diagnosis.possible.iter().map(possible).collect(),
+        noise: diagnosis.noise.iter().map(noise).collect(),
         wrong_names: wrong,
         parameters: errors(&diagnosis, &found, (&claims, truths), &run),
         held_out_ratio,
@@ -171,15 +184,24 @@ fn asked(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
     Ok((diagnosis, claims, seconds))
 }
 
+fn noise(statement: &NoiseStatement) -> (String, f64) {
+    let cable = statement.cable.map(|cable| format!(":{}", cable + 1));
+    let name = statement.quantity.name();
+    (
+        format!("{name}{}", cable.unwrap_or_default()),
+        statement.ratio,
+    )
+}
+
 fn said(
     claim: &Claim,
     findings: &[Finding],
     (truths, undone): (&[EffectSetting], bool),
     robot: &Robot,
 ) -> Said {
-    let candidate = |cause| Candidate {
+    let candidate = |(cause, probability): (&Cause, &f64)| Candidate {
         name: judge::describe(cause),
-        probability: None,
+        probability: *probability,
         right: !matched(truths, cause, robot).is_empty() || undone && is_exchange(cause),
     };
     let sure = match claim.verdict {
@@ -187,7 +209,9 @@ fn said(
         Verdict::Ambiguous => Sure::Ambiguous,
         Verdict::Unknown => Sure::Unknown,
     };
-    let known = claim.candidates.iter().filter(|_| sure != Sure::Unknown);
+    let pairs = claim.candidates.iter().zip(&claim.probabilities);
+    let is_effect = |cause: &Cause| cause.effect().id() != UNKNOWN.id();
+    let known = pairs.filter(|(cause, _)| sure != Sure::Unknown && is_effect(cause));
     Said {
         text: claim.describe(),
         sure,

@@ -5,7 +5,6 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tautline_core::effect::{CATALOGUE, Effect, EffectSetting};
 
-use super::conditions::normal;
 use super::setup::Setup;
 use super::template::{Template, log_uniform};
 use super::visibility::{VISIBLE, left_by_nearest_other, noncentrality};
@@ -17,6 +16,9 @@ const TRIES: usize = 600;
 const SEPARATED: f64 = 32.0;
 /// How many causes a robot has on average.
 const CAUSES: f64 = 0.8;
+/// How often a size is beyond the typical ones, and up to which factor.
+const BEYOND: f64 = 0.04;
+const BEYOND_FACTOR: f64 = 4.0;
 /// Common offset of a dominating cause (m).
 const COMMON_OFFSET_M: [f64; 2] = [0.05, 0.2];
 /// Scale of a winch in a family.
@@ -95,7 +97,7 @@ pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<Toget
     bail!("no effect found for {}", setup.robot.name)
 }
 
-/// As many effects as chance has it, sizes normally distributed with the prior's standard deviation.
+/// As many effects as chance has it, of typical sizes and rarely beyond: what the prior of the diagnosis says.
 ///
 /// # Errors
 /// If all that is drawn breaks the robot.
@@ -110,9 +112,12 @@ pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
                 break;
             }
             let template = Template::draw(any_effect(rng), &setup.robot, rng);
-            let size = template
-                .prior_size()
-                .map_or(1.0, |sd| normal(rng, sd).abs());
+            let [smallest, largest] = template.typical.unwrap_or([1.0, 1.0]);
+            let range = match rng.random_bool(BEYOND) {
+                true => [largest, BEYOND_FACTOR * largest],
+                false => [smallest, largest],
+            };
+            let size = log_uniform(range, rng);
             effects.push(template.setting(size));
         }
         if setup.exact(&effects).is_ok() {

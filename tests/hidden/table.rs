@@ -3,6 +3,7 @@
 mod drawn;
 mod figures;
 mod kinds;
+mod reliability;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,6 +12,7 @@ use tautline_core::effect::CATALOGUE;
 
 pub use drawn::drawn_markdown;
 pub use figures::{Figure, Figures, Target};
+pub use reliability::diagram;
 
 use figures::NORMAL_95;
 
@@ -20,8 +22,7 @@ use super::{Hidden, OUTSIDE, Outcome, Said, Stratum, Study, Sure, Wanted, robots
 /// All tables of a study: figures, effects by robot, confusions, times.
 #[must_use]
 pub fn markdown(study: &Study) -> String {
-    let mut text = figures_table(&Figures::of(study));
-    text.push_str(&kinds::table(study));
+    let mut text = summary(study);
     text.push_str(&counts(study));
     let ids: Vec<&str> = CATALOGUE.iter().map(|effect| effect.id()).collect();
     let caption =
@@ -36,6 +37,15 @@ pub fn markdown(study: &Study) -> String {
         is_outside(outcome).then(|| is_honest(outcome))
     }));
     text.push_str(&confusions(study));
+    text
+}
+
+/// The tables of the studies: what is asked for, each kind of data, and how far stated probabilities can be relied on.
+#[must_use]
+pub fn summary(study: &Study) -> String {
+    let mut text = figures_table(&Figures::of(study));
+    text.push_str(&kinds::table(study));
+    text.push_str(&reliability::table(study));
     text
 }
 
@@ -60,6 +70,12 @@ fn is_found(found: &Found) -> bool {
 /// Whether something is said, but no cause named.
 pub(super) fn is_honest(outcome: &Outcome) -> bool {
     !outcome.said.is_empty() && outcome.wrong_names.is_empty()
+}
+
+/// The same, or readings are said to scatter more than described.
+pub(super) fn is_noticed(outcome: &Outcome) -> bool {
+    let is_louder = outcome.noise.iter().any(|(_, ratio)| *ratio > 1.0);
+    outcome.wrong_names.is_empty() && (is_louder || !outcome.said.is_empty())
 }
 
 fn figures_table(figures: &Figures) -> String {
@@ -307,26 +323,31 @@ pub fn describe(outcome: &Outcome) -> String {
         }
     };
     let answers: Vec<String> = outcome.said.iter().map(with_probabilities).collect();
+    let possible = outcome.possible.iter();
+    let possible: Vec<String> = possible
+        .map(|candidate| format!("{} {:.3}", candidate.name, candidate.probability))
+        .collect();
+    let noise = outcome.noise.iter();
+    let noise: Vec<String> = noise
+        .map(|(of, ratio)| format!("{of} x{ratio:.2}"))
+        .collect();
     format!(
-        "{} seed {}: {hidden}, noncentrality {:.1?}: {:?} in {:.2} s; said: {}",
+        "{} seed {}: {hidden}, noncentrality {:.1?}: {:?} in {:.2} s; said: {}; possible: {}; noise: {}",
         outcome.plan.robot,
         outcome.plan.seed,
         outcome.drawn.noncentralities,
         outcome.found,
         outcome.seconds,
         answers.join("; "),
+        possible.join(", "),
+        noise.join(", "),
     )
 }
 
 /// What a finding says, with the probabilities that it states and the chi-square that it gains.
 fn with_probabilities(said: &Said) -> String {
-    let each = said
-        .candidates
-        .iter()
-        .map(|candidate| match candidate.probability {
-            Some(probability) => format!("{} {probability:.3}", candidate.name),
-            None => candidate.name.clone(),
-        });
+    let each = said.candidates.iter();
+    let each = each.map(|candidate| format!("{} {:.3}", candidate.name, candidate.probability));
     let text = match said.sure {
         Sure::Unknown => said.text.clone(),
         Sure::Named | Sure::Ambiguous => each.collect::<Vec<_>>().join(" or "),

@@ -37,8 +37,6 @@ pub struct Template {
     pub typical: Option<[f64; 2]>,
     /// One per parameter.
     values: Vec<Value>,
-    /// Turns by which sizes are divided.
-    turns: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -70,16 +68,7 @@ impl Template {
             targets: targets(effect.scope(), robot, rng),
             typical: (sized.first()).map(|k| typical(&parameters[*k]).map(|size| size / turns)),
             values,
-            turns,
         }
-    }
-
-    /// The standard deviation of the prior of a size; `None` where an effect has no size.
-    #[must_use]
-    pub fn prior_size(&self) -> Option<f64> {
-        let sized = |value: &Value| matches!(value, Value::PerSize(_));
-        let k = self.values.iter().position(sized)?;
-        Some(self.effect.parameters()[k].prior_sd / self.turns)
     }
 
     /// The effect at a size.
@@ -128,6 +117,7 @@ fn fixed(effect: &Effect, k: usize, poses: usize, rng: &mut ChaCha8Rng) -> Optio
         Search::FromPose(pose) if pose == k => {
             Some(rng.random_range(1 + BESIDE_EVENT..=last - BESIDE_EVENT) as f64)
         }
+        Search::Exchange => Some(parameter.neutral),
         Search::AtPose(pose) if pose == k => Some(rng.random_range(1..=last) as f64),
         _ => None,
     }

@@ -90,6 +90,10 @@ fn phases(looks: &mut Looks) -> Result<()> {
             looks.at(&format!("phase-{}-{part}", step.number()))?;
         }
     }
+    looks.stage.press_named("Geometry");
+    looks.stage.press("Check geometry and faults");
+    looks.at("phase-4-check")?;
+    looks.stage.press_named("Model doctor");
     for show in ["Add to model: ", "Unexplained"] {
         if looks.stage.shows(show) {
             let name = show.to_lowercase().replace([' ', ':'], "");
@@ -101,6 +105,9 @@ fn phases(looks: &mut Looks) -> Result<()> {
     looks.stage.give(RobotCommand::Plan(12));
     looks.stage.connect_and_arm();
     looks.at("phase-3-planned")?;
+    looks.stage.press("Show faults");
+    looks.at("phase-3-faults")?;
+    looks.stage.press("Hide faults");
     phase(&mut looks.stage, Phase::Adjustment);
     looks.at("phase-5")
 }

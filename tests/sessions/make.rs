@@ -12,6 +12,7 @@ use tautline_session::{
     LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp, VersionedFile,
 };
 use tautline_workbench::model::open_session::Diagnosed;
+use tautline_workflow::diagnosis::TIME_LIMIT_S;
 use tautline_workflow::documents;
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 use tautline_workflow::samples::tables::{bench, home_platform};
@@ -151,6 +152,7 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
         diagnosis,
         alpha,
         seconds: 0.0,
+        limit_s: TIME_LIMIT_S,
     };
     let time = after(session, DIAGNOSED_AFTER_S);
     keep(session, "Diagnosis", &diagnosed.document(), time);

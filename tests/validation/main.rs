@@ -3,7 +3,9 @@
 mod ceres;
 mod hangprinter;
 mod hidden_effects;
+mod isolability;
 mod nist;
 mod published;
+mod real_machines;
 mod table1;
 mod truth;

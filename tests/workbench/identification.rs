@@ -139,3 +139,22 @@ fn a_session_without_poses_says_how_to_get_them() {
     );
     harness.get_by_label_contains("Pulley positions and a diagnosis of the model appear here");
 }
+
+#[test]
+fn readings_are_checked_before_identification() {
+    let measured = Measured::mini(20, &[]);
+    let mut harness = measured.opened();
+    harness.get_by_label_contains("Readings complete: 20 poses");
+    harness.get_by_label_contains("Readings plausible: Lengths change");
+    press(&mut harness, "Check geometry and faults");
+    harness.get_by_label_contains("Geometry determined: The readings determine all");
+    harness.get_by_label_contains("Faults visible: At typical size these poses show");
+    press(&mut harness, "Show faults");
+    harness.get_by_label_contains("Winch scale. Winch scale of cable-");
+    press(&mut harness, "Hide faults");
+    assert!(
+        harness
+            .query_by_label_contains("Winch scale. Winch scale of cable-")
+            .is_none()
+    );
+}

@@ -34,6 +34,14 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     bench
         .harness
         .get_by_label_contains("Expected standard deviation of the pulleys");
+    bench
+        .harness
+        .get_by_label_contains("kinds of fault would be seen");
+    bench.press("Show faults");
+    bench
+        .harness
+        .get_by_label_contains("Laser scale. Laser scale (");
+    bench.press("Hide faults");
     bench.connect_and_arm();
     bench.press("Start measuring");
     bench.wait("three poses", |state| measured(state) >= 3);

@@ -1,6 +1,7 @@
 //! The commands, run as separate programs.
 
 mod accuracy;
+mod check;
 mod compare;
 mod diagnose;
 mod errors;

@@ -112,7 +112,7 @@ fn a_drum_of_different_diameter_is_named() {
 }
 
 #[test]
-fn creep_is_named_and_the_slip_has_one_alternative() {
+fn creep_and_slip_are_named() {
     let made = made("hall-creep-and-slip/session.json");
     assert_eq!(
         named(&made),
@@ -124,11 +124,7 @@ fn creep_is_named_and_the_slip_has_one_alternative() {
         .expect("a diagnosis")
         .diagnosis
         .findings;
-    assert_eq!(findings[0].verdict, Verdict::Named);
-    assert_eq!(findings[1].verdict, Verdict::Ambiguous);
-    let alternatives = findings[1].alternatives.iter();
-    let alternatives: Vec<_> = alternatives.map(|cause| cause.effect().id()).collect();
-    assert_eq!(alternatives, ["frame_shift"]);
+    assert!(findings.iter().all(|f| f.verdict == Verdict::Named));
     assert_quoted(&made, &readme("hall-creep-and-slip"));
 }
 

@@ -11,7 +11,7 @@ use tautline_core::robot::Robot;
 use tautline_session::{Method, ResultRecord, Session};
 use tautline_workflow::adjusting::{self, Doubt, DoubtKind};
 use tautline_workflow::clock;
-use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::record;
 use tautline_workflow::identification::{
     FitVerdict, Identification, IdentificationDocument, IdentificationRequest, identify_published,
@@ -107,8 +107,8 @@ fn doubts_with_diagnosis(session: &Session, fit: &Identification) -> Result<Vec<
     let hardly = FitVerdict::of(fit.solution.p_value()) == FitVerdict::Doubtful;
     if hardly && doubts.iter().all(|doubt| doubt.kind != DoubtKind::Finding) {
         let dataset = Arc::new(dataset_to_diagnose(session, fit));
-        let alpha = session.settings.diagnosis.alpha;
-        let diagnosed = diagnose_dataset(dataset, alpha, &mut |_| Control::Continue)
+        let terms = (session.settings.diagnosis.alpha, TIME_LIMIT_S);
+        let diagnosed = diagnose_dataset(dataset, terms, &mut |_| Control::Continue)
             .map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?;
         let findings = diagnosed.diagnosis.findings.iter();
         doubts.extend(adjusting::finding(

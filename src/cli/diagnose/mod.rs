@@ -12,7 +12,7 @@ use tautline_core::diagnosis::DiagnosisOptions;
 use tautline_core::estimation::EstimationError;
 use tautline_core::measurement::Dataset;
 use tautline_session::write_robot;
-use tautline_workflow::diagnosis::diagnose_dataset;
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{extrapolation, identified};
 
@@ -28,6 +28,9 @@ pub struct Arguments {
     /// Probability of a false finding where the model is right
     #[arg(long, value_name = "PROBABILITY", default_value_t = DiagnosisOptions::default().alpha)]
     alpha: f64,
+    /// Time after which it ends with the best answer so far
+    #[arg(long, value_name = "SECONDS", default_value_t = TIME_LIMIT_S)]
+    time_limit: f64,
     #[command(flatten)]
     json: JsonOutput,
     /// Write the identified robot, with the effects found, as a model file
@@ -44,8 +47,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let message = format!("--alpha: found {alpha}, expected a number above 0 and below 0.5");
         return Err(BadInput::new(message));
     }
+    let limit_s = arguments.time_limit;
+    if limit_s.is_nan() || limit_s <= 0.0 {
+        let message =
+            format!("--time-limit: found {limit_s}, expected a number of seconds above 0");
+        return Err(BadInput::new(message));
+    }
     let dataset = Arc::new(input::dataset(&arguments.dataset)?);
-    let diagnosed = diagnose_with_progress(Arc::clone(&dataset), alpha)
+    let diagnosed = diagnose_with_progress(Arc::clone(&dataset), (alpha, limit_s))
         .map_err(|error| BadInput::new(format!("{}: {error}", arguments.dataset.display())))?;
     // A model that does not fit the readings may well need extrapolation: what counts is the extended one.
     match extrapolation(&dataset, &diagnosed.diagnosis.extended_solution) {
@@ -54,13 +63,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// Diagnoses, with a line on the terminal that says how far it is.
+/// Diagnoses at a probability of a false alarm and within a time (s), with a line on the terminal that says how far it is.
 pub fn diagnose_with_progress(
     dataset: Arc<Dataset>,
-    alpha: f64,
+    (alpha, limit_s): (f64, f64),
 ) -> Result<Diagnosed, EstimationError> {
     let mut line = ProgressLine::start();
-    diagnose_dataset(dataset, alpha, &mut |progress| line.update(*progress))
+    diagnose_dataset(dataset, (alpha, limit_s), &mut |progress| {
+        line.update(*progress)
+    })
 }
 
 /// Writes the files and prints the text that were asked for.

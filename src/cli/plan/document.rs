@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
+use tautline_workflow::documents::isolability::IsolabilityDocument;
 
 /// Poses to measure, and what to expect of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,6 +32,16 @@ pub struct PlanDocument {
     /// What measuring the home pose more often gains.
     #[serde(default)]
     pub home: Vec<HomeGainDocument>,
+    /// What the poses are for: `geometry`, `faults`, `both` or `accuracy`.
+    #[serde(default = "geometry")]
+    pub goal: String,
+    /// Value of the criterion of that goal, of which only differences mean anything: larger is better; null where
+    /// parameters are left open.
+    #[serde(default)]
+    pub reached: Option<f64>,
+    /// Which faults the poses show, where it was asked for.
+    #[serde(default)]
+    pub isolability: Option<IsolabilityDocument>,
 }
 
 /// Position error of the platform to expect if the home pose is measured more often.
@@ -40,6 +51,10 @@ pub struct HomeGainDocument {
     pub times: Option<usize>,
     /// I-index with that: root mean square position error of the platform over the workspace (m).
     pub platform_m: Option<f64>,
+}
+
+fn geometry() -> String {
+    "geometry".to_owned()
 }
 
 /// A pose of the plan.
@@ -66,8 +81,8 @@ pub struct ExpectedDocument {
     pub worst_m: Option<f64>,
     /// A-index: root mean square standard deviation of the entry points (m).
     pub mean_m: Option<f64>,
-    /// I-index: root mean square position error of the platform over the workspace to expect once the values are at
-    /// the controller (m); null also without a home pose.
+    /// I-index: root mean square position error of the platform over the workspace, or over the volume of the goal
+    /// `accuracy`, to expect once the values are at the controller (m); null also without a home pose.
     pub platform_m: Option<f64>,
     /// Each parameter.
     pub parameters: Vec<ExpectedParameter>,
@@ -134,6 +149,9 @@ impl PlanDocument {
                     platform_m: plan.platform_m_with_home(times),
                 })
                 .to_vec(),
+            goal: plan.goal.name().to_owned(),
+            reached: plan.reached,
+            isolability: None,
         }
     }
 }

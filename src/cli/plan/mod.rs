@@ -1,6 +1,7 @@
 //! `tautline plan`.
 
 mod document;
+mod goal;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +16,8 @@ use crate::effect_arguments::FreedEffects;
 use crate::input;
 use crate::output::{JsonOutput, say};
 pub use document::PlanDocument;
+use goal::GoalName;
+use tautline_workflow::documents::isolability::IsolabilityDocument;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -30,6 +33,16 @@ pub struct Arguments {
     /// Seed of the poses drawn
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// What the poses are for: standard deviations of the geometry, faults that are seen and told apart, both, or the
+    /// position of the platform in a volume
+    #[arg(long = "for", value_enum, value_name = "GOAL", default_value_t = GoalName::Geometry)]
+    goal: GoalName,
+    /// Box in which the robot is to be accurate: X0,X1,Y0,Y1,Z0,Z1 (m); with --for accuracy
+    #[arg(long, value_name = "BOX", allow_hyphen_values = true)]
+    volume: Option<String>,
+    /// Also print which faults the poses show and which of them could be confused
+    #[arg(long)]
+    explain: bool,
     #[command(flatten)]
     effects: FreedEffects,
     /// Write the poses, in the order of measurement, as a table
@@ -42,9 +55,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let robot = input::robot(&arguments.robot)?.robot;
     let effects = arguments.effects.bind(&robot)?;
+    let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
     let options = PlanOptions {
         candidates: arguments.candidates,
         effects: &effects,
+        goal,
         ..PlanOptions::new(arguments.poses, arguments.seed)
     };
     let planned = plan(&robot, &options, &mut |_| Control::Continue).map_err(|e| match e {
@@ -55,7 +70,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.out {
         write_poses(path, &planned)?;
     }
-    let document = PlanDocument::of(&robot, &planned);
+    let mut document = PlanDocument::of(&robot, &planned);
+    if arguments.explain {
+        let isolability = IsolabilityDocument::of_dataset(&planned.dataset);
+        document.isolability = Some(isolability.map_err(BadInput::new)?);
+    }
     arguments.json.deliver(&document, || {
         report::print(&document);
         if let Some(sentence) = HomeGain::of(&planned).sentence() {

@@ -1,6 +1,7 @@
 //! Readable form of a plan.
 
 use super::document::PlanDocument;
+use crate::isolability;
 use crate::output::say;
 use crate::table;
 use tautline_workflow::wording::units::quantity;
@@ -9,9 +10,15 @@ use tautline_workflow::wording::units::quantity;
 pub fn print(plan: &PlanDocument) {
     let refused = &plan.refused;
     say!(
-        "{} poses for {}, chosen from {} that can be measured",
+        "{} poses for {}, chosen for {} from {} that can be measured",
         plan.poses.len(),
         plan.robot,
+        match plan.goal.as_str() {
+            "faults" => "faults that are seen and told apart",
+            "both" => "geometry and faults",
+            "accuracy" => "accuracy in the volume",
+            _ => "the geometry",
+        },
         plan.candidates
     );
     say!(
@@ -61,5 +68,8 @@ pub fn print(plan: &PlanDocument) {
             quantity(expected, "m"),
             quantity(random, "m")
         );
+    }
+    if let Some(document) = &plan.isolability {
+        isolability::print(document);
     }
 }

@@ -1,20 +1,21 @@
-//! Two channels that are connected the wrong way round: the readings are exchanged back, pair by pair, and the
-//! pair that explains what nothing else could is named.
+//! Two channels that are connected the wrong way round: the readings are exchanged back, pair by pair and kind by kind,
+//! and what explains what nothing else could is named.
 
 use super::Stage;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::progress::Reporter;
-use super::report::{Cause, Evidence, Finding, Rival, Verdict};
-use super::selection::CLEAR;
+use super::report::{Alternative, Cause, Evidence, Finding, Rival, Verdict};
 use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 
 /// Chi-square per degree of freedom from which an exchange is looked for: its residuals are huge.
-const HUGE: f64 = 20.0;
-/// Part of chi-square that may be left.
-const LEFT: f64 = 0.1;
+const HUGE: f64 = 4.0;
+/// Part of the excess of chi-square that may be left, and of what a second exchange of other channels leaves.
+const LEFT: f64 = 0.25;
+/// Difference of chi-square from which one exchange is told from another.
+const CLEAR: f64 = 9.0;
 
 /// An exchange that was found.
 pub(super) struct Exchange {
@@ -39,9 +40,17 @@ pub(super) fn exchanged(
         return Ok(None);
     }
     let dataset = fit.problem.dataset;
+    let allowed =
+        solution.degrees_of_freedom + LEFT * (solution.chi2 - solution.degrees_of_freedom);
+    let kinds: &[f64] = if dataset.measurements.force_n.is_empty() {
+        &[1.0]
+    } else {
+        &[1.0, 2.0, 3.0]
+    };
     let cables = dataset.robot.cable_count();
+    let pairs = (0..cables).flat_map(|one| (one + 1..cables).map(move |k| (one, k)));
     let mut tried = Vec::new();
-    for (one, other) in (0..cables).flat_map(|one| (one + 1..cables).map(move |k| (one, k))) {
+    for ((one, other), kind) in pairs.flat_map(|pair| kinds.iter().map(move |k| (pair, *k))) {
         if !report.stage(Stage::Refits, 0) {
             return Ok(None);
         }
@@ -49,16 +58,14 @@ pub(super) fn exchanged(
             effect,
             cables: vec![one, other],
             targeted: true,
-            values: Vec::new(),
+            values: vec![kind],
         };
         let exchanged = undone(dataset, &bound);
-        let fit = Fit::below(LEFT * solution.chi2, &Problem::new(&exchanged)?, &[])?;
+        let fit = Fit::below(allowed, &Problem::new(&exchanged)?, &[])?;
         tried.push((bound, fit.solution.chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let found = tried
-        .first()
-        .filter(|(_, chi2)| *chi2 < LEFT * solution.chi2);
+    let found = tried.first().filter(|(_, chi2)| *chi2 < allowed);
     Ok(found.map(|(bound, _)| Exchange {
         bound: bound.clone(),
         dataset: undone(dataset, bound),
@@ -87,10 +94,15 @@ impl Exchange {
             holdout: f64::NAN,
         };
         let ranking: Vec<Rival> = self.tried.iter().take(3).map(rival).collect();
-        let alternatives: Vec<Cause> = ranking[1..]
+        let weight = |rival: &Rival| (0.5 * (rival.delta_chi2 - ranking[0].delta_chi2)).exp();
+        let weights: f64 = ranking.iter().map(weight).sum();
+        let alternatives: Vec<Alternative> = ranking[1..]
             .iter()
-            .filter(|rival| best - rival.delta_chi2 < CLEAR)
-            .map(|rival| rival.cause.clone())
+            .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < CLEAR)
+            .map(|rival| Alternative {
+                cause: rival.cause.clone(),
+                probability: weight(rival) / weights,
+            })
             .collect();
         Finding {
             verdict: if alternatives.is_empty() {
@@ -99,6 +111,7 @@ impl Exchange {
                 Verdict::Ambiguous
             },
             cause: cause(&self.bound),
+            probability: weights.recip(),
             sentence: self.bound.cause(robot),
             advice: self.bound.workshop(robot),
             alternatives,
@@ -106,7 +119,7 @@ impl Exchange {
             evidence: Evidence {
                 delta_chi2: best,
                 parameters: 0,
-                p_value: self.tried.len() as f64 * (-best / 2.0).exp(),
+                p_value: (self.tried.len() as f64 * (-best / 2.0).exp()).min(1.0),
                 questions: self.tried.len(),
                 ranking,
             },

@@ -2,41 +2,56 @@
 //! what that gains.
 //!
 //! Everything rests on one linearisation of all readings at a solution
-//! ([`crate::estimation::Linearisation`]): the score of every effect on every target, the angle between the
-//! signatures of two effects, the search for events over poses, and cross-validation. What is reported is
-//! fitted anew with the whole nonlinear problem.
+//! ([`crate::estimation::Linearisation`]): the posterior probabilities of sets of causes, errors without a name, the angle
+//! between the signatures of two effects, and cross-validation. What is reported is fitted anew with the whole
+//! nonlinear problem. docs/DIAGNOSIS.md has the equations.
 
 mod adequacy;
 #[cfg(test)]
 mod adequacy_tests;
+mod approach;
+mod background;
+mod candidates;
+mod catalogue;
+mod claims;
+mod conditions;
 mod discrepancy;
 mod doctor;
+mod evidence;
 mod exchange;
-mod family;
+mod exploration;
+mod families;
+mod finding;
 mod fit;
 mod gain;
-mod honesty;
-mod moments;
+mod gram;
+mod grouping;
+mod hyperparameters;
+mod inference;
+mod isolability;
+mod linear_fit;
 mod noise;
 mod progress;
-mod questions;
+mod reading_errors;
 mod reading_id;
+mod remainder;
 mod report;
 mod residual_space;
-mod scores;
-mod selection;
+mod search;
 mod separation;
 mod space;
-mod unknown;
+mod structure;
 mod variables;
-mod verdict;
 
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
+pub use isolability::{
+    ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
+};
 pub use report::{
-    Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
-    GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
-    Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
+    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
+    Separation, Verdict,
 };
 
 pub use variables::Variables;

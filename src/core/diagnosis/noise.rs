@@ -20,8 +20,6 @@ use super::adequacy::classes;
 use super::reading_id::ReadingId;
 use super::residual_space::{ClassSums, ResidualSpace};
 use super::{Discrepancy, NoiseStatement, Quantity};
-use crate::measurement::Dataset;
-use crate::robot::PerAxis;
 use crate::statistics::{chi_square_quantile, chi_square_two_sided};
 
 /// Most steps of the estimation, and the change of all variances that ends it.
@@ -75,64 +73,6 @@ pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
         }
     }
     estimate.row_factors()
-}
-
-/// Degrees of freedom of the readings of which a statement is made.
-pub(super) fn freedom_of(space: &ResidualSpace, statement: &NoiseStatement) -> f64 {
-    let concerned = |id: &ReadingId| {
-        id.quantity == statement.quantity
-            && statement.cable.is_none_or(|cable| id.cable == Some(cable))
-    };
-    let ids = space.readings.iter().zip(space.redundancy());
-    ids.filter(|(id, _)| id.as_ref().is_some_and(concerned))
-        .map(|(_, redundancy)| redundancy)
-        .sum()
-}
-
-/// The dataset with the standard deviations that were found too small enlarged.
-pub(super) fn with_noise(dataset: &Dataset, statements: &[NoiseStatement]) -> Dataset {
-    let mut louder = dataset.clone();
-    for statement in statements.iter().filter(|s| s.ratio > 1.0) {
-        scale(&mut louder, statement);
-    }
-    louder
-}
-
-fn scale(dataset: &mut Dataset, statement: &NoiseStatement) {
-    let (robot, ratio) = (&mut dataset.robot, statement.ratio);
-    let concerned = |index: &usize| statement.cable.is_none_or(|cable| cable == *index);
-    let cables = robot.cables.iter_mut().enumerate();
-    for (_, cable) in cables.filter(|(index, _)| concerned(index)) {
-        match (statement.quantity, &mut cable.force_sensor) {
-            (Quantity::Length, _) => cable.winch.length_sd_m *= ratio,
-            (Quantity::Tension, Some(sensor)) => sensor.tension_sd_n *= ratio,
-            (Quantity::Swivel, _) => {
-                cable.pulley.swivel_sd_rad = cable.pulley.swivel_sd_rad.map(|sd| sd * ratio);
-            }
-            _ => {}
-        }
-    }
-    match statement.quantity {
-        Quantity::Laser => robot.laser.iter_mut().for_each(|laser| laser.sd_m *= ratio),
-        Quantity::Inclination => robot
-            .inclinometer
-            .iter_mut()
-            .for_each(|sensor| sensor.sd_rad *= ratio),
-        Quantity::TrackerPosition => {
-            if let Some(tracker) = &mut robot.tracker {
-                tracker.position_sd_m =
-                    PerAxis::Each(tracker.position_sd_m.each().map(|sd| sd * ratio));
-            }
-            let own = &mut dataset.measurements.tracked_position_sd_m;
-            own.iter_mut().flatten().for_each(|sd| *sd *= ratio);
-        }
-        Quantity::TrackerOrientation => {
-            if let Some(tracker) = &mut robot.tracker {
-                tracker.orientation_sd_rad = tracker.orientation_sd_rad.map(|sd| sd * ratio);
-            }
-        }
-        Quantity::Length | Quantity::Tension | Quantity::Swivel => {}
-    }
 }
 
 /// The noise of every class whose variance can be estimated, the cables in `apart` on their own;

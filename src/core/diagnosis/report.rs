@@ -145,6 +145,15 @@ impl Cause {
     }
 }
 
+/// A cause with its posterior probability.
+#[derive(Debug, Clone)]
+pub struct Alternative {
+    /// The cause.
+    pub cause: Cause,
+    /// Its posterior probability.
+    pub probability: f64,
+}
+
 /// How sure a finding is of its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -260,12 +269,14 @@ pub struct Finding {
     pub verdict: Verdict,
     /// The cause with the values of the final model.
     pub cause: Cause,
+    /// Posterior probability of the cause. It and its alternatives exclude each other.
+    pub probability: f64,
     /// The sentence that a technician reads.
     pub sentence: String,
     /// What to do in the workshop.
     pub advice: String,
-    /// Causes that the data cannot separate from it.
-    pub alternatives: Vec<Cause>,
+    /// Causes that the data cannot separate from it, the likeliest first.
+    pub alternatives: Vec<Alternative>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
     /// The numbers behind the verdict.
@@ -300,6 +311,8 @@ pub struct Diagnosis {
     pub remaining: Vec<Discrepancy>,
     /// What was found, in the order in which it was added.
     pub findings: Vec<Finding>,
+    /// Causes that are possible but too improbable for a finding, the likeliest first.
+    pub possible: Vec<Alternative>,
     /// Noise that is not as the description says.
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot show.

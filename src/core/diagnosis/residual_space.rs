@@ -304,7 +304,7 @@ impl RowGroup {
 }
 
 /// Orthonormal basis of the range of `C`, `C C^T` a projector, transposed.
-fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = SymmetricEigen::new(c.tr_mul(c));
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > HALF)

@@ -155,7 +155,7 @@ fn values_of<'n>(
     }
     let value = |(value, parameter): (Option<f64>, &EffectParameter)| match value {
         Some(value) => Ok(value),
-        None if parameter.discrete => Err(EffectError::MissingParameter {
+        None if parameter.discrete && !parameter.optional => Err(EffectError::MissingParameter {
             effect: effect.id().to_owned(),
             parameter: parameter.name,
         }),
@@ -292,7 +292,7 @@ impl BoundEffect {
 
     /// Exchanges the channels that it says are exchanged; doing it twice changes nothing.
     pub fn exchange_channels(&self, data: &mut Measurements) {
-        (self.effect.exchange_channels)(&self.cables, data);
+        (self.effect.exchange_channels)(&self.cables, &self.values, data);
     }
 
     /// The form in which model files carry it.

@@ -8,7 +8,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "cable_creep",
     title: "Cable creep",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("c", "1", 0.01, [0.0001, 0.01])],
+    parameters: &[EffectParameter::new("c", "1", 0.01, [0.0001, 0.01]).within(0.0, f64::INFINITY)],
     cause,
     workshop: |found| {
         found.say("Leave {cable} under working tension for some hours before measuring{revolutions:, and zero the encoders at home afterwards|}.")

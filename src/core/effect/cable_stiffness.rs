@@ -6,7 +6,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "cable_stiffness",
     title: "Cable stiffness",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("change", "1", 0.5, [0.1, 0.5])],
+    parameters: &[EffectParameter::new("change", "1", 0.5, [0.1, 0.5]).within(-0.9, 3.0)],
     cause: |found| found.say("{cable} {is|are} {0:%} {0:stiffer|less stiff} than stated."),
     workshop: |found| {
         found.say("Stretch a piece of the same cable with known weights, measure by how much, and enter that stiffness.")

@@ -6,7 +6,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "force_gain",
     title: "Gain of the force sensors",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2])],
+    parameters: &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2]).within(-0.9, 2.0)],
     cause: |found| found.say("{force sensor} {reads|read} {0:%} too {0:high|low}."),
     workshop: |found| {
         found.say("Hang known weights on {cable} and calibrate the gain of {force sensor} again.")

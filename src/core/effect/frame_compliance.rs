@@ -12,12 +12,10 @@ pub(super) static EFFECT: Effect = Effect {
     id: "frame_compliance",
     title: "Compliance of the frame",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new(
-        "compliance",
-        "m/N",
-        0.0001,
-        [0.0000001, 0.0001],
-    )],
+    parameters: &[
+        EffectParameter::new("compliance", "m/N", 0.0001, [0.0000001, 0.0001])
+            .within(0.0, f64::INFINITY),
+    ],
     cause,
     workshop: |found| {
         found.say("Check the bolts of the posts that carry the pulleys, and brace the posts. Lower tensions make the movement smaller.")

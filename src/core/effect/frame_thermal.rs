@@ -9,12 +9,10 @@ pub(super) static EFFECT: Effect = Effect {
     id: "frame_thermal",
     title: "Thermal expansion of the frame",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new(
-        "alpha",
-        "1/K",
-        0.00002,
-        [0.000012, 0.000024],
-    )],
+    parameters: &[
+        EffectParameter::new("alpha", "1/K", 0.00002, [0.000012, 0.000024])
+            .within(0.0, f64::INFINITY),
+    ],
     cause: |found| {
         found.say("The frame gets {0:mm} {0:longer|shorter} per metre and per kelvin of warming.")
     },

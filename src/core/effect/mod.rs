@@ -105,8 +105,12 @@ pub struct EffectParameter {
     pub neutral: f64,
     /// Value from which it is estimated: not neutral where nothing would depend on it there.
     pub start: f64,
-    /// Whether it must be given and is never estimated, as the label of a pose.
+    /// Smallest and largest value that is possible.
+    pub bounds: [f64; 2],
+    /// Whether it is given and never estimated, as the label of a pose.
     pub discrete: bool,
+    /// Whether it is neutral where it is not given, though it is never estimated.
+    pub optional: bool,
 }
 
 impl EffectParameter {
@@ -125,7 +129,9 @@ impl EffectParameter {
             typical,
             neutral: 0.0,
             start: 0.0,
+            bounds: [f64::NEG_INFINITY, f64::INFINITY],
             discrete: false,
+            optional: false,
         }
     }
 
@@ -138,12 +144,30 @@ impl EffectParameter {
         }
     }
 
+    /// A parameter that keeps its value, and has a default where it is not given.
+    #[must_use]
+    pub const fn choice(name: &'static str, typical: [f64; 2], default: f64) -> Self {
+        Self {
+            optional: true,
+            ..Self::given(name, "1", typical).around(default)
+        }
+    }
+
     /// The same with another neutral value, which is the start value too.
     #[must_use]
     pub const fn around(self, neutral: f64) -> Self {
         Self {
             neutral,
             start: neutral,
+            ..self
+        }
+    }
+
+    /// The same for what can only be from `low` to `high`.
+    #[must_use]
+    pub const fn within(self, low: f64, high: f64) -> Self {
+        Self {
+            bounds: [low, high],
             ..self
         }
     }
@@ -207,7 +231,7 @@ pub struct Effect {
     /// target.
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
     /// Exchanges channels of measured data between cables; doing it twice changes nothing.
-    pub(crate) exchange_channels: fn(&[usize], &mut Measurements),
+    pub(crate) exchange_channels: fn(&[usize], &[f64], &mut Measurements),
 }
 
 impl Effect {
@@ -226,7 +250,7 @@ impl Effect {
         needs_sag: false,
         change_cable: |_, _, _| {},
         change_platform: |_, _, _| {},
-        exchange_channels: |_, _| {},
+        exchange_channels: |_, _, _| {},
     };
 
     /// Stable identifier in files and commands.

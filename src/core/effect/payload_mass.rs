@@ -8,7 +8,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "payload_mass",
     title: "Mass of the platform",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new("change", "1", 0.3, [0.05, 0.3])],
+    parameters: &[EffectParameter::new("change", "1", 0.3, [0.05, 0.3]).within(-0.9, 2.0)],
     cause,
     workshop: |found| {
         found.say("Weigh the platform with everything that it carries, and enter that mass.")

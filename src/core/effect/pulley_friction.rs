@@ -13,7 +13,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "pulley_friction",
     title: "Pulley friction",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1])],
+    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1]).within(0.0, f64::INFINITY)],
     cause,
     workshop: |found| {
         found.say("Clean and lubricate the {bearing|bearings} of {pulley}, and check that the cable runs freely in the groove.")

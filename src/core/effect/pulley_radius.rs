@@ -7,7 +7,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "pulley_radius",
     title: "Pulley radius",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("change", "1", 0.5, [0.05, 0.5])],
+    parameters: &[EffectParameter::new("change", "1", 0.5, [0.05, 0.5]).within(-0.9, 2.0)],
     cause,
     workshop: |found| {
         found.say("Measure the bottom of the groove of {pulley} with calipers, add the cable's diameter, and enter half of the sum as radius.")

@@ -125,6 +125,7 @@ impl Form {
     }
 
     /// Writes it into the parameters of the effect.
+    #[cfg(test)]
     pub fn write(&self, values: &mut [f64]) {
         values[SHAPE] = match self.shape {
             Shape::Smooth => 0.0,

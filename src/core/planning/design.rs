@@ -1,10 +1,12 @@
-//! D-optimal choice: greedy, then exchanges as long as they gain (Fedorov, Theory of Optimal Experiments, 1972).
+//! Optimal choice: greedy, then exchanges as long as they gain (Fedorov, Theory of Optimal Experiments, 1972).
 //!
-//! With the covariance `C` of the design, a pose with rows `R` raises `ln det I` by `ln det(1 + R C R^T)`. Adding
-//! or removing a pose changes `C` by a product of low rank, and with it `R C R^T` of all others.
+//! With the covariance `C` of the design, a pose with rows `R` raises `ln det I` by `ln det(1 + R C R^T)`, and lowers the mean
+//! square error `tr(S^T C S)` by `|L^-1 R C S|^2` with `L L^T = 1 + R C R^T`. Adding or removing a pose changes `C` by a
+//! product of low rank, and with it `R C R^T` and `R C S` of all others.
 
 use nalgebra::{DMatrix, DMatrixView};
 
+use super::goal::{Criterion, Term, TermKind};
 use super::{PlanError, PlanProgress};
 use crate::estimation::{Control, ExpectedInformation};
 
@@ -13,25 +15,25 @@ use crate::estimation::{Control, ExpectedInformation};
 const VAGUE_SD: f64 = 10.0;
 /// Candidates that take part in exchanges: those that would add most to the greedy choice.
 const EXCHANGE_CANDIDATES: usize = 400;
-/// Gain of `ln det I` below which an exchange is not worth it.
+/// Gain below which an exchange is not worth it.
 const MIN_GAIN: f64 = 1e-6;
 /// Limit on the rounds of exchanges.
 const MAX_ROUNDS: usize = 30;
 
 /// Indices of the chosen candidates, in no particular order.
 pub(super) fn choose(
-    information: &ExpectedInformation,
+    criterion: &Criterion,
+    candidates: usize,
     count: usize,
     observer: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<Vec<usize>, PlanError> {
-    let all: Vec<usize> = (0..information.poses.len()).collect();
-    let mut pool = Pool::new(information, all);
+    let mut pool = Pool::new(criterion, (0..candidates).collect());
     for poses in 0..count {
         report(observer, PlanProgress::Chosen { poses })?;
         let Some(best) = pool.best() else { break };
         pool.change(best, true);
     }
-    let mut short = Pool::new(information, pool.most_useful(EXCHANGE_CANDIDATES + count));
+    let mut short = Pool::new(criterion, pool.most_useful(EXCHANGE_CANDIDATES + count));
     for place in 0..short.members.len() {
         if pool.chosen[short.members[place]] {
             short.change(place, true);
@@ -76,97 +78,44 @@ fn exchange(
     Ok(())
 }
 
-/// Candidates, the design chosen from them, and the increase of `ln det I` by each of the others.
+/// Candidates and the design chosen from them.
 struct Pool<'a> {
-    information: &'a ExpectedInformation,
     /// Candidates by their place in the information.
     members: Vec<usize>,
     chosen: Vec<bool>,
-    /// `R` of all members, one below the other.
-    rows: DMatrix<f64>,
-    first_row: Vec<usize>,
-    covariance: DMatrix<f64>,
-    /// `R C R^T` of each member.
-    own: Vec<DMatrix<f64>>,
+    parts: Vec<Part<'a>>,
 }
 
 impl<'a> Pool<'a> {
-    fn new(information: &'a ExpectedInformation, members: Vec<usize>) -> Self {
-        let mut first_row = vec![0];
-        for member in &members {
-            first_row.push(first_row[first_row.len() - 1] + information.poses[*member].nrows());
-        }
-        let parameters = information.parameters.len();
-        let mut rows = DMatrix::zeros(first_row[members.len()], parameters);
-        for (place, member) in members.iter().enumerate() {
-            let block = &information.poses[*member];
-            rows.rows_mut(first_row[place], block.nrows())
-                .copy_from(block);
-        }
+    fn new(criterion: &'a Criterion, members: Vec<usize>) -> Self {
+        let parts = criterion.terms.iter();
         let mut pool = Self {
-            information,
+            parts: parts.map(|term| Part::new(term, &members)).collect(),
             chosen: vec![false; members.len()],
-            own: Vec::new(),
-            covariance: DMatrix::zeros(parameters, parameters),
             members,
-            rows,
-            first_row,
         };
         pool.refresh();
         pool
     }
 
-    fn block<'m>(&self, of: &'m DMatrix<f64>, place: usize) -> DMatrixView<'m, f64> {
-        let (from, to) = (self.first_row[place], self.first_row[place + 1]);
-        of.rows(from, to - from)
-    }
-
-    /// Recomputes covariance and products from the design: updates accumulate rounding.
+    /// Recomputes everything from the design: updates accumulate rounding.
     fn refresh(&mut self) {
         let chosen = (0..self.members.len()).filter(|place| self.chosen[*place]);
-        let mut total = self.information.of(chosen.map(|place| self.members[place]));
-        for k in 0..total.nrows() {
-            total[(k, k)] += VAGUE_SD.powi(-2);
-        }
-        let Some(factor) = total.cholesky() else {
-            return;
-        };
-        self.covariance = factor.inverse();
-        let product = &self.rows * &self.covariance;
-        self.own = (0..self.members.len())
-            .map(|place| self.block(&product, place) * self.block(&self.rows, place).transpose())
-            .collect();
+        let picked: Vec<usize> = chosen.map(|place| self.members[place]).collect();
+        self.parts.iter_mut().for_each(|part| part.refresh(&picked));
     }
 
-    /// Adds a member to the design or removes it, by an update of low rank.
+    /// Adds a member to the design or removes it.
     fn change(&mut self, place: usize, add: bool) {
-        let sign = if add { 1.0 } else { -1.0 };
-        let own = &self.own[place];
-        let inner = DMatrix::identity(own.nrows(), own.nrows()) + own * sign;
-        let Some(factor) = inner.cholesky() else {
-            return;
-        };
         self.chosen[place] = add;
-        // W^T = L^-1 R C.
-        let mut root = self.block(&self.rows, place) * &self.covariance;
-        factor.l_dirty().solve_lower_triangular_mut(&mut root);
-        self.covariance.gemm_tr(-sign, &root, &root, 1.0);
-        let seen = &self.rows * root.transpose();
-        for other in 0..self.members.len() {
-            let (from, to) = (self.first_row[other], self.first_row[other + 1]);
-            let view = seen.rows(from, to - from);
-            self.own[other].gemm(-sign, &view, &view.transpose(), 1.0);
-        }
+        self.parts
+            .iter_mut()
+            .for_each(|part| part.change(place, add));
     }
 
-    /// Increase of `ln det I` by a member outside the design.
+    /// Increase of the criterion by a member outside the design.
     fn gain(&self, place: usize) -> f64 {
-        let own = &self.own[place];
-        let inner = DMatrix::identity(own.nrows(), own.nrows()) + own;
-        inner.cholesky().map_or(f64::NEG_INFINITY, |factor| {
-            let pivots = factor.l_dirty().diagonal();
-            2.0 * pivots.iter().map(|pivot| pivot.ln()).sum::<f64>()
-        })
+        self.parts.iter().map(|part| part.gain(place)).sum()
     }
 
     /// The member outside that would add most.
@@ -189,5 +138,119 @@ impl<'a> Pool<'a> {
             .into_iter()
             .map(|(.., place)| self.members[place])
             .collect()
+    }
+}
+
+/// A term of the criterion for the present design, and what each candidate would change of it.
+struct Part<'a> {
+    information: &'a ExpectedInformation,
+    kind: &'a TermKind,
+    /// `R` of all members, one below the other.
+    rows: DMatrix<f64>,
+    first_row: Vec<usize>,
+    covariance: DMatrix<f64>,
+    /// `R C R^T` of each member.
+    own: Vec<DMatrix<f64>>,
+    /// `R C S` of all members.
+    error: DMatrix<f64>,
+    /// `tr(S^T C S)`.
+    mean_square: f64,
+}
+
+impl<'a> Part<'a> {
+    fn new(term: &'a Term, members: &[usize]) -> Self {
+        let information = &term.information;
+        let mut first_row = vec![0];
+        for member in members {
+            first_row.push(first_row[first_row.len() - 1] + information.poses[*member].nrows());
+        }
+        let parameters = information.parameters.len();
+        let mut rows = DMatrix::zeros(first_row[members.len()], parameters);
+        for (place, member) in members.iter().enumerate() {
+            let block = &information.poses[*member];
+            rows.rows_mut(first_row[place], block.nrows())
+                .copy_from(block);
+        }
+        Self {
+            information,
+            kind: &term.kind,
+            own: Vec::new(),
+            covariance: DMatrix::zeros(parameters, parameters),
+            error: DMatrix::zeros(0, 0),
+            mean_square: 0.0,
+            rows,
+            first_row,
+        }
+    }
+
+    fn block<'m>(&self, of: &'m DMatrix<f64>, place: usize) -> DMatrixView<'m, f64> {
+        let (from, to) = (self.first_row[place], self.first_row[place + 1]);
+        of.rows(from, to - from)
+    }
+
+    fn refresh(&mut self, picked: &[usize]) {
+        let mut total = self.information.of(picked.iter().copied());
+        for k in 0..total.nrows() {
+            total[(k, k)] += VAGUE_SD.powi(-2);
+        }
+        let Some(factor) = total.cholesky() else {
+            return;
+        };
+        self.covariance = factor.inverse();
+        let product = &self.rows * &self.covariance;
+        if let TermKind::Error(root) = self.kind {
+            self.error = &product * root;
+            self.mean_square = (&self.covariance * root).dot(root);
+        }
+        self.own = (0..self.first_row.len() - 1)
+            .map(|place| self.block(&product, place) * self.block(&self.rows, place).transpose())
+            .collect();
+    }
+
+    /// Adds a member to the design or removes it, by an update of low rank.
+    fn change(&mut self, place: usize, add: bool) {
+        let sign = if add { 1.0 } else { -1.0 };
+        let own = &self.own[place];
+        let inner = DMatrix::identity(own.nrows(), own.nrows()) + own * sign;
+        let Some(factor) = inner.cholesky() else {
+            return;
+        };
+        // W^T = L^-1 R C.
+        let mut root = self.block(&self.rows, place) * &self.covariance;
+        factor.l_dirty().solve_lower_triangular_mut(&mut root);
+        self.covariance.gemm_tr(-sign, &root, &root, 1.0);
+        let seen = &self.rows * root.transpose();
+        for other in 0..self.own.len() {
+            let (from, to) = (self.first_row[other], self.first_row[other + 1]);
+            let view = seen.rows(from, to - from);
+            self.own[other].gemm(-sign, &view, &view.transpose(), 1.0);
+        }
+        if let TermKind::Error(weights) = self.kind {
+            let along = root * weights;
+            self.error.gemm(-sign, &seen, &along, 1.0);
+            self.mean_square -= sign * along.norm_squared();
+        }
+    }
+
+    /// Increase of the term by a member outside the design.
+    fn gain(&self, place: usize) -> f64 {
+        let own = &self.own[place];
+        let inner = DMatrix::identity(own.nrows(), own.nrows()) + own;
+        let Some(factor) = inner.cholesky() else {
+            return f64::NEG_INFINITY;
+        };
+        match self.kind {
+            TermKind::Determinant(weight) => {
+                let pivots = factor.l_dirty().diagonal();
+                weight * 2.0 * pivots.iter().map(|pivot| pivot.ln()).sum::<f64>()
+            }
+            TermKind::Error(_) => {
+                let before = self.mean_square;
+                let mut less = self.block(&self.error, place).into_owned();
+                factor.l_dirty().solve_lower_triangular_mut(&mut less);
+                let after = (before - less.norm_squared()).max(f64::MIN_POSITIVE);
+                (before / after).ln()
+            }
+        }
     }
 }

@@ -20,9 +20,9 @@ pub struct DesignCriteria {
     pub worst_m: Option<f64>,
     /// A: root mean square standard deviation of the entry points' coordinates (m).
     pub mean_m: Option<f64>,
-    /// I: root mean square position error of the platform over the workspace that the standard deviations lead to
-    /// once the values are written to a controller (m), at the orientation of its centre, changes of the tensions
-    /// neglected. `None` also for robots without a home pose.
+    /// I: root mean square position error of the platform over the workspace, or over the volume of the plan's goal, that
+    /// the standard deviations lead to once the values are written to a controller (m), at the orientation of its centre,
+    /// changes of the tensions neglected. `None` also for robots without a home pose.
     pub platform_m: Option<f64>,
 }
 

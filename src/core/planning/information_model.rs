@@ -1,5 +1,6 @@
 //! The robot as it is known when the plan is made, and the information that further poses would add.
 
+use super::goal::faults;
 use super::{PlanError, PlanOptions};
 use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{
@@ -112,6 +113,64 @@ impl<'a> InformationModel<'a> {
         &self,
         planned: impl Iterator<Item = PlannedRow>,
     ) -> Result<ExpectedInformation, PlanError> {
+        let (dataset, poses) = self.expected(planned, false)?;
+        let problem = self.problem(&dataset)?;
+        let mut information = ExpectedInformation::new(&problem, &poses);
+        if let Some((_, solution)) = &self.known {
+            if information.parameters != solution.parameters {
+                return Err(PlanError::Existing);
+            }
+            information.common.clone_from(&solution.information);
+        }
+        Ok(information)
+    }
+
+    /// The same on the geometry and the faults of the catalogue together.
+    pub fn information_with_faults(
+        &self,
+        planned: impl Iterator<Item = PlannedRow>,
+    ) -> Result<ExpectedInformation, PlanError> {
+        let (dataset, poses) = self.expected(planned, true)?;
+        let mut problem = self.problem(&dataset)?;
+        problem
+            .free_effects
+            .extend(faults(&self.robot, &self.acting));
+        let mut information = ExpectedInformation::new(&problem, &poses);
+        // What was measured already is known.
+        let planned = information.poses.split_off(self.measured_poses().count());
+        for rows in std::mem::replace(&mut information.poses, planned) {
+            information.common.gemm_tr(1.0, &rows, &rows, 1.0);
+        }
+        Ok(information)
+    }
+
+    /// Robot and readings to expect at all poses, measured and planned.
+    pub fn dataset(&self, planned: impl Iterator<Item = PlannedRow>) -> Result<Dataset, PlanError> {
+        let (dataset, _) = self.expected(planned, true)?;
+        Ok(dataset)
+    }
+
+    /// The poses measured already, home left out, with their labels.
+    fn measured_poses(&self) -> impl Iterator<Item = (i64, Pose)> {
+        let known = self.known.iter();
+        known.flat_map(|(data, solution)| {
+            let labelled = solution
+                .poses
+                .iter()
+                .map(|(row, pose)| (data.labels[*row], *pose));
+            labelled.filter(|(label, pose)| {
+                let is_home = *label == 0 && self.robot.home.is_some();
+                !is_home && self.tensions(pose).is_some()
+            })
+        })
+    }
+
+    /// Readings to expect, and the poses without home; those measured already come first where they are wanted.
+    fn expected(
+        &self,
+        planned: impl Iterator<Item = PlannedRow>,
+        with_measured: bool,
+    ) -> Result<(Dataset, Vec<Pose>), PlanError> {
         let mut rows = Vec::new();
         if let Some(home) = &self.robot.home {
             let pose = home.pose();
@@ -123,6 +182,15 @@ impl<'a> InformationModel<'a> {
             });
         }
         let first = rows.len();
+        let measured = self.measured_poses().filter(|_| with_measured);
+        rows.extend(measured.filter_map(|(label, pose)| {
+            let tensions_n = self.tensions(&pose)?;
+            Some(PlannedRow {
+                label,
+                pose,
+                tensions_n,
+            })
+        }));
         rows.extend(planned);
         let mut truth = self.robot.clone();
         truth.effects = (self.acting.iter())
@@ -136,15 +204,7 @@ impl<'a> InformationModel<'a> {
             robot: self.robot.clone(),
             measurements,
         };
-        let problem = self.problem(&dataset)?;
-        let poses: Vec<Pose> = rows[first..].iter().map(|row| row.pose).collect();
-        let mut information = ExpectedInformation::new(&problem, &poses);
-        if let Some((_, solution)) = &self.known {
-            if information.parameters != solution.parameters {
-                return Err(PlanError::Existing);
-            }
-            information.common.clone_from(&solution.information);
-        }
-        Ok(information)
+        let poses = rows[first..].iter().map(|row| row.pose).collect();
+        Ok((dataset, poses))
     }
 }

@@ -1,12 +1,13 @@
 //! Which poses to measure, so that the parameters of the robot are determined best.
 //!
-//! Candidates are drawn that the robot can hold and the laser can measure. Those are chosen that maximise the
-//! determinant of the information matrix (D-optimal), and put in an order of short moves in which no coordinate
-//! correlates with time. The standard deviations to expect are known before anything is measured.
+//! Candidates are drawn that the robot can hold and the laser can measure. Those are chosen that suit a [`Goal`] best, by
+//! default the determinant of the information matrix (D-optimal), and put in an order of short moves in which no
+//! coordinate correlates with time. The standard deviations to expect are known before anything is measured.
 
 mod candidates;
 mod design;
 mod expectation;
+mod goal;
 mod information_model;
 mod order;
 mod position_error;
@@ -15,6 +16,7 @@ mod tests;
 
 pub use candidates::Refused;
 pub use expectation::{DesignCriteria, Expectation};
+pub use goal::{Goal, Volume};
 pub use order::Order;
 
 use nalgebra::DMatrix;
@@ -24,11 +26,12 @@ use crate::estimation::{
     Control, EstimationError, ExpectedInformation, Method, Parameter, covariance_of,
 };
 use crate::geometry::Pose;
-use crate::measurement::Measurements;
+use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{SimulationError, TensionRange, Workspace};
 
 use candidates::{Candidate, draw};
+use goal::Criterion;
 use information_model::InformationModel;
 
 /// What to plan.
@@ -40,6 +43,8 @@ pub struct PlanOptions<'a> {
     pub candidates: usize,
     /// Seed of the poses drawn.
     pub seed: u64,
+    /// What the poses are for.
+    pub goal: Goal,
     /// Where the platform may go; by default around its home pose.
     pub workspace: Option<Workspace>,
     /// How cables are tensioned; by default as suits the weight.
@@ -67,6 +72,7 @@ impl PlanOptions<'_> {
             poses,
             candidates: 3000,
             seed,
+            goal: Goal::Geometry,
             workspace: None,
             tension: None,
             tension_margin: 0.1,
@@ -135,6 +141,12 @@ pub enum PlanError {
         /// Its number in the plan, from 1.
         number: usize,
     },
+    /// The position error in the volume cannot be predicted.
+    #[error(
+        "the position error in the volume cannot be predicted: the robot has no home pose, or no cable path reaches the \
+         volume"
+    )]
+    NoAccuracy,
     /// The measured poses cannot be used.
     #[error("the poses already measured do not lead to a solution on which a plan could build")]
     Existing,
@@ -179,6 +191,14 @@ pub struct Plan {
     pub random: Expectation,
     /// Largest `ln det` of the information among those sets.
     pub best_random_log_det: f64,
+    /// What the poses are for.
+    pub goal: Goal,
+    /// Value of the criterion of the goal for all poses together: larger is better, and only differences mean anything.
+    /// `None` where they leave parameters open.
+    pub reached: Option<f64>,
+    /// Robot and readings to expect without noise at all poses, measured and planned: what
+    /// [`isolability`](crate::diagnosis::isolability) asks about.
+    pub dataset: Dataset,
     information: ExpectedInformation,
     platform: Option<DMatrix<f64>>,
 }
@@ -221,7 +241,9 @@ pub fn plan(
 ) -> Result<Plan, PlanError> {
     with_tension_margin(robot, options, |options, range| {
         let set = CandidateSet::draw(robot, options, range, observer)?;
-        let chosen = design::choose(&set.information, options.poses, observer)?;
+        let labels = set.model.candidate_labels(set.candidates.len());
+        let criterion = set.criterion(&set.information, labels, &set.candidates)?;
+        let chosen = design::choose(&criterion, set.candidates.len(), options.poses, observer)?;
         let poses: Vec<Pose> = (chosen.iter())
             .map(|index| set.candidates[*index].pose)
             .collect();
@@ -311,6 +333,36 @@ impl<'a> CandidateSet<'a> {
         })
     }
 
+    /// The criterion of the goal for poses of which `information` is that on the geometry.
+    fn criterion(
+        &self,
+        information: &ExpectedInformation,
+        labels: impl Iterator<Item = i64>,
+        poses: &[Candidate],
+    ) -> Result<Criterion, PlanError> {
+        let goal = self.options.goal;
+        let faults = if goal.needs_faults() {
+            let visits = labels
+                .zip(poses)
+                .map(|(label, candidate)| candidate.row(label));
+            Some(self.model.information_with_faults(visits)?)
+        } else {
+            None
+        };
+        let weights = match goal {
+            Goal::Accuracy(volume) => {
+                let InformationModel {
+                    robot, workspace, ..
+                } = &self.model;
+                let workspace = workspace.of_volume(volume.centre_m(), volume.half_extent_m());
+                let weights = position_error::weights(robot, &workspace, &information.parameters);
+                Some(weights.ok_or(PlanError::NoAccuracy)?)
+            }
+            _ => None,
+        };
+        Ok(Criterion::new(goal, information, faults, weights.as_ref()))
+    }
+
     /// The plan that visits these poses one after the other.
     fn plan(&self, ordered: &[Candidate], order: Order) -> Result<Plan, PlanError> {
         let options = self.options;
@@ -318,7 +370,13 @@ impl<'a> CandidateSet<'a> {
             robot, workspace, ..
         } = &self.model;
         let parameters = &self.information.parameters;
-        let platform = position_error::weights(robot, workspace, parameters);
+        let within = match options.goal {
+            Goal::Accuracy(volume) => {
+                workspace.of_volume(volume.centre_m(), volume.half_extent_m())
+            }
+            _ => *workspace,
+        };
+        let platform = position_error::weights(robot, &within, parameters);
         let known = (&self.information, platform.as_ref());
         let random = expectation::random_sets(known, options.poses, options.seed);
         // Once more, now that time and direction of travel are known.
@@ -327,8 +385,13 @@ impl<'a> CandidateSet<'a> {
             .clone()
             .zip(ordered)
             .map(|(label, candidate)| candidate.row(label));
-        let information = self.model.information(visits)?;
+        let information = self.model.information(visits.clone())?;
+        let criterion = self.criterion(&information, labels.clone(), ordered)?;
+        let all: Vec<usize> = (0..ordered.len()).collect();
         Ok(Plan {
+            goal: options.goal,
+            reached: criterion.value(&all),
+            dataset: self.model.dataset(visits)?,
             poses: labels
                 .zip(ordered)
                 .map(|(label, candidate)| PlannedPose {

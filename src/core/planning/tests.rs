@@ -320,3 +320,73 @@ fn what_a_plan_promises_is_expected_of_its_poses_again() {
     let error = evaluate(&preset.robot, &poses, &options, &mut quiet).unwrap_err();
     assert_eq!(error, PlanError::NotHeld { number: 4 });
 }
+
+/// What a plan is for it reaches better than plans for anything else, and than a small part of the workspace does.
+#[test]
+fn each_goal_is_reached_best_by_its_own_plan() {
+    let preset = presets::find("mini").unwrap();
+    let volume = Volume {
+        low_m: [0.0, -0.05, 0.0],
+        high_m: [0.15, 0.05, 0.1],
+    };
+    let goals = [
+        Goal::Geometry,
+        Goal::Faults,
+        Goal::Both,
+        Goal::Accuracy(volume),
+    ];
+    let options = |goal| PlanOptions {
+        candidates: 150,
+        goal,
+        ..options_of(&preset, 12)
+    };
+    let plans = goals.map(|goal| plan(&preset.robot, &options(goal), &mut quiet).unwrap());
+    for (own, goal) in goals.into_iter().enumerate() {
+        let reached = |of: &Plan| {
+            let again = evaluate(&preset.robot, &poses_of(of), &options(goal), &mut quiet);
+            again.unwrap().reached.unwrap()
+        };
+        let all: Vec<f64> = plans.iter().map(reached).collect();
+        assert_eq!(plans[own].goal, goal);
+        assert!(
+            (plans[own].reached.unwrap() - all[own]).abs() < 1e-6,
+            "{goal:?} {all:?}"
+        );
+        for (other, value) in all.iter().enumerate() {
+            assert!(other == own || *value < all[own], "{goal:?} {all:?}");
+        }
+    }
+    let error = |plan: &Plan| plan.expected.criteria.platform_m.unwrap();
+    let of_geometry = evaluate(
+        &preset.robot,
+        &poses_of(&plans[0]),
+        &options(goals[3]),
+        &mut quiet,
+    );
+    assert!(error(&plans[3]) < error(&of_geometry.unwrap()));
+}
+
+#[test]
+fn faults_are_planned_for_on_top_of_what_was_measured() {
+    let preset = presets::find("planar").unwrap();
+    let options = SimulationOptions {
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(10, 6)
+    };
+    let run = simulate(&preset.robot, &options).unwrap();
+    let reached = |existing| {
+        let options = PlanOptions {
+            existing,
+            goal: Goal::Both,
+            candidates: 100,
+            ..options_of(&preset, 5)
+        };
+        let plan = plan(&preset.robot, &options, &mut quiet).unwrap();
+        (plan.dataset.measurements.len(), plan.reached.unwrap())
+    };
+    let (alone, without) = reached(None);
+    let (together, with) = reached(Some(&run.dataset.measurements));
+    assert_eq!((alone, together), (6, 16));
+    assert!(with > without, "{with} {without}");
+}

@@ -62,6 +62,18 @@ impl Workspace {
         }
     }
 
+    /// The positions of a box at the orientation of this workspace's centre.
+    pub(crate) fn of_volume(&self, centre_m: [f64; 3], half_extent_m: [f64; 3]) -> Self {
+        Self {
+            centre: Pose {
+                position: centre_m.into(),
+                ..self.centre
+            },
+            half_extent_m,
+            half_rotation_rad: 0.0,
+        }
+    }
+
     /// The smallest workspace around given poses; `None` without any.
     pub(crate) fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
         let poses: Vec<&Pose> = poses.collect();

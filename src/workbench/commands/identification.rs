@@ -10,22 +10,26 @@ use tautline_session::{Method, Phase as LogPhase, ResultRecord, Session, Version
 
 use crate::model::command::{
     DIAGNOSING, DiagnosisResult, IDENTIFYING, IdentificationCommand, IdentificationOutcome,
+    READINESS, Readiness,
 };
 use crate::model::fit_progress::{Before, FitProgress};
 use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest, discrepancy};
 use tautline_workflow::clock;
-use tautline_workflow::diagnosis::{dataset_to_diagnose, diagnose_dataset};
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
+use tautline_workflow::documents::isolability::IsolabilityTable;
 use tautline_workflow::documents::record;
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, identify as identify_request, identify_published,
 };
+use tautline_workflow::readiness::check;
 use tautline_workflow::wording::{count, ratio};
 
 pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
     match command {
+        IdentificationCommand::Check => check_readings(model),
         IdentificationCommand::Identify => {
             model.request(UiRequest::ShowGeometry);
             model.identification.before = None;
@@ -41,6 +45,24 @@ pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
             model.tasks.cancel(DIAGNOSING);
         }
     }
+}
+
+fn check_readings(model: &mut Model) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    if open.session().measurements.is_empty() || model.tasks.runs(READINESS) {
+        return;
+    }
+    let (dataset, inputs) = (open.session().dataset(), open.inputs());
+    model.tasks.start(READINESS, move |_| {
+        let found = check(&dataset);
+        let readiness = Box::new(Readiness {
+            faults: found.isolability.as_ref().map(IsolabilityTable::of),
+            checks: found.checks,
+        });
+        IdentificationOutcome::Checked { inputs, readiness }.into()
+    });
 }
 
 fn identify(model: &mut Model, keep: bool) {
@@ -211,7 +233,8 @@ fn diagnosed(
 }
 
 fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Diagnosed>, String> {
-    let found = diagnose_dataset(Arc::new(dataset), alpha, &mut |progress| {
+    let terms = (alpha, TIME_LIMIT_S);
+    let found = diagnose_dataset(Arc::new(dataset), terms, &mut |progress| {
         let words = stage(progress.stage);
         let text = match progress.findings {
             0 => words.to_owned(),
@@ -226,13 +249,16 @@ fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Di
         findings,
         ..
     } = &diagnosed.diagnosis;
-    // Without its last tests a diagnosis that found nothing yet looks like one that found nothing.
-    let is_inconclusive = *cancelled && findings.is_empty();
+    // Without its last tests a diagnosis that found nothing yet looks like one that found nothing. At its time limit it
+    // says so.
+    let by_operator = *cancelled && diagnosed.seconds < diagnosed.limit_s;
+    let is_inconclusive = by_operator && findings.is_empty();
     Ok((!is_inconclusive).then_some(diagnosed))
 }
 
 pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
     let (inputs, what) = match &outcome {
+        IdentificationOutcome::Checked { inputs, .. } => (*inputs, "The check"),
         IdentificationOutcome::Identified { inputs, .. } => (*inputs, "Identification"),
         IdentificationOutcome::Diagnosed { inputs, .. } => (*inputs, "Diagnosis"),
     };
@@ -244,6 +270,10 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
     }
     let stopped = model.identification.progress.is_stopped();
     let said = match outcome {
+        IdentificationOutcome::Checked { readiness, .. } => {
+            model.identification.readiness = Some((inputs, *readiness));
+            return;
+        }
         IdentificationOutcome::Identified {
             record,
             result: Ok(Some(fit)),

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tautline_core::measurement::Dataset;
 
+use super::command::Readiness;
 use tautline_workflow::plot::figure::Figure;
 
 /// Residuals after each step, shared with the task.
@@ -76,6 +77,8 @@ pub struct IdentificationState {
     pub before: Option<Before>,
     /// Plots of the dependences that the last diagnosis found, by their places among all.
     pub figures: BTreeMap<usize, Figure>,
+    /// The check before it, with the number of the inputs that were checked.
+    pub readiness: Option<(u64, Readiness)>,
 }
 
 /// Number of lengths, distances and angles that were read.

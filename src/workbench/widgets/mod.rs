@@ -1,20 +1,24 @@
 //! Widgets that panels are made of.
 
 mod button;
+mod fault_matrix;
 mod import_row;
 mod number;
 mod parts;
 mod pose_fields;
+mod probability;
 mod rows;
 mod tab_row;
 mod table;
 mod text;
 
 pub use button::{icon_button, icon_only, primary};
+pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
 pub use number::{Entered, Number, number, parse as parse_number};
 pub use parts::parts;
 pub use pose_fields::PoseFields;
+pub use probability::probability;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
 pub use tab_row::{TabOf, tab_row};
 pub use table::{Cell, Column, table};

@@ -1,6 +1,7 @@
 //! Results as documents and in words, shared by commands, screens and sessions.
 
 pub mod diagnosis;
+pub mod isolability;
 
 use tautline_session::{ResultDocument, ResultRecord, Session, Timestamp, VersionedFile};
 

@@ -202,11 +202,13 @@ fn the_words_say_how_sure_they_are() {
     let html = sample(&[Verdict::Named, Verdict::Ambiguous, Verdict::Unknown]).html();
     for part in [
         "does NOT explain the readings",
-        "1. Winch scale (cable-3), unambiguous",
+        "1. Winch scale (cable-3), almost certainly (99.8 %)",
         "0.31 ± 0.04 %",
         "0.232 to 0.388 %",
-        "2. Pulley radius (cable-3), cannot be distinguished from: Winch offset (cable-3)",
-        "These data cannot distinguish between",
+        "2. Pulley radius (cable-3), more likely than not (60 %)",
+        "Causes that these data cannot tell apart",
+        "3 to 2",
+        "Possible, but not established: Build-up of layers on the drum (cable-2), 12 %.",
         "Measure far from cable-3.",
         "3. Unknown cause (cable-3)",
         "no effect in the catalogue explains",

@@ -64,7 +64,14 @@ fn mini() -> presets::Preset {
 fn fault(robot: &Robot, rng: &mut ChaCha8Rng) -> EffectSetting {
     let (id, smallest, largest) = FAULTS[rng.random_range(0..FAULTS.len())];
     let effect = find(id).expect("the effect is in the catalogue");
-    let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+    let parameter = &effect.parameters()[0];
+    // Some parameters have a sign: cables creep longer, not shorter.
+    let may_be_negative = parameter.bounds[0] < 0.0;
+    let sign = if rng.random_bool(0.5) || !may_be_negative {
+        1.0
+    } else {
+        -1.0
+    };
     let size = sign * rng.random_range(smallest..largest);
     let takes_cable = matches!(
         effect.scope(),
@@ -76,7 +83,6 @@ fn fault(robot: &Robot, rng: &mut ChaCha8Rng) -> EffectSetting {
     } else {
         Vec::new()
     };
-    let parameter = &effect.parameters()[0];
     EffectSetting {
         effect: id.into(),
         targets,
@@ -97,7 +103,8 @@ mod tests {
 
     #[test]
     fn the_hidden_fault_is_found_from_the_poses_of_a_plan() {
-        let (mut named, mut listed, count) = (0, 0, 18);
+        let (mut named, count) = (0, 18);
+        let mut missed = Vec::new();
         for seed in 0..count {
             let session = demo(seed, Timestamp::from_unix_seconds(0)).expect("a session");
             let truth = session.simulator.expect("a virtual robot").truth;
@@ -127,11 +134,14 @@ mod tests {
                 |cause: &tautline_core::diagnosis::Cause| cause.effect().id() == hidden.effect;
             let first = found.findings.first();
             let right = first.is_some_and(|f| is_it(&f.cause) && f.verdict == Verdict::Named);
-            let among = first.is_some_and(|f| is_it(&f.cause) || f.alternatives.iter().any(is_it));
+            let among = first
+                .is_some_and(|f| is_it(&f.cause) || f.alternatives.iter().any(|a| is_it(&a.cause)));
             named += usize::from(right);
-            listed += usize::from(among);
+            if !among {
+                missed.push((seed, hidden.clone(), found.findings, found.possible));
+            }
         }
-        assert_eq!(listed, count as usize, "every fault is found");
+        assert!(missed.is_empty(), "every fault is found: {missed:#?}");
         assert!(named >= 15, "{named} of {count} are named alone");
     }
 

@@ -1,6 +1,7 @@
 //! Lists, numbers, readings and probabilities in words, the same for reports, screens and the terminal.
 
 pub mod parameters;
+pub mod probability;
 pub mod units;
 
 use tautline_core::diagnosis::Quantity;

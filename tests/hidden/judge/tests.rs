@@ -27,6 +27,7 @@ fn claim(verdict: Verdict, candidates: &[EffectSetting]) -> Claim {
     Claim {
         verdict,
         candidates: each.collect(),
+        probabilities: vec![1.0; candidates.len()],
         finding: 0,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{found, is_found, is_honest, is_outside, typical};
+use super::{found, is_found, is_honest, is_noticed, is_outside, typical};
 use crate::hidden::interval::{binomial_tail, clopper_pearson};
 use crate::hidden::judge::Found;
 use crate::hidden::{Circumstances, Outcome, Said, Stratum, Study, Sure, Wanted};
@@ -188,6 +188,12 @@ fn others(study: &Study) -> Vec<Figure> {
             Target::AtLeast(0.9),
             is_outside,
             is_honest,
+        ),
+        figure(
+            "outside the catalogue: unknown, ambiguous or noisier than described",
+            Target::AtLeast(0.9),
+            is_outside,
+            is_noticed,
         ),
         figure(
             "outside the catalogue: named with confidence",

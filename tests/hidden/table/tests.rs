@@ -38,6 +38,8 @@ fn outcome(wanted: Wanted, hidden: Hidden, found: &[Found], answers: &[&str]) ->
         found: found.to_vec(),
         said: answers.iter().map(|text| said(text)).collect(),
         wrong_names: if wrong { answers } else { vec![] },
+        possible: vec![],
+        noise: vec![],
         without_holes: None,
         parameters: vec![ParameterError {
             effect: "winch_scale",

@@ -60,8 +60,9 @@ fn assert_contract(diagnosis: &Value) {
 }
 
 fn assert_finding(finding: &Value) {
-    let keys: [(&str, OfType); 14] = [
+    let keys: [(&str, OfType); 15] = [
         ("/verdict", Value::is_string),
+        ("/probability", Value::is_number),
         ("/effect", Value::is_string),
         ("/targets", Value::is_array),
         ("/cause", Value::is_string),
@@ -181,8 +182,8 @@ fn what_the_data_cannot_separate_is_listed() {
     let dataset = simulate(&folder, 25, &hidden);
     let json = folder.join("diagnosis.json");
     let text = diagnose(&dataset, &["--json", &json]).stdout;
-    assert!(text.contains(", cannot be distinguished from: "), "{text}");
-    assert!(text.contains("To distinguish them: "), "{text}");
+    assert!(text.contains("These data cannot tell it from: "), "{text}");
+    assert!(text.contains("What decides: "), "{text}");
     let diagnosis = folder.json("diagnosis.json");
     assert_contract(&diagnosis);
     let finding = &diagnosis["findings"][0];
@@ -200,6 +201,19 @@ fn what_the_data_cannot_separate_is_listed() {
 }
 
 #[test]
+fn a_diagnosis_ends_at_its_time_limit_and_says_so() {
+    let folder = Folder::new();
+    let hidden = ["--effect", "winch_scale:cable-3:scale=0.02"];
+    let dataset = simulate(&folder, 25, &hidden);
+    let text = diagnose(&dataset, &["--time-limit", "0.001"]).stdout;
+    let expected =
+        "The diagnosis ended at its time limit of 0.001 s: this is the best answer so far.";
+    assert!(text.contains(expected), "{text}");
+    let diagnosis = diagnose(&dataset, &["--time-limit=0.001", "--json", "-"]).json();
+    assert_eq!(diagnosis["complete"], false);
+}
+
+#[test]
 fn the_level_is_a_probability() {
     let folder = Folder::new();
     let data = folder.join("data");
@@ -207,6 +221,11 @@ fn the_level_is_a_probability() {
     for alpha in ["0", "0.5", "-1", "NaN"] {
         let argument = format!("--alpha={alpha}");
         let parts = ["--alpha", alpha, "above 0 and below 0.5"];
+        tautline(&["diagnose", &data, &argument]).refused(&parts);
+    }
+    for limit in ["0", "-1", "NaN"] {
+        let argument = format!("--time-limit={limit}");
+        let parts = ["--time-limit", limit, "seconds above 0"];
         tautline(&["diagnose", &data, &argument]).refused(&parts);
     }
     let answer = tautline(&["diagnose", &folder.join("nowhere")]);

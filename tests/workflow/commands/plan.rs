@@ -45,7 +45,7 @@ fn a_plan_is_written_in_the_order_of_measurement() {
     }
     let readable = tautline(&arguments).succeeded().stdout;
     for part in [
-        "12 poses for mini",
+        "12 poses for mini, chosen for the geometry",
         "cable-1 entry point x",
         "at random poses",
     ] {
@@ -59,4 +59,45 @@ fn impossible_plans_are_refused() {
     tautline(&["plan", "mini", "--poses", "0"]).refused(&["--poses", "at least 1"]);
     tautline(&["plan", "mini", "--effects", "gremlins"])
         .refused(&["--effect gremlins", "unknown effect"]);
+}
+
+#[test]
+fn a_plan_is_for_something_and_explains_itself() {
+    let small = ["plan", "planar", "--poses", "8", "--candidates", "60"];
+    let with = |more: &[&'static str]| [small.as_slice(), more].concat();
+    let volume = [
+        "--for",
+        "accuracy",
+        "--volume",
+        "-0.2,0.2,-0.1,0.1,0,0",
+        "--json",
+        "-",
+    ];
+    let accuracy = tautline(&with(&volume)).succeeded().json();
+    assert_valid(&accuracy);
+    assert_eq!(accuracy["goal"], "accuracy");
+    let faults = tautline(&with(&["--for", "faults", "--explain", "--json", "-"]))
+        .succeeded()
+        .json();
+    assert_valid(&faults);
+    assert_eq!(faults["goal"], "faults");
+    let shown = faults["isolability"]["faults"].as_array().expect("faults");
+    assert!(shown.iter().all(|fault| {
+        fault["detection"]
+            .as_f64()
+            .is_some_and(|p| (0.0..=1.0).contains(&p))
+    }));
+    let text = tautline(&with(&["--for", "both", "--explain"]))
+        .succeeded()
+        .stdout;
+    for part in [
+        "chosen for geometry and faults",
+        "could be confused with",
+        "Winch scale of cable-1",
+    ] {
+        assert!(text.contains(part), "{text} lacks {part}");
+    }
+    tautline(&with(&["--for", "accuracy"])).refused(&["--volume", "X0,X1,Y0,Y1,Z0,Z1"]);
+    tautline(&with(&["--for", "accuracy", "--volume", "1,0,0,1,0,1"]))
+        .refused(&["--volume", "found \"1,0,0,1,0,1\""]);
 }

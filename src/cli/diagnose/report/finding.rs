@@ -1,18 +1,25 @@
 //! One finding in the report.
 
-use tautline_core::diagnosis::{Finding, Separation};
+use tautline_core::diagnosis::{Finding, Separation, Verdict};
 use tautline_core::effect::UNKNOWN;
 
 use super::Diagnosed;
 use crate::table;
 use tautline_workflow::documents::diagnosis::gain;
+use tautline_workflow::wording::probability::percent;
 
 /// Indentation of the lines below a heading.
 const INDENT: &str = "   ";
+/// Characters of a bar.
+const BAR: usize = 20;
 
 /// Heading and body of a finding.
 pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<String> {
     let mut body = vec![finding.sentence.clone()];
+    if finding.verdict == Verdict::Ambiguous {
+        body.extend(diagnosed.otherwise(finding));
+        body.extend(bars(diagnosed, finding));
+    }
     if finding.cause.effect().id() != UNKNOWN.id() {
         let size = diagnosed.size(&finding.parameters);
         body.extend(size.map(|size| format!("Size: {size}")));
@@ -20,6 +27,9 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     body.push(format!("Improvement: {}", gain(&finding.gain)));
     if !finding.advice.is_empty() {
         body.push(format!("What to do: {}", finding.advice));
+    }
+    if let Some(text) = diagnosed.decides(finding) {
+        body.push(format!("What decides: {text}"));
     }
     if let Some(separation) = &finding.separation {
         body.extend(separating(separation));
@@ -29,12 +39,26 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     lines
 }
 
-/// What would distinguish the causes.
+/// Probabilities as bars, one line for each cause.
+fn bars(diagnosed: &Diagnosed, finding: &Finding) -> Vec<String> {
+    let own = (finding.probability, &finding.cause);
+    let others = finding.alternatives.iter();
+    let all = std::iter::once(own).chain(others.map(|other| (other.probability, &other.cause)));
+    all.map(|(probability, cause)| {
+        let filled = (probability * BAR as f64).round() as usize;
+        let bar = "#".repeat(filled.min(BAR));
+        let number = percent(probability);
+        format!("[{bar:.<BAR$}] {number:>5}  {}", diagnosed.title(cause))
+    })
+    .collect()
+}
+
+/// Poses that would distinguish the causes.
 fn separating(separation: &Separation) -> Vec<String> {
-    let mut lines = vec![format!("To distinguish them: {}", separation.advice)];
     if separation.poses.is_empty() {
-        return lines;
+        return Vec::new();
     }
+    let mut lines = vec!["Poses that would distinguish them:".to_owned()];
     let mut poses = table::numbers(&["Pose", "x mm", "y mm", "z mm", "rx °", "ry °", "rz °"]);
     for (index, pose) in separation.poses.iter().enumerate() {
         let position: [f64; 3] = pose.position.into();

@@ -31,6 +31,7 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
         )));
     }
     if explain {
+        lines.extend(section(diagnosed.possible_line().into_iter()));
         lines.extend(tables::lines(diagnosed));
     }
     lines.join("\n")

@@ -38,7 +38,7 @@ fn a_named_finding_is_clear() {
         "planar: the model does NOT explain the readings of 13 poses. With the finding below it does.\n",
         "Its residuals are 1.60 times the expected noise; with a correct model they would be as large less than once in a million times.\n",
         "With the findings included, the residuals are 1.00 times the expected noise.\n",
-        "\n1. Winch scale (cable-3), unambiguous\n",
+        "\n1. Winch scale (cable-3), almost certainly (99.8 %)\n",
         "   Winch 3 pays out too much.\n",
         "   Size: 0.31 ± 0.04 %\n",
         "   Improvement: at 12 poses held out of the fit, residuals are 1.01 instead of 1.62 times the expected noise; the platform is 2.3 mm (1.9 to 2.7) from where the previous model puts it, at most 5.1 mm.\n",
@@ -55,8 +55,12 @@ fn a_named_finding_is_clear() {
 fn what_cannot_be_told_apart_is_said_with_poses_that_could() {
     let text = report(&[Verdict::Named, Verdict::Ambiguous], false);
     let parts = [
-        "2. Pulley radius (cable-3), cannot be distinguished from: Winch offset (cable-3)\n",
-        "   To distinguish them: Measure far from cable-3.\n",
+        "2. Pulley radius (cable-3), more likely than not (60 %)\n",
+        "   These data cannot tell it from: Winch offset (cable-3) (40 %; 3 to 2 against it).\n",
+        "   [############........]  60 %  Pulley radius (cable-3)\n",
+        "   [########............]  40 %  Winch offset (cable-3)\n",
+        "   What decides: Measure far from cable-3. ",
+        "   Poses that would distinguish them:\n",
         "x mm",
         "1      250  -100     0   0.0   0.0   0.0\n",
     ];
@@ -88,6 +92,7 @@ fn the_invisible_is_condensed() {
 fn the_numbers_are_explained_on_demand() {
     let text = report(&[Verdict::Named], true);
     let parts = [
+        "\nPossible, but not established: Build-up of layers on the drum (cable-2), 12 %.\n",
         "Finding 1: chi-square falls by 61.0 for 1 more parameters, p = 1.0e-13 corrected for 300 tests; ranking:",
         "Winch scale (cable-3)",
         "Pulley radius (cable-3)",

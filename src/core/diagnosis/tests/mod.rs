@@ -7,9 +7,9 @@ mod held_out;
 mod names;
 mod noise;
 mod odd_inputs;
-mod score_test;
 mod separation;
-mod unknown;
+mod sets;
+mod structure;
 
 use super::adequacy_tests::{run_of, run_with, setting};
 use super::fit::Fit;
@@ -31,7 +31,8 @@ fn diagnosed(dataset: &Dataset) -> Diagnosis {
 
 /// Effect and cables of a finding, its alternatives after it.
 fn names(finding: &Finding) -> Vec<(&'static str, Vec<usize>)> {
-    let causes = std::iter::once(&finding.cause).chain(&finding.alternatives);
+    let others = finding.alternatives.iter().map(|other| &other.cause);
+    let causes = std::iter::once(&finding.cause).chain(others);
     causes
         .map(|cause| (cause.effect().id(), cause.cables()))
         .collect()

@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use tautline_session::ResultRecord;
 
 use crate::model::open_session::Diagnosed;
+use tautline_workflow::documents::isolability::IsolabilityTable;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::figure::Figure;
+use tautline_workflow::readiness::CheckItem;
 
 /// Title of the task that identifies.
 pub const IDENTIFYING: &str = "Identifying";
@@ -14,9 +16,14 @@ pub const IDENTIFYING: &str = "Identifying";
 /// Title of the task that looks for what the model lacks.
 pub const DIAGNOSING: &str = "Looking for what the model lacks";
 
+/// Title of the task that checks the readings before identification.
+pub const READINESS: &str = "Checking the readings";
+
 /// Computes with the measured poses.
 #[derive(Debug, Clone)]
 pub enum IdentificationCommand {
+    /// Checks whether the readings are fit for identification.
+    Check,
     /// Identifies the geometry.
     Identify,
     /// Asks what the model gets wrong.
@@ -28,6 +35,13 @@ pub enum IdentificationCommand {
 /// What it came to; `inputs` is the number of the inputs it was computed from.
 #[derive(Debug)]
 pub enum IdentificationOutcome {
+    /// Of the check before it.
+    Checked {
+        /// Number of the inputs.
+        inputs: u64,
+        /// The check.
+        readiness: Box<Readiness>,
+    },
     /// Of an identification.
     Identified {
         /// Number of the inputs.
@@ -44,6 +58,15 @@ pub enum IdentificationOutcome {
         /// The diagnosis, or one sentence; `None` if it was stopped.
         result: Result<Option<Box<DiagnosisResult>>, String>,
     },
+}
+
+/// The check of the readings, as the panel shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Readiness {
+    /// The parts that need a fit.
+    pub checks: Vec<CheckItem>,
+    /// Which faults the poses show.
+    pub faults: Option<IsolabilityTable>,
 }
 
 /// A diagnosis with what the panel shows of it.

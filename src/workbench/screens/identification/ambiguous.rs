@@ -9,7 +9,7 @@ use super::rows::{Cell, heads, row};
 use super::{Panel, card, gain};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, verdict};
+use crate::widgets::{Verdict, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
 
@@ -24,8 +24,9 @@ pub fn body(
     finding: &Finding,
     number: usize,
 ) {
-    let causes: Vec<&Cause> = std::iter::once(&finding.cause)
-        .chain(&finding.alternatives)
+    let others = finding.alternatives.iter();
+    let causes: Vec<(&Cause, f64)> = std::iter::once((&finding.cause, finding.probability))
+        .chain(others.map(|other| (&other.cause, other.probability)))
         .collect();
     card::title(
         ui,
@@ -34,7 +35,7 @@ pub fn body(
     verdict(
         ui,
         Verdict::Doubtful,
-        "These data cannot distinguish the causes below: each changes the readings at these poses in nearly the same way.",
+        "These data cannot distinguish the causes below, which exclude each other: each changes the readings at these poses in nearly the same way.",
     );
     if ui.available_width() < NARROWEST * causes.len() as f32 {
         for cause in causes {
@@ -50,21 +51,32 @@ pub fn body(
             }
         });
     }
-    card::evidence(ui, finding);
+    muted(ui, &card::evidence(finding));
     gain::show(ui, &finding.gain);
+    if let Some(text) = diagnosed.decides(finding) {
+        ui.add_space(GRID);
+        muted(ui, "What decides between them");
+        card::paragraph(ui, &text);
+    }
     if let Some(separation) = &finding.separation {
         separating(ui, panel, separation);
     }
     muted(
         ui,
-        "The data do not decide between them: sizes and geometry are valid only if the chosen one is correct.",
+        "Sizes and geometry are valid only if the chosen cause is the right one.",
     );
 }
 
-fn alternative(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, cause: &Cause) {
+fn alternative(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    diagnosed: &Diagnosed,
+    (cause, probable): (&Cause, f64),
+) {
     let robot = diagnosed.robot();
     let name = diagnosed.title(cause);
     ui.add(egui::Label::new(egui::RichText::new(&name).font(theme::strong(13.0))).wrap());
+    probability(ui, &name, probable);
     let mut said: Vec<String> = Vec::new();
     let mut checks: Vec<String> = Vec::new();
     for bound in &cause.instances {
@@ -84,12 +96,11 @@ fn alternative(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, cause:
 }
 
 fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
-    ui.add_space(GRID);
-    muted(ui, "To tell them apart");
-    card::paragraph(ui, &separation.advice);
     if separation.poses.is_empty() {
         return;
     }
+    ui.add_space(GRID);
+    muted(ui, "Poses that would tell them apart");
     let shares = [2.0, 3.0, 3.0, 3.0, 2.5, 2.5, 2.5];
     heads(
         ui,

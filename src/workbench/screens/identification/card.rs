@@ -1,20 +1,17 @@
 //! A cause that was found.
 
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
-use tautline_core::diagnosis::{Cause, Finding, FoundParameter, Verdict as Sure};
+use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
 use tautline_core::effect::{EffectSetting, UNKNOWN};
 
 use super::{Panel, ambiguous, effects, gain};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, verdict};
+use crate::widgets::{Verdict, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{range, unit_of};
 use tautline_workflow::wording::{count, odds};
-
-/// Lead in evidence (twice its logarithm) from which the next best cause is far behind, and clearly behind.
-const FAR: f64 = 20.0;
-const CLEARLY: f64 = 6.0;
 
 /// Draws a finding.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
@@ -65,10 +62,10 @@ fn named(
 ) {
     let name = diagnosed.title(&finding.cause);
     title(ui, &format!("{}. {name}", number + 1));
+    probable(ui, &name, finding);
     paragraph(ui, &finding.sentence);
     size(ui, diagnosed, finding);
-    evidence(ui, finding);
-    runner_up(ui, diagnosed, finding);
+    otherwise(ui, diagnosed, finding);
     gain::show(ui, &finding.gain);
     advice(ui, &finding.advice);
     add_or_remove(
@@ -92,13 +89,13 @@ fn unknown(
         ui,
         &format!("{}. {}", number + 1, diagnosed.heading(finding)),
     );
+    probable(ui, "an error of unknown cause", finding);
     paragraph(ui, &finding.sentence);
     verdict(
         ui,
         Verdict::Doubtful,
         "No cause is named: only which readings depend on which variable.",
     );
-    evidence(ui, finding);
     gain::show(ui, &finding.gain);
     advice(ui, &finding.advice);
     muted(
@@ -148,46 +145,52 @@ fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter) -> Option<String>
     Some(format!("95 % interval of {of}{}: {ends}", parameter.name))
 }
 
-/// Probability of the finding by chance.
-pub fn evidence(ui: &mut Ui, finding: &Finding) {
-    let evidence = &finding.evidence;
-    if !evidence.p_value.is_finite() {
-        return;
-    }
-    let text = format!("By chance alone this happens {}.", odds(evidence.p_value));
-    let tip = format!(
-        "p = {:.1e} after {} tests; chi-square falls by {:.1} for {} more parameters",
-        evidence.p_value, evidence.questions, evidence.delta_chi2, evidence.parameters
-    );
-    ui.add(egui::Label::new(text).wrap()).on_hover_text(tip);
+/// The probability of a finding, with the numbers behind it on demand.
+fn probable(ui: &mut Ui, what: &str, finding: &Finding) {
+    probability(ui, what, finding.probability).on_hover_text(evidence(finding));
 }
 
-fn runner_up(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
-    let [own, next, ..] = &finding.evidence.ranking[..] else {
+/// The numbers behind a finding.
+pub fn evidence(finding: &Finding) -> String {
+    let Evidence {
+        delta_chi2,
+        parameters,
+        p_value,
+        questions,
+        ..
+    } = &finding.evidence;
+    let gain = format!(
+        "Chi-square falls by {delta_chi2:.1} for {}",
+        count(*parameters, "more parameter")
+    );
+    if !p_value.is_finite() {
+        return format!("{gain}.");
+    }
+    format!(
+        "{gain}; by chance alone this happens {} in {}.",
+        odds(*p_value),
+        count(*questions, "test")
+    )
+}
+
+/// The likeliest of the causes that a named one leaves little room for.
+fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
+    let Some(next) = finding.alternatives.first() else {
         return;
     };
-    let lead = own.score - next.score;
-    let how = if lead > FAR {
-        "far behind"
-    } else if lead > CLEARLY {
-        "clearly behind"
-    } else {
-        "close behind"
-    };
-    let part = (100.0 * next.delta_chi2 / own.delta_chi2).clamp(0.0, 100.0);
-    let price = match next.parameters.checked_sub(own.parameters) {
-        Some(more @ 1..) => format!(", with {}", count(more, "more parameter")),
-        _ => String::new(),
-    };
     let text = format!(
-        "Next best: {}, {how}. It explains {part:.0} % of what this explains{price}.",
-        diagnosed.title(&next.cause)
+        "Otherwise: {}, {}; {} against it.",
+        diagnosed.title(&next.cause),
+        percent(next.probability),
+        odds_between(finding.probability, next.probability)
     );
-    let tip = format!(
-        "Chi-square falls by {:.1} with this cause and by {:.1} with the next best; twice the logarithm of the evidence is {:.1} and {:.1}.",
-        own.delta_chi2, next.delta_chi2, own.score, next.score
-    );
-    muted(ui, &text).on_hover_text(tip);
+    let label = muted(ui, &text);
+    if let [own, next, ..] = &finding.evidence.ranking[..] {
+        label.on_hover_text(format!(
+            "Chi-square falls by {:.1} with this cause and by {:.1} with the other.",
+            own.delta_chi2, next.delta_chi2
+        ));
+    }
 }
 
 /// Check in the workshop.

@@ -6,7 +6,7 @@ use tautline_session::ResultRecord;
 use super::{Panel, card, discrepancy, effects, results};
 use crate::model::command::{DIAGNOSING, IdentificationCommand};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, muted, primary, section, verdict};
+use crate::widgets::{Verdict, muted, primary, probability, section, verdict};
 use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
 use tautline_workflow::wording::sentence;
 
@@ -107,7 +107,7 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     }
     discrepancy::show(ui, panel, diagnosed);
     if !diagnosis.findings.is_empty() {
-        section(ui, "Causes, the most certain first");
+        section(ui, "Causes");
     }
     for number in 0..diagnosis.findings.len() {
         card::show(ui, panel, diagnosed, number);
@@ -129,6 +129,7 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
             muted(ui, &diagnosed.remaining_line(left));
         }
     }
+    possible(ui, diagnosed);
     let lines = diagnosed.invisible_lines();
     let [heading, lines @ ..] = &lines[..] else {
         return;
@@ -152,6 +153,26 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
             "No finding does not mean no fault: the list says from which size on each fault would have been detected.",
         );
     }
+}
+
+/// Causes that are possible but not established, on demand.
+fn possible(ui: &mut Ui, diagnosed: &Diagnosed) {
+    let causes = &diagnosed.diagnosis.possible;
+    if causes.is_empty() {
+        return;
+    }
+    ui.add_space(2.0 * GRID);
+    CollapsingHeader::new("What else is possible").show(ui, |ui| {
+        muted(
+            ui,
+            "These data neither establish these causes nor rule them out:",
+        );
+        for cause in causes {
+            let name = diagnosed.title(&cause.cause);
+            ui.add(egui::Label::new(&name).wrap());
+            probability(ui, &name, cause.probability);
+        }
+    });
 }
 
 /// A diagnosis that was stored with the session.

@@ -2,6 +2,7 @@
 
 mod ambiguous;
 mod card;
+mod check;
 mod discrepancy;
 mod doctor;
 mod effects;
@@ -19,6 +20,7 @@ use crate::model::open_session::Stored;
 use crate::model::tasks::Tasks;
 use crate::model::{Memo, Model, OpenSession, Selection};
 use crate::widgets::{Verdict, heading, muted, verdict};
+use tautline_workflow::readiness::CheckItem;
 
 /// The two halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -43,6 +45,10 @@ pub struct PanelState {
     show_invisible: bool,
     /// Causes of the diagnosis that the session keeps from before, by document and number of results.
     stored: Memo<(u64, usize), Vec<String>>,
+    /// The parts of the check that take no time, by document and its revision.
+    readings: Memo<(u64, u64), Vec<CheckItem>>,
+    /// Whether the matrix of faults is shown.
+    shows_faults: bool,
 }
 
 /// What the parts of the panel see and change.
@@ -102,6 +108,7 @@ fn geometry(ui: &mut Ui, panel: &mut Panel<'_>) {
             "The result in this session belongs to other data: identify again.",
         );
     }
+    check::show(ui, panel);
     identify::show(ui, panel);
     results::show(ui, panel);
 }

@@ -36,6 +36,8 @@ pub struct PanelState {
     scrolled_to: Option<i64>,
     /// The laser distance that is typed.
     typed: asking::Typed,
+    /// Whether the matrix of faults is shown.
+    shows_faults: bool,
 }
 
 impl Default for PanelState {
@@ -47,6 +49,7 @@ impl Default for PanelState {
             rows: Memo::default(),
             scrolled_to: None,
             typed: asking::Typed::default(),
+            shows_faults: false,
         }
     }
 }

@@ -6,7 +6,8 @@ use tautline_core::planning::DesignCriteria;
 use super::PanelState;
 use crate::model::Model;
 use crate::model::command::EXPECTING;
-use crate::widgets::{Verdict, muted, value, verdict};
+use crate::widgets::{Verdict, fault_window, muted, value, verdict};
+use tautline_workflow::documents::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
 
 /// Draws what is expected, and whether enough is measured.
@@ -56,9 +57,40 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     if let Some(sentence) = outlook.home.sentence() {
         muted(ui, &sentence);
     }
+    if let Some(table) = &outlook.isolability {
+        faults(ui, table, &mut remembered.shows_faults);
+    }
     target(ui, &mut remembered.target_mm);
     enough(ui, outlook, remembered.target_mm, done);
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
+}
+
+/// Which faults the poses show: in short, and the matrix in a window of its own.
+fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
+    ui.horizontal(|ui| {
+        let name = if *is_shown {
+            "Hide faults"
+        } else {
+            "Show faults"
+        };
+        let button = ui.button(name);
+        if button.on_hover_text(table.summary()).clicked() {
+            *is_shown = !*is_shown;
+        }
+        let seen = table
+            .kinds
+            .iter()
+            .filter(|kind| kind.detection[0] >= SEEN)
+            .count();
+        muted(
+            ui,
+            &format!(
+                "{seen} of {} kinds of fault would be seen",
+                table.kinds.len()
+            ),
+        );
+    });
+    fault_window(ui, table, is_shown);
 }
 
 fn words(outlook: &PlanSummary) -> String {

@@ -1,17 +1,18 @@
 //! From a diagnosis to its JSON document.
 
 use tautline_core::diagnosis::{
-    Adequacy, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest, GroupTest,
-    Invisible, NoiseStatement, PositionChange, Rival, Verdict,
+    Adequacy, Alternative, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
+    GroupTest, Invisible, NoiseStatement, PositionChange, Rival, Verdict,
 };
 use tautline_core::geometry::Pose;
 
 use super::Diagnosed;
 use super::document::{
-    CauseDocument, DiagnosisDocument, DiscrepancyDocument, EvidenceDocument, ExtendedDocument,
-    FindingDocument, GainDocument, GlobalTestDocument, GroupTestDocument, InvisibleDocument,
-    ModelDocument, NoiseDocument, ParameterDocument, PointDocument, PoseDocument,
-    PositionChangeDocument, ReadingGainDocument, RivalDocument, RunnerUpDocument, VerdictDocument,
+    AlternativeDocument, CauseDocument, DiagnosisDocument, DiscrepancyDocument, EvidenceDocument,
+    ExtendedDocument, FindingDocument, GainDocument, GlobalTestDocument, GroupTestDocument,
+    InvisibleDocument, ModelDocument, NoiseDocument, ParameterDocument, PointDocument,
+    PoseDocument, PositionChangeDocument, ReadingGainDocument, RivalDocument, RunnerUpDocument,
+    VerdictDocument,
 };
 
 /// Unit of the held-out figures.
@@ -39,6 +40,11 @@ impl Diagnosed {
             global_test: global_test(&diagnosis.base.global),
             discrepancy: discrepancies(&diagnosis.discrepancies),
             findings: diagnosis.findings.iter().map(|f| self.finding(f)).collect(),
+            possible: diagnosis
+                .possible
+                .iter()
+                .map(|a| self.alternative(a))
+                .collect(),
             model: ModelDocument {
                 effects: effects.map(|bound| bound.setting(self.robot())).collect(),
             },
@@ -61,6 +67,15 @@ impl Diagnosed {
         CauseDocument {
             effect: cause.effect().id().to_owned(),
             targets: self.targets(cause),
+        }
+    }
+
+    fn alternative(&self, alternative: &Alternative) -> AlternativeDocument {
+        let CauseDocument { effect, targets } = self.cause(&alternative.cause);
+        AlternativeDocument {
+            effect,
+            targets,
+            probability: alternative.probability,
         }
     }
 
@@ -124,9 +139,14 @@ impl Diagnosed {
             },
             effect,
             targets,
-            cause: text(finding),
+            cause: self.text(finding),
             advice: finding.advice.clone(),
-            alternatives: finding.alternatives.iter().map(|c| self.cause(c)).collect(),
+            probability: finding.probability,
+            alternatives: finding
+                .alternatives
+                .iter()
+                .map(|a| self.alternative(a))
+                .collect(),
             parameters: finding
                 .parameters
                 .iter()
@@ -138,6 +158,16 @@ impl Diagnosed {
             separating_delta_chi2: separation.and_then(|s| finite(s.expected_delta_chi2)),
             separating_advice: separation.map(|s| s.advice.clone()),
         }
+    }
+
+    /// The sentence; where the cause is ambiguous with what it could be as well, and what would tell them apart.
+    fn text(&self, finding: &Finding) -> String {
+        let separation = finding.separation.as_ref().map(|s| s.advice.clone());
+        let others = self.otherwise(finding).map(|others| {
+            let advice = separation.map_or_else(String::new, |advice| format!(" {advice}"));
+            format!(" {others}{advice}")
+        });
+        format!("{}{}", finding.sentence, others.unwrap_or_default())
     }
 
     fn parameter(&self, parameter: &FoundParameter) -> ParameterDocument {
@@ -179,22 +209,6 @@ fn global_test(test: &GlobalTest) -> GlobalTestDocument {
         dof: test.degrees_of_freedom,
         p_value: finite(test.p_value),
     }
-}
-
-/// The sentence; where the cause is ambiguous with what it could be as well, and what would tell them apart.
-fn text(finding: &Finding) -> String {
-    if finding.verdict != Verdict::Ambiguous {
-        return finding.sentence.clone();
-    }
-    let others = finding.alternatives.iter().map(|c| c.effect().title());
-    let others: Vec<_> = others.collect();
-    let advice = finding.separation.as_ref().map_or("", |s| &s.advice);
-    let text = format!(
-        "{} These data cannot distinguish it from: {}. {advice}",
-        finding.sentence,
-        others.join("; ")
-    );
-    text.trim_end().to_owned()
 }
 
 fn gain(gain: &Gain) -> GainDocument {
@@ -288,7 +302,7 @@ mod tests {
         let finding = &value["findings"][0];
         assert_eq!(
             finding["alternatives"],
-            json!([{"effect": "winch_offset", "targets": ["cable-3"]}])
+            json!([{"effect": "winch_offset", "targets": ["cable-3"], "probability": 0.4}])
         );
         let pose =
             json!({"position_m": [0.25, -0.1, 0.0], "orientation_wxyz": [1.0, 0.0, 0.0, 0.0]});

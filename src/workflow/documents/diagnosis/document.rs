@@ -16,6 +16,8 @@ pub struct DiagnosisDocument {
     pub discrepancy: Vec<DiscrepancyDocument>,
     /// What was found, in the order in which it was added.
     pub findings: Vec<FindingDocument>,
+    /// Causes that are possible but too improbable for a finding, the likeliest first.
+    pub possible: Vec<AlternativeDocument>,
     /// The extended model.
     pub model: ModelDocument,
     /// Probability of a false alarm that was allowed.
@@ -114,8 +116,10 @@ pub struct FindingDocument {
     pub cause: String,
     /// What to do in the workshop.
     pub advice: String,
-    /// Causes that the data cannot separate from it.
-    pub alternatives: Vec<CauseDocument>,
+    /// Posterior probability of the cause; it and its alternatives exclude each other.
+    pub probability: f64,
+    /// Causes that the data cannot separate from it, the likeliest first.
+    pub alternatives: Vec<AlternativeDocument>,
     /// Its parameters.
     pub parameters: Vec<ParameterDocument>,
     /// The numbers behind the verdict.
@@ -149,6 +153,17 @@ pub struct CauseDocument {
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
     pub targets: Vec<String>,
+}
+
+/// An effect with its targets and its posterior probability.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AlternativeDocument {
+    /// Effect of the catalogue.
+    pub effect: String,
+    /// Cables; empty for an effect of the robot, an instrument or all cables together.
+    pub targets: Vec<String>,
+    /// Posterior probability.
+    pub probability: f64,
 }
 
 /// A parameter of a finding.

@@ -1,27 +1,75 @@
 //! One finding in words.
 
-use tautline_core::diagnosis::{Finding, FoundParameter, Gain, Verdict};
+use tautline_core::diagnosis::{Alternative, Finding, FoundParameter, Gain, Verdict};
 
 use super::Diagnosed;
+use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{significant, unit_of, with_sd};
-use crate::wording::{count, ratio};
+use crate::wording::{count, list, ratio};
 
 impl Diagnosed {
     /// The cause and how certain it is.
     #[must_use]
     pub fn heading(&self, finding: &Finding) -> String {
-        let title = self.title(&finding.cause);
         match finding.verdict {
-            Verdict::Named => format!("{title}, unambiguous"),
-            Verdict::Ambiguous => {
-                let others: Vec<_> = finding.alternatives.iter().map(|c| self.title(c)).collect();
-                format!(
-                    "{title}, cannot be distinguished from: {}",
-                    others.join("; ")
-                )
+            Verdict::Named | Verdict::Ambiguous => {
+                let title = self.title(&finding.cause);
+                format!("{title}, {}", certainty(finding.probability))
             }
             Verdict::Unknown => format!("Unknown cause{}", self.on(&finding.cause)),
         }
+    }
+
+    /// What else it could be, each with its probability; `None` where a cause is named.
+    #[must_use]
+    pub fn otherwise(&self, finding: &Finding) -> Option<String> {
+        if finding.verdict != Verdict::Ambiguous {
+            return None;
+        }
+        let odds = |other: &Alternative| {
+            let title = self.title(&other.cause);
+            let odds = odds_between(finding.probability, other.probability);
+            format!(
+                "{title} ({}; {odds} against it)",
+                percent(other.probability)
+            )
+        };
+        let others: Vec<_> = finding.alternatives.iter().map(odds).collect();
+        Some(format!(
+            "These data cannot tell it from: {}.",
+            others.join("; ")
+        ))
+    }
+
+    /// What decides between the causes that a finding gives: poses, and what to look at in the workshop.
+    #[must_use]
+    pub fn decides(&self, finding: &Finding) -> Option<String> {
+        if finding.verdict != Verdict::Ambiguous {
+            return None;
+        }
+        let others = finding.alternatives.iter().map(|other| &other.cause);
+        let mut said: Vec<String> = Vec::new();
+        said.extend(finding.separation.iter().map(|s| s.advice.clone()));
+        for cause in [&finding.cause].into_iter().chain(others) {
+            said.extend(cause.effect().check().map(str::to_owned));
+        }
+        let mut different: Vec<String> = Vec::new();
+        for text in said {
+            if !different.contains(&text) {
+                different.push(text);
+            }
+        }
+        (!different.is_empty()).then(|| different.join(" "))
+    }
+
+    /// Causes that are possible but not found, in a sentence.
+    #[must_use]
+    pub fn possible_line(&self) -> Option<String> {
+        let possible = self.diagnosis.possible.iter();
+        let each: Vec<String> = possible
+            .map(|p| format!("{}, {}", self.title(&p.cause), percent(p.probability)))
+            .collect();
+        (!each.is_empty()).then(|| format!("Possible, but not established: {}.", list(&each)))
     }
 
     /// The values found, where there are any.

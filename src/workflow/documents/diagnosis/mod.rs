@@ -33,6 +33,8 @@ pub struct Diagnosed {
     pub alpha: f64,
     /// Time that it took (s).
     pub seconds: f64,
+    /// Time that it was given (s).
+    pub limit_s: f64,
 }
 
 impl Diagnosed {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{
-    Adequacy, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
-    GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival, Separation,
-    Variable, Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
+    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
+    Separation, Variable, Verdict,
 };
 use tautline_core::effect::{BoundEffect, EffectRequest, UNKNOWN};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
@@ -131,10 +131,14 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
     let ranking = vec![rival(cause.clone(), 61.0), rival(other.clone(), 20.0)];
     Finding {
         verdict,
+        probability: if is_ambiguous { 0.6 } else { 0.998 },
         sentence: "Winch 3 pays out too much.".to_owned(),
         advice: "Measure the drum.".to_owned(),
         alternatives: if is_ambiguous {
-            vec![other]
+            vec![Alternative {
+                cause: other,
+                probability: 0.4,
+            }]
         } else {
             Vec::new()
         },
@@ -159,6 +163,13 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
             advice: "Measure far from cable-3.".to_owned(),
         }),
         cause,
+    }
+}
+
+fn possible(robot: &Robot) -> Alternative {
+    Alternative {
+        cause: cause(robot, "drum_growth:2"),
+        probability: 0.12,
     }
 }
 
@@ -200,6 +211,11 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         discrepancies: structure.clone(),
         remaining: structure,
         findings: verdicts.iter().map(found).collect(),
+        possible: if is_clean {
+            Vec::new()
+        } else {
+            vec![possible(robot)]
+        },
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
         base_solution: solution(dataset, &[]),
@@ -211,5 +227,6 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         diagnosis,
         alpha: 0.01,
         seconds: 0.1,
+        limit_s: 60.0,
     }
 }

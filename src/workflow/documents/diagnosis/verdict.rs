@@ -79,7 +79,12 @@ impl Diagnosed {
                 ratio(after)
             ));
         }
-        if diagnosis.cancelled {
+        if diagnosis.cancelled && self.seconds >= self.limit_s {
+            lines.push(format!(
+                "The diagnosis ended at its time limit of {} s: this is the best answer so far.",
+                significant(self.limit_s, 3)
+            ));
+        } else if diagnosis.cancelled {
             lines.push("The diagnosis was cancelled before it was complete.".to_owned());
         }
         lines

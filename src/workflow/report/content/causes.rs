@@ -7,6 +7,7 @@ use super::number;
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
+use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{range, significant, unit_of};
 use crate::wording::{count, list, odds, ratio, sentence};
 
@@ -27,6 +28,9 @@ pub fn section(told: &Diagnosed) -> Section {
     }
     let remaining = diagnosis.remaining.iter();
     section.list(remaining.map(|left| told.remaining_line(left)).collect());
+    if let Some(text) = told.possible_line() {
+        section.note(text);
+    }
     section.note(format!(
         "Probability of a false finding where the model is right: {}.",
         significant(told.alpha, 2)
@@ -39,23 +43,34 @@ fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Sec
     section.paragraph(finding.sentence.clone());
     match finding.verdict {
         Verdict::Named => {}
-        Verdict::Ambiguous => {
-            let mut titles = vec![told.title(&finding.cause)];
-            titles.extend(finding.alternatives.iter().map(|cause| told.title(cause)));
-            section.paragraph(format!(
-                "These data cannot distinguish between {}. The values below hold for the first.",
-                list(&titles)
-            ));
-        }
+        Verdict::Ambiguous => section.table(candidates(told, finding)),
         Verdict::Unknown => section.paragraph(
             "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given; the geometry was kept free of it.",
         ),
     }
     section.blocks.push(Block::Facts(facts(told, finding)));
-    if let Some(separation) = &finding.separation {
-        section.paragraph(format!("To distinguish them: {}", separation.advice));
+    if let Some(text) = told.decides(finding) {
+        section.paragraph(format!("What decides between them: {text}"));
+    }
+    if let Some(separation) = finding.separation.as_ref().filter(|s| !s.poses.is_empty()) {
         section.table(poses(separation));
     }
+}
+
+/// The causes that exclude each other with their probabilities.
+fn candidates(told: &Diagnosed, finding: &Finding) -> Table {
+    let mut table = Table::new(
+        "Causes that these data cannot tell apart; the values below hold for the first".to_owned(),
+        1,
+        &["Cause", "Probability", "Odds of the first against it"],
+    );
+    let own = percent(finding.probability);
+    table.push([told.title(&finding.cause), own, "-".to_owned()]);
+    for other in &finding.alternatives {
+        let odds = odds_between(finding.probability, other.probability);
+        table.push([told.title(&other.cause), percent(other.probability), odds]);
+    }
+    table
 }
 
 fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
@@ -70,6 +85,7 @@ fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
             add("95 % interval", list(&intervals));
         }
     }
+    add("Probability", sentence(&certainty(finding.probability)));
     add("Evidence", sentence(&evidence(finding)));
     if let Some(text) = runner_up(told, finding) {
         add("Runner-up", text);

@@ -1,0 +1,54 @@
+//! `tautline check`.
+
+mod not_ready;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check};
+
+use crate::output::{JsonOutput, say};
+use crate::{input, isolability};
+pub use not_ready::{EXIT_CODE, NotReady};
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Dataset folder
+    #[arg(value_name = "DATASET")]
+    dataset: PathBuf,
+    #[command(flatten)]
+    json: JsonOutput,
+    /// Also print which faults the poses show and which of them could be confused
+    #[arg(long)]
+    explain: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let dataset = input::dataset(&arguments.dataset)?;
+    let document = check(&dataset);
+    arguments
+        .json
+        .deliver(&document, || print(&document, arguments.explain))?;
+    if document.ready {
+        Ok(())
+    } else {
+        Err(NotReady.into())
+    }
+}
+
+fn print(document: &ReadinessDocument, explain: bool) {
+    for item in &document.checks {
+        let outcome = match item.outcome {
+            CheckOutcome::Pass => "pass",
+            CheckOutcome::Fail => "FAIL",
+            CheckOutcome::NotEvaluated => "not evaluated",
+        };
+        say!("{}: {outcome}. {}", item.title(), item.sentence);
+        if let Some(action) = &item.action {
+            say!("   {action}");
+        }
+    }
+    if let Some(document) = document.isolability.as_ref().filter(|_| explain) {
+        isolability::print(document);
+    }
+}

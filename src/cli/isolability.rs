@@ -1,0 +1,43 @@
+//! Which faults poses show, on the terminal.
+
+use tautline_workflow::documents::isolability::{
+    CONFUSED, IsolabilityDocument, IsolabilityTable, percent,
+};
+
+use crate::output::say;
+use crate::table;
+
+/// Faults with which one could be confused that are listed.
+const MOST_RIVALS: usize = 3;
+
+/// Prints the probability of detection of every fault and those with which it could be confused.
+pub fn print(document: &IsolabilityDocument) {
+    let table = IsolabilityTable::of(document);
+    say!("{}", table.summary());
+    let mut rows = table::texts(&["Fault", "typical size", "seen", "could be confused with"]);
+    for (index, fault) in document.faults.iter().enumerate() {
+        let rivals = document.rivals(index);
+        let mut named: Vec<String> = (rivals.iter().take(MOST_RIVALS))
+            .map(|k| {
+                let confusion = document.confusion[index][*k];
+                format!("{} ({})", document.faults[*k].name(), percent(confusion))
+            })
+            .collect();
+        if rivals.len() > MOST_RIVALS {
+            named.push(format!("and {} more", rivals.len() - MOST_RIVALS));
+        }
+        let cells = [
+            fault.name(),
+            fault.size.clone(),
+            percent(fault.detection),
+            named.join(", "),
+        ];
+        rows.add_row(cells.map(comfy_table::Cell::new));
+    }
+    say!("{rows}");
+    say!(
+        "seen: probability that diagnosis names or lists it; confused: something is seen, but the other is not ruled out, with a \
+         probability of {} or more",
+        percent(CONFUSED)
+    );
+}

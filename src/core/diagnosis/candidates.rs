@@ -1,0 +1,295 @@
+//! What could be wrong: every effect of the catalogue on every target, with its columns and its prior.
+//!
+//! A candidate is one cause: an effect on one cable, on all cables with common parameters, or on each cable with
+//! parameters of its own. An event that could be at any of `N` poses, or a wave of any of `N` periods, is `N` candidates
+//! that share its prior probability. Columns are derivatives of the readings at the value without effect; those of
+//! events and waves are one derivative, the generator, times a weight for each pose.
+
+use std::f64::consts::FRAC_PI_4;
+
+use nalgebra::DMatrix;
+
+use super::report::Cause;
+use crate::effect::{Effect, EffectParameter, Scope, Search};
+
+/// Probability that a size is beyond the typical ones, and by how much.
+const BEYOND: f64 = 0.04;
+const BEYOND_FACTOR: f64 = 4.0;
+
+/// At which poses a generator acts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Acts {
+    /// At all.
+    Everywhere,
+    /// At the pose with this index among those fitted.
+    At(usize),
+    /// From that pose on.
+    From(usize),
+    /// Times the sine (or cosine) of an angle that turns once per period (m).
+    Wave { period: f64, cosine: bool },
+}
+
+/// A column of the linearised problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Column {
+    pub generator: usize,
+    pub acts: Acts,
+}
+
+/// One cause that the data are asked about.
+#[derive(Debug, Clone)]
+pub(super) struct Candidate {
+    /// Effect and targets, the parameters at their start values.
+    pub cause: Cause,
+    /// Cables concerned; those of an effect of the robot are none.
+    pub cables: u64,
+    /// Label of the pose, or period; NaN where there is none.
+    pub place: f64,
+    pub columns: Vec<Column>,
+    /// Factor `F` of the prior covariance `F F^T` of the columns' parameters at scale 1.
+    pub prior: DMatrix<f64>,
+    /// Sizes over those of `prior`, each with the logarithm of its probability.
+    pub scales: Vec<(f64, f64)>,
+    /// Whether the parameter is not negative.
+    pub is_positive: bool,
+    /// Logarithm of its prior odds.
+    pub log_odds: f64,
+}
+
+impl Candidate {
+    pub fn effect(&self) -> &'static Effect {
+        self.cause.effect()
+    }
+
+    pub fn is_event(&self) -> bool {
+        self.effect().pose_parameter().is_some()
+    }
+
+    /// Whether it has a value for each of several cables.
+    pub fn is_family(&self) -> bool {
+        self.cause.instances.len() > 1
+    }
+
+    /// Whether it is one value for all cables.
+    fn is_common(&self) -> bool {
+        self.effect().scope() == Scope::CableOrAll && !self.cause.instances[0].targeted
+    }
+
+    /// Whether it is this cause, with whatever values, at the same pose or of the same period.
+    pub fn is_of(&self, cause: &Cause) -> bool {
+        let bound = &cause.instances[0];
+        let place = match bound.effect.search() {
+            Search::FromPose(k)
+            | Search::AtPose(k)
+            | Search::Wave {
+                period: Some(k), ..
+            } => bound.values[k],
+            _ => f64::NAN,
+        };
+        is_alike(&self.cause, cause) && (place.is_nan() || place == self.place)
+    }
+
+    /// Whether both cannot be in one set: they say the same of a cable.
+    pub fn excludes(&self, other: &Self) -> bool {
+        let scale = |c: &Self| matches!(c.effect().id(), "winch_scale" | "winch_scale_common");
+        let overlap = self.cables & other.cables != 0 || self.cables == other.cables;
+        if std::ptr::eq(self.effect(), other.effect()) {
+            // What all cables have in common one of them may have more of.
+            let is_more =
+                self.is_common() != other.is_common() && !self.is_family() && !other.is_family();
+            return overlap
+                && !is_more
+                && (self.place.is_nan() || !self.is_event() || self.place == other.place);
+        }
+        // The common scale is the scale of every winch.
+        scale(self) && scale(other) && (self.is_family() || other.is_family())
+    }
+
+    /// The cause with an estimate of its columns' parameters.
+    pub fn estimated(&self, estimate: &[f64]) -> Cause {
+        let mut cause = self.cause.clone();
+        let mut numbers = estimate.iter().copied();
+        let mut next = || numbers.next().unwrap_or(0.0);
+        for bound in &mut cause.instances {
+            match bound.effect.search() {
+                Search::Wave { phase, period } => {
+                    let (a, b) = (next(), next());
+                    bound.values[amplitude_of(phase, period)] = a.hypot(b);
+                    bound.values[phase] = b.atan2(a);
+                    if let Some(period) = period {
+                        bound.values[period] = self.place;
+                    }
+                }
+                search => {
+                    for k in estimable(bound.effect) {
+                        let parameter = &bound.effect.parameters()[k];
+                        bound.values[k] = parameter.neutral + distance(parameter, next());
+                    }
+                    if let Search::FromPose(pose) | Search::AtPose(pose) = search {
+                        bound.values[pose] = self.place;
+                    }
+                }
+            }
+        }
+        cause
+    }
+
+    /// The cause at its pose or with its period, other values at the start.
+    pub fn placed(&self) -> Cause {
+        let mut cause = self.cause.clone();
+        for bound in &mut cause.instances {
+            if let Search::FromPose(k)
+            | Search::AtPose(k)
+            | Search::Wave {
+                period: Some(k), ..
+            } = bound.effect.search()
+            {
+                bound.values[k] = self.place;
+            }
+        }
+        cause
+    }
+
+    /// The cause at its pose or with its period at typical size: each parameter at the geometric mean of the smallest and
+    /// the largest that are typical, over the root of their number.
+    pub fn typical(&self) -> Cause {
+        let mut cause = self.placed();
+        for bound in &mut cause.instances {
+            let parameters = bound.effect.parameters();
+            if let Search::Wave { phase, period } = bound.effect.search() {
+                let amplitude = amplitude_of(phase, period);
+                bound.values[amplitude] = typical_size(&parameters[amplitude]);
+                bound.values[phase] = FRAC_PI_4;
+                continue;
+            }
+            let count = estimable(bound.effect).count() as f64;
+            for k in estimable(bound.effect) {
+                bound.values[k] =
+                    parameters[k].neutral + typical_size(&parameters[k]) / count.sqrt();
+            }
+        }
+        cause
+    }
+
+    /// The scale nearest to the size of values.
+    pub fn nearest_scale(&self, coordinates: &[f64]) -> usize {
+        let size = |k: usize| coordinates[k].abs() / self.prior.row(k).norm();
+        let largest = (0..coordinates.len()).map(size).fold(1e-9, f64::max);
+        let off = |k: &usize| (self.scales[*k].0 / largest).ln().abs();
+        let places = 0..self.scales.len();
+        places.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
+    }
+
+    /// The columns' parameters of a cause of this kind with values: the inverse of [`Self::estimated`].
+    pub fn coordinates(&self, cause: &Cause) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        for bound in &cause.instances {
+            if let Search::Wave { phase, period } = bound.effect.search() {
+                let amplitude = bound.values[amplitude_of(phase, period)];
+                let (sine, cosine) = bound.values[phase].sin_cos();
+                numbers.extend([amplitude * cosine, amplitude * sine]);
+                continue;
+            }
+            for k in estimable(bound.effect) {
+                let parameter = &bound.effect.parameters()[k];
+                let value = bound.values[k] - parameter.neutral;
+                let probe = probe_offset(parameter);
+                numbers.push(if probe == 0.0 {
+                    value
+                } else {
+                    // The square of the value in steps of the derivative beside it.
+                    value * value / (2.0 * (value + probe))
+                });
+            }
+        }
+        numbers
+    }
+}
+
+/// Same effect on the same cables in the same way, wherever an event or a wave is.
+pub(super) fn is_alike(one: &Cause, other: &Cause) -> bool {
+    let targets = |cause: &Cause| -> Vec<(Vec<usize>, bool)> {
+        let instances = cause.instances.iter();
+        instances.map(|b| (b.cables.clone(), b.targeted)).collect()
+    };
+    std::ptr::eq(one.effect(), other.effect()) && targets(one) == targets(other)
+}
+
+/// Where a parameter is probed, from its neutral value: there where nothing depends on it at first order, a little beside
+/// it.
+pub(super) fn probe_offset(parameter: &EffectParameter) -> f64 {
+    0.1 * (parameter.start - parameter.neutral)
+}
+
+/// Distance from the neutral value that a linear step from the probe means: what does not depend on a parameter at
+/// first order depends on its square.
+fn distance(parameter: &EffectParameter, step: f64) -> f64 {
+    let probe = probe_offset(parameter);
+    if probe == 0.0 {
+        return step;
+    }
+    let square = (probe * probe + 2.0 * probe * step).max(0.0);
+    square.sqrt().max(parameter.start - parameter.neutral)
+}
+
+/// The parameter of a wave that is neither phase nor period.
+pub(super) fn amplitude_of(phase: usize, period: Option<usize>) -> usize {
+    (0..3)
+        .find(|k| *k != phase && Some(*k) != period)
+        .unwrap_or_default()
+}
+
+pub(super) fn estimable(effect: &'static Effect) -> impl Iterator<Item = usize> {
+    let parameters = effect.parameters().iter().enumerate();
+    parameters.filter(|(_, p)| !p.discrete).map(|(k, _)| k)
+}
+
+/// The parameter that says how large an effect is.
+pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectParameter> {
+    let index = match effect.search() {
+        Search::Wave { phase, period } => Some(amplitude_of(phase, period)),
+        _ => estimable(effect).next(),
+    };
+    index.map(|k| &effect.parameters()[k])
+}
+
+/// The geometric mean of the smallest and the largest typical size.
+fn typical_size(parameter: &EffectParameter) -> f64 {
+    let [a, b] = parameter.typical.map(f64::abs);
+    if a.min(b) > 0.0 {
+        (a * b).sqrt()
+    } else {
+        0.5 * a.max(b)
+    }
+}
+
+/// Sizes over the largest typical one, each with the logarithm of its probability: evenly over the orders of
+/// magnitude of the typical sizes, and rarely beyond.
+pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
+    let [a, b] = parameter.typical.map(f64::abs);
+    let (least, largest) = (a.min(b), a.max(b));
+    let mut sizes = vec![1.0];
+    while sizes[sizes.len() - 1] * largest > 2.0 * least.max(1e-3 * largest) {
+        sizes.push(sizes[sizes.len() - 1] / BEYOND_FACTOR);
+    }
+    let each = ((1.0 - BEYOND) / sizes.len() as f64).ln();
+    let mut scales: Vec<_> = sizes.into_iter().map(|size| (size, each)).collect();
+    if parameter.bounds == [f64::NEG_INFINITY, f64::INFINITY] || parameter.bounds[0] == 0.0 {
+        scales.push((BEYOND_FACTOR, BEYOND.ln()));
+    }
+    scales
+}
+
+/// Largest typical size over the standard deviation of the prior of a step of a parameter.
+pub(super) fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
+    let [a, b] = parameter.typical.map(f64::abs);
+    let largest = a.max(b);
+    let probe = probe_offset(parameter);
+    // The largest typical size is rare.
+    let sd = 0.5 * largest;
+    if probe == 0.0 {
+        sd
+    } else {
+        largest * sd / (2.0 * (present + probe))
+    }
+}

@@ -1,0 +1,453 @@
+//! All candidates at a fit, with the columns of the linear problem that they need.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use nalgebra::{DMatrix, DVector};
+
+use super::candidates::{
+    Acts, Candidate, Column, amplitude_of, estimable, is_alike, prior_sd, probe_offset, scales,
+    size_parameter,
+};
+use super::conditions::Conditions;
+use super::fit::Fit;
+use super::report::Cause;
+use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search};
+use crate::estimation::{Linearisation, ParameterId};
+
+/// Columns that are linearised at once.
+const CHUNK: usize = 64;
+/// Steps of a wave's frequency for each wave over the range of its variable.
+const PERIODS_PER_WAVE: f64 = 2.5;
+/// Most periods that are tried.
+const MOST_PERIODS: f64 = 300.0;
+/// Share of an effect's prior probability that is for some cables with a common value.
+const SHARED: f64 = 0.05;
+/// Share of an effect's prior probability that is for one cable, for all cables alike and for each its own value.
+const SHARES: [f64; 3] = [0.7, 0.15, 0.15];
+/// Correlation of the values that cables have of their own.
+const ALIKE: f64 = 0.3;
+
+/// The columns of a fit for all candidates, and the candidates.
+pub(super) struct Catalogue {
+    pub candidates: Vec<Candidate>,
+    /// Rows of the fit's linearisation x generators, poses and tensions eliminated.
+    pub generators: DMatrix<f64>,
+    /// Laser reading at each fitted pose (m); NaN where there is none.
+    pub distances: Vec<f64>,
+}
+
+impl Catalogue {
+    /// All candidates at a fit whose linearisation is `linear`, or only those that are causes of the fit; `expected` is
+    /// the number of causes expected beforehand.
+    pub fn new(fit: &Fit<'_>, linear: &Linearisation, expected: f64, is_all: bool) -> Self {
+        let data = &fit.problem.dataset.measurements;
+        let labels: Vec<i64> = linear.poses.iter().map(|p| data.labels[p.row]).collect();
+        let distances: Vec<f64> = linear.poses.iter().map(|p| data.laser_at(p.row)).collect();
+        let mut builder = Builder {
+            fit,
+            linear,
+            labels,
+            distances,
+            is_all,
+            bounds: Vec::new(),
+            generators: Vec::new(),
+            candidates: Vec::new(),
+        };
+        let asked = || CATALOGUE.iter().filter(|e| e.search() != Search::Exchange);
+        let each = expected / asked().count() as f64;
+        for effect in asked() {
+            builder.add(effect, each);
+        }
+        builder.add_shared(each * SHARED);
+        builder.build()
+    }
+}
+
+impl Catalogue {
+    /// A column in conditions; `generators` are the catalogue's.
+    pub fn column(
+        &self,
+        column: Column,
+        generators: &DMatrix<f64>,
+        conditions: &Conditions,
+    ) -> DVector<f64> {
+        let mut values = generators.column(column.generator).into_owned();
+        if column.acts == Acts::Everywhere {
+            return values;
+        }
+        for (pose, block) in conditions.blocks.iter().enumerate() {
+            let weight = if pose < conditions.poses {
+                self.weight(column.acts, pose)
+            } else {
+                0.0
+            };
+            let own = block.conditions.clone();
+            values.rows_mut(own.start, own.len()).scale_mut(weight);
+        }
+        values
+    }
+
+    /// Weight of a generator at a pose.
+    pub fn weight(&self, acts: Acts, pose: usize) -> f64 {
+        match acts {
+            Acts::Everywhere => 1.0,
+            Acts::At(at) => f64::from(u8::from(pose == at)),
+            Acts::From(from) => f64::from(u8::from(pose >= from)),
+            Acts::Wave { period, cosine } => wave(period, cosine, self.distances[pose]),
+        }
+    }
+}
+
+struct Builder<'b> {
+    fit: &'b Fit<'b>,
+    linear: &'b Linearisation,
+    labels: Vec<i64>,
+    distances: Vec<f64>,
+    /// Whether causes that the fit does not have are candidates, too.
+    is_all: bool,
+    /// What is probed, each once.
+    bounds: Vec<BoundEffect>,
+    /// Index of what is probed, and of its parameter.
+    generators: Vec<(usize, usize)>,
+    candidates: Vec<Candidate>,
+}
+
+impl Builder<'_> {
+    fn generator(&mut self, bound: &BoundEffect, parameter: usize) -> usize {
+        let bits = |b: &BoundEffect| b.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let same = |other: &BoundEffect| {
+            other.effect.id() == bound.effect.id()
+                && other.cables == bound.cables
+                && other.targeted == bound.targeted
+                && bits(other) == bits(bound)
+        };
+        let known = self.bounds.iter().position(same);
+        let index = known.unwrap_or_else(|| {
+            self.bounds.push(bound.clone());
+            self.bounds.len() - 1
+        });
+        let known = self
+            .generators
+            .iter()
+            .position(|g| *g == (index, parameter));
+        known.unwrap_or_else(|| {
+            self.generators.push((index, parameter));
+            self.generators.len() - 1
+        })
+    }
+
+    /// Adds all candidates of an effect, whose expected number is `expected`.
+    fn add(&mut self, effect: &'static Effect, expected: f64) {
+        let cables = self.fit.problem.dataset.robot.cable_count();
+        let all: Vec<usize> = (0..cables).collect();
+        let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
+            effect,
+            cables,
+            targeted,
+            values: effect.parameters().iter().map(|p| p.start).collect(),
+        };
+        let whole = || vec![bound(all.clone(), false)];
+        let each = || all.iter().map(|c| bound(vec![*c], true));
+        let mut targets: Vec<(Vec<BoundEffect>, f64)> = Vec::new();
+        match effect.scope() {
+            Scope::Robot => targets.push((whole(), 1.0)),
+            Scope::Pair | Scope::Reading => {}
+            Scope::Cable | Scope::CableOrAll => {
+                let alone = SHARES[0] / cables as f64;
+                targets.extend(each().map(|b| (vec![b], alone)));
+                if effect.scope() == Scope::CableOrAll {
+                    targets.push((whole(), SHARES[1]));
+                }
+                if effect.search() == Search::Direct && cables > 1 {
+                    targets.push((each().collect(), SHARES[2]));
+                }
+            }
+        }
+        for (instances, share) in targets {
+            self.add_cause(&Cause { instances }, expected * share);
+        }
+    }
+
+    /// Adds the causes of the fit that some cables have in common.
+    fn add_shared(&mut self, expected: f64) {
+        for cause in &self.fit.causes {
+            let known = self.candidates.iter().any(|c| c.is_of(cause));
+            if !known && cause.effect().search() != Search::Exchange {
+                let mut start = cause.clone();
+                for bound in &mut start.instances {
+                    bound.values = bound.effect.parameters().iter().map(|p| p.start).collect();
+                }
+                self.add_cause(&start, expected);
+            }
+        }
+    }
+
+    fn add_cause(&mut self, cause: &Cause, expected: f64) {
+        let effect = cause.effect();
+        let present = self.fit.causes.iter().any(|c| is_alike(c, cause));
+        if !self.is_all && !present {
+            return;
+        }
+        match effect.search() {
+            Search::Direct | Search::Exchange => {
+                let columns = self.columns(cause, |_| Acts::Everywhere);
+                self.push(cause, columns, f64::NAN, expected);
+            }
+            Search::Wave {
+                phase,
+                period: None,
+            } => {
+                let columns = self.wave(cause, phase);
+                self.push(cause, columns, f64::NAN, expected);
+            }
+            Search::Wave {
+                phase,
+                period: Some(period),
+            } => self.add_periods(cause, (phase, period), expected),
+            Search::FromPose(pose) => self.add_event(cause, pose, Acts::From, expected),
+            Search::AtPose(pose) => self.add_event(cause, pose, Acts::At, expected),
+        }
+    }
+
+    fn columns(&mut self, cause: &Cause, acts: impl Fn(usize) -> Acts) -> Vec<Column> {
+        let mut columns = Vec::new();
+        for bound in &cause.instances {
+            let mut at = bound.clone();
+            for (value, p) in at.values.iter_mut().zip(at.effect.parameters()) {
+                *value = p.neutral + probe_offset(p);
+            }
+            for k in estimable(at.effect) {
+                let generator = self.generator(&at, k);
+                columns.push(Column {
+                    generator,
+                    acts: acts(columns.len()),
+                });
+            }
+        }
+        columns
+    }
+
+    /// The sine and the cosine of a wave of known period.
+    fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<Column> {
+        let mut columns = Vec::new();
+        for bound in &cause.instances {
+            for angle in [0.0, FRAC_PI_2] {
+                let mut at = bound.clone();
+                at.values.fill(0.0);
+                at.values[phase] = angle;
+                columns.push(Column {
+                    generator: self.generator(&at, amplitude_of(phase, None)),
+                    acts: Acts::Everywhere,
+                });
+            }
+        }
+        columns
+    }
+
+    /// Waves in the laser's distance: from the shortest to the longest period that the readings can show.
+    fn add_periods(&mut self, cause: &Cause, (phase, period): (usize, usize), expected: f64) {
+        // An endless wave at its crest is a constant.
+        let mut at = cause.instances[0].clone();
+        at.values.fill(0.0);
+        at.values[period] = f64::INFINITY;
+        at.values[phase] = FRAC_PI_2;
+        let generator = self.generator(&at, amplitude_of(phase, Some(period)));
+        let typical = cause.effect().parameters()[period].typical;
+        let mut periods = periods(typical, &self.distances);
+        let present = self.fit.causes.iter().flat_map(|c| &c.instances);
+        for bound in present.filter(|b| b.effect.id() == cause.effect().id()) {
+            let own = bound.values[period];
+            let nearest = (0..periods.len()).min_by(|a, b| {
+                let off = |k: usize| (periods[k] - own).abs();
+                off(*a).total_cmp(&off(*b))
+            });
+            if let Some(k) = nearest {
+                periods[k] = own;
+            }
+        }
+        let share = expected / periods.len().max(1) as f64;
+        for period in periods {
+            let column = |cosine| Column {
+                generator,
+                acts: Acts::Wave { period, cosine },
+            };
+            self.push(cause, vec![column(false), column(true)], period, share);
+        }
+    }
+
+    fn add_event(
+        &mut self,
+        cause: &Cause,
+        pose: usize,
+        acts: impl Fn(usize) -> Acts,
+        expected: f64,
+    ) {
+        let mut at = cause.clone();
+        for bound in &mut at.instances {
+            // NaN stands for every pose.
+            bound.values[pose] = f64::NAN;
+        }
+        let mut generators = Vec::new();
+        for bound in &at.instances {
+            for k in estimable(bound.effect) {
+                generators.push(self.generator(bound, k));
+            }
+        }
+        let mut places: Vec<usize> = (0..self.labels.len()).collect();
+        if matches!(acts(0), Acts::From(_)) && !places.is_empty() {
+            // From the first pose on it would be no event but an offset.
+            places.remove(0);
+        }
+        let share = expected / places.len().max(1) as f64;
+        for place in places {
+            let columns = generators.iter().map(|generator| Column {
+                generator: *generator,
+                acts: acts(place),
+            });
+            let label = self.labels[place] as f64;
+            self.push(cause, columns.collect(), label, share);
+        }
+    }
+
+    fn push(&mut self, cause: &Cause, columns: Vec<Column>, place: f64, expected: f64) {
+        let effect = cause.effect();
+        let Some(size) = size_parameter(effect) else {
+            return;
+        };
+        let is_cause = |c: &Cause| {
+            let values = c.instances[0].values.iter();
+            is_alike(c, cause) && (place.is_nan() || values.into_iter().any(|v| *v == place))
+        };
+        if !self.is_all && !self.fit.causes.iter().any(is_cause) {
+            return;
+        }
+        let present = |bound: &BoundEffect, k: usize| {
+            let found = self.fit.causes.iter().flat_map(|c| &c.instances);
+            let mut same =
+                found.filter(|b| b.effect.id() == effect.id() && b.cables == bound.cables);
+            same.next()
+                .map_or(0.0, |b| b.values[k] - effect.parameters()[k].neutral)
+        };
+        let wave = matches!(effect.search(), Search::Wave { .. });
+        let mut sds: Vec<f64> = Vec::new();
+        for bound in &cause.instances {
+            if wave {
+                sds.extend([prior_sd(size, 0.0); 2]);
+            } else {
+                let parameters = effect.parameters();
+                sds.extend(estimable(effect).map(|k| prior_sd(&parameters[k], present(bound, k))));
+            }
+        }
+        let count = cause.instances.len();
+        let per = sds.len() / count;
+        let alike = if count > 1 { ALIKE } else { 0.0 };
+        let covariance = DMatrix::from_fn(sds.len(), sds.len(), |i, k| {
+            let correlation = match (i == k, i % per == k % per) {
+                (true, _) => 1.0,
+                (false, true) => alike,
+                (false, false) => 0.0,
+            };
+            correlation * sds[i] * sds[k]
+        });
+        let Some(prior) = covariance.cholesky() else {
+            return;
+        };
+        let targeted = cause
+            .instances
+            .iter()
+            .filter(|b| effect.scope() != Scope::Robot || b.targeted);
+        let cables = targeted
+            .flat_map(|b| &b.cables)
+            .fold(0, |mask, c| mask | 1_u64 << c);
+        self.candidates.push(Candidate {
+            cause: cause.clone(),
+            cables,
+            place,
+            columns,
+            prior: prior.unpack(),
+            scales: scales(size),
+            is_positive: size.bounds[0] == 0.0 && sds.len() == 1,
+            log_odds: (expected / (1.0 - expected)).ln(),
+        });
+    }
+
+    fn build(self) -> Catalogue {
+        let rows = self.linear.rows.len();
+        let mut generators = DMatrix::zeros(rows, self.generators.len());
+        let mut first = 0;
+        while first < self.bounds.len() {
+            let mut until = first;
+            let mut columns = 0;
+            while until < self.bounds.len() && columns < CHUNK {
+                columns += self.bounds[until].values.len();
+                until += 1;
+            }
+            let linear = on_top_of(self.fit, &self.bounds[first..until]);
+            let present = self.fit.problem.free_effects.len();
+            for (column, parameter) in linear.parameters.iter().enumerate() {
+                let ParameterId::Effect { effect, parameter } = parameter.id else {
+                    continue;
+                };
+                let own = |g: &(usize, usize)| *g == (first + effect - present, parameter);
+                if effect >= present
+                    && let Some(k) = self.generators.iter().position(own)
+                {
+                    let from = linear.design.view((0, column), (rows, 1));
+                    generators.column_mut(k).copy_from(&from);
+                }
+            }
+            first = until;
+        }
+        // What no reading depends on cannot be asked.
+        let mut candidates = self.candidates;
+        candidates.retain(|candidate| {
+            let mut columns = candidate.columns.iter();
+            columns.any(|c| generators.column(c.generator).norm_squared() > 0.0)
+        });
+        Catalogue {
+            candidates,
+            generators,
+            distances: self.distances,
+        }
+    }
+}
+
+/// The problem of a fit linearised at its solution with further effects.
+fn on_top_of(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
+    let mut problem = fit.problem.clone();
+    problem.free_effects.extend(bounds.iter().cloned());
+    let mut solution = fit.solution.clone();
+    solution.globals.effects.extend(bounds.iter().cloned());
+    solution.parameters = problem.parameters();
+    Linearisation::new(&problem, &solution)
+}
+
+/// Periods at which a wave is tried: from twice the mean distance of neighbouring values, or the shortest typical one if
+/// that is longer, to their range, so close that none between is missed.
+fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
+    let finite = || values.iter().copied().filter(|v| v.is_finite());
+    let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
+    if range.is_nan() || range <= 0.0 {
+        return Vec::new();
+    }
+    let (shortest, longest) = (
+        typical[0].min(range),
+        typical[1].min(range).max(typical[0].min(range)),
+    );
+    let (low, high) = (longest.recip(), shortest.recip());
+    let count = ((high - low) * PERIODS_PER_WAVE * range)
+        .ceil()
+        .clamp(1.0, MOST_PERIODS);
+    (0..=count as usize)
+        .map(|k| (low + (high - low) * k as f64 / count).recip())
+        .collect()
+}
+
+/// Weight of a wave at a value of its variable.
+fn wave(period: f64, cosine: bool, value: f64) -> f64 {
+    if value.is_nan() {
+        return 0.0;
+    }
+    let angle = TAU * value / period;
+    if cosine { angle.cos() } else { angle.sin() }
+}

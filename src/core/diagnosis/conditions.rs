@@ -1,0 +1,228 @@
+//! The readings as condition equations: what is left of them when poses and latent tensions are eliminated.
+//!
+//! With `Q_j` an orthonormal basis of what pose `j` alone leaves of its rows ([`super::residual_space`]), the conditions
+//! are `y_j = Q_j^T r_j`, their derivatives `Q_j^T A_j`, and their noise has the covariance `Q_j^T D_j Q_j` with the
+//! variances `D_j` of the readings over those described: other noise needs no elimination anew. Readings of no pose
+//! and priors are conditions themselves. (Mikhail and Ackermann, Observations and Least Squares, 1976, chapter 7.)
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::reading_id::ReadingId;
+use super::residual_space::range_basis;
+use crate::estimation::{Linearisation, ParameterId, RowKind};
+
+/// The conditions of one pose, or a row of none.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    /// Which conditions.
+    pub conditions: std::ops::Range<usize>,
+    /// Which rows of the linearisation.
+    rows: std::ops::Range<usize>,
+    /// `Q^T`, one column per row.
+    basis: DMatrix<f64>,
+    /// Class of each row; none for what is no reading.
+    classes: Vec<Option<usize>>,
+}
+
+/// All conditions of a linearisation.
+#[derive(Debug, Clone)]
+pub(super) struct Conditions {
+    pub blocks: Vec<Block>,
+    /// Number of poses, whose blocks come first.
+    pub poses: usize,
+    /// Number of conditions.
+    pub count: usize,
+    /// The kinds of readings, each with a variance of its own.
+    pub classes: Vec<ReadingId>,
+}
+
+/// Noise of all conditions.
+pub(super) struct Noise<'c> {
+    conditions: &'c Conditions,
+    /// Variance of each class over that described.
+    pub variance: Vec<f64>,
+    /// `L^-1` of the Cholesky factors `L`; none where the noise is as described.
+    factors: Vec<Option<DMatrix<f64>>>,
+    pub log_determinant: f64,
+}
+
+impl Conditions {
+    pub fn new(linear: &Linearisation) -> Self {
+        let ids: Vec<_> = linear
+            .rows
+            .iter()
+            .map(|row| ReadingId::of(row, linear))
+            .collect();
+        let mut index: BTreeMap<ReadingId, usize> =
+            ids.iter().flatten().map(|id| (*id, 0)).collect();
+        for (place, index) in index.values_mut().enumerate() {
+            *index = place;
+        }
+        let class = |row: usize| ids[row].as_ref().map(|id| index[id]);
+        let mut found = Self {
+            blocks: Vec::new(),
+            poses: linear.poses.len(),
+            count: 0,
+            classes: index.keys().copied().collect(),
+        };
+        for pose in &linear.poses {
+            let classes = pose.rows.clone().map(class).collect();
+            found.push(pose.rows.clone(), range_basis(&pose.remainder), classes);
+        }
+        let first = linear.poses.last().map_or(0, |pose| pose.rows.end);
+        for row in first..linear.rows.len() {
+            // Causes have priors of their own.
+            if let RowKind::Prior(k) = linear.rows[row].kind
+                && matches!(linear.parameters[k].id, ParameterId::Effect { .. })
+            {
+                continue;
+            }
+            found.push(row..row + 1, DMatrix::identity(1, 1), vec![class(row)]);
+        }
+        found
+    }
+
+    fn push(
+        &mut self,
+        rows: std::ops::Range<usize>,
+        basis: DMatrix<f64>,
+        classes: Vec<Option<usize>>,
+    ) {
+        let first = self.count;
+        self.count += basis.nrows();
+        self.blocks.push(Block {
+            conditions: first..self.count,
+            rows,
+            basis,
+            classes,
+        });
+    }
+
+    /// The conditions of functions of the rows, one per column.
+    pub fn of_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut conditions = DMatrix::zeros(self.count, rows.ncols());
+        for block in &self.blocks {
+            let own = rows.rows(block.rows.start, block.rows.len());
+            let mut to = conditions.rows_mut(block.conditions.start, block.conditions.len());
+            to.gemm(1.0, &block.basis, &own, 0.0);
+        }
+        conditions
+    }
+
+    /// The conditions of functions of the readings of one class: one value per pose, of which the first that the class
+    /// has at a pose counts.
+    pub fn of_class(&self, class: usize, functions: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut conditions = DMatrix::zeros(self.count, functions.ncols());
+        for (pose, block) in self.blocks[..self.poses].iter().enumerate() {
+            let Some(row) = block.classes.iter().position(|c| *c == Some(class)) else {
+                continue;
+            };
+            let mut to = conditions.rows_mut(block.conditions.start, block.conditions.len());
+            to.ger(
+                1.0,
+                &block.basis.column(row),
+                &functions.row(pose).transpose(),
+                0.0,
+            );
+        }
+        conditions
+    }
+
+    /// The poses at which a class has a reading.
+    pub fn poses_of(&self, class: usize) -> Vec<usize> {
+        let has = |pose: &usize| self.blocks[*pose].classes.contains(&Some(class));
+        (0..self.poses).filter(has).collect()
+    }
+
+    /// Noise with these variances of the classes.
+    pub fn noise(&self, variance: &[f64]) -> Noise<'_> {
+        let mut noise = Noise {
+            conditions: self,
+            variance: variance.to_vec(),
+            factors: Vec::with_capacity(self.blocks.len()),
+            log_determinant: 0.0,
+        };
+        for block in &self.blocks {
+            let of = |class: &Option<usize>| class.map_or(1.0, |k| variance[k]);
+            let row: Vec<f64> = block.classes.iter().map(of).collect();
+            if row.iter().all(|v| *v == 1.0) {
+                noise.factors.push(None);
+                continue;
+            }
+            let mut scaled = block.basis.clone();
+            for (mut column, v) in scaled.column_iter_mut().zip(&row) {
+                column *= *v;
+            }
+            let factor = Cholesky::new(&scaled * block.basis.transpose());
+            noise.factors.push(factor.map(|factor| {
+                let diagonal = factor.l_dirty().diagonal();
+                noise.log_determinant += 2.0 * diagonal.map(f64::ln).sum();
+                let mut inverse = DMatrix::identity(diagonal.len(), diagonal.len());
+                factor.l_dirty().solve_lower_triangular_mut(&mut inverse);
+                inverse
+            }));
+        }
+        noise
+    }
+}
+
+impl Noise<'_> {
+    /// Divides by the noise: `L^-1 x` with the covariance `L L^T` of the conditions.
+    pub fn whiten(&self, x: &mut DMatrix<f64>) {
+        for (block, factor) in self.conditions.blocks.iter().zip(&self.factors) {
+            if let Some(factor) = factor {
+                let mut own = x.rows_mut(block.conditions.start, block.conditions.len());
+                let whitened = factor * &own;
+                own.copy_from(&whitened);
+            }
+        }
+    }
+
+    /// An error of 1 in the readings of some classes at each pose, whitened: its first condition and its values.
+    pub fn unit_errors(&self, classes: &[usize]) -> Vec<(usize, DVector<f64>)> {
+        let poses = &self.conditions.blocks[..self.conditions.poses];
+        let of = |(block, factor): (&Block, &Option<DMatrix<f64>>)| {
+            let mut error = DVector::zeros(block.conditions.len());
+            for class in classes {
+                if let Some(row) = block.classes.iter().position(|c| c == &Some(*class)) {
+                    error += block.basis.column(row);
+                }
+            }
+            let error = factor
+                .as_ref()
+                .map_or(error.clone(), |factor| factor * error);
+            (block.conditions.start, error)
+        };
+        poses.iter().zip(&self.factors).map(of).collect()
+    }
+
+    /// For each class the squares of its estimated errors in the noise described, and their expectation over its
+    /// variance: `sum (v w.p)^2` and `v sum w^T P w` over its rows, with `w` the column of `Q^T` of a row, the weighted
+    /// residual `p = L^-T r` and `P = L^-T (1 - U U^T) L^-1`; `taken` is `U^T`.
+    pub fn class_sums(&self, residual: &DVector<f64>, taken: &DMatrix<f64>) -> Vec<[f64; 2]> {
+        let mut sums = vec![[0.0; 2]; self.conditions.classes.len()];
+        for (block, factor) in self.conditions.blocks.iter().zip(&self.factors) {
+            if block.classes.iter().all(Option::is_none) {
+                continue;
+            }
+            let rows = match factor {
+                Some(factor) => factor * &block.basis,
+                None => block.basis.clone(),
+            };
+            let (first, count) = (block.conditions.start, block.conditions.len());
+            let error = rows.tr_mul(&residual.rows(first, count));
+            let taken = taken.columns(first, count) * &rows;
+            for (row, class) in block.classes.iter().enumerate() {
+                if let Some(class) = class {
+                    let v = self.variance[*class];
+                    let left = rows.column(row).norm_squared() - taken.column(row).norm_squared();
+                    sums[*class][0] += (v * error[row]).powi(2);
+                    sums[*class][1] += v * left;
+                }
+            }
+        }
+        sums
+    }
+}

@@ -1,0 +1,193 @@
+//! The sets of causes that are likely at a fit, over a few points of the hyperparameters.
+
+use std::collections::HashMap;
+
+use super::Stage;
+use super::candidates::is_alike;
+use super::evidence::{Member, System};
+use super::gram::Gram;
+use super::hyperparameters::Hyperparameters;
+use super::linear_fit::LinearFit;
+use super::progress::Reporter;
+use super::report::Cause;
+use super::search::{Search, Set, Visited};
+
+/// Most points of the hyperparameters at each fit.
+const MOST_POINTS: usize = 5;
+/// Most sets that are extended in each search.
+pub(super) const MOST_EXTENDED: usize = 40;
+/// Difference of the logarithm of the posterior up to which a set counts.
+const COUNTED: f64 = 12.0;
+/// Information, in units of the prior's, below which the data say nothing of a parameter.
+const SEEN: f64 = 1e-2;
+
+/// How well the data show one cause, at its most visible place if it is an event or a wave.
+#[derive(Debug, Clone)]
+pub(super) struct Visibility {
+    pub cause: Cause,
+    /// Whether any reading depends on it.
+    pub is_read: bool,
+    /// Standard deviation of its first parameter, everything else estimated; `None` where the data say nothing.
+    pub sd: Option<f64>,
+}
+
+/// One point of the hyperparameters.
+struct Point<'l> {
+    gram: Gram<'l>,
+    /// Logarithm of the evidence without causes, and of the prior of the point.
+    of_none: f64,
+    visited: HashMap<Set, Visited>,
+}
+
+/// The sets that were looked at from one fit.
+pub(super) struct Explored {
+    pub visibility: Vec<Visibility>,
+    /// Members and logarithm of the posterior, the best first.
+    pub ranking: Vec<(Vec<Member>, f64)>,
+    /// Hyperparameters of the best.
+    pub at: Hyperparameters,
+}
+
+pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
+}
+
+pub(super) fn explore(
+    at: &LinearFit<'_, '_>,
+    most: usize,
+    report: &mut Reporter<'_, '_>,
+) -> Explored {
+    let described = at.linear.described();
+    let own = at.estimate(&at.present);
+    let mut asked = vec![own.clone()];
+    if own.is_far_from(&described) {
+        asked.push(described);
+    }
+    let mut points: Vec<Point<'_>> = Vec::new();
+    let mut best: Vec<Member> = at.present.clone();
+    let mut found = own;
+    while let Some(hyper) = asked.pop() {
+        let mut gram = at.gram(&hyper);
+        let of_none = gram.base.log_evidence + hyper.log_prior;
+        let mut search = Search::new(&mut gram, most);
+        search.visit(&[]);
+        search.settle(&at.present);
+        search.settle(&best);
+        for point in &points {
+            if let Some(top) = point
+                .visited
+                .values()
+                .max_by(|a, b| a.log_posterior.total_cmp(&b.log_posterior))
+            {
+                search.settle(&top.members);
+            }
+        }
+        let findings = at.present.len();
+        search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
+        if hyper.is_loud()
+            || points.is_empty() && search.best().is_some_and(|b| b.members.len() > 2)
+        {
+            search.drop_from_all();
+            search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
+        }
+        let visited = search.visited;
+        points.push(Point {
+            gram,
+            of_none,
+            visited,
+        });
+        if !asked.is_empty() {
+            continue;
+        }
+        let ranking = ranked(&mut points);
+        let Some((members, _)) = ranking.first() else {
+            break;
+        };
+        let is_new = members != &best || points.len() <= 2 && members != &at.present;
+        best.clone_from(members);
+        if is_new && points.len() < MOST_POINTS && !report.cancelled {
+            let next = at.estimate(&best);
+            if next.is_far_from(&hyper) {
+                asked.push(next.clone());
+            }
+            found = next;
+        }
+    }
+    Explored {
+        visibility: points
+            .first()
+            .map_or_else(Vec::new, |point| visibility(&point.gram)),
+        ranking: ranked(&mut points),
+        at: found,
+    }
+}
+
+/// The sets of all points with their posteriors, the best first.
+fn ranked(points: &mut [Point<'_>]) -> Vec<(Vec<Member>, f64)> {
+    let mut best: HashMap<Set, (Vec<Member>, f64)> = HashMap::new();
+    for point in points.iter() {
+        for (set, visited) in &point.visited {
+            let value = point.of_none + visited.log_posterior;
+            let entry = best
+                .entry(set.clone())
+                .or_insert_with(|| (visited.members.clone(), value));
+            if value > entry.1 {
+                *entry = (visited.members.clone(), value);
+            }
+        }
+    }
+    let top = best
+        .values()
+        .map(|(_, value)| *value)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let mut ranking: Vec<(Vec<Member>, f64)> = Vec::new();
+    for (set, (members, value)) in best {
+        if value < top - COUNTED {
+            continue;
+        }
+        let all = points.iter_mut().map(|point| {
+            let known = point.visited.get(&set).map(|v| v.log_posterior);
+            point.of_none
+                + known.unwrap_or_else(|| System::new(&mut point.gram, &members).log_posterior)
+        });
+        let total = log_sum(all);
+        ranking.push((members, total));
+    }
+    ranking.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    ranking
+}
+
+/// How well single causes are seen.
+pub(super) fn visibility(gram: &Gram<'_>) -> Vec<Visibility> {
+    let mut found: Vec<Visibility> = Vec::new();
+    for (candidate, own) in gram.candidates.iter().zip(&gram.own) {
+        if candidate.is_family() {
+            continue;
+        }
+        let information = own.information[(0, 0)];
+        let scaled = information * candidate.prior[(0, 0)].powi(2);
+        let sd = (scaled > SEEN).then(|| information.sqrt().recip());
+        // Columns of zeros have no score, whatever rounding leaves of their information.
+        let is_read = own.score.iter().any(|s| *s != 0.0);
+        match found.last_mut() {
+            Some(last) if is_alike(&last.cause, &candidate.cause) => {
+                last.is_read |= is_read;
+                last.sd = match (last.sd, sd) {
+                    (Some(a), Some(b)) => Some(a.min(b)),
+                    (a, b) => a.or(b),
+                };
+            }
+            _ => found.push(Visibility {
+                cause: candidate.cause.clone(),
+                is_read,
+                sd,
+            }),
+        }
+    }
+    found
+}

@@ -1,0 +1,250 @@
+//! The functions that errors without a name are made of.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Quantity;
+use super::background::{Circumstances, beside, spread};
+use super::discrepancy::smooth_functions;
+use super::hyperparameters::Linear;
+use super::reading_id::ReadingId;
+use super::variables::Variables;
+use crate::measurement::Variable;
+use crate::robot::Robot;
+
+/// Most functions of one variable.
+const TERMS: usize = 5;
+/// Most waves over the range of a variable, and steps of the frequency for each.
+const MOST_WAVES: f64 = 64.0;
+const STEPS_PER_WAVE: f64 = 2.5;
+/// Fewest waves: less than that is a smooth function.
+const FEWEST_WAVES: f64 = 1.5;
+/// Variables along which waves are looked for.
+const ALONG: [Variable; 3] = [Variable::Revolutions, Variable::Time, Variable::Distance];
+/// Correlation lengths of fields, over the range of their variables from -1 to 1, and most points that carry one.
+const LENGTHS: [f64; 2] = [0.5, 1.2];
+const MOST_POINTS: usize = 40;
+/// What makes the covariance of a field regular.
+const NUGGET: f64 = 1e-6;
+/// Fewest readings in which an error of some form is looked for.
+const FEWEST_READINGS: usize = 8;
+
+/// How an error depends on what.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Form {
+    /// Smooth in one variable.
+    Smooth(Variable),
+    /// Periodic in one variable, with the period in its unit.
+    Wave(Variable, f64),
+    /// Smooth in the tension of another cable.
+    Crosstalk(usize),
+    /// A Gaussian field over the position, with the correlation length.
+    Position(f64),
+    /// The same over the orientation.
+    Orientation(f64),
+}
+
+impl Form {
+    /// What is said of the error, after "have an error that".
+    pub fn words(self, robot: &Robot) -> String {
+        match self {
+            Self::Smooth(variable) => format!("depends on the {}", variable.name()),
+            Self::Wave(Variable::Time, period) => format!("repeats every {period:.0} s"),
+            Self::Wave(Variable::Distance, period) => {
+                format!("repeats every {:.0} mm of distance", 1e3 * period)
+            }
+            Self::Wave(variable, period) => {
+                format!("repeats every {period:.3} {}", variable.name())
+            }
+            Self::Crosstalk(cable) => {
+                format!("depends on the tension of {}", robot.cables[cable].name)
+            }
+            Self::Position(_) => "depends on the position".to_owned(),
+            Self::Orientation(_) => "depends on the orientation".to_owned(),
+        }
+    }
+}
+
+/// The readings of one kind and cable, or of all cables.
+pub(super) struct Target {
+    pub id: ReadingId,
+    pub classes: Vec<usize>,
+    /// Poses that have such a reading.
+    pub poses: Vec<usize>,
+    pub families: Vec<Family>,
+}
+
+/// The functions of a form for a target.
+pub(super) struct Family {
+    pub form: Form,
+    /// One row per pose of the problem: the functions, and what is left of them without what effects express.
+    pub whole: DMatrix<f64>,
+    pub rest: DMatrix<f64>,
+    pub log_prior: f64,
+}
+
+impl Target {
+    /// The target with all its families; nothing where there are too few readings. Families share a prior of 1.
+    pub fn new(
+        id: ReadingId,
+        classes: Vec<usize>,
+        rows: &[usize],
+        linear: &Linear,
+        variables: &Variables<'_>,
+    ) -> Option<Self> {
+        let poses = linear.conditions.poses_of(classes[0]);
+        if poses.len() < FEWEST_READINGS {
+            return None;
+        }
+        let own: Vec<usize> = poses.iter().map(|pose| rows[*pose]).collect();
+        let of = |cable: Option<usize>, variable: Variable| -> Option<Vec<f64>> {
+            let all = variables.values(id.quantity, cable, variable)?;
+            let values: Vec<f64> = own.iter().map(|row| all[*row]).collect();
+            values.iter().all(|v| v.is_finite()).then_some(values)
+        };
+        let values = |variable: Variable| of(id.cable, variable);
+        let circumstances = Circumstances::new(&id, &own, variables);
+        let mut target = Self {
+            id,
+            classes,
+            poses,
+            families: Vec::new(),
+        };
+        for variable in Variable::ALL {
+            if let Some(values) = values(variable) {
+                let most = TERMS.min(values.len() / 4);
+                let functions = smooth_functions(&values, variable, most);
+                let expressed = circumstances.expressed(variable);
+                target.push(Form::Smooth(variable), functions, 1, (&expressed, linear));
+            }
+        }
+        for variable in ALONG {
+            let Some(values) = values(variable) else {
+                continue;
+            };
+            let periods = periods(variable, &values);
+            let expressed = circumstances.expressed(variable);
+            for period in &periods {
+                let functions = DMatrix::from_fn(values.len(), 2, |row, k| {
+                    let angle = TAU * values[row] / period;
+                    if k == 0 { angle.sin() } else { angle.cos() }
+                });
+                let form = Form::Wave(variable, *period);
+                target.push(form, functions, periods.len(), (&expressed, linear));
+            }
+        }
+        if id.quantity == Quantity::Tension && id.cable.is_some() {
+            for cable in (0..linear.cables()).filter(|cable| Some(*cable) != id.cable) {
+                if let Some(values) = of(Some(cable), Variable::Tension) {
+                    let functions = smooth_functions(&values, Variable::Tension, 2);
+                    target.push(Form::Crosstalk(cable), functions, 1, (&[], linear));
+                }
+            }
+        }
+        for length in LENGTHS {
+            let over = |variable: fn(usize) -> Variable| {
+                let known = (0..3).filter_map(|k| values(variable(k)).map(centred));
+                let expressed = (0..3).flat_map(|k| circumstances.expressed(variable(k)));
+                (
+                    field(&known.collect::<Vec<_>>(), length),
+                    expressed.collect::<Vec<_>>(),
+                )
+            };
+            if let (Some(functions), expressed) = over(Variable::Position) {
+                target.push(Form::Position(length), functions, 1, (&expressed, linear));
+            }
+            if let (Some(functions), expressed) = over(Variable::Rotation) {
+                target.push(
+                    Form::Orientation(length),
+                    functions,
+                    1,
+                    (&expressed, linear),
+                );
+            }
+        }
+        let forms = target.families.len() as f64;
+        let waves = target
+            .families
+            .iter()
+            .filter(|f| matches!(f.form, Form::Wave(..)));
+        let forms = forms - waves.count() as f64 + ALONG.len() as f64;
+        for family in &mut target.families {
+            family.log_prior -= forms.ln();
+        }
+        Some(target)
+    }
+
+    fn push(
+        &mut self,
+        form: Form,
+        functions: DMatrix<f64>,
+        places: usize,
+        (expressed, linear): (&[DVector<f64>], &Linear),
+    ) {
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        for function in expressed {
+            basis.extend(beside(&basis, function));
+        }
+        let mut rest: Vec<DVector<f64>> = Vec::new();
+        for function in functions.column_iter() {
+            let function = function.into_owned();
+            let Some(new) = beside(&basis, &function) else {
+                continue;
+            };
+            rest.push(&new * new.dot(&function));
+        }
+        let rest = if rest.is_empty() {
+            DMatrix::zeros(functions.nrows(), 0)
+        } else {
+            DMatrix::from_columns(&rest)
+        };
+        self.families.push(Family {
+            form,
+            whole: spread(&functions, &self.poses, linear.conditions.poses),
+            rest: spread(&rest, &self.poses, linear.conditions.poses),
+            log_prior: -(places as f64).ln(),
+        });
+    }
+}
+
+fn centred(values: Vec<f64>) -> Vec<f64> {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let scaled = values
+        .into_iter()
+        .map(|v| 2.0 * (v - low) / (high - low) - 1.0);
+    scaled.collect()
+}
+
+/// Periods of waves, so close that none between is missed. Times are evenly spaced, so that twice their distance is the
+/// shortest period that shows.
+fn periods(variable: Variable, values: &[f64]) -> Vec<f64> {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let each = if variable == Variable::Time { 0.5 } else { 1.5 };
+    let waves = MOST_WAVES.min(each * values.len() as f64);
+    let steps = (FEWEST_WAVES * STEPS_PER_WAVE) as usize..=(waves * STEPS_PER_WAVE) as usize;
+    let period = |step: usize| (high - low) * STEPS_PER_WAVE / step as f64;
+    steps.map(period).collect()
+}
+
+/// A Gaussian field of variance 1 over some variables, one row per value: `K_xz L^-T` with the covariances `K_xz` to some
+/// of the values and `L L^T` among these. Nothing without variables.
+pub(super) fn field(variables: &[Vec<f64>], length: f64) -> Option<DMatrix<f64>> {
+    let count = variables.first()?.len();
+    let points: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POINTS)).collect();
+    let covariance = |a: usize, b: usize| {
+        let squares = variables.iter().map(|v| (v[a] - v[b]).powi(2));
+        (-0.5 * squares.sum::<f64>() / (length * length)).exp()
+    };
+    let among = DMatrix::from_fn(points.len(), points.len(), |i, k| {
+        covariance(points[i], points[k]) + if i == k { NUGGET } else { 0.0 }
+    });
+    let mut to = DMatrix::from_fn(points.len(), count, |i, k| covariance(points[i], k));
+    among
+        .cholesky()?
+        .l_dirty()
+        .solve_lower_triangular_mut(&mut to);
+    Some(to.transpose())
+}

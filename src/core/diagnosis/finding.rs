@@ -1,0 +1,187 @@
+//! Findings: the causes that are there with near certainty, fitted and tested on poses held out.
+
+use nalgebra::DMatrix;
+
+use super::claims::Claim;
+use super::fit::Fit;
+use super::gain::Prediction;
+use super::report::{Alternative, Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
+use super::separation::separation;
+use super::space::{Space, cosine};
+use crate::effect::BoundEffect;
+use crate::estimation::{EstimationError, Linearisation, ParameterId};
+use crate::robot::Robot;
+use crate::statistics::chi_square_survival;
+
+/// A cause of a fit with everything that a finding says of it.
+pub(super) struct Found<'f, 'a> {
+    /// The fit of all causes.
+    pub fit: &'f Fit<'a>,
+    /// Which of them.
+    pub index: usize,
+    pub claim: &'f Claim,
+    /// What it gains on top of those before it.
+    pub gain: Gain,
+    /// Number of causes that were asked about.
+    pub questions: usize,
+    /// Standard deviation of each of its parameters over that in the noise as described.
+    pub spread: &'f [f64],
+}
+
+impl Found<'_, '_> {
+    pub fn finding(&self) -> Result<Finding, EstimationError> {
+        let fit = self.fit;
+        let cause = &fit.causes[self.index];
+        let robot = &fit.problem.dataset.robot;
+        let mut others = fit.causes.clone();
+        others.remove(self.index);
+        let without = Fit::new(&fit.problem, &others)?;
+        let rivals = self.rivals(&others)?;
+        let is_named = self.claim.is_named();
+        let separation = rivals.first().filter(|_| !is_named).and_then(|rival| {
+            let own = self.last(&others, cause).ok()?;
+            separation(&own, rival)
+        });
+        let ranking = ranking(&without, fit, self.index, &rivals);
+        let delta_chi2 = without.solution.chi2 - fit.solution.chi2;
+        let parameters = fit.parameters_of(self.index).len();
+        let p_value = chi_square_survival(delta_chi2, parameters as f64).unwrap_or(1.0);
+        Ok(Finding {
+            verdict: if is_named {
+                Verdict::Named
+            } else {
+                Verdict::Ambiguous
+            },
+            probability: self.claim.probability,
+            sentence: joined(cause, robot, BoundEffect::cause),
+            advice: joined(cause, robot, BoundEffect::workshop),
+            alternatives: self.alternatives(&rivals),
+            parameters: self.parameters(),
+            evidence: Evidence {
+                delta_chi2,
+                parameters,
+                p_value: (p_value * self.questions as f64).min(1.0),
+                questions: self.questions,
+                ranking,
+            },
+            gain: self.gain.clone(),
+            separation,
+            cause: cause.clone(),
+        })
+    }
+
+    /// The other causes with one more, the last.
+    fn last(&self, others: &[Cause], cause: &Cause) -> Result<Fit<'_>, EstimationError> {
+        let mut causes = others.to_vec();
+        causes.push(cause.clone());
+        let mut problem = self.fit.problem.clone();
+        problem.free_effects.clear();
+        Fit::new(&problem, &causes)
+    }
+
+    /// The alternatives fitted in its place.
+    fn rivals(&self, others: &[Cause]) -> Result<Vec<Fit<'_>>, EstimationError> {
+        let alternatives = self.claim.alternatives.iter();
+        alternatives
+            .map(|alternative| self.last(others, &started(&alternative.cause)))
+            .collect()
+    }
+
+    fn alternatives(&self, rivals: &[Fit<'_>]) -> Vec<Alternative> {
+        let pairs = self.claim.alternatives.iter().zip(rivals);
+        let fitted = |(alternative, fit): (&Alternative, &Fit<'_>)| Alternative {
+            cause: fit.causes.last().unwrap_or(&alternative.cause).clone(),
+            probability: alternative.probability,
+        };
+        pairs.map(fitted).collect()
+    }
+
+    /// The parameters of the cause in the final model.
+    fn parameters(&self) -> Vec<FoundParameter> {
+        let fit = self.fit;
+        let before: usize = fit.causes[..self.index]
+            .iter()
+            .map(|c| c.instances.len())
+            .sum();
+        let cause = &fit.causes[self.index];
+        let several = cause.instances.len() > 1;
+        let mut found = Vec::new();
+        let mut spread = self.spread.iter();
+        for (instance, bound) in cause.instances.iter().enumerate() {
+            for (number, parameter) in bound.effect.parameters().iter().enumerate() {
+                let id = ParameterId::Effect {
+                    effect: before + instance,
+                    parameter: number,
+                };
+                let column = fit.solution.parameters.iter().position(|p| p.id == id);
+                let sd = column.and_then(|k| fit.solution.standard_deviation(k));
+                let factor = column.map_or(1.0, |_| spread.next().copied().unwrap_or(1.0));
+                found.push(FoundParameter {
+                    name: parameter.name,
+                    cable: bound.cables.first().copied().filter(|_| several),
+                    value: bound.values[number],
+                    unit: parameter.unit,
+                    sd: sd.map(|sd| sd * factor),
+                });
+            }
+        }
+        found
+    }
+}
+
+/// A cause at the start values of its fit; waves start at a tenth of their typical size, where their phase shows.
+fn started(cause: &Cause) -> Cause {
+    let mut cause = cause.clone();
+    for bound in &mut cause.instances {
+        if let crate::effect::Search::Wave { phase, period } = bound.effect.search() {
+            for k in (0..bound.values.len()).filter(|k| *k != phase && Some(*k) != period) {
+                bound.values[k] = 0.1 * bound.effect.parameters()[k].typical[1];
+            }
+        }
+    }
+    cause
+}
+
+/// The sentences of all instances, each once.
+fn joined(cause: &Cause, robot: &Robot, text: impl Fn(&BoundEffect, &Robot) -> String) -> String {
+    let mut sentences: Vec<String> = Vec::new();
+    for bound in &cause.instances {
+        let sentence = text(bound, robot);
+        if !sentences.contains(&sentence) {
+            sentences.push(sentence);
+        }
+    }
+    sentences.join(" ")
+}
+
+/// The cause itself, then its rivals in their order.
+fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
+    let linear = Linearisation::new(&without.problem, &without.solution);
+    let space = Space::new(&linear.design, &linear.residual);
+    let rows = linear.rows.len() - without.parameters();
+    let signature = |fit: &Fit<'_>, index: usize| -> DMatrix<f64> {
+        let linear = Linearisation::new(&fit.problem, &fit.solution);
+        let columns = linear.design.select_columns(&fit.parameters_of(index));
+        let mut padded = DMatrix::zeros(space.residual.len(), columns.ncols());
+        padded.rows_mut(0, rows).copy_from(&columns.rows(0, rows));
+        space.project(&padded)
+    };
+    let first = signature(own, index);
+    let last = |fit: &Fit<'_>| fit.causes.len() - 1;
+    let all = rivals.iter().map(|fit| (fit, last(fit)));
+    std::iter::once((own, index))
+        .chain(all)
+        .map(|(fit, index)| {
+            let gain = without.solution.chi2 - fit.solution.chi2;
+            let parameters = fit.parameters_of(index).len();
+            Rival {
+                cause: fit.causes[index].clone(),
+                delta_chi2: gain,
+                parameters,
+                score: gain - (linear.rows.len() as f64).ln() * parameters as f64,
+                angle_rad: cosine(&first, &signature(fit, index)).acos(),
+                holdout: Prediction::new(fit).rms(),
+            }
+        })
+        .collect()
+}

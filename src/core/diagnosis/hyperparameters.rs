@@ -1,0 +1,415 @@
+//! How large the noise and the mild model error are, estimated together with a set of causes.
+//!
+//! Every class of readings has a variance factor and an amplitude of its [`super::background`]. The variance factors are
+//! estimated by restricted maximum likelihood with inverse gamma priors: that of a kind of reading is centred on 1, that
+//! of a cable on that of its kind. One step of the estimation makes each variance the mean of the squares of the
+//! estimated errors over their redundancy (Helmert 1907, Foerstner 1979). Amplitudes are chosen on a grid by their
+//! evidence, which the eigenvalues of the functions' information give for all amplitudes at once.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, SymmetricEigen};
+
+use super::Quantity;
+use super::background::{Group, Shape};
+use super::conditions::{Conditions, Noise};
+use super::reading_errors::ReadingErrors;
+
+/// Amplitudes, in standard deviations of the readings as described.
+pub(super) const AMPLITUDES: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// Probability that a kind of reading has no background, and that a class has that of its kind.
+const NONE: f64 = 0.7;
+const AS_ITS_KIND: f64 = 0.85;
+/// Readings that the prior of a variance is worth: of a kind, and of a cable around its kind.
+const KIND_PRIOR: f64 = 1.0;
+const CABLE_PRIOR: f64 = 60.0;
+/// Variances that are possible.
+const VARIANCES: [f64; 2] = [1e-3, 1e5];
+/// Most steps of the estimation, and the change of the logarithm of all variances that ends it.
+const MOST_STEPS: usize = 12;
+const SETTLED: f64 = 0.05;
+/// By how much a step may lower the logarithm of the posterior density.
+const TOLERATED: f64 = 0.05;
+/// Makes directions of the fixed parameters that nothing determines regular.
+const RIDGE: f64 = 1e-11;
+
+/// Variance factor and amplitude of every class.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Hyperparameters {
+    pub variance: Vec<f64>,
+    /// Places in [`AMPLITUDES`].
+    pub amplitude: Vec<usize>,
+    /// Logarithm of their prior density.
+    pub log_prior: f64,
+}
+
+impl Hyperparameters {
+    /// Whether another point would give other probabilities.
+    pub fn is_far_from(&self, other: &Self) -> bool {
+        let far = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.3;
+        self.amplitude != other.amplitude || self.variance.iter().zip(&other.variance).any(far)
+    }
+
+    /// Whether much is left unexplained.
+    pub fn is_loud(&self) -> bool {
+        self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
+    }
+}
+
+/// The linear problem without candidates.
+pub(super) struct Linear {
+    pub conditions: Conditions,
+    /// Conditions less what the causes of the fit explain.
+    pub residual: DVector<f64>,
+    /// Derivatives with respect to what is always estimated.
+    pub fixed: DMatrix<f64>,
+    pub shapes: Vec<Shape>,
+}
+
+/// The problem with given hyperparameters, what is always estimated and the background eliminated.
+pub(super) struct Base<'l> {
+    pub noise: Noise<'l>,
+    /// `U^T`: `1 - U U^T` is what the elimination leaves of whitened conditions.
+    pub taken: DMatrix<f64>,
+    /// Whitened residual, the same taken out.
+    pub residual: DVector<f64>,
+    /// Sum of the squares that are left, those of the parameters with priors included.
+    pub chi2: f64,
+    /// Logarithm of the probability density of the readings.
+    pub log_evidence: f64,
+}
+
+impl Linear {
+    /// Noise with all variances that many times larger than described, no background.
+    pub fn louder(&self, factor: f64) -> Hyperparameters {
+        let classes = self.conditions.classes.len();
+        self.with_prior(vec![factor; classes], vec![0; self.shapes.len()])
+    }
+
+    /// Noise as described, no background.
+    pub fn described(&self) -> Hyperparameters {
+        let classes = self.conditions.classes.len();
+        self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()])
+    }
+
+    /// The shapes of each kind of reading and group.
+    fn kinds_of_shapes(&self) -> Vec<Vec<usize>> {
+        let kind = |shape: &Shape| (self.conditions.classes[shape.class].quantity, shape.group);
+        let mut kinds: BTreeMap<(Quantity, Group), Vec<usize>> = BTreeMap::new();
+        for (index, shape) in self.shapes.iter().enumerate() {
+            kinds.entry(kind(shape)).or_default().push(index);
+        }
+        kinds.into_values().collect()
+    }
+
+    /// Number of cables with readings.
+    pub fn cables(&self) -> usize {
+        let classes = self.conditions.classes.iter();
+        classes
+            .filter_map(|id| id.cable)
+            .max()
+            .map_or(0, |last| last + 1)
+    }
+
+    fn kinds(&self) -> Vec<(Quantity, Vec<usize>)> {
+        let mut kinds: Vec<(Quantity, Vec<usize>)> = Vec::new();
+        for (class, id) in self.conditions.classes.iter().enumerate() {
+            match kinds.last_mut() {
+                Some((quantity, classes)) if *quantity == id.quantity => classes.push(class),
+                _ => kinds.push((id.quantity, vec![class])),
+            }
+        }
+        kinds
+    }
+
+    fn with_prior(&self, variance: Vec<f64>, amplitude: Vec<usize>) -> Hyperparameters {
+        // Logarithm of an inverse gamma density over the logarithm, 0 at its mode.
+        let density = |ratio: f64, worth: f64| 0.5 * worth * (1.0 - ratio.ln() - ratio.recip());
+        let mut log_prior = 0.0;
+        for (_, classes) in self.kinds() {
+            let mean =
+                classes.iter().map(|k| variance[*k].ln()).sum::<f64>() / classes.len() as f64;
+            log_prior += density(mean.exp(), KIND_PRIOR);
+            for class in &classes {
+                log_prior += density(variance[*class] / mean.exp(), CABLE_PRIOR);
+            }
+        }
+        for shapes in self.kinds_of_shapes() {
+            let of_kind = |kind: usize| {
+                let each = shapes
+                    .iter()
+                    .map(|k| log_share(amplitude[*k], kind, shapes.len()));
+                log_kind(kind) + each.sum::<f64>()
+            };
+            log_prior += (0..AMPLITUDES.len())
+                .map(of_kind)
+                .fold(f64::NEG_INFINITY, f64::max);
+        }
+        Hyperparameters {
+            variance,
+            amplitude,
+            log_prior,
+        }
+    }
+
+    /// The problem at `at`, with further columns whose parameters have the prior variance 1.
+    pub fn base(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> Base<'_> {
+        let noise = self.conditions.noise(&at.variance);
+        let mut parts = vec![self.fixed.clone()];
+        for (shape, amplitude) in self.shapes.iter().zip(&at.amplitude) {
+            if *amplitude > 0 {
+                parts.push(&shape.columns * AMPLITUDES[*amplitude]);
+                parts.push(&shape.simple * AMPLITUDES[*amplitude]);
+            }
+        }
+        parts.push(further.clone());
+        let width = parts.iter().map(DMatrix::ncols).sum();
+        let mut z = DMatrix::zeros(self.conditions.count, width + 1);
+        let mut first = 0;
+        for part in &parts {
+            z.columns_mut(first, part.ncols()).copy_from(part);
+            first += part.ncols();
+        }
+        z.set_column(width, &self.residual);
+        noise.whiten(&mut z);
+        let mut residual: DVector<f64> = z.column(width).into_owned();
+        let mut z = z.remove_column(width);
+        let mut log_determinant = noise.log_determinant;
+        let fixed = self.fixed.ncols();
+        for mut column in z.columns_mut(0, fixed).column_iter_mut() {
+            let norm = column.norm();
+            if norm > 0.0 {
+                column /= norm;
+                log_determinant += 2.0 * norm.ln();
+            }
+        }
+        let mut normal = z.transpose() * &z;
+        for k in 0..width {
+            normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
+        }
+        let mut taken = z.transpose();
+        if let Some(factor) = normal.cholesky() {
+            log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+            solve_lower(&factor.l_dirty().as_view(), &mut taken.as_view_mut());
+        }
+        residual -= taken.tr_mul(&(&taken * &residual));
+        // The residual is projected once: with priors the projection is no idempotent one.
+        let square = self.whitened(&noise).dot(&residual);
+        Base {
+            noise,
+            taken,
+            chi2: square,
+            log_evidence: -0.5 * (log_determinant + square),
+            residual,
+        }
+    }
+
+    fn whitened(&self, noise: &Noise<'_>) -> DVector<f64> {
+        let mut y = DMatrix::from_column_slice(self.residual.len(), 1, self.residual.as_slice());
+        noise.whiten(&mut y);
+        y.column(0).into_owned()
+    }
+
+    /// The hyperparameters with the largest posterior density given further columns, from some.
+    ///
+    /// Readings of several cables may show the same error: where changing all amplitudes at once makes it worse, only that
+    /// with the largest gain is changed.
+    pub fn estimate(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Hyperparameters {
+        let mut at = from.clone();
+        let mut best: Option<(f64, Hyperparameters, Hyperparameters)> = None;
+        for _ in 0..MOST_STEPS {
+            let base = self.base(&at, further);
+            let value = base.log_evidence + at.log_prior;
+            if let Some((least, _, instead)) = &mut best
+                && value < *least - TOLERATED
+            {
+                if *instead == at {
+                    break;
+                }
+                at = instead.clone();
+                continue;
+            }
+            let evidence = self.amplitude_evidence(&base, &at);
+            let amplitude = self.amplitudes(&evidence);
+            let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][at.amplitude[*k]];
+            let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != at.amplitude[*k]);
+            let strongest = changed.max_by(|a, b| gain(a).total_cmp(&gain(b)));
+            let mut single = at.amplitude.clone();
+            if let Some(k) = strongest {
+                single[k] = amplitude[k];
+            }
+            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            let variance = self.variances(&sums);
+            let change = at
+                .variance
+                .iter()
+                .zip(&variance)
+                .map(|(a, b)| (a / b).ln().abs());
+            let settled = change.fold(0.0, f64::max) < SETTLED && strongest.is_none();
+            let instead = self.with_prior(variance.clone(), single);
+            best = Some((value, at, instead));
+            at = self.with_prior(variance, amplitude);
+            if settled {
+                break;
+            }
+        }
+        best.map_or(at, |(_, best, _)| best)
+    }
+
+    /// The variances that suit given amplitudes and further columns, and the logarithm of the posterior density there.
+    pub fn with_amplitudes(
+        &self,
+        amplitude: &[usize],
+        further: &DMatrix<f64>,
+    ) -> (f64, Hyperparameters) {
+        let described = self.with_prior(self.described().variance, amplitude.to_vec());
+        self.refined(&described, further)
+    }
+
+    /// The same from some hyperparameters, whose amplitudes stay.
+    pub fn refined(
+        &self,
+        from: &Hyperparameters,
+        further: &DMatrix<f64>,
+    ) -> (f64, Hyperparameters) {
+        let mut at = from.clone();
+        let mut value = f64::NEG_INFINITY;
+        for _ in 0..MOST_STEPS {
+            let base = self.base(&at, further);
+            let gained = base.log_evidence + at.log_prior - value;
+            value += if value.is_finite() { gained } else { 0.0 };
+            if !value.is_finite() {
+                value = base.log_evidence + at.log_prior;
+            }
+            if gained < TOLERATED {
+                break;
+            }
+            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            at = self.with_prior(self.variances(&sums), at.amplitude.clone());
+        }
+        (value, at)
+    }
+
+    fn variances(&self, sums: &[[f64; 2]]) -> Vec<f64> {
+        let mut variance = vec![1.0; sums.len()];
+        for (_, classes) in self.kinds() {
+            let total = |k: usize| classes.iter().map(|class| sums[*class][k]).sum::<f64>();
+            let kind = (total(0) + KIND_PRIOR) / (total(1) + KIND_PRIOR);
+            for class in classes {
+                let [squares, redundancy] = sums[class];
+                let own = (squares + CABLE_PRIOR * kind) / (redundancy + CABLE_PRIOR);
+                variance[class] = own.clamp(VARIANCES[0], VARIANCES[1]);
+            }
+        }
+        variance
+    }
+
+    /// The amplitudes of largest posterior probability, each given all others as they were.
+    fn amplitudes(&self, by_shape: &[[f64; AMPLITUDES.len()]]) -> Vec<usize> {
+        let mut chosen = vec![0; self.shapes.len()];
+        for shapes in self.kinds_of_shapes() {
+            let best = |shape: usize, kind: usize| {
+                let value = |k: usize| by_shape[shape][k] + log_share(k, kind, shapes.len());
+                let places = 0..AMPLITUDES.len();
+                let best = places.max_by(|a, b| value(*a).total_cmp(&value(*b)));
+                best.map_or((0, 0.0), |k| (k, value(k)))
+            };
+            let total =
+                |kind: usize| log_kind(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>();
+            let kind = (0..AMPLITUDES.len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
+            for shape in &shapes {
+                chosen[*shape] = best(*shape, kind.unwrap_or(0)).0;
+            }
+        }
+        chosen
+    }
+
+    /// Logarithm of the evidence of each amplitude of each shape, over that of none, all others as they are.
+    fn amplitude_evidence(
+        &self,
+        base: &Base<'_>,
+        at: &Hyperparameters,
+    ) -> Vec<[f64; AMPLITUDES.len()]> {
+        let mut of_class: Option<(usize, ReadingErrors)> = None;
+        let mut all = Vec::with_capacity(self.shapes.len());
+        for (shape, present) in self.shapes.iter().zip(&at.amplitude) {
+            // Shapes of a class follow each other.
+            let errors = match of_class.take() {
+                Some((class, errors)) if class == shape.class => errors,
+                _ => ReadingErrors::new(base, &[shape.class]),
+            };
+            let (score, information) = errors.of(&shape.functions);
+            of_class = Some((shape.class, errors));
+            let mut evidence = [0.0; AMPLITUDES.len()];
+            let eigen = SymmetricEigen::new(information);
+            let along = eigen.eigenvectors.tr_mul(&score);
+            let present = AMPLITUDES[*present].powi(2);
+            for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
+                // Without the amplitude that it has at present.
+                let left = (1.0 - present * value.max(0.0)).max(1e-12);
+                let (value, along) = (value.max(0.0) / left, along / left);
+                for (k, amplitude) in AMPLITUDES.iter().enumerate() {
+                    let square = amplitude * amplitude;
+                    let spread = 1.0 + square * value;
+                    evidence[k] += 0.5 * (square * along * along / spread - spread.ln());
+                }
+            }
+            all.push(evidence);
+        }
+        all
+    }
+}
+
+/// `b := L^-1 b` for a large triangle `L`, by halves, so that nearly all of it are products of matrices.
+fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
+    const DIRECT: usize = 32;
+    let n = l.nrows();
+    if n <= DIRECT {
+        l.solve_lower_triangular_mut(b);
+        return;
+    }
+    let half = n / 2;
+    let columns = b.ncols();
+    let first = {
+        let mut upper = b.rows_mut(0, half);
+        let mut owned = upper.clone_owned();
+        solve_lower(&l.view((0, 0), (half, half)), &mut owned.as_view_mut());
+        upper.copy_from(&owned);
+        owned
+    };
+    let mut lower = b.view_mut((half, 0), (n - half, columns)).clone_owned();
+    lower.gemm(-1.0, &l.view((half, 0), (n - half, half)), &first, 1.0);
+    solve_lower(
+        &l.view((half, half), (n - half, n - half)),
+        &mut lower.as_view_mut(),
+    );
+    b.view_mut((half, 0), (n - half, columns)).copy_from(&lower);
+}
+
+fn log_kind(kind: usize) -> f64 {
+    let others = (AMPLITUDES.len() - 1) as f64;
+    if kind == 0 {
+        NONE
+    } else {
+        (1.0 - NONE) / others
+    }
+    .ln()
+}
+
+/// Logarithm of the probability of an amplitude of one of `classes` where its kind has another.
+fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
+    let others = (AMPLITUDES.len() - 1) as f64;
+    if classes == 1 {
+        return if amplitude == kind {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
+    }
+    if amplitude == kind {
+        AS_ITS_KIND
+    } else {
+        (1.0 - AS_ITS_KIND) / others
+    }
+    .ln()
+}

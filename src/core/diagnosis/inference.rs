@@ -1,0 +1,303 @@
+//! From readings to the posterior probabilities of sets of causes.
+//!
+//! At a fit, all readings are linear in the parameters of all candidates. Sets are compared there at a few points of the
+//! hyperparameters: noise as described, and the estimates for the sets that were best; the probability of a set is the
+//! sum over the points, so that a small cause in small noise competes with no cause in large noise. The likeliest sets are
+//! then fitted completely and compared by the evidence at their own fits; at the best of them everything is linearised
+//! again, until it stays the best.
+
+use nalgebra::DMatrix;
+
+use super::approach::approach;
+use super::candidates::is_alike;
+use super::catalogue::Catalogue;
+use super::evidence::{Member, System};
+use super::exploration::{Visibility, explore};
+use super::fit::Fit;
+use super::gram::Gram;
+use super::grouping::united;
+use super::hyperparameters::{Hyperparameters, Linear};
+use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
+use super::progress::Reporter;
+use super::report::Cause;
+use super::{DiagnosisOptions, Stage};
+use crate::estimation::{EstimationError, Problem};
+
+/// Most linearisations.
+const MOST_LINEARISATIONS: usize = 5;
+/// Sets that are fitted completely, and how far below the best.
+const MOST_REFITS: usize = 5;
+const REFITTED: f64 = 5.0;
+/// Sizes over the largest typical one that no cause has.
+const ABSURD: f64 = 10.0;
+
+/// A set of causes with its posterior.
+#[derive(Debug, Clone)]
+pub(super) struct Ranked {
+    pub causes: Vec<Cause>,
+    pub log_posterior: f64,
+}
+
+/// What was inferred.
+pub(super) struct Inference<'a> {
+    /// The fit of the likeliest set.
+    pub fit: Fit<'a>,
+    /// Sets, the likeliest first, which is that of the fit.
+    pub ranking: Vec<Ranked>,
+    /// The problem linearised at the fit, with the hyperparameters estimated there.
+    pub linear: Linear,
+    pub at: Hyperparameters,
+    /// Columns of the causes of the fit in units of their prior.
+    pub columns: DMatrix<f64>,
+    catalogue: Catalogue,
+    present: Vec<Member>,
+    generators: DMatrix<f64>,
+}
+
+impl Inference<'_> {
+    /// First column of each cause, and their number at the end.
+    fn first_columns(&self) -> Vec<usize> {
+        let mut first = vec![0];
+        for (index, _) in &self.present {
+            first.push(first[first.len() - 1] + self.catalogue.candidates[*index].columns.len());
+        }
+        first
+    }
+
+    /// The columns of all causes but some.
+    pub fn columns_without(&self, causes: &[usize]) -> DMatrix<f64> {
+        let first = self.first_columns();
+        let kept = (0..self.present.len()).filter(|k| !causes.contains(k));
+        let columns: Vec<usize> = kept.flat_map(|k| first[k]..first[k + 1]).collect();
+        self.columns.select_columns(&columns)
+    }
+
+    /// Number of parameters of some causes.
+    pub fn parameters_of(&self, causes: &[usize]) -> usize {
+        let first = self.first_columns();
+        causes.iter().map(|k| first[k + 1] - first[*k]).sum()
+    }
+
+    /// Logarithm of the prior odds of some causes with their sizes and signs.
+    pub fn log_prior(&self, causes: &[usize]) -> f64 {
+        let of = |k: &usize| {
+            let (index, scale) = self.present[*k];
+            let candidate = &self.catalogue.candidates[index];
+            // A normal prior cut at zero is twice as dense.
+            let sign = if candidate.is_positive {
+                std::f64::consts::LN_2
+            } else {
+                0.0
+            };
+            candidate.log_odds + candidate.scales[scale].1 + sign
+        };
+        causes.iter().map(of).sum()
+    }
+
+    /// Standard deviations of the columns' parameters of each cause, in the noise and the background that there is, over
+    /// those in the noise as described.
+    pub fn spread(&self) -> Vec<Vec<f64>> {
+        let variance = |at: &Hyperparameters| {
+            let none = DMatrix::zeros(self.linear.conditions.count, 0);
+            let base = self.linear.base(at, &none);
+            let mut gram = Gram::new(&self.linear, base, &self.catalogue, &self.generators);
+            System::new(&mut gram, &self.present).covariance.diagonal()
+        };
+        let (is, described) = (variance(&self.at), variance(&self.linear.described()));
+        let mut at = 0;
+        let of = |(index, _): &Member| {
+            let count = self.catalogue.candidates[*index].columns.len();
+            let ratio = |k: usize| (is[k] / described[k]).sqrt();
+            let own = (at..at + count).map(ratio).collect();
+            at += count;
+            own
+        };
+        self.present.iter().map(of).collect()
+    }
+}
+
+/// Whether all values of a fit are physically possible.
+pub(super) fn is_possible(fit: &Fit<'_>) -> bool {
+    let bounds = fit.causes.iter().flat_map(|cause| &cause.instances);
+    let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
+    fit.solution.chi2.is_finite()
+        && values.all(|(value, p)| {
+            let largest = p.typical[0].abs().max(p.typical[1].abs());
+            let sized = p.discrete || (value - p.neutral).abs() < ABSURD * largest.max(p.prior_sd);
+            sized && *value >= p.bounds[0] && *value <= p.bounds[1]
+        })
+}
+
+/// The causes of members, estimated at a point of the linear problem.
+pub(super) fn causes_of(
+    at: &LinearFit<'_, '_>,
+    hyper: &Hyperparameters,
+    members: &[Member],
+) -> Vec<Cause> {
+    let mut gram = at.gram(hyper);
+    let system = System::new(&mut gram, members);
+    let candidates = &at.catalogue.candidates;
+    let ranges = system.parameters(candidates);
+    let mut causes = Vec::new();
+    for ((index, _), range) in members.iter().zip(ranges) {
+        let estimate: Vec<f64> = system.estimate.rows_range(range).iter().copied().collect();
+        // What the fit has already is known better.
+        let known = at.present.iter().position(|m| m.0 == *index);
+        causes.push(match known {
+            Some(k) => at.fit.causes[k].clone(),
+            None => candidates[*index].estimated(&estimate),
+        });
+    }
+    causes
+}
+
+/// Infers the causes of a problem.
+pub(super) fn infer<'a>(
+    base: &Problem<'a>,
+    options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<(Inference<'a>, Vec<Visibility>), EstimationError> {
+    let expected = EXPECTED_PER_ALPHA * options.alpha;
+    let none = Fit::new(base, &[])?;
+    let mut seen: Option<Vec<Visibility>> = None;
+    let mut fit = approach(none, &mut seen, options, report)?;
+    let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
+    for round in 1.. {
+        let at = LinearFit::new(&fit, expected, true);
+        let explored = explore(&at, options.most_findings, report);
+        let candidates = &at.catalogue.candidates;
+        let visible = seen.get_or_insert(explored.visibility);
+        let top = explored.ranking.first().map_or(0.0, |(_, value)| *value);
+        let causes = |members: &[Member]| -> Vec<Cause> {
+            members.iter().map(|m| candidates[m.0].placed()).collect()
+        };
+        let mut ranking: Vec<Ranked> = explored
+            .ranking
+            .iter()
+            .map(|(members, value)| Ranked {
+                causes: causes(members),
+                log_posterior: *value,
+            })
+            .collect();
+        report.stage(Stage::Refits, at.present.len());
+        // The evidence of the likeliest sets at their own fits.
+        let (own, _) = at.own_evidence();
+        let mut best: Option<(f64, Fit<'a>)> = None;
+        let here = causes(&at.present);
+        let offset = explored
+            .ranking
+            .iter()
+            .zip(&ranking)
+            .find(|(_, r)| is_same(&r.causes, &here))
+            .map_or(0.0, |((_, v), _)| own - v);
+        let near = |(_, value): &&(Vec<Member>, f64)| *value >= top - REFITTED;
+        let chosen: Vec<&Vec<Member>> = explored
+            .ranking
+            .iter()
+            .filter(near)
+            .take(MOST_REFITS)
+            .map(|(m, _)| m)
+            .collect();
+        for (place, members) in chosen.into_iter().enumerate() {
+            if report.cancelled && place > 0 {
+                break;
+            }
+            let causes = causes(members);
+            if is_same(&causes, &here) {
+                continue;
+            }
+            let start = causes_of(&at, &explored.at, members);
+            let refit = Fit::new(base, &start)?;
+            let value = if is_possible(&refit) {
+                LinearFit::new(&refit, expected, false).own_evidence().0
+            } else {
+                f64::NEG_INFINITY
+            };
+            match ranking.iter_mut().find(|r| is_same(&r.causes, &causes)) {
+                Some(ranked) => ranked.log_posterior = value - offset,
+                None => ranking.push(Ranked {
+                    causes,
+                    log_posterior: value - offset,
+                }),
+            }
+            if best.as_ref().is_none_or(|b| value > b.0) {
+                best = Some((value, refit));
+            }
+        }
+        ranking.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        let better = best.filter(|(value, fit)| {
+            let seen = tried.iter().any(|t| is_same(t, &fit.causes));
+            *value > own && !seen && round < MOST_LINEARISATIONS
+        });
+        match better {
+            Some((_, next)) if !report.cancelled || fit.causes.is_empty() => {
+                tried.push(next.causes.clone());
+                fit = next;
+            }
+            _ => {
+                let united = united(&fit).filter(|_| round < MOST_LINEARISATIONS);
+                let united = united.map(|causes| Fit::new(base, &causes)).transpose()?;
+                let better = united.filter(|fit| {
+                    is_possible(fit) && LinearFit::new(fit, expected, false).own_evidence().0 > own
+                });
+                match better {
+                    Some(next) => fit = next,
+                    None => return Ok((at_fit(fit, options, ranking), std::mem::take(visible))),
+                }
+            }
+        }
+    }
+    unreachable!("the last round returns")
+}
+
+/// What is known at a fit.
+pub(super) fn at_fit<'a>(
+    fit: Fit<'a>,
+    options: &DiagnosisOptions,
+    mut ranking: Vec<Ranked>,
+) -> Inference<'a> {
+    let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, false);
+    let (_, hyper) = at.own_evidence();
+    let columns = at.columns(&at.present);
+    // The fit is of the likeliest set, but for rounding of the linear comparison.
+    if let Some(own) = ranking.iter().position(|r| is_same(&r.causes, &fit.causes)) {
+        let own = ranking.remove(own);
+        ranking.insert(
+            0,
+            Ranked {
+                causes: fit.causes.clone(),
+                ..own
+            },
+        );
+    }
+    let LinearFit {
+        linear,
+        catalogue,
+        present,
+        generators,
+        ..
+    } = at;
+    Inference {
+        ranking,
+        linear,
+        at: hyper,
+        columns,
+        catalogue,
+        present,
+        generators,
+        fit,
+    }
+}
+
+/// The same causes, in whatever order.
+pub(super) fn is_same(one: &[Cause], other: &[Cause]) -> bool {
+    let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
+    one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
+}
+
+/// Same effect and targets; an event at the same pose.
+pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
+    let pose = one.effect().pose_parameter();
+    is_alike(one, other)
+        && pose.is_none_or(|k| one.instances[0].values[k] == other.instances[0].values[k])
+}

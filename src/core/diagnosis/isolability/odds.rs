@@ -1,0 +1,85 @@
+//! The posterior odds of one candidate against no cause as a function of its score: [`super::super::evidence`] with the
+//! matrices worked out beforehand.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnosis::candidates::Candidate;
+use crate::statistics::log_normal_cdf;
+
+/// The logarithm of the posterior odds of one candidate as a function of its score.
+pub(super) struct Evidence {
+    log_odds: f64,
+    scales: Vec<Scale>,
+    is_positive: bool,
+}
+
+/// The evidence at one scale of the prior, `1/2 |K b|^2 + constant`, with the covariance `F F^T` of the prior and
+/// `L L^T = 1 + F^T G F`: `K = L^-1 F^T`, and the constant is that of the determinant and the prior of the scale.
+struct Scale {
+    root: DMatrix<f64>,
+    constant: f64,
+}
+
+impl Evidence {
+    pub fn new(candidate: &Candidate, information: &DMatrix<f64>) -> Self {
+        let scale = |(size, weight): &(f64, f64)| {
+            let mut root = candidate.prior.transpose() * *size;
+            let mut matrix = &root * information * root.transpose();
+            for k in 0..matrix.nrows() {
+                matrix[(k, k)] += 1.0;
+            }
+            let factor = matrix.cholesky()?;
+            factor.l_dirty().solve_lower_triangular_mut(&mut root);
+            let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+            Some(Scale {
+                root,
+                constant: weight - 0.5 * log_determinant,
+            })
+        };
+        Self {
+            log_odds: candidate.log_odds,
+            scales: candidate.scales.iter().filter_map(scale).collect(),
+            is_positive: candidate.is_positive,
+        }
+    }
+
+    /// At the best scale.
+    pub fn log_odds(&self, score: &[f64]) -> f64 {
+        let value = |scale: &Scale| self.at(scale, score);
+        self.log_odds
+            + self
+                .scales
+                .iter()
+                .map(value)
+                .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn at(&self, scale: &Scale, score: &[f64]) -> f64 {
+        let mut value = scale.constant;
+        for row in 0..scale.root.nrows() {
+            let sum: f64 = score
+                .iter()
+                .enumerate()
+                .map(|(k, b)| scale.root[(row, k)] * b)
+                .sum();
+            value += 0.5 * sum * sum;
+        }
+        if self.is_positive {
+            // Mean over standard deviation of the parameter given the score.
+            value += std::f64::consts::LN_2 + log_normal_cdf(-scale.root[(0, 0)] * score[0]);
+        }
+        value
+    }
+
+    /// Expected evidence, the prior odds left out, at the scale that expects most: the score has this mean and covariance.
+    pub fn expected(&self, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+        let value = |scale: &Scale| {
+            let spread = (&scale.root * covariance * scale.root.transpose()).trace();
+            self.at(scale, mean.as_slice()) + 0.5 * spread
+        };
+        self.scales
+            .iter()
+            .map(value)
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+}

@@ -1,0 +1,139 @@
+//! Predictions against whole fits and against the diagnosis.
+
+use super::*;
+use crate::effect::{BoundEffect, Search};
+use crate::estimation::{Control, Options, Problem, solve};
+use crate::robot::presets;
+use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
+
+fn exact(name: &str, causes: &[BoundEffect]) -> Dataset {
+    let preset = presets::find(name).unwrap();
+    let options = SimulationOptions {
+        geometry: TrueGeometry::Nominal,
+        noise: false,
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        effects: causes
+            .iter()
+            .map(|bound| bound.setting(&preset.robot))
+            .collect(),
+        ..SimulationOptions::new(20, 4)
+    };
+    simulate(&preset.robot, &options).unwrap().dataset
+}
+
+/// Chi-square of a whole fit without the fault to readings without noise: nothing of it is linear, and it knows neither
+/// conditions nor Gram matrix. Faults are so small that a model without them leaves 0.01: at their typical size some are
+/// not linear, as half a stiffness, which doubles the elongation.
+#[test]
+fn noncentrality_is_the_chi_square_that_a_fit_without_the_fault_leaves() {
+    const SMALL: f64 = 0.01;
+    let options = DiagnosisOptions::default();
+    let to_rounding = Options {
+        negligible: 0.0,
+        ..Options::default()
+    };
+    for name in ["mini", "suspended"] {
+        let expected = isolability(&exact(name, &[]), &options).unwrap();
+        let mut checked = 0;
+        for fault in expected
+            .faults
+            .iter()
+            .filter(|fault| fault.noncentrality > 1.0)
+        {
+            let mut bound = fault.cause.instances[0].clone();
+            let parameters = bound.effect.parameters();
+            // What has no slope where it is nothing is linear in its square.
+            let is_direct = matches!(
+                bound.effect.search(),
+                Search::Direct | Search::FromPose(_) | Search::AtPose(_)
+            );
+            if !is_direct || parameters.iter().any(|p| p.start != p.neutral) {
+                continue;
+            }
+            for (value, p) in bound
+                .values
+                .iter_mut()
+                .zip(parameters)
+                .filter(|(_, p)| !p.discrete)
+            {
+                *value = p.neutral + (*value - p.neutral) * (SMALL / fault.noncentrality).sqrt();
+            }
+            let data = exact(name, &[bound]);
+            let problem = Problem::new(&data).unwrap();
+            let left = solve(&problem, &to_rounding, &mut |_| Control::Continue).unwrap();
+            assert!(
+                (left.chi2 / SMALL - 1.0).abs() < 0.05,
+                "{name} {:?}: {}",
+                fault.cause,
+                left.chi2
+            );
+            checked += 1;
+        }
+        assert!(checked > 60, "{name}: {checked}");
+    }
+}
+
+#[test]
+fn evidence_is_that_of_the_diagnosis() {
+    use super::super::evidence::System;
+    let data = {
+        let preset = presets::find("planar").unwrap();
+        simulate(&preset.robot, &SimulationOptions::new(15, 3))
+            .unwrap()
+            .dataset
+    };
+    let problem = based(&data).unwrap();
+    let fit = Fit::new(&problem, &[]).unwrap();
+    let at = LinearFit::new(&fit, 0.8, true);
+    let mut gram = at.gram(&at.linear.described());
+    let none = System::extensible(&mut gram, &[]);
+    for (index, candidate) in gram.candidates.iter().enumerate() {
+        let own = &gram.own[index];
+        let found = Evidence::new(candidate, &own.information).log_odds(own.score.as_slice());
+        let (gain, _) = none.gain(&gram, index, f64::NEG_INFINITY).unwrap();
+        assert!(
+            (found - gain).abs() < 1e-6 * (1.0 + gain.abs()),
+            "{candidate:?}: {found} {gain}"
+        );
+    }
+}
+
+#[test]
+fn what_is_the_same_cannot_be_told_apart() {
+    let options = DiagnosisOptions::default();
+    let expected = isolability(&exact("mini", &[]), &options).unwrap();
+    let all = &expected.faults;
+    for (index, fault) in all.iter().enumerate() {
+        assert!((0.0..=1.0).contains(&fault.detection), "{:?}", fault.cause);
+        assert!(fault.noncentrality >= -1e-6, "{:?}", fault.cause);
+        assert_eq!(expected.pair(index, index).confusion, 0.0);
+        assert!(expected.pair(index, index).log_bayes_factor.abs() < 1e-9);
+    }
+    // The laser alone cannot tell its bias from an offset of its target, which is estimated.
+    let bias = all
+        .iter()
+        .find(|f| f.cause.effect().id() == "laser_bias")
+        .unwrap();
+    assert!(bias.detection < 0.01, "{bias:?}");
+    // Large faults of different winches are told apart, whatever else there is.
+    let winches: Vec<usize> = (0..all.len())
+        .filter(|k| all[*k].cause.effect().id() == "winch_scale")
+        .collect();
+    assert_eq!(winches.len(), 8);
+    for one in &winches {
+        if all[*one].noncentrality > 300.0 {
+            let other = winches.iter().find(|k| *k != one).unwrap();
+            assert!(expected.pair(*one, *other).log_bayes_factor > 3.0);
+        }
+    }
+}
+
+#[test]
+fn points_are_normal_and_independent() {
+    for dimensions in 1..=4 {
+        let points = normal_points(dimensions, 4096);
+        let moments = &points * points.transpose() / 4096.0;
+        assert!((moments - DMatrix::identity(dimensions, dimensions)).amax() < 0.01);
+    }
+}

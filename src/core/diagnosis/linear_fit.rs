@@ -1,0 +1,122 @@
+//! A fit with its linear problem: all candidates linearised there.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::background::shapes;
+use super::catalogue::Catalogue;
+use super::conditions::Conditions;
+use super::evidence::Member;
+use super::fit::Fit;
+use super::gram::Gram;
+use super::hyperparameters::{Hyperparameters, Linear};
+use super::search::Search;
+use super::variables::Variables;
+use crate::estimation::{Linearisation, ParameterId};
+
+/// Causes expected beforehand, for each unit of the probability of a false finding that is allowed.
+pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
+
+/// A fit with its linear problem.
+pub(super) struct LinearFit<'f, 'a> {
+    pub fit: &'f Fit<'a>,
+    pub linear: Linear,
+    pub catalogue: Catalogue,
+    /// The generators in conditions.
+    pub generators: DMatrix<f64>,
+    /// The members that are the causes of the fit.
+    pub present: Vec<Member>,
+}
+
+impl<'f, 'a> LinearFit<'f, 'a> {
+    pub fn new(fit: &'f Fit<'a>, expected: f64, is_all: bool) -> Self {
+        let linear = Linearisation::new(&fit.problem, &fit.solution);
+        let catalogue = Catalogue::new(fit, &linear, expected, is_all);
+        let conditions = Conditions::new(&linear);
+        let variables = Variables::new(&fit.problem, &fit.solution, &linear);
+        let shapes = shapes(&conditions, &linear, &variables);
+        let is_fixed = |k: &usize| !matches!(linear.parameters[*k].id, ParameterId::Effect { .. });
+        let fixed: Vec<usize> = (0..linear.parameters.len()).filter(is_fixed).collect();
+        let fixed = conditions.of_rows(&linear.design.select_columns(&fixed));
+        let generators = conditions.of_rows(&catalogue.generators);
+        let residual =
+            DMatrix::from_column_slice(linear.residual.len(), 1, linear.residual.as_slice());
+        let mut residual: DVector<f64> = conditions.of_rows(&residual).column(0).into_owned();
+        let mut present = Vec::new();
+        let poses = conditions.poses;
+        for cause in &fit.causes {
+            let Some(index) = catalogue.candidates.iter().position(|c| c.is_of(cause)) else {
+                continue;
+            };
+            let candidate = &catalogue.candidates[index];
+            let coordinates = candidate.coordinates(cause);
+            for (k, value) in coordinates.iter().enumerate() {
+                let column = catalogue.column(candidate.columns[k], &generators, &conditions);
+                residual.axpy(-value, &column, 1.0);
+            }
+            present.push((index, candidate.nearest_scale(&coordinates)));
+        }
+        debug_assert!(poses == linear.poses.len());
+        Self {
+            fit,
+            linear: Linear {
+                conditions,
+                residual,
+                fixed,
+                shapes,
+            },
+            catalogue,
+            generators,
+            present,
+        }
+    }
+
+    /// Columns of members in conditions, in units of their prior.
+    pub fn columns(&self, members: &[Member]) -> DMatrix<f64> {
+        let mut parts = Vec::new();
+        for (index, scale) in members {
+            let candidate = &self.catalogue.candidates[*index];
+            let mut columns = DMatrix::zeros(self.linear.conditions.count, candidate.columns.len());
+            for (k, column) in candidate.columns.iter().enumerate() {
+                let column =
+                    self.catalogue
+                        .column(*column, &self.generators, &self.linear.conditions);
+                columns.set_column(k, &column);
+            }
+            parts.push(columns * &candidate.prior * candidate.scales[*scale].0);
+        }
+        let width = parts.iter().map(DMatrix::ncols).sum();
+        let mut all = DMatrix::zeros(self.linear.conditions.count, width);
+        let mut first = 0;
+        for part in parts {
+            all.columns_mut(first, part.ncols()).copy_from(&part);
+            first += part.ncols();
+        }
+        all
+    }
+
+    /// The hyperparameters that suit a set, from the noise as described: from louder noise the estimation would stay there.
+    pub fn estimate(&self, members: &[Member]) -> Hyperparameters {
+        self.linear
+            .estimate(&self.linear.described(), &self.columns(members))
+    }
+
+    pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
+        let none = DMatrix::zeros(self.linear.conditions.count, 0);
+        Gram::new(
+            &self.linear,
+            self.linear.base(at, &none),
+            &self.catalogue,
+            &self.generators,
+        )
+    }
+
+    /// The evidence of the causes of the fit at it, its prior included, with the hyperparameters that suit it.
+    pub fn own_evidence(&self) -> (f64, Hyperparameters) {
+        let at = self.estimate(&self.present);
+        let mut gram = self.gram(&at);
+        let of_none = gram.base.log_evidence + at.log_prior;
+        let mut search = Search::new(&mut gram, self.present.len());
+        let value = search.settle(&self.present);
+        (of_none + value, at)
+    }
+}

@@ -1,0 +1,287 @@
+//! The search over sets of causes at given hyperparameters.
+//!
+//! The best set that was not yet looked at is extended by every candidate, and so is every set that it becomes without
+//! one of its causes: adding, dropping and exchanging. That goes on until no set near the best is left. As no single
+//! addition leads to several families of errors at once, a second start has them all and drops what is not needed;
+//! the evidence for dropping a cause is the ratio of posterior and prior density of its parameters at zero (Savage and
+//! Dickey).
+
+use std::collections::{HashMap, HashSet};
+
+use super::candidates::{Acts, Candidate};
+use super::evidence::{Member, System};
+use super::gram::Gram;
+
+/// Difference of the logarithm of the posterior up to which a set is looked at, and kept.
+const NEAR: f64 = 6.0;
+const KEPT: f64 = 9.0;
+/// Most extensions of one set that are kept.
+const MOST_KEPT: usize = 40;
+
+/// Candidates in ascending order.
+pub(super) type Set = Vec<usize>;
+
+/// A set that was evaluated.
+#[derive(Debug, Clone)]
+pub(super) struct Visited {
+    /// Its members with the scales that were best for each when it was added.
+    pub members: Vec<Member>,
+    /// Logarithm of evidence and prior.
+    pub log_posterior: f64,
+}
+
+/// Sets that were evaluated at given hyperparameters.
+pub(super) struct Search<'g, 'l> {
+    gram: &'g mut Gram<'l>,
+    pub visited: HashMap<Set, Visited>,
+    extended: HashSet<Set>,
+    /// Most causes of a set.
+    most: usize,
+}
+
+fn set_of(members: &[Member]) -> Set {
+    let mut set: Set = members.iter().map(|m| m.0).collect();
+    set.sort_unstable();
+    set
+}
+
+impl<'g, 'l> Search<'g, 'l> {
+    pub fn new(gram: &'g mut Gram<'l>, most: usize) -> Self {
+        Self {
+            gram,
+            visited: HashMap::new(),
+            extended: HashSet::new(),
+            most,
+        }
+    }
+
+    /// Evaluates a set.
+    pub fn visit(&mut self, members: &[Member]) -> f64 {
+        let system = System::new(self.gram, members);
+        self.record(members.to_vec(), system.log_posterior);
+        system.log_posterior
+    }
+
+    fn record(&mut self, members: Vec<Member>, log_posterior: f64) {
+        let known = self.visited.entry(set_of(&members));
+        let known = known.or_insert_with(|| Visited {
+            members: members.clone(),
+            log_posterior: f64::NEG_INFINITY,
+        });
+        if log_posterior > known.log_posterior {
+            *known = Visited {
+                members,
+                log_posterior,
+            };
+        }
+    }
+
+    /// The best set, and the best that was not extended and is near it.
+    pub fn best(&self) -> Option<&Visited> {
+        let order = |a: &&Visited, b: &&Visited| a.log_posterior.total_cmp(&b.log_posterior);
+        self.visited.values().max_by(order)
+    }
+
+    fn next(&self) -> Option<Vec<Member>> {
+        let least = self.best()?.log_posterior - NEAR;
+        let open = self.visited.iter();
+        let open =
+            open.filter(|(set, v)| v.log_posterior >= least && !self.extended.contains(*set));
+        let best = open.max_by(|a, b| {
+            let by_value = a.1.log_posterior.total_cmp(&b.1.log_posterior);
+            by_value.then_with(|| b.0.cmp(a.0))
+        });
+        best.map(|(_, visited)| visited.members.clone())
+    }
+
+    /// Looks at sets near the best until none is left or so many were extended; `go_on` is asked before each.
+    pub fn run(&mut self, most_extended: usize, go_on: &mut dyn FnMut() -> bool) {
+        self.reduce_families();
+        for _ in 0..most_extended {
+            let members = match self.next() {
+                Some(members) => members,
+                None => {
+                    self.reduce_families();
+                    let Some(members) = self.next() else {
+                        return;
+                    };
+                    members
+                }
+            };
+            if !go_on() {
+                return;
+            }
+            self.extend(&members);
+            for left_out in 0..members.len() {
+                let mut fewer = members.clone();
+                fewer.remove(left_out);
+                if !self.extended.contains(&set_of(&fewer)) {
+                    self.visit(&fewer);
+                    self.extend(&fewer);
+                }
+            }
+        }
+    }
+
+    /// Evaluates a set with each further candidate.
+    fn extend(&mut self, members: &[Member]) {
+        self.extended.insert(set_of(members));
+        if members.len() >= self.most {
+            return;
+        }
+        let system = System::extensible(self.gram, members);
+        let best = self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior);
+        let least = best - KEPT - system.log_posterior;
+        let all = self.gram.candidates;
+        let allowed = |index: &usize| {
+            let candidate = &all[*index];
+            members.iter().all(|m| !candidate.excludes(&all[m.0]))
+        };
+        let mut found: Vec<(f64, Member)> = (0..all.len())
+            .filter(allowed)
+            .filter_map(|index| {
+                let (gain, scale) = system.gain(self.gram, index, least)?;
+                // What the readings speak against is no better than nothing.
+                let speaks_for = gain > all[index].log_odds;
+                (gain >= least && speaks_for).then_some((gain, (index, scale)))
+            })
+            .collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (gain, member) in found.into_iter().take(MOST_KEPT) {
+            let mut more = members.to_vec();
+            more.push(member);
+            self.record(more, system.log_posterior + gain);
+        }
+        // What signs say of the whole set is known once it is evaluated as a whole.
+        if let Some(best) = self.next().filter(|m| m.len() == members.len() + 1) {
+            self.settle(&best);
+        }
+    }
+
+    /// Puts in the place of each family of the best set the single causes of the cables that need one most: of one, of two
+    /// and so on.
+    fn reduce_families(&mut self) {
+        let all = self.gram.candidates;
+        let Some(members) = self.best().map(|b| b.members.clone()) else {
+            return;
+        };
+        let system = System::new(self.gram, &members);
+        let ranges = system.parameters(all);
+        for (place, range) in ranges.into_iter().enumerate() {
+            let family = &all[members[place].0];
+            if !family.is_family() {
+                continue;
+            }
+            let each = range.len() / family.cause.instances.len();
+            let mut cables: Vec<(f64, usize)> = Vec::new();
+            for (k, bound) in family.cause.instances.iter().enumerate() {
+                let is_single = |c: &Candidate| {
+                    std::ptr::eq(c.effect(), family.effect()) && c.cause.cables() == bound.cables
+                };
+                let Some(single) = all.iter().position(is_single) else {
+                    continue;
+                };
+                let first = range.start + k * each;
+                let size = |p: usize| system.estimate[p].powi(2) / system.covariance[(p, p)];
+                cables.push(((first..first + each).map(size).sum(), single));
+            }
+            cables.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let mut fewer = members.clone();
+            let (_, scale) = fewer.remove(place);
+            for (_, single) in cables.iter().take(cables.len().saturating_sub(1)) {
+                fewer.push((*single, scale.min(all[*single].scales.len() - 1)));
+                if !self.visited.contains_key(&set_of(&fewer)) && fewer.len() <= self.most {
+                    self.settle(&fewer);
+                }
+            }
+        }
+    }
+
+    /// Evaluates a set exactly, the scale of each member chosen anew.
+    pub fn settle(&mut self, members: &[Member]) -> f64 {
+        let mut members = members.to_vec();
+        for place in 0..members.len() {
+            let mut others = members.clone();
+            let (index, scale) = others.remove(place);
+            let system = System::extensible_by(self.gram, &others, index);
+            let best = system.gain(self.gram, index, f64::NEG_INFINITY);
+            members[place] = (index, best.map_or(scale, |b| b.1));
+        }
+        let exact = System::new(self.gram, &members).log_posterior;
+        self.visited.insert(
+            set_of(&members),
+            Visited {
+                members,
+                log_posterior: exact,
+            },
+        );
+        exact
+    }
+
+    /// Starts from all families and effects of the robot together, and drops the least needed until each is.
+    pub fn drop_from_all(&mut self) {
+        let all = self.gram.candidates;
+        let wide = |index: &usize| {
+            let candidate = &all[*index];
+            let seen = self.gram.own[*index].information.trace() > 0.0;
+            let targeted = candidate.cause.instances.iter().any(|b| b.targeted);
+            let direct = candidate.columns.iter().all(|c| c.acts == Acts::Everywhere);
+            seen && direct && (candidate.is_family() || !targeted)
+        };
+        let mut members: Vec<Member> = Vec::new();
+        for index in (0..all.len()).filter(wide) {
+            // Values of their own say more than a common one.
+            members.retain(|m| !(all[index].is_family() && all[index].excludes(&all[m.0])));
+            if members.iter().all(|m| !all[index].excludes(&all[m.0])) {
+                members.push((index, all[index].scales.len().min(2) - 1));
+            }
+        }
+        let system = System::new(self.gram, &members);
+        let mut estimate = system.estimate;
+        let mut covariance = system.covariance;
+        while members.len() > 1 {
+            let mut at = 0;
+            let mut least: Option<(f64, usize, std::ops::Range<usize>)> = None;
+            for (place, (index, scale)) in members.iter().enumerate() {
+                let candidate = &all[*index];
+                let count = candidate.columns.len();
+                let own = covariance.view((at, at), (count, count)).into_owned();
+                let mean = estimate.rows(at, count);
+                let prior = &candidate.prior * candidate.scales[*scale].0;
+                let log_prior_sd: f64 = prior.diagonal().map(f64::ln).sum();
+                let Some(factor) = own.cholesky() else {
+                    return;
+                };
+                let log_sd: f64 = factor.l_dirty().diagonal().map(f64::ln).sum();
+                let square = mean.dot(&factor.solve(&mean));
+                let worth = 0.5 * square + log_sd - log_prior_sd
+                    + candidate.log_odds
+                    + candidate.scales[*scale].1;
+                if least.as_ref().is_none_or(|l| worth < l.0) {
+                    least = Some((worth, place, at..at + count));
+                }
+                at += count;
+            }
+            let Some((worth, place, range)) = least else {
+                return;
+            };
+            if worth >= 0.0 {
+                break;
+            }
+            let kept: Vec<usize> = (0..at).filter(|k| !range.contains(k)).collect();
+            let dropped: Vec<usize> = range.collect();
+            let inner = covariance.select_rows(&dropped).select_columns(&dropped);
+            let cross = covariance.select_rows(&kept).select_columns(&dropped);
+            let Some(factor) = inner.cholesky() else {
+                return;
+            };
+            let mean = estimate.select_rows(&dropped);
+            estimate = estimate.select_rows(&kept) - &cross * factor.solve(&mean);
+            covariance = covariance.select_rows(&kept).select_columns(&kept)
+                - &cross * factor.solve(&cross.transpose());
+            members.remove(place);
+        }
+        self.visit(&members);
+        self.settle(&members);
+    }
+}

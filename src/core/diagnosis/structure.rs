@@ -1,0 +1,289 @@
+//! Errors without a name: functions of one or two variables in the readings of one kind, of one cable or of all alike.
+//!
+//! The error of a target's readings is `sum_k c_k phi_k(u)` with independent normal `c_k` of one size, in standard
+//! deviations of the readings as described; [`super::families`] has the functions. With `b` the score and `K` the
+//! information of the functions, the evidence over none is `1/2 b^T (K + 1/s^2)^-1 b - 1/2 log det(1 + s^2 K)`: thousands of
+//! functions are looked at with the noise that there is, and the best compared exactly, the noise estimated anew. The odds
+//! for an error are those of all functions and sizes together.
+//!
+//! [`Structures::beside`] asks what is left beside all causes. What an effect of the catalogue expresses is taken out of
+//! the functions there, so that a cause too small to be found does not show. [`Structures::instead`] asks what explains the
+//! readings without some of the causes; there the functions are whole.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::Quantity;
+use super::exploration::log_sum;
+use super::families::{Family, Form, Target};
+use super::hyperparameters::{Base, Hyperparameters, Linear};
+use super::reading_errors::ReadingErrors;
+use super::reading_id::ReadingId;
+use super::variables::Variables;
+use crate::estimation::Linearisation;
+
+/// Expected number of errors without a name: real machines have more of them than of faults.
+const EXPECTED: f64 = 2.0;
+/// Sizes of the functions, in standard deviations of a reading.
+const SIZES: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 16.0, 64.0, 256.0, 1024.0];
+/// Readings that the prior of a variance is worth.
+const VARIANCE_PRIOR: f64 = 8.0;
+/// Least share of the squares of a target's readings that any function is taken to leave.
+const LEAST_LEFT: f64 = 0.25;
+/// How many of the best are compared exactly, and logarithm of the odds of all together from which they are.
+const COMPARED: usize = 3;
+const ASKED: f64 = -2.0;
+
+/// An error of some form.
+#[derive(Debug, Clone)]
+pub(super) struct Structure {
+    /// The readings; no cable where it is that of all alike.
+    pub id: ReadingId,
+    pub form: Form,
+    /// Logarithm of its posterior odds.
+    pub log_odds: f64,
+    /// Logarithm of its prior probability.
+    pub log_prior: f64,
+    /// Its columns in conditions, of prior variance 1.
+    pub columns: DMatrix<f64>,
+}
+
+/// A family with the size that suits.
+#[derive(Debug, Clone, Copy)]
+struct Scored {
+    target: usize,
+    family: usize,
+    size: f64,
+    log_odds: f64,
+}
+
+/// What was looked at with the noise that there is.
+struct Ranked {
+    /// The best family of each target, the best first.
+    best: Vec<Scored>,
+    /// Logarithm of the odds that there is any error.
+    log_odds: f64,
+}
+
+/// All errors that are looked for.
+pub(super) struct Structures<'l> {
+    linear: &'l Linear,
+    targets: Vec<Target>,
+}
+
+impl<'l> Structures<'l> {
+    /// The targets of a problem linearised.
+    pub fn new(
+        linear: &'l Linear,
+        linearisation: &Linearisation,
+        variables: &Variables<'_>,
+    ) -> Self {
+        let classes = &linear.conditions.classes;
+        let mut sets: Vec<(ReadingId, Vec<usize>)> = Vec::new();
+        for (class, id) in classes.iter().enumerate() {
+            sets.push((*id, vec![class]));
+            let all = ReadingId { cable: None, ..*id };
+            match sets.iter_mut().find(|(id, _)| *id == all) {
+                Some((_, set)) if id.cable.is_some() => set.push(class),
+                None => sets.push((all, vec![class])),
+                _ => {}
+            }
+        }
+        let rows: Vec<usize> = linearisation.poses.iter().map(|pose| pose.row).collect();
+        let mut targets: Vec<Target> = sets
+            .into_iter()
+            .filter(|(id, classes)| id.cable.is_some() || classes.len() != 1 || is_single(id))
+            .filter_map(|(id, classes)| Target::new(id, classes, &rows, linear, variables))
+            .collect();
+        let each = (EXPECTED / targets.len().max(1) as f64).ln();
+        for target in &mut targets {
+            for family in &mut target.families {
+                family.log_prior += each;
+            }
+        }
+        Self { linear, targets }
+    }
+
+    /// The clearest error beside causes with given columns, if the posterior odds that there is one are above `least`.
+    pub fn beside(&self, columns: &DMatrix<f64>, least: f64) -> Option<Structure> {
+        let amplitude = vec![0; self.linear.shapes.len()];
+        let (none, at) = self.linear.with_amplitudes(&amplitude, columns);
+        let base = self.linear.base(&at, columns);
+        let ranked = self.ranked((&base, &at), |_| true, |family| &family.rest, true);
+        let exact = ranked.best.into_iter().filter_map(|scored| {
+            let structure = self.columns(&scored, |family| &family.rest);
+            let with_columns = joined(&[columns, &structure]);
+            let with = self.linear.refined(&at, &with_columns).0;
+            let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
+            if with - none + all < least {
+                return None;
+            }
+            // A constant alone shows nothing: effects of the catalogue express it.
+            let constant = joined(&[columns, &structure.columns(0, 1).into_owned()]);
+            let without = self.linear.refined(&at, &constant).0;
+            let log_odds = with - without.max(none) + all;
+            (log_odds >= least).then(|| self.structure(&scored, log_odds, structure))
+        });
+        exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
+    }
+
+    /// The error that explains most beside given columns, with some background; its odds are the logarithm of the
+    /// evidence with it and its prior.
+    pub fn instead(
+        &self,
+        columns: &DMatrix<f64>,
+        amplitude: &[usize],
+        is_asked: impl Fn(&ReadingId) -> bool,
+    ) -> Option<Structure> {
+        let (_, at) = self.linear.with_amplitudes(amplitude, columns);
+        let base = self.linear.base(&at, columns);
+        let ranked = self.ranked((&base, &at), is_asked, |family| &family.whole, false);
+        let exact = ranked.best.into_iter().map(|scored| {
+            let structure = self.columns(&scored, |family| &family.whole);
+            let with = self.linear.refined(&at, &joined(&[columns, &structure])).0;
+            let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
+            self.structure(&scored, with + all, structure)
+        });
+        exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
+    }
+
+    fn family(&self, scored: &Scored) -> &Family {
+        &self.targets[scored.target].families[scored.family]
+    }
+
+    /// Logarithm of the prior probability of a family with one of the sizes.
+    fn log_prior(&self, scored: &Scored) -> f64 {
+        self.family(scored).log_prior - (SIZES.len() as f64).ln()
+    }
+
+    fn structure(&self, scored: &Scored, log_odds: f64, columns: DMatrix<f64>) -> Structure {
+        Structure {
+            id: self.targets[scored.target].id,
+            form: self.family(scored).form,
+            log_odds,
+            log_prior: self.log_prior(scored),
+            columns,
+        }
+    }
+
+    /// A constant and the functions of a family in conditions.
+    fn columns(
+        &self,
+        scored: &Scored,
+        functions: impl Fn(&Family) -> &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let target = &self.targets[scored.target];
+        let functions = with_constant(functions(self.family(scored)), &target.poses);
+        let mut columns = DMatrix::zeros(self.linear.conditions.count, functions.ncols());
+        for class in &target.classes {
+            columns += self.linear.conditions.of_class(*class, &functions) * scored.size;
+        }
+        columns
+    }
+
+    /// The families of the targets that are asked about, each with its best size; `beyond` what a constant alone
+    /// explains, or with it.
+    fn ranked(
+        &self,
+        (base, at): (&Base<'_>, &Hyperparameters),
+        is_asked: impl Fn(&ReadingId) -> bool,
+        functions: impl Fn(&Family) -> &DMatrix<f64>,
+        beyond: bool,
+    ) -> Ranked {
+        let sums = base.noise.class_sums(&base.residual, &base.taken);
+        let size_prior = -(SIZES.len() as f64).ln();
+        let mut best: Vec<Scored> = Vec::new();
+        let mut all: Vec<f64> = Vec::new();
+        for (number, target) in self.targets.iter().enumerate() {
+            if !is_asked(&target.id) {
+                continue;
+            }
+            let errors = ReadingErrors::new(base, &target.classes);
+            let squares = target.classes.iter().map(|k| sums[*k][0] / at.variance[*k]);
+            let squares = squares.sum::<f64>() + VARIANCE_PRIOR;
+            let freedom = target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + VARIANCE_PRIOR;
+            let mut own: Option<Scored> = None;
+            for (index, family) in target.families.iter().enumerate() {
+                let functions = with_constant(functions(family), &target.poses);
+                for (size, gain, price) in evidence(&errors, &functions, beyond) {
+                    // The noise is estimated anew: the logarithm of what is left, not what is gained, counts.
+                    let left = (1.0 - gain / squares).max(LEAST_LEFT);
+                    let log_odds =
+                        -0.5 * (freedom * left.ln() + price) + family.log_prior + size_prior;
+                    all.push(log_odds);
+                    if own.is_none_or(|o| log_odds > o.log_odds) {
+                        own = Some(Scored {
+                            target: number,
+                            family: index,
+                            size,
+                            log_odds,
+                        });
+                    }
+                }
+            }
+            best.extend(own);
+        }
+        best.sort_by(|a, b| b.log_odds.total_cmp(&a.log_odds));
+        let log_odds = log_sum(all.into_iter());
+        best.truncate(if log_odds > ASKED { COMPARED } else { 0 });
+        Ranked { best, log_odds }
+    }
+}
+
+/// Whether there is one reading of the kind only.
+fn is_single(id: &ReadingId) -> bool {
+    !matches!(
+        id.quantity,
+        Quantity::Length | Quantity::Tension | Quantity::Swivel
+    )
+}
+
+/// A constant on some poses before functions.
+fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
+    let mut all = functions.clone().insert_column(0, 0.0);
+    for pose in poses {
+        all[(*pose, 0)] = 1.0;
+    }
+    all
+}
+
+/// Matrices of as many rows beside each other.
+pub(super) fn joined(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+    let width = parts.iter().map(|part| part.ncols()).sum();
+    let mut all = DMatrix::zeros(parts[0].nrows(), width);
+    let mut first = 0;
+    for part in parts {
+        all.columns_mut(first, part.ncols()).copy_from(part);
+        first += part.ncols();
+    }
+    all
+}
+
+/// For each size the chi-square that functions explain, `beyond` what the first of them does or with it, and the
+/// logarithm of the determinant that they cost.
+fn evidence(
+    errors: &ReadingErrors,
+    functions: &DMatrix<f64>,
+    beyond: bool,
+) -> Vec<(f64, f64, f64)> {
+    if functions.ncols() < 2 {
+        return Vec::new();
+    }
+    let (score, information) = errors.of(functions);
+    let of_first = (information[(0, 0)], score[0]);
+    let eigen = SymmetricEigen::new(information);
+    let along = eigen.eigenvectors.tr_mul(&score);
+    let of = |size: &f64| {
+        let square = size * size;
+        let term = |(value, along): (f64, f64)| {
+            let spread = 1.0 + square * value.max(0.0);
+            (square * along * along / spread, spread.ln())
+        };
+        let own = if beyond { term(of_first) } else { (0.0, 0.0) };
+        let pairs = eigen.eigenvalues.iter().copied().zip(along.iter().copied());
+        let (gain, price) = pairs
+            .map(term)
+            .fold((0.0, 0.0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
+        (*size, gain - own.0, price - own.1)
+    };
+    SIZES.iter().map(of).collect()
+}

@@ -1,0 +1,201 @@
+//! What poses are to be good for, and the criterion of optimal design that says so.
+//!
+//! With the information `I` on the geometry and `J` on geometry and faults together, the parameters of a fault having the
+//! prior of the catalogue, poses maximise
+//!
+//! | goal | criterion |
+//! |---|---|
+//! | geometry | `ln det I` (D-optimality) |
+//! | faults | `ln det J - ln det I`: twice what the readings are expected to tell of the faults, in nats (Ds-optimality; Lindley, Annals of Mathematical Statistics 27, 1956) |
+//! | both | `ln det I / p + (ln det J - ln det I) / q` with `p` parameters of the geometry and `q` of faults: equal weights, whatever their numbers |
+//! | accuracy | `-ln tr(M I^-1)`: minus the logarithm of the mean square of the position error that controllers have over test poses in a volume (Klimchik, Wu, Caro, Furet, Pashkevich, Mechanism and Machine Theory 82, 2014) |
+//!
+//! Faults that look alike share what the readings tell of them, so the determinant rewards poses that tell them apart. What
+//! happens at one pose, and waves in the laser's distance, are left out: every pose shows its own.
+
+use nalgebra::DMatrix;
+
+use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search};
+use crate::estimation::{ExpectedInformation, covariance_of};
+use crate::geometry::Vec3;
+use crate::robot::Robot;
+
+/// What a plan is for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Goal {
+    /// The parameters of the robot are determined well.
+    #[default]
+    Geometry,
+    /// Faults are seen and told apart.
+    Faults,
+    /// Both.
+    Both,
+    /// The robot is accurate in a volume once the parameters are at its controller.
+    Accuracy(Volume),
+}
+
+/// A box in the base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Volume {
+    /// Smallest coordinates (m).
+    pub low_m: [f64; 3],
+    /// Largest coordinates (m).
+    pub high_m: [f64; 3],
+}
+
+impl Volume {
+    /// Its centre (m).
+    #[must_use]
+    pub fn centre_m(&self) -> [f64; 3] {
+        ((Vec3::from(self.low_m) + Vec3::from(self.high_m)) / 2.0).into()
+    }
+
+    /// Half its extent along each axis (m).
+    #[must_use]
+    pub fn half_extent_m(&self) -> [f64; 3] {
+        ((Vec3::from(self.high_m) - Vec3::from(self.low_m)) / 2.0).into()
+    }
+}
+
+impl Goal {
+    /// Name in commands and files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Geometry => "geometry",
+            Self::Faults => "faults",
+            Self::Both => "both",
+            Self::Accuracy(_) => "accuracy",
+        }
+    }
+
+    /// Whether the information on faults matters.
+    pub(super) fn needs_faults(self) -> bool {
+        matches!(self, Self::Faults | Self::Both)
+    }
+}
+
+/// The faults that plans are for, at the values at which they are linearised.
+pub(super) fn faults(robot: &Robot, known: &[BoundEffect]) -> Vec<BoundEffect> {
+    let weighs = robot
+        .cables
+        .iter()
+        .any(|cable| cable.cable.weight_n_per_m != 0.0);
+    let is_asked = |effect: &&Effect| {
+        // Cables that weigh nothing have no shape to be calculated.
+        effect.search() == Search::Direct && effect.is_estimable() && (weighs || !effect.needs_sag)
+    };
+    let all: Vec<usize> = (0..robot.cable_count()).collect();
+    let mut found: Vec<BoundEffect> = Vec::new();
+    for effect in CATALOGUE.iter().copied().filter(is_asked) {
+        let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
+            effect,
+            cables,
+            targeted,
+            values: effect.parameters().iter().map(|p| p.start).collect(),
+        };
+        match effect.scope() {
+            Scope::Robot => found.push(bound(all.clone(), false)),
+            Scope::Cable | Scope::CableOrAll => {
+                found.extend(all.iter().map(|cable| bound(vec![*cable], true)));
+            }
+            Scope::Pair | Scope::Reading => {}
+        }
+    }
+    let is_known = |fault: &BoundEffect| known.iter().any(|k| k.effect.id() == fault.effect.id());
+    found.retain(|fault| !is_known(fault));
+    found
+}
+
+/// The criterion of a goal: its value is larger for better poses.
+pub(super) struct Criterion {
+    pub terms: Vec<Term>,
+}
+
+/// A term of a criterion.
+pub(super) struct Term {
+    pub information: ExpectedInformation,
+    pub kind: TermKind,
+}
+
+/// What of the information counts.
+pub(super) enum TermKind {
+    /// The logarithm of its determinant, times a weight.
+    Determinant(f64),
+    /// Minus the logarithm of `tr(S^T I^-1 S)`: `S S^T` are the weights of the parameters.
+    Error(DMatrix<f64>),
+}
+
+impl Criterion {
+    /// `faults` is the information on geometry and faults where the goal needs it, `weights` those of the volume.
+    pub fn new(
+        goal: Goal,
+        geometry: &ExpectedInformation,
+        faults: Option<ExpectedInformation>,
+        weights: Option<&DMatrix<f64>>,
+    ) -> Self {
+        let term = |information: &ExpectedInformation, kind| Term {
+            information: information.clone(),
+            kind,
+        };
+        let determinant = TermKind::Determinant;
+        let terms = match (goal, faults, weights) {
+            (Goal::Faults, Some(both), _) => {
+                vec![
+                    term(&both, determinant(1.0)),
+                    term(geometry, determinant(-1.0)),
+                ]
+            }
+            (Goal::Both, Some(both), _) => {
+                let own = geometry.parameters.len();
+                let others = both.parameters.len() - own;
+                let [own, others] = [own, others].map(|count| (count.max(1) as f64).recip());
+                vec![
+                    term(&both, determinant(others)),
+                    term(geometry, determinant(own - others)),
+                ]
+            }
+            (Goal::Accuracy(_), _, Some(weights)) => {
+                vec![term(geometry, TermKind::Error(root(weights)))]
+            }
+            _ => vec![term(geometry, determinant(1.0))],
+        };
+        Self { terms }
+    }
+
+    /// Its value for the poses picked; `None` where they leave parameters open.
+    pub fn value(&self, picked: &[usize]) -> Option<f64> {
+        let mut sum = 0.0;
+        for Term { information, kind } in &self.terms {
+            let total = information.of(picked.iter().copied());
+            sum += match kind {
+                TermKind::Determinant(weight) => {
+                    let factor = total.cholesky()?;
+                    weight * 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum()
+                }
+                TermKind::Error(root) => {
+                    let covariance = covariance_of(&total)?;
+                    -(root.transpose() * covariance * root).trace().ln()
+                }
+            };
+        }
+        Some(sum)
+    }
+}
+
+/// `S` with `S S^T` the weights, without the directions that weigh nothing.
+fn root(weights: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = weights.clone().symmetric_eigen();
+    let most = eigen.eigenvalues.max();
+    let kept: Vec<_> = (eigen
+        .eigenvectors
+        .column_iter()
+        .zip(eigen.eigenvalues.iter()))
+    .filter(|(_, value)| **value > 1e-12 * most)
+    .map(|(column, value)| column * value.sqrt())
+    .collect();
+    if kept.is_empty() {
+        return DMatrix::zeros(weights.nrows(), 1);
+    }
+    DMatrix::from_columns(&kept)
+}

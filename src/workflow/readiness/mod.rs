@@ -1,0 +1,212 @@
+//! The check before identification: are the readings complete and plausible, do they determine the geometry, and which
+//! faults would they show. Every part passes, fails or is not evaluated, with a sentence and what to do.
+
+mod readings;
+#[cfg(test)]
+mod tests;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::effect::measurements_as_modelled;
+use tautline_core::estimation::{Control, Options, Problem, Solution, rank_defects, solve};
+use tautline_core::measurement::Dataset;
+use tautline_session::VersionedFile;
+
+use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable, SEEN, percent};
+use crate::wording::{count, list, sentence};
+use readings::{complete, plausible};
+
+/// What a part of the check came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CheckOutcome {
+    /// All is well.
+    Pass,
+    /// Something has to be done first.
+    Fail,
+    /// It could not be said.
+    NotEvaluated,
+}
+
+/// A part of the check.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct CheckItem {
+    /// What is checked: `complete`, `plausible`, `geometry` or `faults`.
+    pub name: String,
+    /// What it came to.
+    pub outcome: CheckOutcome,
+    /// Why, in one sentence or two.
+    pub sentence: String,
+    /// What to do; null where nothing is to be done.
+    pub action: Option<String>,
+}
+
+/// The check of a dataset before identification.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReadinessDocument {
+    /// Name of the robot.
+    pub robot: String,
+    /// Whether no part failed.
+    pub ready: bool,
+    /// The parts.
+    pub checks: Vec<CheckItem>,
+    /// Which faults these poses show; null where that could not be evaluated.
+    pub isolability: Option<IsolabilityDocument>,
+}
+
+impl VersionedFile for ReadinessDocument {
+    const FORMAT: &'static str = "tautline-readiness";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 64 << 20;
+}
+
+impl CheckItem {
+    fn new(name: &str, outcome: CheckOutcome, sentence: String) -> Self {
+        Self {
+            name: name.to_owned(),
+            outcome,
+            sentence,
+            action: None,
+        }
+    }
+
+    fn with(self, action: impl Into<String>) -> Self {
+        Self {
+            action: Some(action.into()),
+            ..self
+        }
+    }
+
+    /// Title of the part.
+    #[must_use]
+    pub fn title(&self) -> &'static str {
+        match self.name.as_str() {
+            "complete" => "Readings complete",
+            "plausible" => "Readings plausible",
+            "geometry" => "Geometry determined",
+            _ => "Faults visible",
+        }
+    }
+}
+
+/// Checks a dataset, raw as it was measured.
+#[must_use]
+pub fn check(dataset: &Dataset) -> ReadinessDocument {
+    let mut checks = check_readings(dataset);
+    let is_spoilt = checks.iter().any(|c| c.outcome == CheckOutcome::Fail);
+    let fitted = if is_spoilt {
+        Fitted::Not("the readings are not fit for one".to_owned())
+    } else {
+        fitted(dataset)
+    };
+    checks.push(geometry(&fitted));
+    let isolability = match &fitted {
+        Fitted::At(..) => IsolabilityDocument::of_dataset(dataset).ok(),
+        Fitted::Not(_) => None,
+    };
+    checks.push(faults(isolability.as_ref()));
+    ReadinessDocument {
+        robot: dataset.robot.name.clone(),
+        ready: checks
+            .iter()
+            .all(|check| check.outcome != CheckOutcome::Fail),
+        checks,
+        isolability,
+    }
+}
+
+/// The parts that need no fit: they take no time.
+#[must_use]
+pub fn check_readings(dataset: &Dataset) -> Vec<CheckItem> {
+    vec![complete(dataset), plausible(dataset)]
+}
+
+/// A first fit, which says what the readings determine.
+enum Fitted {
+    At(Box<Solution>, Vec<String>),
+    Not(String),
+}
+
+fn fitted(dataset: &Dataset) -> Fitted {
+    let modelled = match measurements_as_modelled(&dataset.robot, &dataset.measurements) {
+        Ok(measurements) => Dataset {
+            robot: dataset.robot.clone(),
+            measurements: measurements.into_owned(),
+        },
+        Err(error) => return Fitted::Not(error.to_string()),
+    };
+    let solved = Problem::new(&modelled).and_then(|problem| {
+        let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
+        let open = rank_defects(&problem, &solution);
+        Ok((solution, open))
+    });
+    match solved {
+        Ok((solution, _)) if !solution.chi2.is_finite() => {
+            Fitted::Not("no poses fit these readings".to_owned())
+        }
+        Ok((solution, open)) => {
+            let open = open.into_iter().map(|defect| defect.sentence).collect();
+            Fitted::At(Box::new(solution), open)
+        }
+        Err(error) => Fitted::Not(error.to_string()),
+    }
+}
+
+fn geometry(fitted: &Fitted) -> CheckItem {
+    let item = |outcome, sentence: String| CheckItem::new("geometry", outcome, sentence);
+    match fitted {
+        Fitted::Not(why) => item(
+            CheckOutcome::NotEvaluated,
+            format!(
+                "There is no fit to judge by: {}.",
+                why.trim_end_matches('.')
+            ),
+        )
+        .with("Correct the readings first."),
+        Fitted::At(_, open) if !open.is_empty() => {
+            let open = open.iter().map(|o| sentence(o.trim_end_matches('.')) + ".");
+            item(CheckOutcome::Fail, open.collect::<Vec<_>>().join(" "))
+                .with("Plan and measure more poses, add an instrument, or give what is known in robot.json.")
+        }
+        Fitted::At(solution, _) => {
+            let parameters = solution.parameters.len();
+            item(
+                CheckOutcome::Pass,
+                format!(
+                    "The readings determine all {}, with {:.0} more than needed.",
+                    count(parameters, "parameter"),
+                    solution.degrees_of_freedom.max(0.0)
+                ),
+            )
+        }
+    }
+}
+
+fn faults(isolability: Option<&IsolabilityDocument>) -> CheckItem {
+    let item = |outcome, sentence: String| CheckItem::new("faults", outcome, sentence);
+    let Some(document) = isolability else {
+        return item(
+            CheckOutcome::NotEvaluated,
+            "There is no fit at which faults could be asked about.".to_owned(),
+        )
+        .with("Correct the readings first.");
+    };
+    let table = IsolabilityTable::of(document);
+    let unseen = table.kinds.iter().filter(|kind| kind.detection[0] < SEEN);
+    let unseen: Vec<String> = unseen
+        .map(|kind| format!("{} ({})", kind.title, percent(kind.detection[0])))
+        .collect();
+    if unseen.is_empty() {
+        return item(CheckOutcome::Pass, table.summary());
+    }
+    let said = format!("{} Not seen reliably: {}.", table.summary(), list(&unseen));
+    let advice = "Poses planned with `tautline plan --for both` show more; what stays unseen needs another instrument or a check in \
+                  the workshop.";
+    // Some faults are below the noise of any poses: it is half of them that says that the poses are poor.
+    let outcome = if 2 * unseen.len() > table.kinds.len() {
+        CheckOutcome::Fail
+    } else {
+        CheckOutcome::Pass
+    };
+    item(outcome, said).with(advice)
+}

@@ -1,0 +1,272 @@
+//! Whether readings are complete and plausible, without any fit.
+
+use tautline_core::kinematics::inverse_kinematics;
+use tautline_core::measurement::{Dataset, Grid};
+
+use super::{CheckItem, CheckOutcome};
+use crate::wording::{count, list, sentence};
+
+/// Part of a cable's readings that may be missing.
+const MISSING: f64 = 0.5;
+/// Correlation of lengths read and expected below which something else was read.
+const CORRELATED: f64 = 0.8;
+/// Factors between changes of length read and expected that are plausible.
+const PLAUSIBLE: [f64; 2] = [0.7, 1.4];
+/// Tension below zero that no noise explains, in standard deviations of its sensor.
+const PUSHING: f64 = 5.0;
+/// Distance between read and expected laser distance that is plausible (m).
+const LASER_OFF_M: f64 = 0.3;
+/// Poses from which lengths read and expected are compared.
+const COMPARED: usize = 4;
+
+/// Kinds of readings of which each cable has one, with their names.
+fn grids(dataset: &Dataset) -> Vec<(&'static str, &Grid)> {
+    let data = &dataset.measurements;
+    let all = [
+        ("revolutions", &data.revolutions),
+        ("lengths", &data.length_m),
+        ("force readings", &data.force_n),
+        ("swivel angles", &data.swivel_rad),
+    ];
+    all.into_iter()
+        .filter(|(_, grid)| !grid.is_empty())
+        .collect()
+}
+
+pub(super) fn complete(dataset: &Dataset) -> CheckItem {
+    let item = |outcome, sentence: String| CheckItem::new("complete", outcome, sentence);
+    let data = &dataset.measurements;
+    let poses = data.len() - usize::from(dataset.robot.home.is_some() && data.home_row().is_some());
+    let lengths = !data.revolutions.is_empty() || !data.length_m.is_empty();
+    if data.is_empty() || poses == 0 {
+        return item(
+            CheckOutcome::Fail,
+            "There is no measured pose besides home.".to_owned(),
+        )
+        .with("Measure the planned poses first.");
+    }
+    if !lengths {
+        return item(
+            CheckOutcome::Fail,
+            "Neither revolutions nor lengths of the cables were read.".to_owned(),
+        )
+        .with("Record the motor encoders, and import the readings again.");
+    }
+    if !data.revolutions.is_empty() && dataset.robot.home.is_some() && data.home_row().is_none() {
+        return item(
+            CheckOutcome::Fail,
+            "The home pose (label 0), from which revolutions count, is missing.".to_owned(),
+        )
+        .with("Measure the home pose, and give it the label 0.");
+    }
+    let mut missing = 0;
+    let mut poor = Vec::new();
+    for (name, grid) in grids(dataset) {
+        for (cable, described) in dataset.robot.cables.iter().enumerate() {
+            let holes = (0..grid.rows())
+                .filter(|row| grid.get(*row, cable).is_nan())
+                .count();
+            missing += holes;
+            if holes as f64 > MISSING * grid.rows() as f64 {
+                poor.push(format!("{name} of {}", described.name));
+            }
+        }
+    }
+    if !poor.is_empty() {
+        let what = list(&poor);
+        return item(
+            CheckOutcome::Fail,
+            format!("More than half of the {what} are missing."),
+        )
+        .with("Check the wiring and the recording of these channels, and measure again.");
+    }
+    let lasers = data
+        .laser_m
+        .iter()
+        .filter(|distance| distance.is_nan())
+        .count();
+    let holes = match missing + lasers {
+        0 => "all channels were read at each".to_owned(),
+        holes => format!(
+            "{} missing, which identification leaves out",
+            count(holes, "reading")
+        ),
+    };
+    item(
+        CheckOutcome::Pass,
+        format!("{}; {holes}.", sentence(&count(poses, "pose"))),
+    )
+}
+
+/// Changes of length between poses, read and expected where the platform was sent.
+fn compared(dataset: &Dataset) -> Option<[Vec<Vec<f64>>; 2]> {
+    let data = &dataset.measurements;
+    let robot = &dataset.robot;
+    let mut read = vec![Vec::new(); robot.cable_count()];
+    let mut expected = read.clone();
+    for (row, commanded) in data.commanded.iter().enumerate() {
+        let Some(states) = commanded.and_then(|pose| inverse_kinematics(robot, &pose).ok()) else {
+            continue;
+        };
+        for (cable, state) in states.iter().enumerate() {
+            let length = if data.revolutions.is_empty() {
+                data.length_m.get(row, cable)
+            } else {
+                data.revolutions.get(row, cable)
+                    * robot.cables[cable].winch.cable_per_revolution_m()
+            };
+            read[cable].push(length);
+            expected[cable].push(state.length_m);
+        }
+    }
+    (read.first().is_some_and(|rows| rows.len() >= COMPARED)).then_some([read, expected])
+}
+
+/// Slope and correlation of a series along another, where both have values.
+fn relation(values: &[f64], along: &[f64]) -> Option<[f64; 2]> {
+    let both: Vec<[f64; 2]> = (values.iter().zip(along))
+        .filter(|(a, b)| a.is_finite() && b.is_finite())
+        .map(|(a, b)| [*a, *b])
+        .collect();
+    if both.len() < COMPARED {
+        return None;
+    }
+    let mean = |k: usize| both.iter().map(|pair| pair[k]).sum::<f64>() / both.len() as f64;
+    let middle = [mean(0), mean(1)];
+    let moment = |i: usize, k: usize| -> f64 {
+        both.iter()
+            .map(|pair| (pair[i] - middle[i]) * (pair[k] - middle[k]))
+            .sum()
+    };
+    let (own, other, cross) = (moment(0, 0), moment(1, 1), moment(0, 1));
+    (other > 0.0).then(|| {
+        [
+            cross / other,
+            if own > 0.0 {
+                cross / (own * other).sqrt()
+            } else {
+                0.0
+            },
+        ]
+    })
+}
+
+pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
+    let item = |outcome, sentence: String| CheckItem::new("plausible", outcome, sentence);
+    let mut problems: Vec<String> = Vec::new();
+    let compared = compared(dataset);
+    if let Some([read, expected]) = &compared {
+        problems.extend(implausible_lengths(dataset, read, expected));
+    }
+    problems.extend(implausible_forces(dataset));
+    problems.extend(implausible_distances(dataset));
+    if !problems.is_empty() {
+        return item(CheckOutcome::Fail, problems.join(" ")).with(
+            "Correct sign, unit or channel in the recording, or leave the poses concerned out.",
+        );
+    }
+    if compared.is_none() {
+        let why = "Lengths were not compared: fewer than 4 poses have a commanded pose.";
+        return item(CheckOutcome::NotEvaluated, why.to_owned())
+            .with("Record where the platform was sent (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).");
+    }
+    item(
+        CheckOutcome::Pass,
+        "Lengths change as the commanded poses need, tensions pull and distances are where they belong.".to_owned(),
+    )
+}
+
+fn implausible_lengths(dataset: &Dataset, read: &[Vec<f64>], expected: &[Vec<f64>]) -> Vec<String> {
+    let cables = &dataset.robot.cables;
+    let mut problems = Vec::new();
+    for (cable, values) in read.iter().enumerate() {
+        let name = &cables[cable].name;
+        let Some([slope, correlation]) = relation(values, &expected[cable]) else {
+            continue;
+        };
+        let alike = |other: &usize| {
+            let found = relation(values, &expected[*other]);
+            *other != cable
+                && found.is_some_and(|[slope, r]| {
+                    r > 0.98 && (PLAUSIBLE[0]..PLAUSIBLE[1]).contains(&slope)
+                })
+        };
+        let other = (0..read.len()).find(alike);
+        problems.push(match other {
+            _ if correlation < -CORRELATED => {
+                format!("The length of {name} changes with the wrong sign.")
+            }
+            Some(other) if correlation < CORRELATED => format!(
+                "The length of {name} changes as that of {} should: the channels may be exchanged.",
+                cables[other].name
+            ),
+            _ if correlation < CORRELATED => {
+                format!("The length of {name} does not follow the commanded poses.")
+            }
+            _ if !(PLAUSIBLE[0]..PLAUSIBLE[1]).contains(&slope) => format!(
+                "The length of {name} changes {slope:.3} times as much as the commanded poses need: unit, drum or gear may be \
+                 wrong."
+            ),
+            _ => continue,
+        });
+    }
+    problems
+}
+
+fn implausible_forces(dataset: &Dataset) -> Vec<String> {
+    let data = &dataset.measurements;
+    let mut pushing = Vec::new();
+    for (cable, described) in dataset.robot.cables.iter().enumerate() {
+        let Some(sensor) = described.force_sensor.filter(|_| !data.force_n.is_empty()) else {
+            continue;
+        };
+        let tension = |row: usize| sensor.tension_n(data.force_n.get(row, cable));
+        let is_pushing = |row: &usize| tension(*row) < -PUSHING * sensor.tension_sd_n;
+        let poses: Vec<String> = (0..data.len())
+            .filter(is_pushing)
+            .map(|row| data.labels[row].to_string())
+            .collect();
+        if let Some(first) = poses.first() {
+            let more = poses.len() - 1;
+            let where_else = if more == 0 {
+                String::new()
+            } else {
+                format!(" and {more} more")
+            };
+            pushing.push(format!(
+                "The force sensor of {} reads a negative tension at pose {first}{where_else}: a cable cannot push.",
+                described.name
+            ));
+        }
+    }
+    pushing
+}
+
+fn implausible_distances(dataset: &Dataset) -> Option<String> {
+    let data = &dataset.measurements;
+    let laser = dataset.robot.laser.as_ref()?;
+    let plane = &laser.target_plane;
+    let normal = nalgebra::Vector3::from(plane.normal);
+    let expected = |row: usize| {
+        let pose = data.commanded.get(row).copied().flatten()?;
+        let towards = normal.dot(&(pose.orientation * nalgebra::Vector3::from(laser.direction)));
+        Some((plane.offset_m - normal.dot(&pose.transform(&laser.origin_m.into()))) / towards)
+    };
+    let is_off = |row: &usize| {
+        let distance = data.laser_at(*row);
+        let allowed = LASER_OFF_M.max(5.0 * plane.offset_sd_m.unwrap_or(f64::INFINITY));
+        distance <= 0.0 || expected(*row).is_some_and(|e| (distance - e).abs() > allowed)
+    };
+    let off: Vec<usize> = (0..data.laser_m.len()).filter(is_off).collect();
+    let first = *off.first()?;
+    Some(format!(
+        "The laser reads {:.3} m at pose {}{}, which is far from what the commanded pose needs.",
+        data.laser_at(first),
+        data.labels[first],
+        if off.len() == 1 {
+            String::new()
+        } else {
+            format!(" (and is off at {} more)", off.len() - 1)
+        }
+    ))
+}

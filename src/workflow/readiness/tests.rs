@@ -1,0 +1,108 @@
+//! Checks of simulated runs, good and spoilt.
+
+use super::*;
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+
+fn measured() -> Dataset {
+    let preset = presets::find("mini").expect("a preset");
+    let options = SimulationOptions {
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(41, 3)
+    };
+    simulate(&preset.robot, &options)
+        .expect("simulated")
+        .dataset
+}
+
+fn outcomes(items: &[CheckItem]) -> Vec<CheckOutcome> {
+    items.iter().map(|item| item.outcome).collect()
+}
+
+#[test]
+fn a_good_run_is_ready() {
+    let found = check(&measured());
+    assert!(found.ready, "{:?}", found.checks);
+    assert_eq!(
+        outcomes(&found.checks),
+        [CheckOutcome::Pass; 4],
+        "{:?}",
+        found.checks
+    );
+    assert!(found.isolability.is_some());
+}
+
+#[test]
+fn wrong_signs_units_and_channels_are_named() {
+    let change = |of: fn(&mut Dataset)| {
+        let mut dataset = measured();
+        of(&mut dataset);
+        let item = check_readings(&dataset).remove(1);
+        assert_eq!(item.outcome, CheckOutcome::Fail, "{item:?}");
+        assert!(item.action.is_some());
+        item.sentence
+    };
+    let sign = change(|d| {
+        let grid = &mut d.measurements.revolutions;
+        (0..grid.rows()).for_each(|row| grid.set(row, 2, -grid.get(row, 2)));
+    });
+    assert!(
+        sign.contains("cable-3 changes with the wrong sign"),
+        "{sign}"
+    );
+    let unit = change(|d| {
+        let grid = &mut d.measurements.revolutions;
+        (0..grid.rows()).for_each(|row| grid.set(row, 2, 360.0 * grid.get(row, 2)));
+    });
+    assert!(unit.contains("cable-3 changes 3"), "{unit}");
+    let exchanged = change(|d| {
+        let grid = &mut d.measurements.revolutions;
+        for row in 0..grid.rows() {
+            let (a, b) = (grid.get(row, 0), grid.get(row, 5));
+            grid.set(row, 0, b);
+            grid.set(row, 5, a);
+        }
+    });
+    assert!(
+        exchanged.contains("cable-1 changes as that of cable-6 should"),
+        "{exchanged}"
+    );
+    let pushing = change(|d| d.measurements.force_n.set(4, 1, -50.0));
+    assert!(pushing.contains("force sensor of cable-2"), "{pushing}");
+    let distance = change(|d| d.measurements.laser_m[3] = 7.0);
+    assert!(
+        distance.contains("The laser reads 7.000 m at pose 3"),
+        "{distance}"
+    );
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let mut dataset = measured();
+    let grid = &mut dataset.measurements.revolutions;
+    (1..30).for_each(|row| grid.set(row, 3, f64::NAN));
+    let found = check_readings(&dataset);
+    assert_eq!(found[0].outcome, CheckOutcome::Fail);
+    assert!(
+        found[0].sentence.contains("revolutions of cable-4"),
+        "{found:?}"
+    );
+    let mut dataset = measured();
+    dataset.measurements.commanded.fill(None);
+    assert_eq!(
+        check_readings(&dataset)[1].outcome,
+        CheckOutcome::NotEvaluated
+    );
+    let home = dataset.measurements.select(&[0]);
+    dataset.measurements = home;
+    let found = check(&dataset);
+    assert!(!found.ready);
+    let expected = [
+        CheckOutcome::Fail,
+        CheckOutcome::NotEvaluated,
+        CheckOutcome::NotEvaluated,
+        CheckOutcome::NotEvaluated,
+    ];
+    assert_eq!(outcomes(&found.checks), expected, "{:?}", found.checks);
+}
