@@ -14,7 +14,7 @@ const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--
                      [--records FILE] [--failures] [--draw] [--diagram FILE.svg]";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
-const SINGLE: usize = 6;
+const SINGLE: usize = 3;
 const PAIRS: usize = 12;
 const CLEAN: usize = 900;
 const OUTSIDE: usize = 3;

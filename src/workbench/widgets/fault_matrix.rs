@@ -11,20 +11,27 @@ use crate::widgets::muted;
 /// Size of a cell (points).
 const CELL: [f32; 2] = [22.0, 17.0];
 /// Width of the names, and of the probability of detection.
-const NAME: f32 = 190.0;
+const NAME: f32 = 250.0;
 const SHOWN: f32 = 40.0;
-/// Probability below which a cell has no number.
-const NUMBERED: f64 = 0.005;
+/// Height of a title bar (points).
+const TITLE: f32 = 36.0;
+/// Least distance of the window from the edges of the program's.
+const AROUND: f32 = 48.0;
+/// Probability of a confusion below which a cell has no number.
+const NUMBERED: f64 = 0.01;
 
 /// The matrix in a window of its own.
 pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
+    let whole = vec2(
+        NAME + SHOWN + (table.kinds.len() + 1) as f32 * CELL[0],
+        (table.kinds.len() + 8) as f32 * CELL[1],
+    );
+    let room = ui.ctx().content_rect().shrink(AROUND);
     Window::new("Faults that these poses show")
         .open(is_shown)
-        .pivot(Align2::CENTER_CENTER)
-        .default_pos(ui.ctx().content_rect().center())
-        .default_size(vec2(
-            NAME + SHOWN + table.kinds.len() as f32 * CELL[0],
-            640.0,
+        .default_rect(Rect::from_center_size(
+            room.center(),
+            whole.min(room.size() - vec2(0.0, TITLE)),
         ))
         .show(ui.ctx(), |ui| fault_matrix(ui, table));
 }
@@ -153,32 +160,36 @@ fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usi
         palette.bad
     };
     let strength = if seen >= SEEN { seen } else { 1.0 - seen };
-    filled(ui, places.shown(row), (colour, strength, seen), palette);
+    filled(ui, places.shown(row), (colour, strength), palette);
+    number(ui, places.shown(row), seen, palette);
     for (column, cell) in table.cells[row].iter().enumerate() {
-        filled(
-            ui,
-            places.cell(row, column),
-            (palette.warning, cell.confusion, cell.confusion),
-            palette,
-        );
+        let place = places.cell(row, column);
+        filled(ui, place, (palette.warning, cell.confusion), palette);
+        if cell.confusion >= NUMBERED {
+            number(ui, place, cell.confusion, palette);
+        }
     }
 }
 
-/// A cell with a number in percent.
-fn filled(ui: &Ui, rect: Rect, (colour, strength, value): (Color32, f64, f64), palette: &Palette) {
+/// A cell in a colour of some strength.
+fn filled(ui: &Ui, rect: Rect, (colour, strength): (Color32, f64), palette: &Palette) {
     let share = 0.6 * strength.clamp(0.0, 1.0) as f32;
     let painter = ui.painter();
     painter.rect_filled(rect, 2.0, palette.ground.lerp_to_gamma(colour, share));
-    if value >= NUMBERED {
-        let number = format!("{:.0}", 100.0 * value);
-        painter.text(
-            rect.center(),
-            Align2::CENTER_CENTER,
-            number,
-            FontId::proportional(10.0),
-            palette.text,
-        );
-    }
+}
+
+/// A probability in percent.
+fn number(ui: &Ui, rect: Rect, value: f64, palette: &Palette) {
+    let text = format!("{:.0}", 100.0 * value);
+    let font = FontId::proportional(10.0);
+    let painter = ui.painter();
+    painter.text(
+        rect.center(),
+        Align2::CENTER_CENTER,
+        text,
+        font,
+        palette.text,
+    );
 }
 
 /// What the tooltip says at a place.

@@ -22,6 +22,11 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     // What is well once there is a result needs no room.
     let is_well = items.iter().all(|item| item.outcome != CheckOutcome::Fail);
     if is_well && open.fit_is_current() {
+        verdict(
+            ui,
+            Verdict::Good,
+            "Nothing in the readings speaks against identification.",
+        );
         CollapsingHeader::new("All parts of the check")
             .show(ui, |ui| items.iter().for_each(|i| show_item(ui, i)));
     } else {

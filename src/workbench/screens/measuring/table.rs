@@ -75,7 +75,8 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .auto_shrink([false, true])
         .max_scroll_height(64.0 * GRID)
         .column(Column::exact(14.0 * GRID))
-        .columns(Column::exact(13.0 * GRID), 4)
+        .columns(Column::exact(12.0 * GRID), 3)
+        .column(Column::exact(18.0 * GRID))
         .column(Column::remainder().at_least(20.0 * GRID).clip(true))
         .header(height, |mut header| {
             for head in [
