@@ -77,7 +77,7 @@ fn causes(into: &Path) -> Result<()> {
     open(&mut stage, "hall-creep-and-slip/session.json");
     stage.press("Model doctor");
     stage.give(ViewCommand::Select(Selection::cable(5)));
-    stage.show("These data cannot distinguish the causes below");
+    stage.show("Cable 6 slipped");
     files::write_still(&into.join("doctor-hall.png"), &stage.picture()?)?;
     open(&mut stage, "suspended-sag/session.json");
     stage.give(ViewCommand::Select(Selection::pose(11)));
