@@ -20,7 +20,8 @@ const CHUNK: usize = 64;
 const PERIODS_PER_WAVE: f64 = 2.5;
 /// Most periods that are tried.
 const MOST_PERIODS: f64 = 300.0;
-/// Share of an effect's prior probability that is for some cables with a common value.
+/// Share of an effect's prior probability that is for some cables with a common value: evenly over their number, then over
+/// the choices of so many.
 const SHARED: f64 = 0.05;
 /// Share of an effect's prior probability that is for one cable, for all cables alike and for each its own value.
 const SHARES: [f64; 3] = [0.7, 0.15, 0.15];
@@ -170,6 +171,7 @@ impl Builder<'_> {
 
     /// Adds the causes of the fit that some cables have in common.
     fn add_shared(&mut self, expected: f64) {
+        let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
             let known = self.candidates.iter().any(|c| c.is_of(cause));
             if !known && cause.effect().search() != Search::Exchange {
@@ -177,7 +179,8 @@ impl Builder<'_> {
                 for bound in &mut start.instances {
                     bound.values = bound.effect.parameters().iter().map(|p| p.start).collect();
                 }
-                self.add_cause(&start, expected);
+                let choices = (cables - 2).max(1) as f64 * binomial(cables, cause.cables().len());
+                self.add_cause(&start, expected / choices);
             }
         }
     }
@@ -441,6 +444,11 @@ fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
     (0..=count as usize)
         .map(|k| (low + (high - low) * k as f64 / count).recip())
         .collect()
+}
+
+/// Number of ways to choose some of so many.
+fn binomial(of: usize, some: usize) -> f64 {
+    (0..some).map(|k| (of - k) as f64 / (k + 1) as f64).product()
 }
 
 /// Weight of a wave at a value of its variable.

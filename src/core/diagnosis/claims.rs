@@ -46,32 +46,39 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
     let mut beside: Vec<Alternative> = Vec::new();
     for set in ranking {
         let share = weight(set) / total;
-        let supports = |cause: &Cause, of: &Cause| is_support(cause, of);
-        let mut spare: Vec<&Cause> = Vec::new();
-        for cause in &set.causes {
-            if !first.causes.iter().any(|own| supports(cause, own)) {
-                spare.push(cause);
-            }
-        }
+        let is_spare = |cause: &&Cause| first.causes.iter().all(|own| !is_support(cause, own));
+        let mut spare: Vec<&Cause> = set.causes.iter().filter(is_spare).collect();
         for cause in &spare {
             add(&mut beside, cause, share);
         }
+        let mut missing: Vec<usize> = Vec::new();
         for (place, own) in first.causes.iter().enumerate() {
-            if set.causes.iter().any(|cause| supports(cause, own)) {
+            if is_said_by(&set.causes, own) {
                 probability[place] += share;
-                continue;
+            } else {
+                missing.push(place);
             }
-            // What is on the same cable stands in its place first.
-            let overlap = |cause: &&Cause| {
-                let cables = own.cables();
-                cause.cables().iter().any(|c| cables.contains(c))
-            };
-            let instead = spare
-                .iter()
-                .position(overlap)
-                .or((!spare.is_empty()).then_some(0));
+        }
+        // What is on the same cable stands in its place first.
+        missing.retain(|place| {
+            let cables = first.causes[*place].cables();
+            let overlaps = |cause: &&Cause| cause.cables().iter().any(|c| cables.contains(c));
+            let instead = spare.iter().position(overlaps);
             if let Some(instead) = instead {
-                add(&mut others[place], spare.remove(instead), share);
+                add(&mut others[*place], spare.remove(instead), share);
+            }
+            instead.is_none()
+        });
+        // A family that takes in another of the causes may do so for one more.
+        let is_wider = |cause: &&Cause| {
+            let mut supported = first.causes.iter().filter(|of| is_support(cause, of)).peekable();
+            supported.peek().is_some() && supported.all(|of| !is_alike(cause, of))
+        };
+        let wider = set.causes.iter().find(is_wider);
+        for place in missing {
+            let instead = (!spare.is_empty()).then(|| spare.remove(0)).or(wider);
+            if let Some(instead) = instead {
+                add(&mut others[place], instead, share);
             }
         }
     }
@@ -127,8 +134,19 @@ fn add(all: &mut Vec<Alternative>, cause: &Cause, probability: f64) {
     }
 }
 
-/// Whether a cause says the same as another, but for its values: on the same cables, or with a value for each of more
-/// cables or fewer; an event at the same reading, a step at a pose beside it.
+/// Whether a set says what a cause does: one of its causes, or those of the same effect on single cables together.
+fn is_said_by(set: &[Cause], own: &Cause) -> bool {
+    let is_same = |cause: &&Cause| {
+        std::ptr::eq(cause.effect(), own.effect()) && own.effect().pose_parameter().is_none()
+    };
+    let together: Vec<usize> = set.iter().filter(is_same).flat_map(Cause::cables).collect();
+    let cables = own.cables();
+    set.iter().any(|cause| is_support(cause, own))
+        || cables.len() > 1 && cables.iter().all(|cable| together.contains(cable))
+}
+
+/// Whether a cause says what another does, but for its values: on the same cables or more; an event at the same reading, a
+/// step at a pose beside it.
 fn is_support(one: &Cause, other: &Cause) -> bool {
     if !std::ptr::eq(one.effect(), other.effect()) {
         return false;
@@ -140,13 +158,10 @@ fn is_support(one: &Cause, other: &Cause) -> bool {
         _ => true,
     };
     let (a, b) = (one.cables(), other.cables());
-    let contains = |all: &Cause, cables: &[usize], some: &[usize]| {
-        let several = all.instances.len() > 1 || cables.len() > 1;
-        several && !some.is_empty() && some.iter().all(|c| cables.contains(c))
-    };
+    let more = a.len() > 1 && !b.is_empty() && b.iter().all(|cable| a.contains(cable));
     let whole = |one: &Cause, other: &Cause| {
         one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
     };
     let all = one.effect().scope() == Scope::CableOrAll && (whole(one, other) || whole(other, one));
-    near && (a == b || all || contains(one, &a, &b) || contains(other, &b, &a))
+    near && (a == b || all || more)
 }

@@ -180,7 +180,8 @@ impl System {
 fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usize)> {
     let score = candidate.prior.tr_mul(&own.score);
     let information = candidate.prior.tr_mul(&own.information) * &candidate.prior;
-    let value = |scale: usize| -> Option<f64> {
+    // Half of the chi-square gained less the penalty, and the evidence.
+    let value = |scale: usize| -> Option<(f64, f64)> {
         let (size, weight) = candidate.scales[scale];
         let mut matrix = &information * (size * size);
         for k in 0..matrix.nrows() {
@@ -190,20 +191,21 @@ fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usiz
         let mut half = &score * size;
         factor.l_dirty().solve_lower_triangular_mut(&mut half);
         let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-        Some(0.5 * (half.norm_squared() - log_determinant) + weight)
+        let gain = 0.5 * half.norm_squared();
+        Some((gain, gain - 0.5 * log_determinant + weight))
     };
-    // No prior is better than one that fits: half of chi-square is all that can be gained.
-    let middle = candidate.scales.len() / 2;
-    let probe = value(middle)?;
-    if probe + candidate.log_odds < least - PROBED {
+    let (gain, probe) = value(candidate.scales.len() / 2)?;
+    if gain < STRONG && probe + candidate.log_odds < least - PROBED {
         return None;
     }
-    let others = (0..candidate.scales.len()).filter_map(|k| Some((value(k)?, k)));
-    others.max_by(|a, b| a.0.total_cmp(&b.0))
+    let all = (0..candidate.scales.len()).filter_map(|k| Some((value(k)?.1, k)));
+    all.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// How far below what is looked for a candidate is at its middle scale where other scales are not tried.
+/// How far below what is looked for a candidate is at its middle scale where other scales are not tried, unless it gains
+/// so much there that the scale may matter more.
 const PROBED: f64 = 12.0;
+const STRONG: f64 = 20.0;
 
 /// Logarithm of twice the probability that a normal variable is positive.
 fn log_positive(mean: f64, variance: f64) -> f64 {

@@ -10,7 +10,7 @@ use super::hyperparameters::Hyperparameters;
 use super::linear_fit::LinearFit;
 use super::progress::Reporter;
 use super::report::Cause;
-use super::search::{Search, Set, Visited};
+use super::search::{Search, Set, Visited, settled};
 
 /// Most points of the hyperparameters at each fit.
 const MOST_POINTS: usize = 5;
@@ -129,34 +129,37 @@ pub(super) fn explore(
 
 /// The sets of all points with their posteriors, the best first.
 fn ranked(points: &mut [Point<'_>]) -> Vec<(Vec<Member>, f64)> {
-    let mut best: HashMap<Set, (Vec<Member>, f64)> = HashMap::new();
-    for point in points.iter() {
+    // Where each set is best.
+    let mut best: HashMap<Set, (usize, f64)> = HashMap::new();
+    for (place, point) in points.iter().enumerate() {
         for (set, visited) in &point.visited {
             let value = point.of_none + visited.log_posterior;
-            let entry = best
-                .entry(set.clone())
-                .or_insert_with(|| (visited.members.clone(), value));
+            let entry = best.entry(set.clone()).or_insert((place, value));
             if value > entry.1 {
-                *entry = (visited.members.clone(), value);
+                *entry = (place, value);
             }
         }
     }
-    let top = best
-        .values()
-        .map(|(_, value)| *value)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let values = best.values().map(|(_, value)| *value);
+    let top = values.fold(f64::NEG_INFINITY, f64::max);
     let mut ranking: Vec<(Vec<Member>, f64)> = Vec::new();
-    for (set, (members, value)) in best {
+    for (set, (place, value)) in best {
         if value < top - COUNTED {
             continue;
         }
-        let all = points.iter_mut().map(|point| {
-            let known = point.visited.get(&set).map(|v| v.log_posterior);
-            point.of_none
-                + known.unwrap_or_else(|| System::new(&mut point.gram, &members).log_posterior)
+        // Members have the scales that suited the set that they were added to.
+        let members = points[place].visited[&set].members.clone();
+        let visited = settled(&mut points[place].gram, &members);
+        let all = points.iter_mut().enumerate().map(|(k, point)| {
+            let own = if k == place {
+                visited.log_posterior
+            } else {
+                System::new(&mut point.gram, &visited.members).log_posterior
+            };
+            point.of_none + own
         });
         let total = log_sum(all);
-        ranking.push((members, total));
+        ranking.push((visited.members, total));
     }
     ranking.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
     ranking

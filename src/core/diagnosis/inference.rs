@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 use super::approach::approach;
 use super::candidates::is_alike;
 use super::catalogue::Catalogue;
+use super::complete::Comparison;
 use super::evidence::{Member, System};
 use super::exploration::{Visibility, explore};
 use super::fit::Fit;
@@ -19,15 +20,13 @@ use super::grouping::united;
 use super::hyperparameters::{Hyperparameters, Linear};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::progress::Reporter;
+use super::reading_id::ReadingId;
 use super::report::Cause;
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::{EstimationError, Problem};
 
 /// Most linearisations.
 const MOST_LINEARISATIONS: usize = 5;
-/// Sets that are fitted completely, and how far below the best.
-const MOST_REFITS: usize = 5;
-const REFITTED: f64 = 5.0;
 /// Sizes over the largest typical one that no cause has.
 const ABSURD: f64 = 10.0;
 
@@ -92,6 +91,30 @@ impl Inference<'_> {
             candidate.log_odds + candidate.scales[scale].1 + sign
         };
         causes.iter().map(of).sum()
+    }
+
+    /// Share of what a cause changes, whatever else is estimated, that is in the readings of one kind and cable, or of all
+    /// cables.
+    pub fn share_in(&self, cause: usize, id: &ReadingId) -> f64 {
+        let none = DMatrix::zeros(self.linear.conditions.count, 0);
+        let base = self.linear.base(&self.at, &none);
+        let first = self.first_columns();
+        let mut own = self.columns.columns(first[cause], first[cause + 1] - first[cause]).into_owned();
+        base.noise.whiten(&mut own);
+        own -= base.taken.tr_mul(&(&base.taken * &own));
+        let (mut inside, mut all) = (0.0, 0.0);
+        for column in own.column_iter() {
+            let sums = base.noise.class_sums(&column.into_owned(), &base.taken);
+            let classes = self.linear.conditions.classes.iter().zip(&self.at.variance);
+            for ((class, variance), sums) in classes.zip(sums) {
+                let square = sums[0] / variance;
+                all += square;
+                if class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c)) {
+                    inside += square;
+                }
+            }
+        }
+        inside / all.max(f64::MIN_POSITIVE)
     }
 
     /// Standard deviations of the columns' parameters of each cause, in the noise and the background that there is, over
@@ -162,72 +185,42 @@ pub(super) fn infer<'a>(
     let mut seen: Option<Vec<Visibility>> = None;
     let mut fit = approach(none, &mut seen, options, report)?;
     let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
+    // Evidence of sets at their own fits.
+    let mut fitted: Vec<(Vec<Cause>, f64)> = Vec::new();
     for round in 1.. {
         let at = LinearFit::new(&fit, expected, true);
         let explored = explore(&at, options.most_findings, report);
-        let candidates = &at.catalogue.candidates;
         let visible = seen.get_or_insert(explored.visibility);
-        let top = explored.ranking.first().map_or(0.0, |(_, value)| *value);
-        let causes = |members: &[Member]| -> Vec<Cause> {
-            members.iter().map(|m| candidates[m.0].placed()).collect()
-        };
-        let mut ranking: Vec<Ranked> = explored
-            .ranking
-            .iter()
-            .map(|(members, value)| Ranked {
-                causes: causes(members),
-                log_posterior: *value,
-            })
-            .collect();
         report.stage(Stage::Refits, at.present.len());
-        // The evidence of the likeliest sets at their own fits.
         let (own, _) = at.own_evidence();
+        fitted.push((fit.causes.clone(), own));
+        let mut compared = Comparison::new(&at, explored.ranking, &fitted);
         let mut best: Option<(f64, Fit<'a>)> = None;
-        let here = causes(&at.present);
-        let offset = explored
-            .ranking
-            .iter()
-            .zip(&ranking)
-            .find(|(_, r)| is_same(&r.causes, &here))
-            .map_or(0.0, |((_, v), _)| own - v);
-        let near = |(_, value): &&(Vec<Member>, f64)| *value >= top - REFITTED;
-        let chosen: Vec<&Vec<Member>> = explored
-            .ranking
-            .iter()
-            .filter(near)
-            .take(MOST_REFITS)
-            .map(|(m, _)| m)
-            .collect();
-        for (place, members) in chosen.into_iter().enumerate() {
-            if report.cancelled && place > 0 {
+        while let Some(place) = compared.next() {
+            if report.cancelled && best.is_some() {
                 break;
             }
-            let causes = causes(members);
-            if is_same(&causes, &here) {
-                continue;
-            }
-            let start = causes_of(&at, &explored.at, members);
+            let start = causes_of(&at, &explored.at, compared.members(place));
             let refit = Fit::new(base, &start)?;
             let value = if is_possible(&refit) {
                 LinearFit::new(&refit, expected, false).own_evidence().0
             } else {
                 f64::NEG_INFINITY
             };
-            match ranking.iter_mut().find(|r| is_same(&r.causes, &causes)) {
-                Some(ranked) => ranked.log_posterior = value - offset,
-                None => ranking.push(Ranked {
-                    causes,
-                    log_posterior: value - offset,
-                }),
-            }
-            if best.as_ref().is_none_or(|b| value > b.0) {
+            compared.fitted(place, value);
+            fitted.push((compared.causes(place).to_vec(), value));
+            if value > best.as_ref().map_or(own, |b| b.0) {
                 best = Some((value, refit));
+                if compared.is_best(place) && round < MOST_LINEARISATIONS {
+                    // Everything is compared anew from there.
+                    break;
+                }
             }
         }
-        ranking.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
-        let better = best.filter(|(value, fit)| {
+        let ranking = compared.ranking();
+        let better = best.filter(|(_, fit)| {
             let seen = tried.iter().any(|t| is_same(t, &fit.causes));
-            *value > own && !seen && round < MOST_LINEARISATIONS
+            !seen && round < MOST_LINEARISATIONS
         });
         match better {
             Some((_, next)) if !report.cancelled || fit.causes.is_empty() => {

@@ -15,6 +15,8 @@ use super::gram::Gram;
 /// Difference of the logarithm of the posterior up to which a set is looked at, and kept.
 const NEAR: f64 = 6.0;
 const KEPT: f64 = 9.0;
+/// How many are tried in place of a family, each extended by another.
+const IN_PLACE: usize = 4;
 /// Most extensions of one set that are kept.
 const MOST_KEPT: usize = 40;
 
@@ -37,6 +39,23 @@ pub(super) struct Search<'g, 'l> {
     extended: HashSet<Set>,
     /// Most causes of a set.
     most: usize,
+}
+
+/// A set evaluated exactly, the scale of each member chosen anew.
+pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
+    let mut members = members.to_vec();
+    for place in 0..members.len() {
+        let mut others = members.clone();
+        let (index, scale) = others.remove(place);
+        let system = System::extensible_by(gram, &others, index);
+        let best = system.gain(gram, index, f64::NEG_INFINITY);
+        members[place] = (index, best.map_or(scale, |b| b.1));
+    }
+    let log_posterior = System::new(gram, &members).log_posterior;
+    Visited {
+        members,
+        log_posterior,
+    }
 }
 
 fn set_of(members: &[Member]) -> Set {
@@ -101,6 +120,7 @@ impl<'g, 'l> Search<'g, 'l> {
             let members = match self.next() {
                 Some(members) => members,
                 None => {
+                    self.split_families();
                     self.reduce_families();
                     let Some(members) = self.next() else {
                         return;
@@ -158,6 +178,44 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
+    /// Puts in the place of each family of the best set two others: the likeliest instead of it, extended by another.
+    fn split_families(&mut self) {
+        let all = self.gram.candidates;
+        let Some(members) = self.best().map(|b| b.members.clone()) else {
+            return;
+        };
+        for (place, (family, _)) in members.iter().enumerate() {
+            if !all[*family].is_family() {
+                continue;
+            }
+            let mut fewer = members.clone();
+            fewer.remove(place);
+            let system = System::extensible(self.gram, &fewer);
+            let is_asked = |index: &usize| {
+                let candidate = &all[*index];
+                index != family
+                    && !candidate.is_event()
+                    && !candidate.is_family()
+                    && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
+            };
+            let mut gains: Vec<(f64, Member)> = (0..all.len())
+                .filter(is_asked)
+                .filter_map(|index| {
+                    let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
+                    Some((gain, (index, scale)))
+                })
+                .collect();
+            gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            for (_, member) in gains.into_iter().take(IN_PLACE) {
+                let mut instead = fewer.clone();
+                instead.push(member);
+                if !self.extended.contains(&set_of(&instead)) {
+                    self.extend(&instead);
+                }
+            }
+        }
+    }
+
     /// Puts in the place of each family of the best set the single causes of the cables that need one most: of one, of two
     /// and so on.
     fn reduce_families(&mut self) {
@@ -199,23 +257,10 @@ impl<'g, 'l> Search<'g, 'l> {
 
     /// Evaluates a set exactly, the scale of each member chosen anew.
     pub fn settle(&mut self, members: &[Member]) -> f64 {
-        let mut members = members.to_vec();
-        for place in 0..members.len() {
-            let mut others = members.clone();
-            let (index, scale) = others.remove(place);
-            let system = System::extensible_by(self.gram, &others, index);
-            let best = system.gain(self.gram, index, f64::NEG_INFINITY);
-            members[place] = (index, best.map_or(scale, |b| b.1));
-        }
-        let exact = System::new(self.gram, &members).log_posterior;
-        self.visited.insert(
-            set_of(&members),
-            Visited {
-                members,
-                log_posterior: exact,
-            },
-        );
-        exact
+        let settled = settled(self.gram, members);
+        let value = settled.log_posterior;
+        self.visited.insert(set_of(members), settled);
+        value
     }
 
     /// Starts from all families and effects of the robot together, and drops the least needed until each is.

@@ -1,0 +1,144 @@
+//! Which sets of one linearisation are worth a complete fit, and what it changes for the others.
+//!
+//! A linear comparison of sets is exact near the fit where it is made. The larger a cause, the more the evidence of another
+//! in its place changes with a complete fit. What it changes for one set, it is taken to change for those most like it.
+
+use super::evidence::Member;
+use super::inference::{Ranked, is_same};
+use super::linear_fit::LinearFit;
+use super::report::Cause;
+
+/// Most sets that are fitted completely, and how far below the best.
+const MOST_FITS: usize = 6;
+const NEAR: f64 = 5.0;
+/// How far below the best the likeliest set without one of its causes may be.
+const RIVAL: f64 = 9.0;
+
+/// A set with its evidence, linear and from its own fit.
+struct Compared {
+    members: Vec<Member>,
+    causes: Vec<Cause>,
+    /// Logarithm of the evidence and the prior, from the linear comparison.
+    linear: f64,
+    /// What the complete fit adds; minus infinity where that is impossible.
+    change: Option<f64>,
+}
+
+/// The sets of one linearisation.
+pub(super) struct Comparison {
+    sets: Vec<Compared>,
+    fits: usize,
+}
+
+impl Comparison {
+    /// The ranking found at a fit, with sets whose evidence is known from their own fits, the last that of this one.
+    pub fn new(
+        at: &LinearFit<'_, '_>,
+        ranking: Vec<(Vec<Member>, f64)>,
+        known: &[(Vec<Cause>, f64)],
+    ) -> Self {
+        let candidates = &at.catalogue.candidates;
+        let own = |causes: &[Cause]| {
+            let mut same = known.iter().rev().filter(|(k, _)| is_same(k, causes));
+            same.next().map(|(_, value)| *value)
+        };
+        let here = |members: &[Member]| {
+            members.len() == at.present.len()
+                && members.iter().all(|m| at.present.iter().any(|p| p.0 == m.0))
+        };
+        let linear = ranking.iter().find(|(members, _)| here(members)).map(|(_, value)| *value);
+        let offset = linear.zip(known.last()).map_or(0.0, |(linear, (_, own))| own - linear);
+        let sets = ranking.into_iter().map(|(members, linear)| {
+            let causes: Vec<Cause> = members.iter().map(|m| candidates[m.0].placed()).collect();
+            let linear = linear + offset;
+            Compared {
+                change: own(&causes).map(|own| own - linear),
+                members,
+                causes,
+                linear,
+            }
+        });
+        Self {
+            sets: sets.collect(),
+            fits: 0,
+        }
+    }
+
+    pub fn members(&self, place: usize) -> &[Member] {
+        &self.sets[place].members
+    }
+
+    pub fn causes(&self, place: usize) -> &[Cause] {
+        &self.sets[place].causes
+    }
+
+    pub fn is_best(&self, place: usize) -> bool {
+        let values = self.values();
+        values.iter().all(|value| *value <= values[place])
+    }
+
+    /// The next set to be fitted: the likeliest, or the likeliest without one of the causes of the likeliest.
+    pub fn next(&self) -> Option<usize> {
+        if self.fits == MOST_FITS {
+            return None;
+        }
+        let values = self.values();
+        let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
+        let open = |k: &usize| self.sets[*k].change.is_none();
+        let likeliest = |of: &dyn Fn(&usize) -> bool| {
+            let places = (0..values.len()).filter(|k| of(k));
+            places.max_by(|a, b| values[*a].total_cmp(&values[*b]))
+        };
+        let near = likeliest(&open).filter(|k| values[*k] >= values[best] - NEAR);
+        if near.is_some() {
+            return near;
+        }
+        self.sets[best].members.iter().find_map(|member| {
+            let lacks = |k: &usize| self.sets[*k].members.iter().all(|m| m.0 != member.0);
+            likeliest(&lacks).filter(|k| open(k) && values[*k] >= values[best] - RIVAL)
+        })
+    }
+
+    /// Notes the evidence of a set at its own fit; minus infinity where that is impossible.
+    pub fn fitted(&mut self, place: usize, own: f64) {
+        let set = &mut self.sets[place];
+        set.change = Some(own - set.linear);
+        self.fits += 1;
+    }
+
+    /// The sets, the likeliest first.
+    pub fn ranking(self) -> Vec<Ranked> {
+        let values = self.values();
+        let sets = self.sets.into_iter().zip(values);
+        let mut ranking: Vec<Ranked> = sets
+            .map(|(set, log_posterior)| Ranked {
+                causes: set.causes,
+                log_posterior,
+            })
+            .collect();
+        ranking.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
+        ranking
+    }
+
+    fn values(&self) -> Vec<f64> {
+        let value = |set: &Compared| set.linear + set.change.unwrap_or_else(|| self.change(set));
+        self.sets.iter().map(value).collect()
+    }
+
+    /// What complete fits change for the sets most like one, on average.
+    fn change(&self, set: &Compared) -> f64 {
+        let lacks = |one: &Compared, other: &Compared| {
+            let all = |m: &&Member| other.members.iter().all(|o| o.0 != m.0);
+            one.members.iter().filter(all).count()
+        };
+        let fitted = self.sets.iter().filter_map(|other| {
+            let change = other.change.filter(|change| change.is_finite())?;
+            Some((lacks(set, other) + lacks(other, set), change))
+        });
+        let fitted: Vec<(usize, f64)> = fitted.collect();
+        let nearest = fitted.iter().map(|(distance, _)| *distance).min();
+        let alike = fitted.iter().filter(|(distance, _)| Some(*distance) == nearest);
+        let changes: Vec<f64> = alike.map(|(_, change)| *change).collect();
+        changes.iter().sum::<f64>() / changes.len().max(1) as f64
+    }
+}
