@@ -1,5 +1,6 @@
 //! Diagnosing the model: the one way for commands, reports and the window.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -14,7 +15,7 @@ use crate::identification::Identification;
 /// Time (s) after which a diagnosis ends with the best answer so far, unless another limit is given.
 pub const TIME_LIMIT_S: f64 = 60.0;
 
-/// Diagnoses the model of a dataset, with its raw measurements, at a probability of a false alarm and within a time (s).
+/// Diagnoses the model of a dataset, with its raw measurements, rows of one standstill averaged, at a probability of a false alarm and within a time (s).
 ///
 /// # Errors
 /// If the data do not make a problem.
@@ -26,6 +27,14 @@ pub fn diagnose_dataset(
     let options = DiagnosisOptions {
         alpha,
         ..DiagnosisOptions::default()
+    };
+    // Plots of the result are of the same rows.
+    let dataset = match dataset.measurements.standstills_averaged(&dataset.robot) {
+        (Cow::Owned(measurements), _) => Arc::new(Dataset {
+            robot: dataset.robot.clone(),
+            measurements,
+        }),
+        (Cow::Borrowed(_), _) => Arc::clone(&dataset),
     };
     let started = Instant::now();
     let diagnosis = diagnose(&dataset, &options, &mut |progress| {

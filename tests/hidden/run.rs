@@ -90,7 +90,7 @@ pub struct Outcome {
     pub held_out_ratio: Option<f64>,
     /// The same where cells are empty, without.
     pub without_holes: Option<WithoutHoles>,
-    /// Time of the diagnosis (s).
+    /// Time of the processor for the diagnosis (s).
     pub seconds: f64,
 }
 
@@ -174,12 +174,40 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     })
 }
 
-/// What the doctor says, and the time (s) it takes.
+/// When something started on this thread.
+struct Started {
+    at: Instant,
+    /// Time (s) that the thread has spent on a processor, where the system tells.
+    spent_s: Option<f64>,
+}
+
+impl Started {
+    fn now() -> Self {
+        Self {
+            at: Instant::now(),
+            spent_s: Self::spent_s(),
+        }
+    }
+
+    fn spent_s() -> Option<f64> {
+        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
+        Some(1e-9 * nanoseconds)
+    }
+
+    /// Time (s) since then, without what other programs had of the processor.
+    fn elapsed_s(&self) -> f64 {
+        let spent = Self::spent_s().zip(self.spent_s);
+        spent.map_or_else(|| self.at.elapsed().as_secs_f64(), |(now, then)| now - then)
+    }
+}
+
+/// What the doctor says, and the time of the processor (s) that it takes.
 fn asked(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
-    let started = Instant::now();
+    let started = Started::now();
     let options = DiagnosisOptions::default();
     let diagnosis = diagnose(dataset, &options, &mut |_| Control::Continue)?;
-    let seconds = started.elapsed().as_secs_f64();
+    let seconds = started.elapsed_s();
     let claims = Claim::of(&diagnosis.findings);
     Ok((diagnosis, claims, seconds))
 }

@@ -54,10 +54,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(BadInput::new(message));
     }
     let dataset = Arc::new(input::dataset(&arguments.dataset)?);
-    let diagnosed = diagnose_with_progress(Arc::clone(&dataset), (alpha, limit_s))
+    let diagnosed = diagnose_with_progress(dataset, (alpha, limit_s))
         .map_err(|error| BadInput::new(format!("{}: {error}", arguments.dataset.display())))?;
     // A model that does not fit the readings may well need extrapolation: what counts is the extended one.
-    match extrapolation(&dataset, &diagnosed.diagnosis.extended_solution) {
+    match extrapolation(&diagnosed.dataset, &diagnosed.diagnosis.extended_solution) {
         Some(place) => Err(BadInput::new(place)),
         None => deliver(arguments, &diagnosed),
     }

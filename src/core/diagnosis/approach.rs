@@ -99,7 +99,7 @@ pub(super) fn approach<'a>(
             if same_members(&members, &at.present) || report.cancelled {
                 continue;
             }
-            let refit = Fit::new(&problem, &causes_of(&at, &hyper, &members))?;
+            let refit = Fit::new(&problem, &causes_of(&at, &mut gram, &members))?;
             let value = score(&refit, &members);
             if is_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, refit));

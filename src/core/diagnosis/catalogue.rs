@@ -448,7 +448,9 @@ fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
 
 /// Number of ways to choose some of so many.
 fn binomial(of: usize, some: usize) -> f64 {
-    (0..some).map(|k| (of - k) as f64 / (k + 1) as f64).product()
+    (0..some)
+        .map(|k| (of - k) as f64 / (k + 1) as f64)
+        .product()
 }
 
 /// Weight of a wave at a value of its variable.

@@ -71,7 +71,11 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
         });
         // A family that takes in another of the causes may do so for one more.
         let is_wider = |cause: &&Cause| {
-            let mut supported = first.causes.iter().filter(|of| is_support(cause, of)).peekable();
+            let mut supported = first
+                .causes
+                .iter()
+                .filter(|of| is_support(cause, of))
+                .peekable();
             supported.peek().is_some() && supported.all(|of| !is_alike(cause, of))
         };
         let wider = set.causes.iter().find(is_wider);

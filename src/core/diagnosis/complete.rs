@@ -44,10 +44,17 @@ impl Comparison {
         };
         let here = |members: &[Member]| {
             members.len() == at.present.len()
-                && members.iter().all(|m| at.present.iter().any(|p| p.0 == m.0))
+                && members
+                    .iter()
+                    .all(|m| at.present.iter().any(|p| p.0 == m.0))
         };
-        let linear = ranking.iter().find(|(members, _)| here(members)).map(|(_, value)| *value);
-        let offset = linear.zip(known.last()).map_or(0.0, |(linear, (_, own))| own - linear);
+        let linear = ranking
+            .iter()
+            .find(|(members, _)| here(members))
+            .map(|(_, value)| *value);
+        let offset = linear
+            .zip(known.last())
+            .map_or(0.0, |(linear, (_, own))| own - linear);
         let sets = ranking.into_iter().map(|(members, linear)| {
             let causes: Vec<Cause> = members.iter().map(|m| candidates[m.0].placed()).collect();
             let linear = linear + offset;
@@ -137,7 +144,9 @@ impl Comparison {
         });
         let fitted: Vec<(usize, f64)> = fitted.collect();
         let nearest = fitted.iter().map(|(distance, _)| *distance).min();
-        let alike = fitted.iter().filter(|(distance, _)| Some(*distance) == nearest);
+        let alike = fitted
+            .iter()
+            .filter(|(distance, _)| Some(*distance) == nearest);
         let changes: Vec<f64> = alike.map(|(_, change)| *change).collect();
         changes.iter().sum::<f64>() / changes.len().max(1) as f64
     }

@@ -168,6 +168,19 @@ impl Conditions {
     }
 }
 
+/// Matrices of as many rows beside each other.
+pub(super) fn joined(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+    let rows = parts.first().map_or(0, |part| part.nrows());
+    let width = parts.iter().map(|part| part.ncols()).sum();
+    let mut all = DMatrix::zeros(rows, width);
+    let mut first = 0;
+    for part in parts {
+        all.columns_mut(first, part.ncols()).copy_from(part);
+        first += part.ncols();
+    }
+    all
+}
+
 impl Noise<'_> {
     /// Divides by the noise: `L^-1 x` with the covariance `L L^T` of the conditions.
     pub fn whiten(&self, x: &mut DMatrix<f64>) {

@@ -1,18 +1,22 @@
 //! How sure the causes are that were inferred: what takes certainty from a name, or ends it.
 
-use super::DiagnosisOptions;
-use super::Quantity;
+use super::adequacy::adequacy;
 use super::claims::{Claim, SURE};
+use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::inference::{Inference, at_fit};
+use super::inference::{Inference, at_fit, is_same_cause};
 use super::reading_id::ReadingId;
 use super::remainder::{Nameless, Remainder};
-use super::report::{Alternative, Cause, Discrepancy, Finding, NoiseStatement, Verdict};
+use super::report::{Adequacy, Alternative, Cause, Discrepancy, Finding, NoiseStatement, Verdict};
 use super::residual_space::ResidualSpace;
+use super::variables::Variables;
+use super::{DiagnosisOptions, Quantity};
 use crate::effect::Search;
-use crate::estimation::{EstimationError, Problem};
+use crate::estimation::{EstimationError, Linearisation, Problem};
 
+/// Probability from which a cause that is not sure is likely.
+const LIKELY: f64 = 0.5;
 /// Part of what a cause explains by which readings of the same cables may scatter more than those of others.
 const LEFT: f64 = 0.5;
 /// An error without a name may be part of one that a cause imitates if it explains this part of what the cause does, and is
@@ -24,14 +28,26 @@ const MANY_EVENTS: usize = 2;
 const LARGE_EVENT: f64 = 60.0;
 
 /// Causes with what is known of them, and what else is possible.
-pub(super) type Kept<'a> = (Inference<'a>, Vec<Claim>, Vec<Alternative>);
+pub(super) struct Kept<'a> {
+    pub inference: Inference<'a>,
+    pub claims: Vec<Claim>,
+    pub possible: Vec<Alternative>,
+    /// Causes that are likely without being sure.
+    likely: Vec<(Cause, Claim)>,
+}
 
 /// Leaves out the causes in whose place an error without a name is nearly certain, until none is.
 pub(super) fn contested<'a>(
     problem: &Problem<'a>,
-    (mut inference, mut claims, mut possible): Kept<'a>,
+    kept: Kept<'a>,
     options: &DiagnosisOptions,
-) -> Result<(Inference<'a>, Vec<Claim>, Vec<Alternative>, Remainder), EstimationError> {
+) -> Result<(Kept<'a>, Remainder), EstimationError> {
+    let Kept {
+        mut inference,
+        mut claims,
+        mut possible,
+        likely,
+    } = kept;
     let mut lost: Vec<Nameless> = Vec::new();
     loop {
         let mut remainder = Remainder::new(&inference);
@@ -60,10 +76,60 @@ pub(super) fn contested<'a>(
                     remainder.left.push(rival);
                 }
             }
-            return Ok((inference, claims, possible, remainder));
+            let kept = Kept {
+                inference,
+                claims,
+                possible,
+                likely,
+            };
+            return Ok((kept, remainder));
         }
         inference = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
     }
+}
+
+/// Takes in again the likely causes that explain an error without a name: it is one of both.
+pub(super) fn weighed<'a>(
+    problem: &Problem<'a>,
+    (mut kept, mut remainder): (Kept<'a>, Remainder),
+    options: &DiagnosisOptions,
+) -> Result<(Kept<'a>, Remainder), EstimationError> {
+    let errors = |inference: &Inference<'_>, remainder: &Remainder| {
+        if remainder.left.is_empty() {
+            let (_, found, _) = judged(&inference.fit, options.alpha);
+            found.iter().take(1).map(Nameless::of_discrepancy).collect()
+        } else {
+            remainder.left.clone()
+        }
+    };
+    for (cause, claim) in std::mem::take(&mut kept.likely) {
+        let before = errors(&kept.inference, &remainder);
+        let Some(mut instead) = before.first().cloned() else {
+            break;
+        };
+        let mut causes = kept.inference.fit.causes.clone();
+        causes.push(cause);
+        let with = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
+        let mut left = Remainder::new(&with);
+        if errors(&with, &left).len() >= before.len() {
+            continue;
+        }
+        let is_other = |a: &Alternative| !is_same_cause(&a.cause, &causes[causes.len() - 1]);
+        kept.possible.retain(is_other);
+        // One of both is there; how likely it is the cause is known already.
+        instead.log_odds = (claim.probability.recip() - 1.0).ln();
+        if let Some(rival) = left.rivals.last_mut() {
+            *rival = Some(instead);
+        }
+        kept.claims.push(Claim {
+            probability: 1.0,
+            alternatives: Vec::new(),
+            is_sure: true,
+        });
+        kept.inference = with;
+        remainder = left;
+    }
+    Ok((kept, remainder))
 }
 
 /// The causes that are there with near certainty and predict poses held out, fitted without the others; these are
@@ -77,18 +143,22 @@ pub(super) fn kept<'a>(
 ) -> Result<Kept<'a>, EstimationError> {
     let full = Prediction::new(&inference.fit);
     let mut kept: Vec<(f64, Cause, Claim)> = Vec::new();
+    let mut likely = Vec::new();
     for (index, (cause, claim)) in inference.fit.causes.iter().zip(claims).enumerate() {
         let mut others = inference.fit.causes.clone();
         others.remove(index);
         let without = Fit::new(problem, &others)?;
         if claim.is_sure && full.is_better_than(&Prediction::new(&without)) {
             kept.push((without.solution.chi2, cause.clone(), claim));
-        } else {
-            possible.push(Alternative {
-                cause: cause.clone(),
-                probability: claim.probability,
-            });
-            possible.extend(claim.alternatives);
+            continue;
+        }
+        possible.push(Alternative {
+            cause: cause.clone(),
+            probability: claim.probability,
+        });
+        possible.extend(claim.alternatives.iter().cloned());
+        if (LIKELY..SURE).contains(&claim.probability) {
+            likely.push((cause.clone(), claim));
         }
     }
     possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
@@ -100,11 +170,17 @@ pub(super) fn kept<'a>(
         .into_iter()
         .map(|(_, cause, claim)| (cause, claim))
         .unzip();
-    if is_complete && is_ordered {
-        return Ok((inference, claims, possible));
-    }
-    let ordered = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
-    Ok((ordered, claims, possible))
+    let inference = if is_complete && is_ordered {
+        inference
+    } else {
+        at_fit(Fit::new(problem, &causes)?, options, Vec::new())
+    };
+    Ok(Kept {
+        inference,
+        claims,
+        possible,
+        likely,
+    })
 }
 
 /// Takes the confidence from names in whose place an error without a name could be.
@@ -190,3 +266,14 @@ pub(super) fn excess(
     structured.chain(loud).collect()
 }
 
+/// Whether a fit explains the data, and if not, on what its residuals depend.
+pub(super) fn judged(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
+    // Half of the probability of a false alarm is for the tests of the residuals, half for the causes.
+    let level = alpha / 2.0;
+    let linear = Linearisation::new(&fit.problem, &fit.solution);
+    let space = ResidualSpace::new(&linear);
+    let variables = Variables::new(&fit.problem, &fit.solution, &linear);
+    let tests = dependence_tests(&space, &variables);
+    let found = discrepancies(&space, &tests, level);
+    (adequacy(&space, &fit.solution, level), found, space)
+}

@@ -1,10 +1,8 @@
 //! The course of a diagnosis.
 
-use super::adequacy::adequacy;
 use super::candidates::size_parameter;
 use super::claims::claims;
-use super::confidence::{contested, excess, kept, temper};
-use super::discrepancy::{dependence_tests, discrepancies};
+use super::confidence::{Kept, contested, excess, judged, kept, temper, weighed};
 use super::exchange::exchanged;
 use super::exploration::Visibility;
 use super::finding::Found;
@@ -14,20 +12,16 @@ use super::inference::infer;
 use super::noise::noise_statements;
 use super::progress::Reporter;
 use super::remainder::Nameless;
-use super::report::{
-    Adequacy, Diagnosis, Discrepancy, Finding, Invisible,
-};
-use super::residual_space::ResidualSpace;
-use super::variables::Variables;
+use super::report::{Diagnosis, Finding, Invisible};
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CablePorts, Dual, measurements_as_modelled};
-use crate::estimation::{EstimationError, Linearisation, Problem};
+use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
 
 /// Probability with which an effect of the smallest visible size is found.
 const POWER: f64 = 0.9;
-/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held.
+/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held. Rows of one standstill are averaged.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -39,20 +33,21 @@ pub fn diagnose(
     let mut report = Reporter::new(observer);
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let (averaged, rows) = measurements.standstills_averaged(&dataset.robot);
     let dataset = Dataset {
         robot: dataset.robot.clone(),
-        measurements: measurements.into_owned(),
+        measurements: averaged.into_owned(),
     };
     let problem = based(&dataset)?;
     let first = Fit::new(&problem, &[])?;
     let Some(exchange) = exchanged(&first, &mut report)? else {
-        return examine(&problem, &first, Vec::new(), options, &mut report);
+        return examine(&problem, (&first, rows), Vec::new(), options, &mut report);
     };
     let mut after = based(&exchange.dataset)?;
     after.held_effects.push(exchange.bound.clone());
     let second = Fit::new(&after, &[])?;
     let found = exchange.finding(&first, &second);
-    examine(&after, &first, vec![found], options, &mut report)
+    examine(&after, (&first, rows), vec![found], options, &mut report)
 }
 
 /// The problem with what effects depend on taken at the poses of its solution.
@@ -62,9 +57,10 @@ pub(super) fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
     Ok(problem.at_poses_of(&first.solution))
 }
 
+/// Examines a problem, given the fit of the model as it was and how many rows of a standstill were averaged at most.
 fn examine(
     problem: &Problem<'_>,
-    first: &Fit<'_>,
+    (first, rows): (&Fit<'_>, usize),
     mut findings: Vec<Finding>,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
@@ -72,7 +68,14 @@ fn examine(
     let (inference, visibility) = infer(problem, options, report)?;
     let (claims, possible) = claims(&inference.ranking);
     let kept = kept(problem, inference, claims, possible, options)?;
-    let (inference, claims, possible, remainder) = contested(problem, kept, options)?;
+    let contested = contested(problem, kept, options)?;
+    let (kept, remainder) = weighed(problem, contested, options)?;
+    let Kept {
+        inference,
+        claims,
+        possible,
+        ..
+    } = kept;
     report.stage(Stage::HeldOut, findings.len());
     let fit = &inference.fit;
     let spread = inference.spread();
@@ -95,14 +98,21 @@ fn examine(
     report.stage(Stage::Discrepancy, findings.len());
     let (mut base, discrepancies, _) = judged(first, options.alpha);
     let (extended, remaining, space) = judged(fit, options.alpha);
-    let noise = noise_statements(&space, &remaining, options.alpha);
+    let mut noise = noise_statements(&space, &remaining, options.alpha);
+    // Means scatter less than rows do; how much less depends on what the rows share.
+    noise.retain(|statement| rows == 1 || statement.ratio > 1.0);
     if !report.cancelled {
         let mut left = remainder.left;
         if left.is_empty() {
             left.extend(remaining.first().map(Nameless::of_discrepancy));
         }
         let scatter = excess(&space, &remaining, &noise);
-        temper(&mut findings, &inference, (&remainder.rivals, &left), &scatter);
+        temper(
+            &mut findings,
+            &inference,
+            (&remainder.rivals, &left),
+            &scatter,
+        );
         findings.extend(left.iter().map(|s| s.finding(fit)));
     }
     base.adequate &= findings.is_empty();
@@ -119,18 +129,6 @@ fn examine(
         extended_solution: fit.solution.clone(),
         cancelled: report.cancelled,
     })
-}
-
-/// Whether a fit explains the data, and if not, on what its residuals depend.
-fn judged(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
-    // Half of the probability of a false alarm is for the tests of the residuals, half for the causes.
-    let level = alpha / 2.0;
-    let linear = Linearisation::new(&fit.problem, &fit.solution);
-    let space = ResidualSpace::new(&linear);
-    let variables = Variables::new(&fit.problem, &fit.solution, &linear);
-    let tests = dependence_tests(&space, &variables);
-    let found = discrepancies(&space, &tests, level);
-    (adequacy(&space, &fit.solution, level), found, space)
 }
 
 /// The effects that would not be found at their largest typical size, of those on which a reading depends at all: what an

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, SymmetricEigen};
 
 use super::Quantity;
 use super::background::{Group, Shape};
-use super::conditions::{Conditions, Noise};
+use super::conditions::{Conditions, Noise, joined};
 use super::reading_errors::ReadingErrors;
 
 /// Amplitudes, in standard deviations of the readings as described.
@@ -163,17 +163,11 @@ impl Linear {
             }
         }
         parts.push(further.clone());
-        let width = parts.iter().map(DMatrix::ncols).sum();
-        let mut z = DMatrix::zeros(self.conditions.count, width + 1);
-        let mut first = 0;
-        for part in &parts {
-            z.columns_mut(first, part.ncols()).copy_from(part);
-            first += part.ncols();
-        }
-        z.set_column(width, &self.residual);
+        let mut z = joined(&parts.iter().collect::<Vec<_>>());
+        let width = z.ncols();
         noise.whiten(&mut z);
-        let mut residual: DVector<f64> = z.column(width).into_owned();
-        let mut z = z.remove_column(width);
+        let whitened = self.whitened(&noise);
+        let mut residual = whitened.clone();
         let mut log_determinant = noise.log_determinant;
         let fixed = self.fixed.ncols();
         for mut column in z.columns_mut(0, fixed).column_iter_mut() {
@@ -194,7 +188,7 @@ impl Linear {
         }
         residual -= taken.tr_mul(&(&taken * &residual));
         // The residual is projected once: with priors the projection is no idempotent one.
-        let square = self.whitened(&noise).dot(&residual);
+        let square = whitened.dot(&residual);
         Base {
             noise,
             taken,
@@ -276,12 +270,8 @@ impl Linear {
         let mut value = f64::NEG_INFINITY;
         for _ in 0..MOST_STEPS {
             let base = self.base(&at, further);
-            let gained = base.log_evidence + at.log_prior - value;
-            value += if value.is_finite() { gained } else { 0.0 };
-            if !value.is_finite() {
-                value = base.log_evidence + at.log_prior;
-            }
-            if gained < TOLERATED {
+            let before = std::mem::replace(&mut value, base.log_evidence + at.log_prior);
+            if value - before < TOLERATED {
                 break;
             }
             let sums = base.noise.class_sums(&base.residual, &base.taken);

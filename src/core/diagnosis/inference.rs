@@ -99,7 +99,10 @@ impl Inference<'_> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
         let base = self.linear.base(&self.at, &none);
         let first = self.first_columns();
-        let mut own = self.columns.columns(first[cause], first[cause + 1] - first[cause]).into_owned();
+        let mut own = self
+            .columns
+            .columns(first[cause], first[cause + 1] - first[cause])
+            .into_owned();
         base.noise.whiten(&mut own);
         own -= base.taken.tr_mul(&(&base.taken * &own));
         let (mut inside, mut all) = (0.0, 0.0);
@@ -109,7 +112,8 @@ impl Inference<'_> {
             for ((class, variance), sums) in classes.zip(sums) {
                 let square = sums[0] / variance;
                 all += square;
-                if class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c)) {
+                if class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c))
+                {
                     inside += square;
                 }
             }
@@ -154,11 +158,10 @@ pub(super) fn is_possible(fit: &Fit<'_>) -> bool {
 /// The causes of members, estimated at a point of the linear problem.
 pub(super) fn causes_of(
     at: &LinearFit<'_, '_>,
-    hyper: &Hyperparameters,
+    gram: &mut Gram<'_>,
     members: &[Member],
 ) -> Vec<Cause> {
-    let mut gram = at.gram(hyper);
-    let system = System::new(&mut gram, members);
+    let system = System::new(gram, members);
     let candidates = &at.catalogue.candidates;
     let ranges = system.parameters(candidates);
     let mut causes = Vec::new();
@@ -195,12 +198,13 @@ pub(super) fn infer<'a>(
         let (own, _) = at.own_evidence();
         fitted.push((fit.causes.clone(), own));
         let mut compared = Comparison::new(&at, explored.ranking, &fitted);
+        let mut gram = at.gram(&explored.at);
         let mut best: Option<(f64, Fit<'a>)> = None;
         while let Some(place) = compared.next() {
             if report.cancelled && best.is_some() {
                 break;
             }
-            let start = causes_of(&at, &explored.at, compared.members(place));
+            let start = causes_of(&at, &mut gram, compared.members(place));
             let refit = Fit::new(base, &start)?;
             let value = if is_possible(&refit) {
                 LinearFit::new(&refit, expected, false).own_evidence().0

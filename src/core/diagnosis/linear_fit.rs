@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::background::shapes;
 use super::catalogue::Catalogue;
-use super::conditions::Conditions;
+use super::conditions::{Conditions, joined};
 use super::evidence::Member;
 use super::fit::Fit;
 use super::gram::Gram;
@@ -72,7 +72,8 @@ impl<'f, 'a> LinearFit<'f, 'a> {
 
     /// Columns of members in conditions, in units of their prior.
     pub fn columns(&self, members: &[Member]) -> DMatrix<f64> {
-        let mut parts = Vec::new();
+        // No member has no column.
+        let mut parts = vec![DMatrix::zeros(self.linear.conditions.count, 0)];
         for (index, scale) in members {
             let candidate = &self.catalogue.candidates[*index];
             let mut columns = DMatrix::zeros(self.linear.conditions.count, candidate.columns.len());
@@ -84,14 +85,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
             }
             parts.push(columns * &candidate.prior * candidate.scales[*scale].0);
         }
-        let width = parts.iter().map(DMatrix::ncols).sum();
-        let mut all = DMatrix::zeros(self.linear.conditions.count, width);
-        let mut first = 0;
-        for part in parts {
-            all.columns_mut(first, part.ncols()).copy_from(&part);
-            first += part.ncols();
-        }
-        all
+        joined(&parts.iter().collect::<Vec<_>>())
     }
 
     /// The hyperparameters that suit a set, from the noise as described: from louder noise the estimation would stay there.

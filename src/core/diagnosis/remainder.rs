@@ -2,12 +2,13 @@
 
 use nalgebra::DMatrix;
 
+use super::conditions::joined;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::Inference;
 use super::reading_id::ReadingId;
 use super::report::{Cause, Discrepancy, Evidence, Finding, Quantity, Verdict};
-use super::structure::{Structure, Structures, joined};
+use super::structure::{Structure, Structures};
 use super::variables::Variables;
 use crate::effect::unknown::{FIRST, FUNCTIONS, READING, SCALE};
 use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};

@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Quantity;
+use super::conditions::joined;
 use super::exploration::log_sum;
 use super::families::{Family, Form, Target};
 use super::hyperparameters::{Base, Hyperparameters, Linear};
@@ -27,7 +28,7 @@ const EXPECTED: f64 = 2.0;
 const SIZES: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 16.0, 64.0, 256.0, 1024.0];
 /// Readings that the prior of a variance is worth.
 const VARIANCE_PRIOR: f64 = 8.0;
-/// Least share of the squares of a target's readings that any function is taken to leave.
+/// Least share of the squares of a target's readings that any function is taken to leave where targets are compared.
 const LEAST_LEFT: f64 = 0.25;
 /// How many of the best are compared exactly, and logarithm of the odds of all together from which they are.
 const COMPARED: usize = 3;
@@ -201,26 +202,29 @@ impl<'l> Structures<'l> {
             let squares = target.classes.iter().map(|k| sums[*k][0] / at.variance[*k]);
             let squares = squares.sum::<f64>() + VARIANCE_PRIOR;
             let freedom = target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + VARIANCE_PRIOR;
-            let mut own: Option<Scored> = None;
+            let mut own: Option<(f64, Scored)> = None;
             for (index, family) in target.families.iter().enumerate() {
                 let functions = with_constant(functions(family), &target.poses);
                 for (size, gain, price) in evidence(&errors, &functions, beyond) {
                     // The noise is estimated anew: the logarithm of what is left, not what is gained, counts.
-                    let left = (1.0 - gain / squares).max(LEAST_LEFT);
-                    let log_odds =
-                        -0.5 * (freedom * left.ln() + price) + family.log_prior + size_prior;
+                    let left = (1.0 - gain / squares).max(f64::MIN_POSITIVE);
+                    let of = |left: f64| {
+                        -0.5 * (freedom * left.ln() + price) + family.log_prior + size_prior
+                    };
+                    let (value, log_odds) = (of(left), of(left.max(LEAST_LEFT)));
                     all.push(log_odds);
-                    if own.is_none_or(|o| log_odds > o.log_odds) {
-                        own = Some(Scored {
+                    if own.is_none_or(|(best, _)| value > best) {
+                        let scored = Scored {
                             target: number,
                             family: index,
                             size,
                             log_odds,
-                        });
+                        };
+                        own = Some((value, scored));
                     }
                 }
             }
-            best.extend(own);
+            best.extend(own.map(|(_, scored)| scored));
         }
         best.sort_by(|a, b| b.log_odds.total_cmp(&a.log_odds));
         let log_odds = log_sum(all.into_iter());
@@ -242,18 +246,6 @@ fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
     let mut all = functions.clone().insert_column(0, 0.0);
     for pose in poses {
         all[(*pose, 0)] = 1.0;
-    }
-    all
-}
-
-/// Matrices of as many rows beside each other.
-pub(super) fn joined(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
-    let width = parts.iter().map(|part| part.ncols()).sum();
-    let mut all = DMatrix::zeros(parts[0].nrows(), width);
-    let mut first = 0;
-    for part in parts {
-        all.columns_mut(first, part.ncols()).copy_from(part);
-        first += part.ncols();
     }
     all
 }

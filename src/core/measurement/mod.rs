@@ -1,6 +1,7 @@
 //! Measured data of a calibration run.
 
 mod dataset;
+mod standstill;
 mod variable;
 
 pub use dataset::{Dataset, Grid, Measurements, Truth};
