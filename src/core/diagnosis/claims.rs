@@ -169,3 +169,76 @@ fn is_support(one: &Cause, other: &Cause) -> bool {
     let all = one.effect().scope() == Scope::CableOrAll && (whole(one, other) || whole(other, one));
     near && (a == b || all || more)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::{BoundEffect, find};
+
+    fn bound(id: &str, cables: &[usize], targeted: bool) -> BoundEffect {
+        let effect = find(id).unwrap();
+        BoundEffect {
+            effect,
+            cables: cables.to_vec(),
+            targeted,
+            values: effect.parameters().iter().map(|p| p.start).collect(),
+        }
+    }
+
+    fn on(id: &str, cables: &[usize]) -> Cause {
+        Cause {
+            instances: vec![bound(id, cables, true)],
+        }
+    }
+
+    fn each(id: &str, cables: usize) -> Cause {
+        Cause {
+            instances: (0..cables).map(|cable| bound(id, &[cable], true)).collect(),
+        }
+    }
+
+    fn ranked(sets: Vec<(Vec<Cause>, f64)>) -> Vec<Ranked> {
+        let ranked = |(causes, probability): (Vec<Cause>, f64)| Ranked {
+            causes,
+            log_posterior: probability.ln(),
+        };
+        sets.into_iter().map(ranked).collect()
+    }
+
+    #[test]
+    fn some_cables_are_named_only_where_all_of_them_are_meant() {
+        let shared = on("cable_sag", &[1, 4, 5]);
+        let pair = vec![on("cable_sag", &[1]), on("cable_sag", &[4])];
+        let all = vec![
+            on("cable_sag", &[1]),
+            on("cable_sag", &[4]),
+            on("cable_sag", &[5]),
+        ];
+        let (claims, _) = claims(&ranked(vec![(vec![shared], 0.5), (pair, 0.3), (all, 0.2)]));
+        // One of the pair stands in the place of all three.
+        assert!((claims[0].probability - 0.7).abs() < 1e-12, "{claims:?}");
+        assert!((claims[0].alternatives[0].probability - 0.3).abs() < 1e-12);
+        assert!(!claims[0].is_named() && claims[0].is_sure);
+    }
+
+    #[test]
+    fn a_family_stands_for_two_causes_at_once() {
+        let first = vec![on("payload_mass", &[]), on("force_gain", &[3])];
+        let family = vec![each("force_gain", 4)];
+        let (claims, beside) = claims(&ranked(vec![(first, 0.6), (family, 0.4)]));
+        assert!((claims[0].probability - 0.6).abs() < 1e-12);
+        let alternative = &claims[0].alternatives[0];
+        assert_eq!(alternative.cause.cables(), [0, 1, 2, 3]);
+        assert!(claims[0].is_sure && claims[1].is_named(), "{claims:?}");
+        assert!(beside.is_empty());
+    }
+
+    #[test]
+    fn what_is_on_the_same_cable_stands_in_its_place_first() {
+        let first = vec![on("payload_mass", &[]), on("cable_slip", &[1])];
+        let other = vec![on("frame_shift", &[1]), on("laser_bias", &[])];
+        let (claims, _) = claims(&ranked(vec![(first, 0.6), (other, 0.4)]));
+        let instead = |k: usize| claims[k].alternatives[0].cause.effect().id();
+        assert_eq!((instead(0), instead(1)), ("laser_bias", "frame_shift"));
+    }
+}

@@ -151,3 +151,59 @@ impl Comparison {
         changes.iter().sum::<f64>() / changes.len().max(1) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(members: &[usize], linear: f64) -> Compared {
+        Compared {
+            members: members.iter().map(|index| (*index, 0)).collect(),
+            causes: Vec::new(),
+            linear,
+            change: None,
+        }
+    }
+
+    /// At 1 and 2, of which a fit shows that 3 in the place of both is worse by 10 than its linear value: so it is with 4
+    /// beside it, and the set that is like the present one is preferred.
+    #[test]
+    fn what_a_fit_changes_it_changes_for_sets_like_it() {
+        let mut compared = Comparison {
+            sets: vec![
+                set(&[1, 2], 0.0),
+                set(&[3], 2.0),
+                set(&[3, 4], 1.0),
+                set(&[1, 2, 5], -1.0),
+            ],
+            fits: 0,
+        };
+        compared.sets[0].change = Some(0.0);
+        assert_eq!(compared.next(), Some(1));
+        compared.fitted(1, -8.0);
+        assert!(!compared.is_best(1) && compared.is_best(0));
+        // The third set was above all others and is now below what is worth a fit.
+        assert_eq!(compared.values(), [0.0, -8.0, -9.0, -1.0]);
+        assert_eq!(compared.next(), Some(3));
+        compared.fitted(3, -2.0);
+        // Of the sets without cause 1 the likeliest is known, so nothing is left to fit.
+        assert_eq!(compared.next(), None);
+    }
+
+    /// A set that is far below the best is fitted if it is the likeliest without one of the causes.
+    #[test]
+    fn the_likeliest_set_without_each_cause_is_fitted() {
+        let mut compared = Comparison {
+            sets: vec![set(&[1, 2], 0.0), set(&[3, 2], -8.0), set(&[1, 4], -20.0)],
+            fits: 0,
+        };
+        compared.sets[0].change = Some(0.0);
+        assert_eq!(compared.next(), Some(1));
+        compared.fitted(1, -1.0);
+        assert_eq!(compared.next(), None, "{:?}", compared.values());
+        assert_eq!(
+            compared.ranking()[1].log_posterior.to_bits(),
+            (-1.0_f64).to_bits()
+        );
+    }
+}

@@ -101,3 +101,43 @@ fn clean_data_are_silent() {
         .collect();
     assert!(alarms.len() < 3, "{alarms:?}");
 }
+
+/// A step of an anchor along its cable looks like a slip of the cable: both are said, however strong the step is.
+#[test]
+fn a_strong_step_along_a_cable_is_not_named_a_slip() {
+    let shift = setting(
+        "frame_shift",
+        &["cable-1"],
+        &[
+            ("x", 0.0064),
+            ("y", -0.0034),
+            ("z", -0.0014),
+            ("pose", 18.0),
+        ],
+    );
+    let run = run_with("planar", 41, 64, &[shift]);
+    let diagnosis = diagnosed(&run.dataset);
+    let said = names(&diagnosis.findings[0]);
+    assert!(said.contains(&("frame_shift", vec![0])), "{said:?}");
+    assert!(diagnosis.findings[0].evidence.delta_chi2 > 1000.0);
+}
+
+/// Readings of one standstill share what is wrong in them: as independent ones they would be full of errors.
+#[test]
+fn rows_of_a_standstill_count_once() {
+    let mut dataset = run_with("mini", 41, 65, &[]).dataset;
+    let data = &dataset.measurements;
+    let rows: Vec<usize> = (0..data.len())
+        .flat_map(|row| [row, row, row])
+        .skip(2)
+        .collect();
+    let mut repeated = data.select(&rows);
+    repeated.labels = (0..rows.len() as i64).collect();
+    repeated.groups = rows.iter().map(ToString::to_string).collect();
+    let once = diagnosed(&dataset);
+    dataset.measurements = repeated;
+    let thrice = diagnosed(&dataset);
+    assert!(thrice.findings.is_empty() && thrice.noise.is_empty());
+    let (one, other) = (once.base_solution.chi2, thrice.base_solution.chi2);
+    assert!((one - other).abs() < 1e-6 * one, "{one} {other}");
+}
