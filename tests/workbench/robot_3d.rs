@@ -62,6 +62,14 @@ pub fn in_window(harness: &Harness<'_, App>, point: &Vec3) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
+/// Where the centre of a pulley is drawn, its displacement magnified (m).
+pub fn drawn(harness: &Harness<'_, App>, cable: usize) -> Vec3 {
+    let view = &harness.state().state.views.robot_3d;
+    let scene = view.scene().expect("a scene");
+    let magnification = view.options.exaggeration_of(scene);
+    scene.placed(cable, magnification).wheel.centre
+}
+
 fn click(harness: &mut Harness<'_, App>, at: Pos2) {
     harness.hover_at(at);
     harness.run_ok();
@@ -87,8 +95,7 @@ fn scene(
 fn a_click_selects_and_the_pointer_is_told_what_it_is_over() {
     let mut harness = workbench();
     open(&mut harness, session_of("mini", 6), true);
-    let pulley = scene(&harness).cables[1].wheel.centre;
-    let at = in_window(&harness, &pulley);
+    let at = in_window(&harness, &drawn(&harness, 1));
     harness.hover_at(at);
     harness.run_ok();
     assert_eq!(harness.state().state.views.hovered, Selection::cable(1));
@@ -143,7 +150,7 @@ fn keys_and_buttons_turn_the_view() {
     harness.run_ok();
     assert!(forward(&harness).amax() < 0.9);
     for name in [
-        "Fit view (F)",
+        "Fit view (Home)",
         "Front",
         "Side",
         "Top",

@@ -14,6 +14,8 @@ use tautline_workflow::precalibration::Table;
 pub enum UiRequest {
     /// Shows the part of a panel that has this table.
     ShowTable(Table),
+    /// Shows the robot where the window has room for one part only.
+    ShowRobot,
     /// Shows the geometry in the panel of the identification.
     ShowGeometry,
     /// Shows the model doctor in the panel of the identification.

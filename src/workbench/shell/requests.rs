@@ -3,6 +3,7 @@
 use super::State;
 use crate::model::UiRequest;
 use crate::screens::identification::Half;
+use crate::screens::part::Part;
 use crate::screens::{connect, precalibration};
 use tautline_workflow::precalibration::Table;
 
@@ -17,6 +18,7 @@ pub fn apply(state: &mut State) {
                 Table::Home => panels.precalibration.part = precalibration::Part::Home,
                 Table::Elongation => panels.modeling.show_elongation(),
             },
+            UiRequest::ShowRobot => panels.part = Part::Robot,
             UiRequest::ShowGeometry => panels.identification.half = Half::Geometry,
             UiRequest::ShowDoctor => panels.identification.half = Half::Doctor,
             UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),

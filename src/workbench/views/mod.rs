@@ -2,6 +2,7 @@
 
 pub mod offscreen;
 pub mod plots;
+pub mod pulley_inspector;
 pub mod report_picture;
 pub mod robot_3d;
 pub mod timeline;
@@ -35,8 +36,13 @@ impl ViewStates {
     }
 }
 
-/// Draws the robot in 3D, and below it the time line of what was measured.
+/// Draws the robot in 3D, and below it the time line of what was measured; or the pulley that is inspected.
 pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+    if let Some(inspected) = pulley_inspector::inspected(model) {
+        let view = (&mut views.robot_3d, &mut views.hovered);
+        pulley_inspector::show(ui, model, inspected, view, outbox);
+        return;
+    }
     let palette = theme::of(ui);
     let measured = model
         .open

@@ -7,6 +7,7 @@ mod document;
 mod model;
 mod pose_context;
 mod published;
+mod pulley;
 mod request;
 mod wording;
 
@@ -27,6 +28,10 @@ pub use adequacy::FitVerdict;
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
 pub use model::{entry_point_sd, identified};
 pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};
+pub use pulley::{
+    CLEAR, CoordinateCorrelation, IdentifiedPulley, NOISE, PulleyCoordinate, PulleyInspection,
+    chance_of_noise, entry_point_covariance,
+};
 pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
 pub use wording::reading_name;
 

@@ -13,6 +13,8 @@ pub enum ViewCommand {
     Go(Screen),
     /// Selects everywhere.
     Select(Selection),
+    /// Inspects the pulley of a cable, by its index, or goes back to the whole robot.
+    Inspect(Option<usize>),
     /// Selects another of the measured poses.
     Pose(PoseStep),
     /// Selects a measured pose, and shows it even while the robot is elsewhere.

@@ -1,5 +1,7 @@
 //! A cause that was found.
 
+use std::collections::BTreeSet;
+
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
 use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
 use tautline_core::effect::{EffectSetting, UNKNOWN};
@@ -7,11 +9,15 @@ use tautline_core::effect::{EffectSetting, UNKNOWN};
 use super::{Panel, ambiguous, effects, gain};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
+use crate::views::pulley_inspector;
 use crate::widgets::{Verdict, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{range, unit_of};
 use tautline_workflow::wording::{count, odds};
+
+/// Most cables of a finding whose pulleys can be inspected from there.
+const INSPECTED: usize = 2;
 
 /// Draws a finding.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
@@ -30,7 +36,28 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
             Sure::Named => named(ui, panel, diagnosed, finding, number),
             Sure::Unknown => unknown(ui, panel, diagnosed, finding, number),
         });
+        inspect(ui, panel, diagnosed, finding);
     });
+}
+
+/// Buttons that show the pulleys of the cables that a finding names, where these are few.
+fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &Finding) {
+    let bound = finding
+        .cause
+        .instances
+        .iter()
+        .filter(|bound| bound.targeted);
+    let cables: BTreeSet<usize> = bound
+        .flat_map(|bound| bound.cables.iter().copied())
+        .collect();
+    if cables.len() > INSPECTED {
+        return;
+    }
+    for cable in cables {
+        if let Some(name) = diagnosed.cable(Some(cable)) {
+            pulley_inspector::button(ui, (cable, &name), panel.outbox);
+        }
+    }
 }
 
 /// The heading of a card.
