@@ -8,6 +8,7 @@ use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
     CompareCommand, FileCommand, ReportCommand, RobotCommand, ViewCommand,
 };
+use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::Phase;
 use tautline_workflow::report::ReportFormat;
@@ -69,8 +70,9 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     phases(&mut looks)?;
     plots(&mut looks)?;
     dialogs(&mut looks)?;
+    looks.stage.give(CompareCommand::Show);
+    looks.stage.give(CompareCommand::Clear(Side::A));
     for run in ["before.json", "after.json"] {
-        looks.stage.give(CompareCommand::Show);
         let path = Path::new("sessions/before-after").join(run);
         looks.stage.give(CompareCommand::Drop(path));
     }

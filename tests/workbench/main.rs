@@ -19,6 +19,7 @@ mod pulley_inspector;
 mod report;
 mod robot_3d;
 mod session_file;
+mod signs;
 mod start;
 mod support;
 mod tables;

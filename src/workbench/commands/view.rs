@@ -4,7 +4,7 @@ use egui::ThemePreference;
 use tautline_session::Theme;
 
 use crate::model::command::ViewCommand;
-use crate::model::{Model, UiRequest};
+use crate::model::{Model, Selection, UiRequest};
 
 /// Smallest and largest size of everything.
 const SCALES: std::ops::RangeInclusive<f32> = 0.75..=2.5;
@@ -23,6 +23,11 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
             if model.inspected.is_some() && selection.cable.is_some() {
                 model.inspected = selection.cable;
             }
+        }
+        ViewCommand::ShowDependence(quantity, cable, variable) => {
+            model.selection = cable.map(Selection::cable).unwrap_or_default();
+            model.inspected = None;
+            model.request(UiRequest::ShowDependence(quantity, cable, variable));
         }
         ViewCommand::Inspect(cable) => {
             model.inspected = cable;

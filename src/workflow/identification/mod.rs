@@ -9,6 +9,7 @@ mod pose_context;
 mod published;
 mod pulley;
 mod request;
+mod residuals;
 mod wording;
 
 use std::collections::HashMap;
@@ -33,6 +34,7 @@ pub use pulley::{
     chance_of_noise, entry_point_covariance,
 };
 pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
+pub use residuals::{RESIDUAL, ReadingResidual, group_of, reading_residuals};
 pub use wording::reading_name;
 
 /// Why there is no identification, or none to rely on.

@@ -139,6 +139,12 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     if picture.scene.besides == Besides::Nothing {
         return vec![first];
     }
+    if picture.options.inspected.is_some() {
+        let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
+        let scale = "True to scale, nominal in grey";
+        let second = text(painter, below, Align2::LEFT_TOP, scale, quiet(palette));
+        return vec![first, second];
+    }
     let mut parts = vec!["pulleys"];
     parts.extend(arrows.then_some("arrows"));
     parts.extend(ellipsoids.then_some("95 % ellipsoids"));
