@@ -12,6 +12,7 @@ use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
 use tautline_workbench::shell::App;
+use tautline_workbench::views::robot_3d::drawing::{ArrowColour, FrameLook, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::identification::{IdentificationRequest, identify};
@@ -229,4 +230,42 @@ fn a_click_on_a_pulley_pins_its_coordinates_and_a_second_click_clears_them() {
     assert_eq!(harness.state().state.model.selection, Selection::cable(1));
     click(&mut harness, at);
     assert!(pinned(&harness).is_empty());
+}
+
+#[test]
+fn the_frame_steps_back_and_displacements_are_coloured_by_length() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), true);
+    for (name, is_done) in [
+        (
+            "Frame: Transparent",
+            (|options| options.frame == FrameLook::Transparent) as fn(&Options) -> bool,
+        ),
+        ("Frame: Hidden", |options| {
+            options.frame == FrameLook::Hidden
+        }),
+        ("Length", |options| {
+            options.arrow_colour == ArrowColour::Length
+        }),
+    ] {
+        if harness.query_by_label(name).is_none() {
+            harness.get_by_label("Show").click();
+            harness.run_ok();
+        }
+        harness.get_by_label(name).click();
+        harness.run_ok();
+        let options = &harness.state().state.views.robot_3d.options;
+        assert!(is_done(options), "{name}");
+    }
+}
+
+#[test]
+fn what_was_pinned_belongs_to_its_session() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("hall", 3), false);
+    let options = &mut harness.state_mut().state.views.robot_3d.options;
+    options.pin(1);
+    open(&mut harness, session_of("planar", 3), false);
+    let options = &harness.state().state.views.robot_3d.options;
+    assert!(options.pinned.is_empty());
 }

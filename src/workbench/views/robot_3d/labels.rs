@@ -20,6 +20,8 @@ const TURNS: [f32; 12] = [
 const AROUND: usize = 24;
 /// Half the width of a wheel, in its radii.
 const HALF_WIDTH: f64 = 0.15;
+/// Side of the boxes along an arrow (points).
+const ARROW: f32 = 8.0;
 /// Half the size of a pulley that is drawn as a disc (points).
 const DISC: f32 = 5.0;
 
@@ -87,6 +89,25 @@ pub fn pulleys(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
         .collect()
 }
 
+/// Boxes along the arrows of displacements (points).
+fn arrows(picture: &Picture<'_>, rect: Rect) -> Vec<Rect> {
+    let magnification = picture.options.exaggeration_of(picture.scene);
+    let cables = picture
+        .scene
+        .cables
+        .iter()
+        .filter(|_| picture.options.arrows);
+    let moved = cables.filter_map(|cable| cable.moved.as_ref());
+    let along = moved.flat_map(|moved| {
+        let place = |k: u8| moved.from + moved.by * (magnification * f64::from(k) / 8.0);
+        (0..=8).map(place)
+    });
+    along
+        .filter_map(|point| on_screen(picture, rect, &point))
+        .map(|at| Rect::from_center_size(at, Vec2::splat(ARROW)))
+        .collect()
+}
+
 /// The numbers of the cables of a picture in `rect`, none of them over a pulley or what is `taken`; `size` is that of a text.
 pub fn labels(
     picture: &Picture<'_>,
@@ -96,6 +117,7 @@ pub fn labels(
 ) -> Vec<Label> {
     let mut taken = taken.to_vec();
     taken.extend(pulleys(picture, rect));
+    taken.extend(arrows(picture, rect));
     let mut labels = Vec::new();
     for wanted in wanted(picture, rect) {
         let size = size(&wanted.text) + vec2(4.0, 0.0);

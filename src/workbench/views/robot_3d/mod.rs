@@ -117,6 +117,8 @@ impl Robot3d {
         let scene = Arc::new(subject.scene_with(measured));
         if known.is_none_or(|(known, _)| known.session.0 != key.session.0) {
             self.navigation.start_anew();
+            // What is pinned are pulleys of the other robot.
+            self.options.pinned.clear();
         }
         self.scene = Some((key, Arc::clone(&scene)));
         scene
