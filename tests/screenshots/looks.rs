@@ -66,6 +66,14 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     looks.at("start")?;
     looks.stage.give(CompareCommand::Show);
     looks.at("compare-empty")?;
+    for (session, name) in [
+        ("suspended-sag/session.json", "inspector-suspended"),
+        ("hall-creep-and-slip/session.json", "inspector-hall"),
+    ] {
+        open(&mut looks.stage, session);
+        looks.stage.give(ViewCommand::Inspect(Some(1)));
+        looks.at(name)?;
+    }
     open(&mut looks.stage, "mini-winch-scale/session.json");
     phases(&mut looks)?;
     plots(&mut looks)?;

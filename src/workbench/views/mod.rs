@@ -12,9 +12,9 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use crate::model::command::Outbox;
 use crate::model::{Model, Selection};
 use crate::theme::{self, GRID};
+use robot_3d::drawing::FrameLook;
 
 /// State of the views between frames.
-#[derive(Default)]
 pub struct ViewStates {
     /// What is under the pointer, in all views.
     pub hovered: Selection,
@@ -26,6 +26,21 @@ pub struct ViewStates {
     pub timeline: timeline::TimelineState,
     /// Of the plots.
     pub plots: plots::Panes,
+}
+
+impl Default for ViewStates {
+    fn default() -> Self {
+        let mut compared_3d = robot_3d::Robot3d::default();
+        // What differs is often behind the frame.
+        compared_3d.options.frame = FrameLook::Transparent;
+        Self {
+            hovered: Selection::default(),
+            robot_3d: robot_3d::Robot3d::default(),
+            compared_3d,
+            timeline: timeline::TimelineState::default(),
+            plots: plots::Panes::default(),
+        }
+    }
 }
 
 impl ViewStates {
@@ -43,6 +58,7 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
         pulley_inspector::show(ui, model, inspected, view, outbox);
         return;
     }
+    pulley_inspector::key(ui, model, outbox);
     let palette = theme::of(ui);
     let measured = model
         .open

@@ -167,12 +167,7 @@ fn go(robot: &Robot, cable: usize, step: isize, outbox: &mut Outbox) {
 
 /// Page up and down go to other pulleys, Escape back to the robot, unless a field or a dialog takes them.
 fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
-    let is_typing = ui.ctx().text_edit_focused();
-    let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
-    if is_typing || is_behind || egui::Popup::is_any_open(ui.ctx()) {
-        return;
-    }
-    let pressed = |key| ui.input(|input| input.modifiers.is_none() && input.key_pressed(key));
+    let pressed = |key| is_pressed(ui, key);
     if pressed(Key::PageDown) {
         go(robot, cable, 1, outbox);
     }
@@ -195,6 +190,21 @@ fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
         inspection.sentence()
     );
     verdict(ui, Verdict::Doubtful, &text);
+}
+
+/// F shows the pulley of the selected cable, wherever that was selected.
+pub fn key(ui: &Ui, model: &Model, outbox: &mut Outbox) {
+    if model.selection.cable.is_some() && is_pressed(ui, Key::F) {
+        outbox.send(ViewCommand::Inspect(model.selection.cable));
+    }
+}
+
+/// Whether a key was pressed, alone, that no field and no dialog takes.
+fn is_pressed(ui: &Ui, key: Key) -> bool {
+    let is_typing = ui.ctx().text_edit_focused();
+    let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
+    let is_taken = is_typing || is_behind || egui::Popup::is_any_open(ui.ctx());
+    !is_taken && ui.input(|input| input.modifiers.is_none() && input.key_pressed(key))
 }
 
 /// The three views, the coordinates, and what their errors go together with.
