@@ -8,8 +8,8 @@ use tautline_core::robot::Robot;
 use tautline_core::statistics::chi_square_survival;
 
 use super::Identification;
+use crate::wording::odds;
 use crate::wording::units::{decimals, fixed};
-use crate::wording::{odds, sentence};
 
 /// Above this probability of being due to noise alone a displacement counts as noise.
 pub const NOISE: f64 = 0.05;
@@ -151,9 +151,10 @@ impl PulleyInspection {
         Some(self.identified.as_ref()?.entry_m - self.nominal_m)
     }
 
-    /// How far the pulley is from the drawing and whether that is more than its uncertainty, as a sentence.
+    /// How far the pulley is from the drawing and whether that is more than its uncertainty, as a sentence. Where the model
+    /// does not explain the data (`is_explained`), the uncertainty does not hold and nothing is judged by it.
     #[must_use]
-    pub fn sentence(&self) -> String {
+    pub fn sentence(&self, is_explained: bool) -> String {
         let (Some(found), Some(by)) = (&self.identified, self.displacement_m()) else {
             return "Nothing is identified yet: the pulley is shown where the drawing has it."
                 .to_owned();
@@ -169,6 +170,11 @@ impl PulleyInspection {
         let along = by.try_normalize(0.0).unwrap_or_else(Vec3::x);
         let sd = along.dot(&(covariance * along)).max(0.0).sqrt();
         let size = size(length, sd);
+        if !is_explained {
+            return format!(
+                "{size} mm from the drawing. The model does not explain the data: the uncertainty is larger than shown, and the displacement may come from what the model lacks."
+            );
+        }
         let Some(chance) = chance_of_noise(&by, covariance) else {
             return format!("{size} mm from the drawing.");
         };
@@ -180,7 +186,7 @@ impl PulleyInspection {
             }
             _ => format!("unclear whether that is more than noise, which does that {often}"),
         };
-        sentence(&format!("{size} mm from the drawing, {judged}."))
+        format!("{size} mm from the drawing, {judged}.")
     }
 }
 
@@ -335,23 +341,29 @@ mod tests {
         let fit = fit();
         let robot = &fit.dataset.robot;
         let nothing = PulleyInspection::of(robot, None, 0).expect("a cable");
-        assert!(nothing.sentence().starts_with("Nothing is identified yet"));
+        assert!(
+            nothing
+                .sentence(true)
+                .starts_with("Nothing is identified yet")
+        );
         let mut seen = PulleyInspection::of(robot, Some(&fit), 0).expect("a cable");
         let mut say = |by_mm: f64| {
             let nominal = seen.nominal_m;
             let found = seen.identified.as_mut().expect("identified");
             found.covariance = Some(Matrix3::identity() * 1e-8);
             found.entry_m = nominal + Vec3::y() * (1e-3 * by_mm);
-            seen.sentence()
+            [true, false].map(|is_explained| seen.sentence(is_explained))
         };
         assert_eq!(
-            say(0.1),
+            say(0.1)[0],
             "0.10 ± 0.10 mm from the drawing, within its uncertainty: noise alone does that 80 times in 100."
         );
-        assert!(say(0.3).contains("unclear whether that is more than noise"));
+        assert!(say(0.3)[0].contains("unclear whether that is more than noise"));
         assert_eq!(
-            say(5.0),
+            say(5.0)[0],
             "5.00 ± 0.10 mm from the drawing, more than its uncertainty: noise alone does that less than once in a million times."
         );
+        let unexplained = &say(5.0)[1];
+        assert!(unexplained.starts_with("5.00 ± 0.10 mm from the drawing. The model does not"));
     }
 }

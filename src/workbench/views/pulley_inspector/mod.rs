@@ -181,15 +181,12 @@ fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
 
 /// How far the pulley is from the drawing, and whether that can be relied on.
 fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
-    if is_explained {
-        ui.add(Label::new(inspection.sentence()).wrap());
-        return;
+    let text = inspection.sentence(is_explained);
+    if is_explained || inspection.identified.is_none() {
+        ui.add(Label::new(text).wrap());
+    } else {
+        verdict(ui, Verdict::Doubtful, &text);
     }
-    let text = format!(
-        "{} But the model does not explain the data, so the uncertainty is larger than shown.",
-        inspection.sentence()
-    );
-    verdict(ui, Verdict::Doubtful, &text);
 }
 
 /// F shows the pulley of the selected cable, wherever that was selected.
