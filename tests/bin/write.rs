@@ -40,11 +40,11 @@ fn main() -> Result<()> {
         }
         Some("looks") => {
             let folder = argument.context("looks: the folder to write to is missing")?;
-            screenshots::looks::write_all(Path::new(folder))?;
+            screenshots::looks::write_all(Path::new(folder), arguments.get(2).map(String::as_str))?;
         }
         _ => bail!(
             "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, nist, hidden KIND, workbench [write | PART], \
-             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER"
+             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME]"
         ),
     }
     Ok(())

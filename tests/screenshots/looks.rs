@@ -8,6 +8,7 @@ use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
     CompareCommand, FileCommand, ReportCommand, RobotCommand, ViewCommand,
 };
+use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::Phase;
 use tautline_workflow::report::ReportFormat;
@@ -21,11 +22,16 @@ const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [1920.0, 1080.0]];
 struct Looks {
     stage: Stage,
     into: PathBuf,
+    /// Only pictures are taken whose names contain this.
+    only: Option<String>,
 }
 
 impl Looks {
     /// What is there now, as everybody may see it.
     fn at(&mut self, name: &str) -> Result<()> {
+        if self.only.as_ref().is_some_and(|only| !name.contains(only)) {
+            return Ok(());
+        }
         for (theme, of) in [
             (ThemePreference::Dark, "dark"),
             (ThemePreference::Light, "light"),
@@ -44,31 +50,44 @@ impl Looks {
     }
 }
 
-/// Takes all pictures.
+/// Takes all pictures, or those whose names contain `only`.
 ///
 /// # Errors
 /// If there is no OpenGL, or a file cannot be written.
-pub fn write_all(into: &Path) -> Result<()> {
+pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     std::fs::create_dir_all(into)?;
     let into = into.canonicalize()?;
     std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     let mut looks = Looks {
         stage: Stage::new(LARGE)?,
         into,
+        only: only.map(str::to_owned),
     };
     looks.at("start")?;
     looks.stage.give(CompareCommand::Show);
     looks.at("compare-empty")?;
+    for (session, name) in [
+        ("suspended-sag/session.json", "inspector-suspended"),
+        ("hall-creep-and-slip/session.json", "inspector-hall"),
+    ] {
+        open(&mut looks.stage, session);
+        looks.stage.give(ViewCommand::Inspect(Some(1)));
+        looks.at(name)?;
+    }
     open(&mut looks.stage, "mini-winch-scale/session.json");
     phases(&mut looks)?;
     plots(&mut looks)?;
     dialogs(&mut looks)?;
+    looks.stage.give(CompareCommand::Show);
+    looks.stage.give(CompareCommand::Clear(Side::A));
     for run in ["before.json", "after.json"] {
-        looks.stage.give(CompareCommand::Show);
         let path = Path::new("sessions/before-after").join(run);
         looks.stage.give(CompareCommand::Drop(path));
     }
-    looks.at("compare")
+    looks.at("compare")?;
+    looks.stage.show("cable-6, ");
+    looks.stage.press_first("cable-6, ");
+    looks.at("compare-row")
 }
 
 fn phases(looks: &mut Looks) -> Result<()> {
@@ -91,6 +110,7 @@ fn phases(looks: &mut Looks) -> Result<()> {
         }
     }
     looks.stage.press_named("Geometry");
+    inspector(looks)?;
     looks.stage.press("Check geometry and faults");
     looks.at("phase-4-check")?;
     looks.stage.press_named("Model doctor");
@@ -110,6 +130,16 @@ fn phases(looks: &mut Looks) -> Result<()> {
     looks.stage.press("Hide faults");
     phase(&mut looks.stage, Phase::Adjustment);
     looks.at("phase-5")
+}
+
+fn inspector(looks: &mut Looks) -> Result<()> {
+    looks.stage.give(ViewCommand::Inspect(Some(2)));
+    looks.at("inspector")?;
+    looks.stage.give(ViewCommand::Inspect(Some(5)));
+    looks.at("inspector-other")?;
+    looks.stage.give(ViewCommand::Inspect(None));
+    looks.stage.give(ViewCommand::Select(Selection::default()));
+    Ok(())
 }
 
 fn plots(looks: &mut Looks) -> Result<()> {

@@ -2,18 +2,20 @@
 
 use std::path::Path;
 
-use egui::Role;
+use egui::{Role, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Session, Timestamp, write_session};
+use tautline_validation::harness::GlowTestRenderer;
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{CompareCommand, FileCommand};
 use tautline_workbench::shell::App;
+use tautline_workbench::views::robot_3d::scene::Subject;
 
 use crate::measured::{give, press};
-use crate::support::{settle, workbench};
+use crate::support::{options, settle, workbench};
 
 /// Writes a session of a preset whose fifth pulley has moved by `moved_m` along y.
 fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
@@ -101,6 +103,84 @@ fn a_moved_pulley_is_distinguished_from_noise_and_the_sessions_are_swapped() {
     assert!((along_y(&harness) - 10.0).abs() < 5.0);
     press(&mut harness, "Back");
     harness.get_by_label("Try the demo robot");
+}
+
+/// A workbench of a size that compares two sessions, drawn on a graphics card.
+fn compared(renderer: &GlowTestRenderer, runs: &[&Path; 2]) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_max_steps(60)
+        .renderer(renderer.clone())
+        .build_eframe(|creation| App::new(creation, options()));
+    give(&mut harness, CompareCommand::Show);
+    for run in runs {
+        give(&mut harness, CompareCommand::Drop(run.to_path_buf()));
+    }
+    harness
+}
+
+#[test]
+fn a_row_frames_its_pulley_and_those_that_did_not_move_fade() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [before, after] = ["before.json", "after.json"].map(|name| folder.path().join(name));
+    write(&before, "mini", 0.0, 1);
+    write(&after, "mini", -0.01, 3);
+    let renderer = GlowTestRenderer::new().expect("a picture");
+    let mut harness = compared(&renderer, &[&before, &after]);
+    let view = |harness: &Harness<'_, App>| {
+        let view = &harness.state().state.views.compared_3d;
+        (view.options.clone(), *view.camera().expect("a camera"))
+    };
+    let (_, whole) = view(&harness);
+    harness.get_by_label_contains("cable-5,").click_accesskit();
+    harness.step();
+    settle(&mut harness);
+    let (options, close) = view(&harness);
+    assert!(close.height_m() < 0.5 * whole.height_m());
+    let fades = {
+        let state = &harness.state().state;
+        let compared = state.model.comparison.known().expect("a comparison");
+        let [first, _] = compared.runs.each_ref().map(|run| run.fit.as_ref());
+        let subject = Subject {
+            fit: Some(first),
+            ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+        };
+        let scene = subject.scene().compared(&compared.comparison);
+        (0..8)
+            .filter(|cable| options.fades(&scene, *cable))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(fades, [0, 1, 2, 3, 5, 6, 7]);
+    harness.state_mut().state.views.destroy();
+}
+
+#[test]
+fn a_pulley_moved_by_5_mm_is_seen_in_both_places() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [before, after] = ["before.json", "after.json"].map(|name| folder.path().join(name));
+    write(&before, "mini", 0.0, 1);
+    write(&after, "mini", -0.005, 3);
+    let renderer = GlowTestRenderer::new().expect("a picture");
+    let mut harness = compared(&renderer, &[&before, &after]);
+    harness.get_by_label_contains("cable-5,").click_accesskit();
+    harness.step();
+    settle(&mut harness);
+    let mut picture = |with_second: bool| {
+        harness.state_mut().state.views.compared_3d.options.nominal = with_second;
+        harness.run_ok();
+        renderer.picture(&harness).expect("a picture")
+    };
+    let [with, without] = [true, false].map(&mut picture);
+    let rect = harness.get_by_label("3D view").rect();
+    let differs = |(x, y, pixel): &(u32, u32, &image::Rgba<u8>)| {
+        let other = without.get_pixel(*x, *y);
+        rect.contains(egui::pos2(*x as f32, *y as f32))
+            && (0..3).any(|k| pixel.0[k].abs_diff(other.0[k]) > 24)
+    };
+    let changed = with.enumerate_pixels().filter(differs).count() as f32;
+    harness.state_mut().state.views.destroy();
+    let share = changed / rect.area();
+    assert!(share > 0.002, "{share}");
 }
 
 #[test]

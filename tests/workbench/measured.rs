@@ -14,7 +14,7 @@ use tautline_workbench::shell::App;
 
 use crate::support::workbench;
 
-/// An effect with its cable and parameters.
+/// An effect with its cable, empty for one of the whole robot, and parameters.
 type Hidden<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
 
 /// A dataset of MINI in a folder that lives as long as this.
@@ -28,7 +28,11 @@ impl Measured {
         let preset = presets::find("mini").expect("a preset");
         let setting = |(effect, cable, values): &Hidden<'_>| EffectSetting {
             effect: (*effect).to_owned(),
-            targets: vec![(*cable).to_owned()],
+            targets: [*cable]
+                .iter()
+                .filter(|c| !c.is_empty())
+                .map(|c| (*c).to_owned())
+                .collect(),
             parameters: values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
         };
         let effects: Vec<_> = effects.iter().map(setting).collect();

@@ -12,6 +12,7 @@ use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
 use tautline_workbench::shell::App;
+use tautline_workbench::views::robot_3d::drawing::{ArrowColour, FrameLook, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::identification::{IdentificationRequest, identify};
@@ -62,6 +63,14 @@ pub fn in_window(harness: &Harness<'_, App>, point: &Vec3) -> Pos2 {
     rect.min + vec2(seen.x as f32, seen.y as f32)
 }
 
+/// Where the centre of a pulley is drawn, its displacement magnified (m).
+pub fn drawn(harness: &Harness<'_, App>, cable: usize) -> Vec3 {
+    let view = &harness.state().state.views.robot_3d;
+    let scene = view.scene().expect("a scene");
+    let magnification = view.options.exaggeration_of(scene);
+    scene.placed(cable, magnification).wheel.centre
+}
+
 fn click(harness: &mut Harness<'_, App>, at: Pos2) {
     harness.hover_at(at);
     harness.run_ok();
@@ -87,8 +96,7 @@ fn scene(
 fn a_click_selects_and_the_pointer_is_told_what_it_is_over() {
     let mut harness = workbench();
     open(&mut harness, session_of("mini", 6), true);
-    let pulley = scene(&harness).cables[1].wheel.centre;
-    let at = in_window(&harness, &pulley);
+    let at = in_window(&harness, &drawn(&harness, 1));
     harness.hover_at(at);
     harness.run_ok();
     assert_eq!(harness.state().state.views.hovered, Selection::cable(1));
@@ -143,7 +151,7 @@ fn keys_and_buttons_turn_the_view() {
     harness.run_ok();
     assert!(forward(&harness).amax() < 0.9);
     for name in [
-        "Fit view (F)",
+        "Fit view (Home)",
         "Front",
         "Side",
         "Top",
@@ -222,4 +230,42 @@ fn a_click_on_a_pulley_pins_its_coordinates_and_a_second_click_clears_them() {
     assert_eq!(harness.state().state.model.selection, Selection::cable(1));
     click(&mut harness, at);
     assert!(pinned(&harness).is_empty());
+}
+
+#[test]
+fn the_frame_steps_back_and_displacements_are_coloured_by_length() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), true);
+    for (name, is_done) in [
+        (
+            "Frame: Transparent",
+            (|options| options.frame == FrameLook::Transparent) as fn(&Options) -> bool,
+        ),
+        ("Frame: Hidden", |options| {
+            options.frame == FrameLook::Hidden
+        }),
+        ("Length", |options| {
+            options.arrow_colour == ArrowColour::Length
+        }),
+    ] {
+        if harness.query_by_label(name).is_none() {
+            harness.get_by_label("Show").click();
+            harness.run_ok();
+        }
+        harness.get_by_label(name).click();
+        harness.run_ok();
+        let options = &harness.state().state.views.robot_3d.options;
+        assert!(is_done(options), "{name}");
+    }
+}
+
+#[test]
+fn what_was_pinned_belongs_to_its_session() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("hall", 3), false);
+    let options = &mut harness.state_mut().state.views.robot_3d.options;
+    options.pin(1);
+    open(&mut harness, session_of("planar", 3), false);
+    let options = &harness.state().state.views.robot_3d.options;
+    assert!(options.pinned.is_empty());
 }

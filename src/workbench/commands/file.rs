@@ -330,6 +330,7 @@ fn open(model: &mut Model, opening: Opening) {
     };
     model.open = Some(open(session, path));
     model.selection = Default::default();
+    model.inspected = None;
     model.screen = Screen::Phase(if measured {
         Phase::Identification
     } else {

@@ -3,16 +3,39 @@
 use egui::ThemePreference;
 use tautline_session::Theme;
 
-use crate::model::Model;
 use crate::model::command::ViewCommand;
+use crate::model::{Model, Selection, UiRequest};
 
 /// Smallest and largest size of everything.
 const SCALES: std::ops::RangeInclusive<f32> = 0.75..=2.5;
 
 pub(super) fn perform(model: &mut Model, command: ViewCommand) {
     match command {
-        ViewCommand::Go(screen) => model.screen = screen,
-        ViewCommand::Select(selection) => model.selection = selection,
+        ViewCommand::Go(screen) => {
+            if model.screen != screen {
+                model.inspected = None;
+            }
+            model.screen = screen;
+        }
+        ViewCommand::Select(selection) => {
+            model.selection = selection;
+            // The inspector goes where the selection goes.
+            if model.inspected.is_some() && selection.cable.is_some() {
+                model.inspected = selection.cable;
+            }
+        }
+        ViewCommand::ShowDependence(quantity, cable, variable) => {
+            model.selection = cable.map(Selection::cable).unwrap_or_default();
+            model.inspected = None;
+            model.request(UiRequest::ShowDependence(quantity, cable, variable));
+        }
+        ViewCommand::Inspect(cable) => {
+            model.inspected = cable;
+            if cable.is_some() {
+                model.selection.cable = cable;
+                model.request(UiRequest::ShowRobot);
+            }
+        }
         ViewCommand::Pose(step) => {
             let labels = model.open.as_ref();
             let labels = labels.map_or(&[][..], |d| &d.session().measurements.labels);

@@ -1,15 +1,17 @@
 //! Where the model is wrong, and along what, as plots: residuals over the variable on which they depend, with the effects
 //! that explain them drawn through.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-use tautline_core::diagnosis::{Discrepancy, Quantity};
+use tautline_core::diagnosis::Discrepancy;
 use tautline_core::effect::{Search, measurements_as_modelled};
-use tautline_core::estimation::{Analysis, ObservationKind, Problem};
+use tautline_core::estimation::{Analysis, Problem};
 use tautline_core::measurement::{Dataset, Variable};
 
 use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::identification::{RESIDUAL, reading_residuals};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use tautline_workflow::plot::gaps::without_gaps;
 use tautline_workflow::wording::sentence;
 
 /// Readings of which dependences are shown, the worst.
@@ -38,44 +40,112 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
 /// The plots of the strongest dependences, by their places among all.
 #[must_use]
 pub fn figures(diagnosed: &Diagnosed) -> BTreeMap<usize, Figure> {
-    let after = after(diagnosed);
+    let Some(residuals) = Residuals::of(diagnosed) else {
+        return BTreeMap::new();
+    };
     let found = &diagnosed.diagnosis.discrepancies;
     let shown = groups(found).concat().into_iter();
     shown
-        .map(|index| (index, figure(diagnosed, &found[index], after.as_ref())))
+        .map(|index| (index, figure(diagnosed, &found[index], &residuals)))
         .collect()
 }
 
-/// The residuals of the extended model; `None` where it has no effects, or exchanges channels so that readings are not the
-/// same ones.
-fn after(diagnosed: &Diagnosed) -> Option<Analysis> {
-    let diagnosis = &diagnosed.diagnosis;
-    let robot = diagnosed.robot();
-    let modelled = measurements_as_modelled(robot, &diagnosed.dataset.measurements).ok()?;
-    let dataset = Dataset {
-        robot: robot.clone(),
-        measurements: modelled.into_owned(),
-    };
-    let problem = Problem::new(&dataset).ok()?;
-    let mut problem = problem.at_poses_of(&diagnosis.base_solution);
-    let effects = &diagnosis.extended_solution.globals.effects;
-    let free = effects.get(problem.held_effects.len()..)?;
-    if free.is_empty() || free.iter().any(|bound| !bound.effect.is_estimable()) {
-        return None;
-    }
-    problem.free_effects = free.to_vec();
-    Some(Analysis::new(&problem, &diagnosis.extended_solution))
+/// The residuals of the model as it was diagnosed, and with what was found.
+struct Residuals {
+    before: Analysis,
+    /// `None` where nothing was found that has a size, or channels are exchanged so that readings are not the same ones.
+    after: Option<Analysis>,
 }
 
-fn figure(diagnosed: &Diagnosed, found: &Discrepancy, after: Option<&Analysis>) -> Figure {
+impl Residuals {
+    fn of(diagnosed: &Diagnosed) -> Option<Self> {
+        let diagnosis = &diagnosed.diagnosis;
+        let robot = diagnosed.robot();
+        let modelled = measurements_as_modelled(robot, &diagnosed.dataset.measurements).ok()?;
+        let dataset = Dataset {
+            robot: robot.clone(),
+            measurements: modelled.into_owned(),
+        };
+        let problem = || {
+            let problem = Problem::new(&dataset).ok()?;
+            Some(problem.at_poses_of(&diagnosis.base_solution))
+        };
+        let before = Analysis::new(&problem()?, &diagnosis.base_solution);
+        let after = || {
+            let mut problem = problem()?;
+            let effects = &diagnosis.extended_solution.globals.effects;
+            let free = effects.get(problem.held_effects.len()..)?;
+            if free.is_empty() || free.iter().any(|bound| !bound.effect.is_estimable()) {
+                return None;
+            }
+            problem.free_effects = free.to_vec();
+            Some(Analysis::new(&problem, &diagnosis.extended_solution))
+        };
+        Some(Self {
+            before,
+            after: after(),
+        })
+    }
+}
+
+/// Residuals of a kind of reading by row; a row of an instrument that reads several numbers has several.
+fn by_row(
+    diagnosed: &Diagnosed,
+    analysis: &Analysis,
+    found: &Discrepancy,
+) -> HashMap<usize, Vec<f64>> {
+    let mut rows: HashMap<usize, Vec<f64>> = HashMap::new();
+    let robot = diagnosed.robot();
+    for one in reading_residuals(robot, analysis, found.quantity, found.cable) {
+        if let Some(deviations) = one.deviations {
+            rows.entry(one.row).or_default().push(deviations);
+        }
+    }
+    rows
+}
+
+/// A reading that depends on a variable.
+struct Dependent {
+    row: usize,
+    variable: f64,
+    residual: f64,
+    /// What the causes found take off the residual.
+    explained: Option<f64>,
+}
+
+/// The readings of a dependence with the residuals that all plots show.
+fn dependents(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
+    let before = by_row(diagnosed, &residuals.before, found);
+    let after = residuals.after.as_ref();
+    let after = after.map(|after| by_row(diagnosed, after, found));
+    let mut seen: HashMap<usize, usize> = HashMap::new();
+    let mut dependents = Vec::new();
+    for (row, variable, _) in &found.points {
+        let number = seen.entry(*row).or_default();
+        let of = |rows: &HashMap<usize, Vec<f64>>| rows.get(row)?.get(*number).copied();
+        if let Some(residual) = of(&before).filter(|_| variable.is_finite()) {
+            let left = after.as_ref().and_then(of);
+            dependents.push(Dependent {
+                row: *row,
+                variable: *variable,
+                residual,
+                explained: left.map(|left| residual - left),
+            });
+        }
+        *number += 1;
+    }
+    dependents
+}
+
+fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Figure {
     let (factor, unit) = unit(found.variable);
-    let x = |value: f64| factor * value;
     let labels = &diagnosed.dataset.measurements.labels;
-    let point = |(row, variable, residual): &(usize, f64, f64)| Point {
-        pose: labels.get(*row).copied(),
-        ..Point::new(x(*variable), *residual)
+    let dependents = dependents(diagnosed, found, residuals);
+    let point = |one: &Dependent| Point {
+        pose: labels.get(one.row).copied(),
+        ..Point::new(factor * one.variable, one.residual)
     };
-    let points: Vec<Point> = found.points.iter().map(point).collect();
+    let points: Vec<Point> = dependents.iter().map(point).collect();
     let window = if has_event(diagnosed) {
         1
     } else {
@@ -87,50 +157,45 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, after: Option<&Analysis>) 
         }
         None => Series::new(found.quantity.name(), Ink::Accent, Marker::Circle, points),
     };
-    let explained = after.and_then(|after| explained(found, after));
-    let curve = explained.map(|points| Curve {
-        name: "explained by the causes found".to_owned(),
-        ink: Ink::Text,
-        dashed: false,
-        points: smooth(points.into_iter().map(|[v, y]| [x(v), y]).collect(), window),
-    });
     Figure {
         x: Axis::new(sentence(found.variable.name()), unit),
-        y: Axis::new("Residual", "standard deviations"),
+        y: Axis::new(RESIDUAL, "standard deviations"),
         bands: vec![Band {
             name: "within 3 standard deviations".to_owned(),
             y: [-3.0, 3.0],
         }],
         series: vec![series],
-        curves: curve.into_iter().collect(),
+        curves: explained(&dependents, factor, window),
         has_zero_line: true,
         ..Figure::default()
     }
 }
 
-/// What the extended model takes off the residuals, over the variable: residual before less residual after, both in their
-/// own standard deviations.
-fn explained(found: &Discrepancy, after: &Analysis) -> Option<Vec<[f64; 2]>> {
-    let kind = match (found.quantity, found.cable) {
-        (Quantity::Length, Some(cable)) => ObservationKind::Length(cable),
-        (Quantity::Swivel, Some(cable)) => ObservationKind::Swivel(cable),
-        (Quantity::Laser, _) => ObservationKind::Laser,
-        _ => return None,
-    };
-    let left = |row: usize| {
-        let mut readings = after.observations.iter();
-        readings
-            .find(|r| r.kind == kind && r.row == row)?
-            .normalised()
-    };
-    let points = found
-        .points
-        .iter()
-        .filter(|(_, variable, _)| variable.is_finite());
-    let points: Vec<_> = points
-        .filter_map(|(row, variable, residual)| Some([*variable, residual - left(*row)?]))
+/// What the causes found take off the residuals, over the variable: before less after, both in their own standard
+/// deviations; nothing where there are no data.
+fn explained(dependents: &[Dependent], factor: f64, window: usize) -> Vec<Curve> {
+    let known = dependents.iter();
+    let points: Vec<[f64; 2]> = known
+        .filter_map(|one| Some([factor * one.variable, one.explained?]))
         .collect();
-    (points.len() > 2).then_some(points)
+    if points.len() < 3 {
+        return Vec::new();
+    }
+    let data: Vec<f64> = points.iter().map(|[x, _]| *x).collect();
+    let pieces = without_gaps(&smooth(points, window), &data);
+    let pieces = pieces.into_iter().enumerate();
+    pieces
+        .map(|(number, points)| Curve {
+            // The legend names it once.
+            name: match number {
+                0 => "explained by the causes found".to_owned(),
+                _ => String::new(),
+            },
+            ink: Ink::Text,
+            dashed: false,
+            points,
+        })
+        .collect()
 }
 
 /// Whether something that was found acts at one pose, or from one on: then neighbours along a variable have nothing to do

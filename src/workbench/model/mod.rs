@@ -109,6 +109,8 @@ pub struct Model {
     pub screen: Screen,
     /// What is selected, everywhere.
     pub selection: Selection,
+    /// The pulley that is inspected, by the index of its cable.
+    pub inspected: Option<usize>,
     /// What is shown of the measured poses and of the robot in motion.
     pub playback: Playback,
     /// Where the platform is now, while something goes on and the views follow it.
@@ -174,6 +176,7 @@ impl Model {
             session_lock: SessionLock::default(),
             screen: Screen::default(),
             selection: Selection::default(),
+            inspected: None,
             playback: Playback {
                 plays: false,
                 follows: true,

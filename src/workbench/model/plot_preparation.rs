@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{Quantity, Variables};
-use tautline_core::estimation::{Control, Linearisation, Method, ObservationKind};
+use tautline_core::estimation::{Control, Linearisation, Method};
 use tautline_core::measurement::{Dataset, Variable};
 use tautline_core::robot::Robot;
 
 use super::open_session::Diagnosed;
-use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
+use tautline_workflow::identification::{
+    Identification, IdentificationRequest, group_of, identify, reading_residuals,
+};
 
 /// Readings of one kind and cable with what they may depend on.
 #[derive(Debug, Clone)]
@@ -159,20 +161,6 @@ fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
     groups
 }
 
-/// Kind and cable of a reading; none for the balance of forces, which no sensor reads.
-#[must_use]
-pub fn group_of(kind: ObservationKind) -> Option<(Quantity, Option<usize>)> {
-    Some(match kind {
-        ObservationKind::Length(cable) => (Quantity::Length, Some(cable)),
-        ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable)),
-        ObservationKind::Laser => (Quantity::Laser, None),
-        ObservationKind::TrackerPosition(_) => (Quantity::TrackerPosition, None),
-        ObservationKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, None),
-        ObservationKind::Inclination(_) => (Quantity::Inclination, None),
-        ObservationKind::Equilibrium(_) => return None,
-    })
-}
-
 /// Residuals of a kind of reading in their own standard deviations: row and value.
 #[must_use]
 pub fn residuals(
@@ -180,20 +168,8 @@ pub fn residuals(
     quantity: Quantity,
     cable: Option<usize>,
 ) -> Vec<(usize, f64)> {
-    if quantity == Quantity::Tension {
-        let sensors = &fit.dataset.robot.cables;
-        let errors = fit.analysis.tension_errors_n.iter();
-        return errors
-            .filter(|(_, of, _)| Some(*of) == cable)
-            .filter_map(|(row, of, error)| {
-                let sd = sensors.get(*of)?.force_sensor?.tension_sd_n;
-                Some((*row, error / sd))
-            })
-            .collect();
-    }
-    let readings = fit.analysis.observations.iter();
-    readings
-        .filter(|reading| group_of(reading.kind) == Some((quantity, cable)))
-        .filter_map(|reading| Some((reading.row, reading.normalised()?)))
+    reading_residuals(&fit.dataset.robot, &fit.analysis, quantity, cable)
+        .into_iter()
+        .filter_map(|one| Some((one.row, one.deviations?)))
         .collect()
 }

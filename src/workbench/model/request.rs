@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use tautline_core::diagnosis::Quantity;
+use tautline_core::measurement::Variable;
 use tautline_link::ads::SymbolCheck;
 use tautline_session::AdsMapping;
 
@@ -14,6 +16,10 @@ use tautline_workflow::precalibration::Table;
 pub enum UiRequest {
     /// Shows the part of a panel that has this table.
     ShowTable(Table),
+    /// Plots residuals of a kind of reading along a variable and colours cables by their residuals.
+    ShowDependence(Quantity, Option<usize>, Variable),
+    /// Shows the robot where the window has room for one part only.
+    ShowRobot,
     /// Shows the geometry in the panel of the identification.
     ShowGeometry,
     /// Shows the model doctor in the panel of the identification.

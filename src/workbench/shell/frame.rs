@@ -89,6 +89,9 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
             .model
             .change_preferences(|p| p.layout.panel_width = Some(f64::from(width)));
     }
+    if views::pulley_inspector::inspected(&state.model).is_some() {
+        return robot(ui, state);
+    }
     let height = ui.available_height();
     // A low window still has room for a plot below its lines of choices.
     let usual = (0.38 * height).min(300.0).max((0.5 * height).min(240.0));

@@ -214,6 +214,13 @@ fn view(state: &State) -> Vec<Item> {
     items.extend([
         item(
             Menu::View,
+            "Inspect the pulley of the selected cable",
+            None,
+            state.model.selection.cable.is_some() && open,
+            ViewCommand::Inspect(state.model.selection.cable),
+        ),
+        item(
+            Menu::View,
             "Show the next pose",
             keys(Modifiers::ALT, Key::ArrowRight),
             measured,

@@ -1,4 +1,4 @@
-//! The command palette: type a few letters, press Enter.
+//! The command palette: type a few letters, go up and down with the arrow keys, press Enter.
 
 use egui::{Key, Modal, ScrollArea, TextEdit, Ui};
 
@@ -17,6 +17,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         .filter(|item| item.enabled && matches(&item.title, &text))
         .collect();
     let mut chosen = None;
+    let before = text.clone();
     let modal = Modal::new(egui::Id::unique("command palette")).show(ui.ctx(), |ui| {
         ui.set_width(480.0);
         let field = TextEdit::singleline(&mut text)
@@ -25,13 +26,18 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         let field = ui.add(field);
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
         field.request_focus();
+        let marked = marked(ui, items.len(), text != before);
         if ui.input(|input| input.key_pressed(Key::Enter)) {
-            chosen = items.first().map(|item| item.command.clone());
+            chosen = items.get(marked.place).map(|item| item.command.clone());
         }
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             for (k, item) in items.iter().enumerate() {
-                if line(ui, item, k == 0) {
+                let line = line(ui, item, k == marked.place);
+                if line.clicked() {
                     chosen = Some(item.command.clone());
+                }
+                if k == marked.place && marked.has_moved {
+                    line.scroll_to_me(None);
                 }
             }
             if items.is_empty() {
@@ -39,22 +45,54 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             }
         });
     });
+    let is_done = chosen.is_some() || modal.should_close();
+    if is_done {
+        // The next time the first line is marked again.
+        let id = egui::Id::unique("marked command");
+        ui.data_mut(|data| data.remove::<usize>(id));
+    }
     if let Some(command) = chosen {
         state.outbox.send(command);
-    } else if modal.should_close() {
+    } else if is_done {
         state.outbox.send(ViewCommand::Palette(false));
     } else {
         state.model.dialogs.palette = Some(text);
     }
 }
 
-fn line(ui: &mut Ui, item: &Item, first: bool) -> bool {
-    let mut button = egui::Button::selectable(first, &item.title)
+/// The line that Enter chooses.
+#[derive(Debug, Clone, Copy)]
+struct Marked {
+    place: usize,
+    has_moved: bool,
+}
+
+/// The line that is marked among so many: the first while `is_other`, else where the arrow keys have led.
+fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
+    let id = egui::Id::unique("marked command");
+    let before = ui.data(|data| data.get_temp::<usize>(id)).unwrap_or(0);
+    let pressed = |key| ui.input(|input| input.num_presses(key));
+    let last = count.saturating_sub(1);
+    let place = match is_other {
+        true => 0,
+        false => (before + pressed(Key::ArrowDown))
+            .min(last)
+            .saturating_sub(pressed(Key::ArrowUp)),
+    };
+    ui.data_mut(|data| data.insert_temp(id, place));
+    Marked {
+        place,
+        has_moved: place != before,
+    }
+}
+
+fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
+    let mut button = egui::Button::selectable(is_marked, &item.title)
         .min_size(egui::vec2(ui.available_width(), 24.0));
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
     }
-    ui.add(button).clicked()
+    ui.add(button)
 }
 
 /// Whether the letters of `text` occur in `title` in their order, case aside.

@@ -3,7 +3,9 @@
 use super::State;
 use crate::model::UiRequest;
 use crate::screens::identification::Half;
+use crate::screens::part::Part;
 use crate::screens::{connect, precalibration};
+use crate::views::robot_3d::drawing::CableColour;
 use tautline_workflow::precalibration::Table;
 
 /// Carries out what commands have asked for since the last call.
@@ -11,12 +13,17 @@ pub fn apply(state: &mut State) {
     for request in state.model.take_requests() {
         let (panels, plots) = (&mut state.panels, &mut state.views.plots);
         match request {
+            UiRequest::ShowDependence(quantity, cable, variable) => {
+                plots.show_along(quantity, cable, variable);
+                state.views.robot_3d.options.colour = CableColour::Residual;
+            }
             UiRequest::ShowTable(table) => match table {
                 Table::Winch => panels.precalibration.part = precalibration::Part::Winches,
                 Table::Force => panels.precalibration.part = precalibration::Part::ForceSensors,
                 Table::Home => panels.precalibration.part = precalibration::Part::Home,
                 Table::Elongation => panels.modeling.show_elongation(),
             },
+            UiRequest::ShowRobot => panels.part = Part::Robot,
             UiRequest::ShowGeometry => panels.identification.half = Half::Geometry,
             UiRequest::ShowDoctor => panels.identification.half = Half::Doctor,
             UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),

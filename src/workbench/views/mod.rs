@@ -2,6 +2,7 @@
 
 pub mod offscreen;
 pub mod plots;
+pub mod pulley_inspector;
 pub mod report_picture;
 pub mod robot_3d;
 pub mod timeline;
@@ -11,9 +12,9 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use crate::model::command::Outbox;
 use crate::model::{Model, Selection};
 use crate::theme::{self, GRID};
+use robot_3d::drawing::FrameLook;
 
 /// State of the views between frames.
-#[derive(Default)]
 pub struct ViewStates {
     /// What is under the pointer, in all views.
     pub hovered: Selection,
@@ -27,6 +28,21 @@ pub struct ViewStates {
     pub plots: plots::Panes,
 }
 
+impl Default for ViewStates {
+    fn default() -> Self {
+        let mut compared_3d = robot_3d::Robot3d::default();
+        // What differs is often behind the frame.
+        compared_3d.options.frame = FrameLook::Transparent;
+        Self {
+            hovered: Selection::default(),
+            robot_3d: robot_3d::Robot3d::default(),
+            compared_3d,
+            timeline: timeline::TimelineState::default(),
+            plots: plots::Panes::default(),
+        }
+    }
+}
+
 impl ViewStates {
     /// Frees what lies on the graphics card, while its context is current.
     pub fn destroy(&mut self) {
@@ -35,8 +51,14 @@ impl ViewStates {
     }
 }
 
-/// Draws the robot in 3D, and below it the time line of what was measured.
+/// Draws the robot in 3D, and below it the time line of what was measured; or the pulley that is inspected.
 pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
+    if let Some(inspected) = pulley_inspector::inspected(model) {
+        let view = (&mut views.robot_3d, &mut views.hovered);
+        pulley_inspector::show(ui, model, inspected, view, outbox);
+        return;
+    }
+    pulley_inspector::key(ui, model, outbox);
     let palette = theme::of(ui);
     let measured = model
         .open

@@ -89,6 +89,8 @@ impl Cell {
 pub struct Touched {
     /// The row that was clicked.
     pub clicked: Option<usize>,
+    /// The row that was clicked twice.
+    pub double_clicked: Option<usize>,
     /// The row under the pointer.
     pub hovered: Option<usize>,
 }
@@ -249,6 +251,9 @@ fn body(
         }
         if response.clicked() {
             touched.clicked = Some(index);
+        }
+        if response.double_clicked() {
+            touched.double_clicked = Some(index);
         }
         if response.hovered() {
             touched.hovered = Some(index);

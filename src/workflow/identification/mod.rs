@@ -7,7 +7,9 @@ mod document;
 mod model;
 mod pose_context;
 mod published;
+mod pulley;
 mod request;
+mod residuals;
 mod wording;
 
 use std::collections::HashMap;
@@ -27,7 +29,12 @@ pub use adequacy::FitVerdict;
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
 pub use model::{entry_point_sd, identified};
 pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};
+pub use pulley::{
+    CLEAR, CoordinateCorrelation, IdentifiedPulley, NOISE, PulleyCoordinate, PulleyInspection,
+    chance_of_noise, entry_point_covariance,
+};
 pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
+pub use residuals::{RESIDUAL, ReadingResidual, group_of, reading_residuals};
 pub use wording::reading_name;
 
 /// Why there is no identification, or none to rely on.

@@ -10,6 +10,7 @@ pub mod contour;
 pub mod draw;
 pub mod drawing;
 pub mod figure;
+pub mod gaps;
 mod heat;
 pub mod histogram;
 pub mod scale;

@@ -1,6 +1,7 @@
 //! Plots of residuals.
 
 use super::colours::PLOT;
+use crate::identification::RESIDUAL;
 use crate::plot::Drawing;
 use crate::plot::draw::drawing;
 use crate::plot::figure::{Axis, Band, Columns, Curve, Figure, Ink, Marker, Point, Series};
@@ -41,7 +42,7 @@ pub fn residuals(name: &str, points: &[(i64, f64)], summary: &str) -> Drawing {
         has_zero_line: true,
         ..Figure::default()
     };
-    let label = format!("Residuals of {name} over the poses");
+    let label = format!("Residuals of {name}, prediction minus reading, over the poses");
     drawing(label, &figure, SIZE, SCALE, &PLOT)
 }
 
@@ -63,7 +64,7 @@ pub fn histogram(name: &str, residuals: &[f64]) -> Drawing {
         heights: counts[from..to].to_vec(),
     };
     let figure = Figure {
-        x: Axis::new("Residual", "standard deviations"),
+        x: Axis::new(RESIDUAL, "standard deviations"),
         y: Axis::whole(name),
         columns: vec![
             columns(Ink::Warning, 0, beyond),

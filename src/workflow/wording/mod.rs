@@ -7,8 +7,9 @@ pub mod units;
 use tautline_core::diagnosis::Quantity;
 
 /// `a, b and c`.
-pub fn list(items: &[String]) -> String {
-    match items {
+pub fn list<S: AsRef<str>>(items: &[S]) -> String {
+    let items: Vec<&str> = items.iter().map(AsRef::as_ref).collect();
+    match &items[..] {
         [before @ .., last] if !before.is_empty() => format!("{} and {last}", before.join(", ")),
         _ => items.concat(),
     }

@@ -1,6 +1,8 @@
 //! What the window shows.
 
 use egui::ThemePreference;
+use tautline_core::diagnosis::Quantity;
+use tautline_core::measurement::Variable;
 use tautline_session::Plots;
 
 use crate::model::Selection;
@@ -13,6 +15,10 @@ pub enum ViewCommand {
     Go(Screen),
     /// Selects everywhere.
     Select(Selection),
+    /// Shows residuals of a kind of reading along a variable: plot, colours in 3D and selection go there.
+    ShowDependence(Quantity, Option<usize>, Variable),
+    /// Inspects the pulley of a cable, by its index, or goes back to the whole robot.
+    Inspect(Option<usize>),
     /// Selects another of the measured poses.
     Pose(PoseStep),
     /// Selects a measured pose, and shows it even while the robot is elsewhere.

@@ -118,7 +118,7 @@ fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbo
         .frame(side)
         .default_size(600.0)
         .size_range(420.0..=760.0)
-        .show(ui, |ui| differences(ui, model, &drawn.compared, outbox));
+        .show(ui, |ui| differences(ui, model, drawn, views, outbox));
     Panel::bottom("residuals of both")
         .frame(side)
         .default_size(230.0)
@@ -152,7 +152,7 @@ fn compact(
     CentralPanel::no_frame()
         .frame(side)
         .show(ui, |ui| match part {
-            Part::Panel => differences(ui, model, &drawn.compared, outbox),
+            Part::Panel => differences(ui, model, drawn, views, outbox),
             Part::Robot => robots(ui, model, drawn, views, outbox),
             Part::Plots => residuals(ui, model, drawn, outbox),
         });
@@ -161,13 +161,26 @@ fn compact(
 /// Both robots in 3D.
 fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
     let view = &mut views.compared_3d;
-    if let Some(selection) = view.show(ui, &drawn.scene, model.selection, &mut views.hovered) {
+    let aim = view.toolbar(ui, &drawn.scene);
+    let selection = model.selection;
+    let touched = view.show(ui, &drawn.scene, aim, selection, &mut views.hovered);
+    if let Some(selection) = touched.selection {
         outbox.send(ViewCommand::Select(selection));
+    }
+    if let Some(cable) = touched.inspected {
+        view.frame(cable);
     }
 }
 
 /// The panel at the right: the verdict, then everything that differs.
-fn differences(ui: &mut Ui, model: &Model, compared: &Compared, outbox: &mut Outbox) {
+fn differences(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &Drawn,
+    views: &mut ViewStates,
+    outbox: &mut Outbox,
+) {
+    let compared = &drawn.compared;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let comparison = &compared.comparison;
         let kind = if comparison.is_different() {
@@ -189,7 +202,9 @@ fn differences(ui: &mut Ui, model: &Model, compared: &Compared, outbox: &mut Out
                 outbox.send(CompareCommand::Again);
             }
         }
-        pulleys::show(ui, model, comparison, outbox);
+        if let Some(cable) = pulleys::show(ui, model, comparison, outbox) {
+            views.compared_3d.frame(cable);
+        }
         others::show(ui, compared);
         ui.add_space(4.0 * GRID);
     });

@@ -10,8 +10,13 @@ use crate::screens::bench_panel::decimals_for;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
 
-/// Draws the part.
-pub fn show(ui: &mut Ui, model: &Model, compared: &Comparison, outbox: &mut Outbox) {
+/// Draws the part; gives the cable that was clicked.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    compared: &Comparison,
+    outbox: &mut Outbox,
+) -> Option<usize> {
     section(ui, "Pulleys, B less A");
     let columns = [
         Column::words("Cable"),
@@ -39,6 +44,7 @@ pub fn show(ui: &mut Ui, model: &Model, compared: &Comparison, outbox: &mut Outb
         ui,
         "Relative to the pulleys that did not move, ± one standard deviation. The probabilities are corrected for the number of questions asked.",
     );
+    touched.clicked
 }
 
 /// Decimals for all: those of the most exact pulley.

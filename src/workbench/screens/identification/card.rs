@@ -1,17 +1,27 @@
 //! A cause that was found.
 
+use std::collections::BTreeSet;
+
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
-use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
+use egui_material_icons::icons;
+use tautline_core::diagnosis::{
+    Cause, Discrepancy, Evidence, Finding, FoundParameter, Verdict as Sure,
+};
 use tautline_core::effect::{EffectSetting, UNKNOWN};
 
 use super::{Panel, ambiguous, effects, gain};
+use crate::model::command::ViewCommand;
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, probability, verdict};
+use crate::views::pulley_inspector;
+use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{range, unit_of};
 use tautline_workflow::wording::{count, odds};
+
+/// Most cables of a finding whose pulleys can be inspected from there.
+const INSPECTED: usize = 2;
 
 /// Draws a finding.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
@@ -30,7 +40,68 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
             Sure::Named => named(ui, panel, diagnosed, finding, number),
             Sure::Unknown => unknown(ui, panel, diagnosed, finding, number),
         });
+        ui.horizontal_wrapped(|ui| {
+            dependence(ui, panel, diagnosed, (finding, number));
+            inspect(ui, panel, diagnosed, finding);
+        });
     });
+}
+
+/// A button that shows the residuals by which a finding was noticed: those of its cables, the strongest dependence first.
+fn dependence(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    diagnosed: &Diagnosed,
+    (finding, number): (&Finding, usize),
+) {
+    let cables: Vec<usize> = finding
+        .cause
+        .instances
+        .iter()
+        .filter(|bound| bound.targeted)
+        .flat_map(|bound| bound.cables.iter().copied())
+        .collect();
+    let found = &diagnosed.diagnosis.discrepancies;
+    let of_cables = |one: &&Discrepancy| one.cable.is_some_and(|cable| cables.contains(&cable));
+    let of_none = |one: &&Discrepancy| cables.is_empty() && one.cable.is_none();
+    let shown = found.iter().find(|one| of_cables(one) || of_none(one));
+    let Some(shown) = shown.or_else(|| found.first().filter(|_| cables.is_empty())) else {
+        return;
+    };
+    let button = icon_button(ui, icons::ICON_SHOW_CHART, "Show its residuals", true);
+    button.widget_info(|| {
+        let name = format!("Show the residuals of finding {}", number + 1);
+        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+    });
+    if button
+        .on_hover_text(
+            "Plots them along what they depend on, and colours the cables by their residuals",
+        )
+        .clicked()
+    {
+        let shown = ViewCommand::ShowDependence(shown.quantity, shown.cable, shown.variable);
+        panel.outbox.send(shown);
+    }
+}
+
+/// Buttons that show the pulleys of the cables that a finding names, where these are few.
+fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &Finding) {
+    let bound = finding
+        .cause
+        .instances
+        .iter()
+        .filter(|bound| bound.targeted);
+    let cables: BTreeSet<usize> = bound
+        .flat_map(|bound| bound.cables.iter().copied())
+        .collect();
+    if cables.len() > INSPECTED {
+        return;
+    }
+    for cable in cables {
+        if let Some(name) = diagnosed.cable(Some(cable)) {
+            pulley_inspector::button(ui, (cable, &name), panel.outbox);
+        }
+    }
 }
 
 /// The heading of a card.

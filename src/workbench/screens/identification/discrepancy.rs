@@ -4,7 +4,6 @@ use egui::Ui;
 use tautline_core::diagnosis::Discrepancy;
 
 use super::Panel;
-use crate::model::Selection;
 use crate::model::command::ViewCommand;
 use crate::model::discrepancy::groups;
 use crate::theme;
@@ -30,10 +29,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
         let open = panel.memory.open.filter(|open| group.contains(open));
         if line(ui, diagnosed, found, &group, open.is_some()) {
             panel.memory.open = open.is_none().then_some(first);
-            let selection = found[first].cable.map(Selection::cable);
-            panel
-                .outbox
-                .send(ViewCommand::Select(selection.unwrap_or_default()));
+            let one = &found[first];
+            let shown = ViewCommand::ShowDependence(one.quantity, one.cable, one.variable);
+            panel.outbox.send(shown);
         }
         if let Some(open) = open {
             plot(ui, panel, found, (&group, open));

@@ -1,5 +1,7 @@
 //! The model doctor.
 
+use std::sync::Arc;
+
 use egui::{CollapsingHeader, Ui};
 use tautline_session::ResultRecord;
 
@@ -76,14 +78,23 @@ pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
+fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Arc<Diagnosed>) {
     if !panel.open.diagnosis_is_current() {
         verdict(
             ui,
             Verdict::Doubtful,
-            "The model or the data have changed since this diagnosis. Diagnose again.",
+            "The model or the data have changed since the last diagnosis. Diagnose again.",
         );
+        CollapsingHeader::new("The last diagnosis")
+            .id_salt(Arc::as_ptr(diagnosed))
+            .show(ui, |ui| found(ui, panel, diagnosed));
+        return;
     }
+    found(ui, panel, diagnosed);
+}
+
+/// What a diagnosis says.
+fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     let kind = match (diagnosis.base.adequate, diagnosis.extended.adequate) {
         (true, _) => Verdict::Good,

@@ -11,6 +11,7 @@ use super::{Panel, doctor, identify, suspects};
 use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::theme::{self, GRID};
+use crate::views::pulley_inspector;
 use crate::widgets::{Verdict, muted, section, verdict};
 use tautline_workflow::identification::{FitVerdict, Identification, entry_point_sd};
 use tautline_workflow::wording::units::with_sd;
@@ -210,7 +211,10 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
             millimetres(size, sd),
             deviation(sd)
         );
-        if row(ui, &shares, &cells, Some(selected), &name).clicked() {
+        let line = row(ui, &shares, &cells, Some(selected), &name);
+        if line.double_clicked() {
+            panel.outbox.send(ViewCommand::Inspect(Some(index)));
+        } else if line.clicked() {
             let selection = if selected {
                 Selection::default()
             } else {
@@ -221,10 +225,13 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
         if panel.memory.show_axes || selected {
             axes(ui, &fit.solution, index, [nominal, found], other);
         }
+        if selected {
+            pulley_inspector::button(ui, (index, &cable.name), panel.outbox);
+        }
     }
     muted(
         ui,
-        "Moved: distance from the nominal position. ±: standard deviation in that direction.",
+        "Moved: distance from the nominal position. ±: standard deviation in that direction. Double-click a pulley to inspect it.",
     );
 }
 

@@ -6,8 +6,10 @@ use tautline_core::kinematics::{CableState, inverse_kinematics};
 use tautline_core::robot::Robot;
 
 use super::{pose, pulley_picture};
+use crate::model::command::ViewCommand;
 use crate::model::edit::Edit;
 use crate::screens::bench_panel::{Bench, or_dash};
+use crate::views::pulley_inspector;
 use crate::widgets::{
     Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,
 };
@@ -41,6 +43,8 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let states = states.and_then(Result::ok);
     overview(ui, bench, chosen, states.as_deref());
     section(ui, &format!("Pulley of {}", bench.cable_name(chosen)));
+    let name = bench.cable_name(chosen).to_owned();
+    pulley_inspector::button(ui, (chosen, &name), bench.outbox);
     fields(ui, bench, chosen);
     if let Some(state) = states.as_ref().and_then(|states| states.get(chosen)) {
         pulley_picture::show(ui, bench.robot(), chosen, state);
@@ -71,7 +75,10 @@ fn overview(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, states: Option<&[
             ]
         })
         .collect();
-    if let Some(cable) = table(ui, &columns, &rows, Some(chosen)).clicked {
+    let touched = table(ui, &columns, &rows, Some(chosen));
+    if let Some(cable) = touched.double_clicked {
+        bench.outbox.send(ViewCommand::Inspect(Some(cable)));
+    } else if let Some(cable) = touched.clicked {
         bench.select_cable(cable);
     }
 }

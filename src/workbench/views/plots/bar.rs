@@ -76,7 +76,7 @@ fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
         Tab::Tensions => {
             let shown = [
                 (Tensions::Measured, "Measured"),
-                (Tensions::Errors, "Estimated errors"),
+                (Tensions::Residuals, "Residuals"),
             ];
             let name = "Tensions shown";
             choose(ui, (name, is_narrow), &shown, &mut plots.tensions);

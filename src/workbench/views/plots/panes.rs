@@ -4,9 +4,11 @@ use std::path::Path;
 
 use egui::{Align, Button, Layout, Popup, Rect, Ui, UiBuilder, vec2};
 use egui_material_icons::icons;
+use tautline_core::diagnosis::Quantity;
+use tautline_core::measurement::Variable;
 use tautline_session::{Arrangement, Plots};
 
-use super::{PlotState, Tab, bar, pane};
+use super::{Choice, PlotState, Tab, bar, pane};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, OpenSession, Selection};
@@ -85,6 +87,22 @@ impl Panes {
         for place in &mut self.places {
             place.preparation = Some(preparation.clone());
         }
+    }
+
+    /// Shows residuals of a kind of reading along a variable: in the plot that shows such already, or in the first.
+    pub fn show_along(&mut self, quantity: Quantity, cable: Option<usize>, variable: Variable) {
+        let count = count(self.arrangement);
+        let shown = self.places[..count].iter();
+        let place = shown
+            .map(|place| place.tab)
+            .position(|tab| tab == Tab::Variable);
+        let place = &mut self.places[place.unwrap_or(0)];
+        place.tab = Tab::Variable;
+        place.choice = Some(Choice {
+            quantity,
+            cable,
+            variable,
+        });
     }
 
     /// Sets the file of the plot that is being saved.

@@ -12,7 +12,7 @@ pub enum Tab {
     Variable,
     /// Residuals of the laser.
     Laser,
-    /// Tensions, measured and their errors.
+    /// Tensions, as measured and their residuals.
     Tensions,
     /// Chi-square of each step.
     Convergence,

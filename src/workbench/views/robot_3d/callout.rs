@@ -25,7 +25,7 @@ pub fn paint(
         let Some(cable) = picture.scene.cables.get(*index) else {
             continue;
         };
-        let Some(seen) = picture.on_screen(&cable.wheel.entry) else {
+        let Some(seen) = picture.on_screen(&picture.placed(*index).wheel.entry) else {
             continue;
         };
         let at = rect.min + vec2(seen.x as f32, seen.y as f32);
@@ -125,7 +125,7 @@ mod tests {
             from: Vec3::zeros(),
             by: Vec3::new(1.2e-3, -4e-4, 0.0),
             covariance: Some(Matrix3::from_diagonal(&Vec3::new(1.44e-8, 4e-6, 0.0))),
-            is_noise: false,
+            moved: None,
         });
         assert_eq!(
             words(0, &cable),

@@ -101,28 +101,51 @@ impl Canvas {
     }
 }
 
-/// Orbits, moves and zooms with the pointer; a double click shows all of `extent` (m).
-pub fn steer(ui: &Ui, response: &Response, camera: &mut Camera, extent: &[Vec3]) {
+/// Where in the picture the pointer takes hold of what it is over: where a drag begins or it zooms (points of the screen).
+pub fn takes_hold(ui: &Ui, response: &Response) -> Option<[f64; 2]> {
+    let begins = response.drag_started();
+    let zooms = response.hovered() && zoom_factor(ui) != 1.0;
+    let pointer = if begins {
+        // It has moved since it was pressed.
+        ui.input(|input| input.pointer.press_origin())
+    } else {
+        response.hover_pos()
+    };
+    let at = pointer.filter(|_| begins || zooms)? - response.rect.min;
+    Some([at.x, at.y].map(f64::from))
+}
+
+/// By how much wheel and fingers zoom in this frame.
+fn zoom_factor(ui: &Ui) -> f64 {
+    let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+    (f64::from(scroll) * ZOOM_RATE).exp() * f64::from(pinch)
+}
+
+/// Orbits about what the drag took hold of, moves, and zooms to what is under the pointer (m).
+pub fn steer(
+    ui: &Ui,
+    response: &Response,
+    camera: &mut Camera,
+    (pivot, under): (Option<Vec3>, Option<Vec3>),
+) {
     let rect = response.rect;
     let aspect = f64::from(rect.aspect_ratio());
     let drag = response.drag_delta();
     let (right, down) = (f64::from(drag.x), f64::from(drag.y));
     let shifts = ui.input(|input| input.modifiers.shift);
     if response.dragged_by(PointerButton::Primary) && !shifts {
-        camera.orbit(right, down);
+        if drag != egui::Vec2::ZERO {
+            camera.orbit(right, down, pivot);
+        }
     } else if response.dragged() {
         let height = f64::from(rect.height());
         camera.pan(right / height, down / height);
     }
-    if response.double_clicked() {
-        camera.fit(extent, aspect);
-    }
     if let Some(pointer) = response.hover_pos() {
-        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
-        let factor = (f64::from(scroll) * ZOOM_RATE).exp() * f64::from(pinch);
+        let factor = zoom_factor(ui);
         if factor != 1.0 {
             let at = (pointer - rect.min) / rect.size();
-            camera.zoom(factor, (f64::from(at.x), f64::from(at.y)), aspect);
+            camera.zoom(factor, (f64::from(at.x), f64::from(at.y)), aspect, under);
         }
     }
     if response.has_focus() {
@@ -140,7 +163,7 @@ fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
         (Key::ArrowDown, 0.0, ARROW),
     ] {
         if pressed(key) {
-            camera.orbit(right, down);
+            camera.orbit(right, down, None);
         }
     }
     for (key, factor) in [
@@ -149,7 +172,7 @@ fn arrows(ui: &Ui, camera: &mut Camera, aspect: f64) {
         (Key::Minus, 1.0 / 1.2),
     ] {
         if pressed(key) {
-            camera.zoom(factor, (0.5, 0.5), aspect);
+            camera.zoom(factor, (0.5, 0.5), aspect, None);
         }
     }
 }
@@ -169,8 +192,8 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
         return None;
     }
     let aims = [
-        (Key::F, Aim::Fit),
-        (Key::Home, Aim::Fit),
+        (Key::F, Aim::Selected),
+        (Key::Home, Aim::All),
         (Key::Num1, Aim::To(StandardView::Front)),
         (Key::Num2, Aim::To(StandardView::Side)),
         (Key::Num3, Aim::To(StandardView::Top)),

@@ -126,6 +126,7 @@ struct Look {
     scale: f32,
     moves: bool,
     lift: f32,
+    opening: f32,
     viewport: Viewport,
 }
 
@@ -147,6 +148,7 @@ impl Look {
             scale: key.scale,
             moves: key.moves,
             lift: (1e-3 * key.camera.height_m()) as f32,
+            opening: key.camera.height_at(1.0) as f32,
             viewport: Viewport::new_at_origo(width, height),
         }
     }
@@ -289,7 +291,7 @@ impl Card {
         }
         let program = &self.point;
         Self::share(program, look);
-        program.use_uniform("opening", Camera::opening() as f32);
+        program.use_uniform("opening", look.opening);
         program.use_instance_attribute("centre", &buffers.centres);
         program.use_instance_attribute("colour", &buffers.colours);
         program.use_instance_attribute("look", &buffers.looks);

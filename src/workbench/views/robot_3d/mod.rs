@@ -10,36 +10,39 @@ mod canvas;
 pub mod drawing;
 mod framebuffer;
 mod gpu;
+mod keys;
+mod labels;
+mod legend;
 mod mesh;
+mod navigation;
 mod overlay;
 pub mod picking;
 pub mod scene;
+mod surface;
 mod toolbar;
 mod words;
 
-use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{Frame, Margin, Theme, Ui};
-use tautline_core::geometry::Vec3;
-use tautline_session::Session;
 
 pub use canvas::Canvas;
 pub use framebuffer::paint_picture;
 
-use camera::{Camera, StandardView};
+use camera::Camera;
 use drawing::{Drawing, Options, Points};
-use scene::{MeasuredPoses, Scene, Shown, Subject};
-use toolbar::Aim;
+use keys::{DrawingKey, PosesKey, SceneKey, planned};
+use navigation::Navigation;
+use picking::{Picture, Thing};
+use scene::{Scene, Shown, Subject};
+
+pub use toolbar::Aim;
 
 use crate::model::command::{Outbox, ViewCommand};
-use crate::model::link::LivePlatform;
-use crate::model::plot_preparation::same;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::GRID;
 use crate::widgets::empty;
-use tautline_workflow::identification::Identification;
 
 /// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;
@@ -49,9 +52,7 @@ const REST_S: f64 = 0.1;
 pub struct Robot3d {
     /// What is drawn and how.
     pub options: Options,
-    camera: Option<Camera>,
-    /// What the camera shows all of, until the operator moves it: shape of the picture, and ends of displacements (m).
-    framed: Option<(f64, Vec<Vec3>)>,
+    navigation: Navigation,
     scene: Option<(SceneKey, Arc<Scene>)>,
     drawing: Option<(Arc<Scene>, DrawingKey, Arc<Drawing>)>,
     poses: Option<(PosesKey, Arc<Points>)>,
@@ -64,55 +65,6 @@ pub struct Robot3d {
     moved_s: Option<f64>,
 }
 
-/// What a scene depends on.
-#[derive(Clone)]
-struct SceneKey {
-    /// Id and revision of the session.
-    session: (u64, u64),
-    fit: Option<Arc<Identification>>,
-    selection: Selection,
-    live: Option<LivePlatform>,
-}
-
-/// What a drawing depends on, besides its scene.
-#[derive(Clone, PartialEq)]
-struct DrawingKey {
-    theme: Theme,
-    options: Options,
-    selection: Selection,
-}
-
-/// What the points of the poses depend on.
-#[derive(Clone)]
-struct PosesKey {
-    measured: Arc<MeasuredPoses>,
-    planned: Vec<Vec3>,
-    pose: Option<i64>,
-    theme: Theme,
-}
-
-impl PartialEq for PosesKey {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.measured, &other.measured)
-            && self.pose == other.pose
-            && self.theme == other.theme
-            && self.planned == other.planned
-    }
-}
-
-impl SceneKey {
-    /// Whether the measured poses are still these, wherever the platform is.
-    fn has_poses_of(&self, other: &Self) -> bool {
-        self.session == other.session
-            && same(self.fit.as_ref(), other.fit.as_ref())
-            && self.selection.cable == other.selection.cable
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        self.has_poses_of(other) && self.selection == other.selection && self.live == other.live
-    }
-}
-
 impl Robot3d {
     /// How often the picture was drawn, not copied.
     #[must_use]
@@ -123,7 +75,7 @@ impl Robot3d {
     /// The camera, once the view was shown.
     #[must_use]
     pub fn camera(&self) -> Option<&Camera> {
-        self.camera.as_ref()
+        self.navigation.camera()
     }
 
     /// The scene, once the view was shown.
@@ -164,7 +116,9 @@ impl Robot3d {
         let measured = poses.map(|(_, scene)| Arc::clone(&scene.measured));
         let scene = Arc::new(subject.scene_with(measured));
         if known.is_none_or(|(known, _)| known.session.0 != key.session.0) {
-            self.camera = None;
+            self.navigation.start_anew();
+            // What is pinned are pulleys of the other robot.
+            self.options.pinned.clear();
         }
         self.scene = Some((key, Arc::clone(&scene)));
         scene
@@ -218,15 +172,7 @@ impl Robot3d {
     }
 }
 
-/// Positions of the poses that are still to be measured (m).
-fn planned(session: &Session) -> Vec<Vec3> {
-    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
-    let planned = session.plan.iter();
-    let planned = planned.filter(|pose| !measured.contains(&pose.label));
-    planned.map(|pose| pose.pose().position).collect()
-}
-
-/// Draws the robot of the open session; `hovered` is what is under the pointer, in all views.
+/// Draws the robot of the open session with its toolbar; `hovered` is what is under the pointer, in all views.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
@@ -240,90 +186,104 @@ pub fn show(
         );
         return;
     };
+    view.inspect(None);
     let scene = view.scene_of(model, open);
-    if let Some(selection) = view.show(ui, &scene, model.selection, hovered) {
+    let aim = view.toolbar(ui, &scene);
+    let touched = view.show(ui, &scene, aim, model.selection, hovered);
+    send(&touched, outbox);
+}
+
+/// Draws the pulley that is inspected, among what fades behind it.
+pub fn inspect(
+    ui: &mut Ui,
+    (model, open): (&Model, &OpenSession),
+    cable: usize,
+    (view, hovered): (&mut Robot3d, &mut Selection),
+    (aim, outbox): (Option<Aim>, &mut Outbox),
+) {
+    view.inspect(Some(cable));
+    let scene = view.scene_of(model, open);
+    let touched = view.show(ui, &scene, aim, model.selection, hovered);
+    send(&touched, outbox);
+}
+
+fn send(touched: &Touched, outbox: &mut Outbox) {
+    if let Some(selection) = touched.selection {
         outbox.send(ViewCommand::Select(selection));
+    }
+    if let Some(cable) = touched.inspected {
+        outbox.send(ViewCommand::Inspect(Some(cable)));
     }
 }
 
-impl Robot3d {
-    /// Turns the camera as it was asked to; while nobody has moved it, it goes on showing everything. Gives what
-    /// everything is (m).
-    fn aim(&mut self, scene: &Scene, aim: Option<Aim>, aspect: f64) -> Vec<Vec3> {
-        let tips = self.options.tips(scene);
-        let mut extent = scene.extent();
-        extent.extend(&tips);
-        let Some(camera) = &mut self.camera else {
-            self.framed = Some((aspect, tips));
-            return extent;
-        };
-        if let Some(Aim::To(side)) = aim {
-            camera.turn_to(side);
-        }
-        let now = (aspect, tips);
-        let is_other = self.framed.as_ref().is_some_and(|framed| *framed != now);
-        if aim.is_some() || is_other {
-            camera.fit(&extent, aspect);
-            self.framed = Some(now);
-        }
-        extent
-    }
+/// What the operator did with the picture.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Touched {
+    /// What a click selects.
+    pub selection: Option<Selection>,
+    /// The pulley that is to be inspected.
+    pub inspected: Option<usize>,
+}
 
+impl Robot3d {
     /// Resets the camera: the next scene is fitted to the view.
     pub fn look_anew(&mut self) {
-        self.camera = None;
+        self.navigation.start_anew();
     }
 
-    /// Draws a scene with its toolbar; gives what a click selects. `hovered` is what is under the pointer, in all views.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        scene: &Arc<Scene>,
-        selection: Selection,
-        hovered: &mut Selection,
-    ) -> Option<Selection> {
+    /// Flies to a pulley among its neighbours.
+    pub fn frame(&mut self, cable: usize) {
+        self.navigation.frame(cable);
+    }
+
+    /// Flies to a pulley to inspect it, to another one, or back to where the camera was before.
+    fn inspect(&mut self, cable: Option<usize>) {
+        self.options.inspected = cable;
+        self.navigation.inspect(cable);
+    }
+
+    /// Draws the row above the picture; gives the camera movement that was asked for.
+    pub fn toolbar(&mut self, ui: &mut Ui, scene: &Scene) -> Option<Aim> {
         let mut aim = None;
-        let width = ui.available_width();
         Frame::new()
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
                 aim = toolbar::show(ui, &mut self.options, scene);
             });
+        aim
+    }
+
+    /// Draws a scene; gives what the operator did. `hovered` is what is under the pointer, in all views.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Arc<Scene>,
+        aim: Option<Aim>,
+        selection: Selection,
+        hovered: &mut Selection,
+    ) -> Touched {
         let drawing = self.drawing_of(scene, selection, ui.theme());
-        let size = egui::vec2(width, ui.available_height()).max(egui::Vec2::splat(16.0));
+        let size = ui.available_size().max(egui::Vec2::splat(16.0));
         let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
-        let aspect = f64::from(rect.aspect_ratio());
         let aim = aim.or_else(|| canvas::keys(ui, &response));
-        let extent = self.aim(scene, aim, aspect);
-        let start = || Camera::new(scene.directions, StandardView::Isometric, &extent, aspect);
-        let camera = self.camera.get_or_insert_with(start);
-        let before = *camera;
-        canvas::steer(ui, &response, camera, &extent);
-        // Few points are drawn while camera or platform move, all once they rest.
-        let has_more = drawing.poses.coarse < drawing.poses.centres.len();
-        let now_s = ui.input(|input| input.time);
-        if *camera != before {
-            self.moved_s = Some(now_s);
-            if !response.double_clicked() {
-                self.framed = None;
-            }
+        let mut touched = Touched::default();
+        if aim == Some(Aim::Selected) {
+            touched.inspected = selection.cable;
         }
-        if scene.shown == Shown::Live && self.shown != Some(self.drawings) {
-            // The platform moves.
-            self.moved_s = Some(now_s);
-        }
-        self.shown = Some(self.drawings);
-        let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
-        let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0);
-        if let Some(left_s) = left_s {
-            ui.ctx()
-                .request_repaint_after(Duration::from_secs_f64(left_s));
-        }
-        let picture = picking::Picture {
+        let aim = aim.map(|aim| match (aim, selection.cable) {
+            (Aim::Selected, None) => Aim::All,
+            _ => aim,
+        });
+        let flies = self.camera_for(ui, scene, aim, &response, &drawing);
+        let Some(camera) = self.navigation.camera().copied() else {
+            return touched;
+        };
+        let left_s = self.rest(ui, scene, &drawing, flies);
+        let picture = Picture {
             scene,
             options: &self.options,
-            camera,
+            camera: &camera,
             size: [rect.width(), rect.height()].map(f64::from),
         };
         let thing = canvas::under_pointer(&response, &picture);
@@ -346,11 +306,64 @@ impl Robot3d {
             *hovered = picked;
             self.hovers = thing.is_some();
         }
-        if let (Some(picking::Thing::Pulley(index)), true) = (thing, response.clicked()) {
+        if let (Some(Thing::Pulley(index)), true) = (thing, response.clicked()) {
             self.options.pin(index);
         }
-        response
-            .clicked()
-            .then(|| canvas::clicked(picked, selection))
+        if let (Some(Thing::Pulley(index)), true) = (thing, response.double_clicked()) {
+            touched.inspected = Some(index);
+        } else if response.clicked() {
+            touched.selection = Some(canvas::clicked(picked, selection));
+        }
+        touched
+    }
+
+    /// Moves the camera as keys, buttons and the pointer ask; says whether it moves.
+    fn camera_for(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene,
+        aim: Option<Aim>,
+        response: &egui::Response,
+        drawing: &Drawing,
+    ) -> bool {
+        let aspect = f64::from(response.rect.aspect_ratio());
+        let before = self.navigation.camera().copied();
+        let tips = self.options.tips(scene);
+        let magnification = self.options.exaggeration_of(scene);
+        let navigation = &mut self.navigation;
+        let camera = navigation.aim(ui, (scene, magnification), tips, aim, aspect);
+        let picture = Picture {
+            scene,
+            options: &self.options,
+            camera: &camera,
+            size: [response.rect.width(), response.rect.height()].map(f64::from),
+        };
+        let at = canvas::takes_hold(ui, response);
+        let under = at.and_then(|[x, y]| picture.met(drawing, x, y));
+        let is_empty = || canvas::under_pointer(response, &picture).is_none();
+        if response.double_clicked() && is_empty() {
+            let tips = self.options.tips(scene);
+            let all = Some(Aim::All);
+            navigation.aim(ui, (scene, magnification), tips, all, aspect);
+        } else {
+            navigation.steer(ui, response, under);
+        }
+        before.is_some_and(|before| navigation.camera() != Some(&before))
+    }
+
+    /// How long camera and platform still have to rest until all of very many poses are drawn (s); nothing if they are.
+    fn rest(&mut self, ui: &Ui, scene: &Scene, drawing: &Drawing, flies: bool) -> Option<f64> {
+        let has_more = drawing.poses.coarse < drawing.poses.centres.len();
+        let now_s = ui.input(|input| input.time);
+        let has_new_platform = scene.shown == Shown::Live && self.shown != Some(self.drawings);
+        if flies || has_new_platform {
+            self.moved_s = Some(now_s);
+        }
+        self.shown = Some(self.drawings);
+        let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
+        let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0)?;
+        ui.ctx()
+            .request_repaint_after(Duration::from_secs_f64(left_s));
+        Some(left_s)
     }
 }

@@ -2,14 +2,16 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::drawing::{CableColour, Options, tension_colour, tension_range};
+use super::drawing::Options;
 use super::picking::{OnScreen, Picture};
 use super::scene::{Besides, round_length};
-use super::{callout, words};
+use super::{callout, labels, legend, words};
 use crate::model::Selection;
 use crate::theme::{self, GRID, Palette};
+use tautline_workflow::wording::list;
 
-const SMALL: f32 = 11.5;
+/// Size of what is written (points).
+pub(super) const SMALL: f32 = 11.5;
 /// Width of the picture (points) from which on there is room for everything at its lower edge.
 const WIDE: f32 = 520.0;
 
@@ -25,12 +27,13 @@ pub fn paint(
     let mut taken = captions(painter, rect, picture, palette);
     taken.push(triad(painter, rect, picture, palette));
     taken.push(scale(painter, rect, picture, palette));
-    taken.extend(legends(painter, rect, picture, palette));
-    if picture.options.callouts {
+    taken.extend(legend::paint(painter, rect, picture, palette));
+    if picture.options.callouts && picture.options.inspected.is_none() {
+        taken.extend(labels::pulleys(picture, rect));
         callout::paint(painter, rect, picture, &mut taken, palette);
     }
     if picture.options.labels {
-        numbers(painter, rect, picture, (hovered, taken), palette);
+        numbers(painter, rect, picture, (hovered, &taken), palette);
     }
 }
 
@@ -39,7 +42,7 @@ fn place(rect: Rect, seen: &OnScreen) -> Pos2 {
 }
 
 /// Writes a text on a ground of its own, so that it can be read over the robot; gives where it is.
-fn text(
+pub(super) fn text(
     painter: &Painter,
     at: Pos2,
     anchor: Align2,
@@ -55,7 +58,7 @@ fn text(
 }
 
 /// Colours of what is less important, and of its ground.
-fn quiet(palette: &Palette) -> (Color32, Color32) {
+pub(super) fn quiet(palette: &Palette) -> (Color32, Color32) {
     (palette.muted, behind(palette))
 }
 
@@ -71,11 +74,9 @@ fn highlight(
     hovered: Selection,
     palette: &Palette,
 ) {
-    if let Some(cable) = hovered
-        .cable
-        .and_then(|index| picture.scene.cables.get(index))
-    {
-        let points: Option<Vec<Pos2>> = cable
+    if let Some(index) = hovered.cable {
+        let placed = picture.placed(index);
+        let points: Option<Vec<Pos2>> = placed
             .path
             .iter()
             .map(|p| Some(place(rect, &picture.on_screen(p)?)))
@@ -91,70 +92,34 @@ fn highlight(
     }
 }
 
-/// Numbers of the cables beside their pulleys, where they hide neither each other nor what is written elsewhere.
+/// Numbers of the cables beside their pulleys, where they hide nothing.
 fn numbers(
     painter: &Painter,
     rect: Rect,
     picture: &Picture<'_>,
-    (hovered, mut taken): (Selection, Vec<Rect>),
+    (hovered, taken): (Selection, &[Rect]),
     palette: &Palette,
 ) {
-    for (index, cable) in picture.scene.cables.iter().enumerate() {
-        let Some(seen) = picture.on_screen(&cable.wheel.centre) else {
-            continue;
+    let font = theme::strong(13.0);
+    let galley = |text: &str, colour| painter.layout_no_wrap(text.to_owned(), font.clone(), colour);
+    let size = |text: &str| galley(text, palette.text).size();
+    for label in labels::labels(picture, rect, taken, size) {
+        let is_hovered = hovered.cable == Some(label.cable);
+        let fades = picture.options.fades(picture.scene, label.cable);
+        let colour = match (is_hovered, fades) {
+            (true, _) => palette.text,
+            (false, true) => palette.muted,
+            (false, false) => palette.cable(label.cable),
         };
-        let is_hovered = hovered.cable == Some(index);
-        let colour = if is_hovered {
-            palette.text
-        } else {
-            palette.cable(index)
-        };
-        let label = (index + 1).to_string();
-        let galley = painter.layout_no_wrap(label, theme::strong(13.0), colour);
-        let radius = cable.wheel.radius_m * picture.scale_at(seen.depth_m);
-        let reach = (radius as f32).min(0.2 * rect.height()).max(5.0) + 2.0;
-        let from_cable = cable
-            .path
-            .last()
-            .and_then(|anchor| picture.on_screen(anchor));
-        let at = place(rect, &seen);
-        let away = from_cable.map_or(vec2(0.0, -1.0), |anchor| {
-            (at - place(rect, &anchor)).normalized()
-        });
-        if let Some(found) = free_place(at, away, reach, galley.size(), rect, &taken) {
-            taken.push(found);
-            painter.rect_filled(found.expand2(vec2(2.0, 0.0)), 3.0, behind(palette));
-            painter.galley(found.min, galley, colour);
+        if label.has_leader {
+            let from = label.rect.clamp(label.at);
+            painter.line_segment([from, label.at], Stroke::new(1.0, colour));
         }
+        painter.rect_filled(label.rect, 3.0, behind(palette));
+        let galley = galley(&label.text, colour);
+        let at = label.rect.center() - galley.size() / 2.0;
+        painter.galley(at, galley, colour);
     }
-}
-
-/// A place for a text of `size` around `at`, away from its cable if that is free; `None` if `at` is not in the picture.
-fn free_place(
-    at: Pos2,
-    away: Vec2,
-    reach: f32,
-    size: Vec2,
-    inside: Rect,
-    taken: &[Rect],
-) -> Option<Rect> {
-    if !inside.contains(at) {
-        return None;
-    }
-    let candidate = |turn: f32, far: f32| {
-        let direction = egui::emath::Rot2::from_angle(turn) * away;
-        let centre = at + direction * far + vec2(direction.x * size.x, direction.y * size.y) * 0.6;
-        Rect::from_center_size(centre, size)
-    };
-    let turns = [0.0, 0.7, -0.7, 1.4, -1.4, 2.1, -2.1, 3.1];
-    let places = [reach, reach + 14.0, reach + 28.0];
-    let all = places
-        .into_iter()
-        .flat_map(|far| turns.map(|turn| candidate(turn, far)));
-    let is_free = |place: &Rect| {
-        inside.contains_rect(*place) && !taken.iter().any(|other| other.intersects(*place))
-    };
-    all.into_iter().find(is_free)
 }
 
 /// Which pose is shown, and what is larger than it is; gives where that is written.
@@ -171,23 +136,27 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
         words::shown(picture.scene),
         quiet(palette),
     );
-    let parts = match (arrows, ellipsoids) {
-        (true, true) => "Displacements and 95 % ellipsoids",
-        (true, false) => "Displacements",
-        (false, true) => "95 % ellipsoids",
-        (false, false) => return vec![first],
-    };
-    if picture.scene.besides != Besides::Nothing {
-        let size = if exaggeration > 1.0 {
-            format!("{parts}, magnified {exaggeration:.0}×")
-        } else {
-            format!("{parts}, true to scale")
-        };
+    if picture.scene.besides == Besides::Nothing {
+        return vec![first];
+    }
+    if picture.options.inspected.is_some() {
         let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
-        let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
+        let scale = "True to scale, nominal in grey";
+        let second = text(painter, below, Align2::LEFT_TOP, scale, quiet(palette));
         return vec![first, second];
     }
-    vec![first]
+    let mut parts = vec!["pulleys"];
+    parts.extend(arrows.then_some("arrows"));
+    parts.extend(ellipsoids.then_some("95 % ellipsoids"));
+    let parts = list(&parts);
+    let size = if exaggeration > 1.0 {
+        format!("Displacements magnified {exaggeration:.0}×: {parts}")
+    } else {
+        format!("Displacements true to scale: {parts}")
+    };
+    let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
+    let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
+    vec![first, second]
 }
 
 /// Directions of the base frame; gives where they are drawn.
@@ -251,97 +220,9 @@ fn metres(length: f64) -> String {
     }
 }
 
-/// What colours mean; gives where that is drawn.
-fn legends(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
-    let scene = picture.scene;
-    let mut drawn = Vec::new();
-    let mut at = rect.right_bottom() - vec2(4.0 * GRID, 5.0 * GRID);
-    let has_residuals = scene.measured.iter().any(|pose| pose.residual.is_some());
-    let of_poses = picture.options.poses && has_residuals;
-    let of_cables = picture.options.colour == CableColour::Residual;
-    if of_poses || of_cables {
-        let title = match (of_cables, of_poses) {
-            (true, true) => "Cable and pose residuals (standard deviations)",
-            (true, false) => "Cable residuals (standard deviations)",
-            _ => "Pose residuals (standard deviations)",
-        };
-        let colour = |share: f32| palette.residual(f64::from(share) * 6.0 - 3.0);
-        let marks = ["-3", "0", "+3"];
-        drawn.push(ramp(painter, at, title, marks, colour, palette));
-        at.y -= 11.0 * GRID;
-    }
-    if picture.options.colour == CableColour::Tension {
-        let Some([low, high]) = tension_range(scene) else {
-            let nothing = "No tensions known at this pose";
-            drawn.push(text(
-                painter,
-                at,
-                Align2::RIGHT_BOTTOM,
-                nothing,
-                quiet(palette),
-            ));
-            return drawn;
-        };
-        let marks = [low, (low + high) / 2.0, high].map(|t| format!("{t:.0}"));
-        let marks = marks.each_ref().map(String::as_str);
-        let colour = |share: f32| tension_colour(share, palette);
-        drawn.push(ramp(painter, at, "Tension (N)", marks, colour, palette));
-    }
-    drawn
-}
-
-/// A scale of colours whose lower right corner is at `at`; gives where it and what is written at it are.
-fn ramp(
-    painter: &Painter,
-    at: Pos2,
-    title: &str,
-    marks: [&str; 3],
-    colour: impl Fn(f32) -> Color32,
-    palette: &Palette,
-) -> Rect {
-    const WIDTH: f32 = 160.0;
-    const STEPS: usize = 40;
-    let left = at.x - WIDTH;
-    for step in 0..STEPS {
-        let share = |k: usize| k as f32 / STEPS as f32;
-        let corners = [
-            pos2(left + WIDTH * share(step), at.y - 6.0),
-            pos2(left + WIDTH * share(step + 1), at.y),
-        ];
-        let middle = (share(step) + share(step + 1)) / 2.0;
-        painter.rect_filled(Rect::from_points(&corners), 0.0, colour(middle));
-    }
-    let anchors = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP];
-    for (k, (mark, anchor)) in marks.into_iter().zip(anchors).enumerate() {
-        let x = left + WIDTH * 0.5 * k as f32;
-        text(painter, pos2(x, at.y + 1.0), anchor, mark, quiet(palette));
-    }
-    let above = pos2(at.x, at.y - 9.0);
-    let title = text(painter, above, Align2::RIGHT_BOTTOM, title, quiet(palette));
-    title.union(Rect::from_two_pos(
-        pos2(left, at.y - 6.0),
-        at + vec2(0.0, SMALL + 3.0),
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_do_not_cover_each_other() {
-        let inside = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
-        let mut taken = Vec::new();
-        for _ in 0..8 {
-            let at = pos2(200.0, 150.0);
-            let size = vec2(9.0, 15.0);
-            let place = free_place(at, vec2(0.0, -1.0), 8.0, size, inside, &taken).unwrap();
-            assert!(!taken.iter().any(|other: &Rect| other.intersects(place)));
-            taken.push(place);
-        }
-        let outside = free_place(pos2(-5.0, 9.0), Vec2::X, 8.0, Vec2::splat(9.0), inside, &[]);
-        assert!(outside.is_none());
-    }
 
     #[test]
     fn lengths_have_the_unit_that_fits() {

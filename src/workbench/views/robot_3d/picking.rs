@@ -3,8 +3,9 @@
 use tautline_core::geometry::Vec3;
 
 use super::camera::{Camera, Ray};
-use super::drawing::{Options, cable_width, pose_size};
-use super::scene::{Scene, Wheel};
+use super::drawing::{Drawing, Options, cable_width, pose_size};
+use super::scene::{Placed, Scene, Wheel};
+use super::surface;
 
 /// How far beside a thing the pointer may be (points of the screen).
 const TOLERANCE: f64 = 6.0;
@@ -76,20 +77,51 @@ impl Picture<'_> {
     /// Points of the screen per metre at a depth (m).
     #[must_use]
     pub fn scale_at(&self, depth_m: f64) -> f64 {
-        self.size[1] / (Camera::opening() * depth_m)
+        self.size[1] / self.camera.height_at(depth_m)
+    }
+
+    /// Where a cable and its pulleys are drawn.
+    #[must_use]
+    pub fn placed(&self, cable: usize) -> Placed {
+        let magnification = self.options.exaggeration_of(self.scene);
+        self.scene.placed(cable, magnification)
+    }
+
+    /// The nearest of what is drawn at `(x, y)` (m); `drawing` is that of the scene.
+    #[must_use]
+    pub fn met(&self, drawing: &Drawing, x: f64, y: f64) -> Option<Vec3> {
+        let at = (x / self.size[0], y / self.size[1]);
+        let ray = self.camera.ray(at, self.aspect());
+        let steepness = ray.direction.dot(&self.camera.axes()[2]);
+        let surface = surface::met(drawing, &ray).map(|point| (point - ray.origin).norm());
+        // Cables and poses have no surface.
+        let thin = self.nearest(x, y).map(|hit| hit.depth_m / steepness);
+        let nearest = surface.into_iter().chain(thin).min_by(f64::total_cmp)?;
+        Some(ray.origin + ray.direction * nearest)
     }
 
     /// What is at `(x, y)`: the nearest to the eye of what is met there, else what is closest beside.
     #[must_use]
     pub fn pick(&self, x: f64, y: f64) -> Option<Thing> {
+        self.nearest(x, y).map(|hit| hit.thing)
+    }
+
+    fn nearest(&self, x: f64, y: f64) -> Option<Hit> {
         let at = (x / self.size[0], y / self.size[1]);
         let ray = self.camera.ray(at, self.aspect());
         let forward = self.camera.axes()[2];
         let mut hits = Vec::new();
         self.pick_platform(&ray, &forward, &mut hits);
-        for (index, cable) in self.scene.cables.iter().enumerate() {
-            hits.extend(self.pick_wheel(&cable.wheel, index, &ray, &forward, [x, y]));
-            hits.extend(self.pick_path(&cable.path, index, [x, y]));
+        for index in 0..self.scene.cables.len() {
+            let placed = self.placed(index);
+            let wheels = [
+                Some(placed.wheel),
+                placed.other.filter(|_| self.options.nominal),
+            ];
+            for wheel in wheels.iter().flatten() {
+                hits.extend(self.pick_wheel(wheel, index, &ray, &forward, [x, y]));
+            }
+            hits.extend(self.pick_path(&placed.path, index, [x, y]));
         }
         if self.options.poses {
             hits.extend(self.pick_poses([x, y]));
@@ -100,7 +132,7 @@ impl Picture<'_> {
             let beside = a.beside.total_cmp(&b.beside);
             beside.then(a.depth_m.total_cmp(&b.depth_m))
         };
-        hits.into_iter().min_by(order).map(|hit| hit.thing)
+        hits.into_iter().min_by(order)
     }
 
     fn pick_platform(&self, ray: &Ray, forward: &Vec3, hits: &mut Vec<Hit>) {

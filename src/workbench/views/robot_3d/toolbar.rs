@@ -4,7 +4,7 @@ use egui::{Slider, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::camera::StandardView;
-use super::drawing::{CableColour, Options};
+use super::drawing::{ArrowColour, CableColour, FrameLook, Options};
 use super::scene::{Besides, Scene};
 use crate::widgets::{icon_only, muted};
 
@@ -15,7 +15,9 @@ const EXAGGERATION: f32 = 240.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
     /// Show everything.
-    Fit,
+    All,
+    /// Show what is selected, or everything.
+    Selected,
     /// Turn to a standard view and show everything.
     To(StandardView),
 }
@@ -34,8 +36,8 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
     let width = ui.available_width();
     let is_wide = width > WIDE;
     ui.horizontal_wrapped(|ui| {
-        if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit view (F)", true).clicked() {
-            aim = Some(Aim::Fit);
+        if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit view (Home)", true).clicked() {
+            aim = Some(Aim::All);
         }
         if width > NARROW {
             aim = views(ui).or(aim);
@@ -69,7 +71,11 @@ fn views(ui: &mut Ui) -> Option<Aim> {
     let mut aim = None;
     for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
         let button = egui::Button::new(view.title()).frame_when_inactive(false);
-        let hint = format!("{} view, key {key}", view.title());
+        let scale = match view {
+            StandardView::Isometric => "",
+            _ => ", everything at one scale",
+        };
+        let hint = format!("{} view{scale}, key {key}", view.title());
         if ui.add(button).on_hover_text(hint).clicked() {
             aim = Some(Aim::To(view));
         }
@@ -118,6 +124,25 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
         ui.add_enabled(besides != Besides::Nothing, checkbox)
             .on_disabled_hover_text("Available after identification");
     }
+    ui.separator();
+    if besides != Besides::Nothing {
+        ui.horizontal(|ui| {
+            muted(ui, "Displacements by");
+            for by in ArrowColour::ALL {
+                ui.selectable_value(&mut options.arrow_colour, by, by.title());
+            }
+        });
+    }
+    ui.horizontal(|ui| {
+        muted(ui, "Frame");
+        for look in FrameLook::ALL {
+            let button = ui.selectable_value(&mut options.frame, look, look.title());
+            button.widget_info(|| {
+                let name = format!("Frame: {}", look.title());
+                WidgetInfo::selected(egui::Role::Button, true, options.frame == look, name)
+            });
+        }
+    });
 }
 
 fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
@@ -136,7 +161,8 @@ fn exaggeration(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     if response.changed() {
         options.exaggeration = Some(value);
     }
-    response.on_hover_text("Magnification of displacements and ellipsoids");
+    response
+        .on_hover_text("Magnification of displacements: of wheels, arrows and ellipsoids alike");
     ui.add(egui::Label::new(format!("{value:.0}×")).extend());
     let is_automatic = options.exaggeration.is_none();
     if ui

@@ -20,7 +20,7 @@ pub fn describe(scene: &Scene, thing: Thing) -> String {
 pub fn shown(scene: &Scene) -> String {
     let shown = pose_shown(scene);
     match scene.besides {
-        Besides::Other => format!("{shown}: A in colour, B grey"),
+        Besides::Other => format!("{shown}: A solid, B transparent"),
         Besides::Drawing | Besides::Nothing => shown,
     }
 }

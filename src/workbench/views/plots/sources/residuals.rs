@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tautline_core::estimation::{Observation, ObservationKind};
 
 use super::{POSE, over_pose};
-use tautline_workflow::identification::Identification;
+use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 
 /// Unit of residuals.
@@ -28,8 +28,8 @@ impl Unit {
 
     fn axis(self) -> Axis {
         match self {
-            Self::Deviations => Axis::new("Prediction minus reading", "standard deviations"),
-            Self::Millimetres => Axis::new("Prediction minus reading", "mm"),
+            Self::Deviations => Axis::new(RESIDUAL, "standard deviations"),
+            Self::Millimetres => Axis::new(RESIDUAL, "mm"),
         }
     }
 

@@ -1,9 +1,11 @@
-//! Tensions over poses: as measured, and the errors that identification found in them.
+//! Tensions over poses: as measured, and their residuals.
 
 use std::collections::BTreeSet;
 
+use tautline_core::diagnosis::Quantity;
+
 use super::{POSE, over_pose};
-use tautline_workflow::identification::Identification;
+use tautline_workflow::identification::{Identification, RESIDUAL, reading_residuals};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 
 /// What is shown of tensions.
@@ -12,8 +14,8 @@ pub enum Shown {
     /// What the sensors read.
     #[default]
     Measured,
-    /// By how much they erred, as estimated.
-    Errors,
+    /// What is predicted from all readings, less what the sensors read.
+    Residuals,
 }
 
 /// Tensions of all cables.
@@ -37,9 +39,12 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
                 }
             }
         }
-        Shown::Errors => {
-            for (row, cable, error) in &fit.analysis.tension_errors_n {
-                put(*row, *cable, *error);
+        Shown::Residuals => {
+            for index in 0..cables.len() {
+                let of = (Quantity::Tension, Some(index));
+                for one in reading_residuals(&fit.dataset.robot, &fit.analysis, of.0, of.1) {
+                    put(one.row, index, one.value);
+                }
             }
         }
     }
@@ -51,16 +56,16 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
         name: "3 standard deviations of the sensors".into(),
         y: [-3.0 * largest_sd, 3.0 * largest_sd],
     };
-    let is_error = shown == Shown::Errors;
+    let is_residual = shown == Shown::Residuals;
     let named = points.into_iter().zip(cables).enumerate();
     Figure {
         x: Axis::whole(POSE),
-        y: Axis::new(if is_error { "Tension error" } else { "Tension" }, "N"),
-        bands: if is_error { vec![band] } else { Vec::new() },
+        y: Axis::new(if is_residual { RESIDUAL } else { "Tension" }, "N"),
+        bands: if is_residual { vec![band] } else { Vec::new() },
         series: named
             .map(|(index, (points, cable))| Series::of_cable(index, &cable.name, points))
             .collect(),
-        has_zero_line: is_error,
+        has_zero_line: is_residual,
         ..Figure::default()
     }
 }

@@ -3,14 +3,15 @@
 use std::collections::BTreeSet;
 
 use nalgebra::DVector;
-use tautline_core::diagnosis::{Discrepancy, Quantity, smooth_functions};
+use tautline_core::diagnosis::{Quantity, smooth_functions};
 use tautline_core::measurement::Variable;
 
 use super::at_row;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Prepared, residuals};
-use tautline_workflow::identification::Identification;
+use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use tautline_workflow::plot::gaps::without_gaps;
 
 /// Places along a fitted curve.
 const PLACES: usize = 120;
@@ -52,10 +53,10 @@ impl Choice {
         })
     }
 
-    /// The dependence that a diagnosis found here, if it did.
-    fn dependence(self, diagnosed: &Diagnosed) -> Option<&Discrepancy> {
+    /// Whether a diagnosis found a dependence here.
+    fn is_dependence(self, diagnosed: &Diagnosed) -> bool {
         let mut found = diagnosed.diagnosis.discrepancies.iter();
-        found.find(|d| {
+        found.any(|d| {
             (d.quantity, d.cable, d.variable) == (self.quantity, self.cable, self.variable)
         })
     }
@@ -119,7 +120,7 @@ pub fn figure(
     let before = places(&prepared.base, choice, values, factor);
     let mut figure = Figure {
         x,
-        y: Axis::new("Prediction minus reading", "standard deviations"),
+        y: Axis::new(RESIDUAL, "standard deviations"),
         bands: vec![Band {
             name: "3 standard deviations".into(),
             y: [-3.0, 3.0],
@@ -133,12 +134,32 @@ pub fn figure(
         let mut series = Series::new(AFTER, Ink::Muted, Marker::Circle, points(&after));
         series.cable = choice.cable;
         figure.series.push(series);
-        figure.curves.push(effect(&before, &after));
+        figure
+            .curves
+            .extend(pieces(&effect(&before, &after), &before));
     }
-    let found = diagnosed.and_then(|found| choice.dependence(found));
-    let curve = found.and_then(|found| dependence(found, factor));
-    figure.curves.extend(curve);
+    let is_found = diagnosed.is_some_and(|found| choice.is_dependence(found));
+    let curve = is_found.then(|| dependence(&before, choice.variable, factor));
+    if let Some(curve) = curve.flatten() {
+        figure.curves.extend(pieces(&curve, &before));
+    }
     figure
+}
+
+/// A curve where there are data; the legend names it once.
+fn pieces(curve: &Curve, places: &[Place]) -> Vec<Curve> {
+    let data: Vec<f64> = places.iter().map(|(_, x, _)| *x).collect();
+    let pieces = without_gaps(&curve.points, &data).into_iter().enumerate();
+    pieces
+        .map(|(number, points)| Curve {
+            name: match number {
+                0 => curve.name.clone(),
+                _ => String::new(),
+            },
+            points,
+            ..curve.clone()
+        })
+        .collect()
 }
 
 fn places(fit: &Identification, choice: Choice, values: &[f64], factor: f64) -> Vec<Place> {
@@ -159,13 +180,14 @@ fn series(choice: Choice, fit: &Identification, points: Vec<Point>) -> Series {
     }
 }
 
-/// The curve through the residuals of a dependence: least squares in the functions that the diagnosis asked with.
-fn dependence(found: &Discrepancy, factor: f64) -> Option<Curve> {
-    let known = found
-        .points
+/// The curve through the residuals of a dependence: least squares in the functions that the diagnosis asked with. `factor`
+/// is that from the SI unit of the variable.
+fn dependence(places: &[Place], variable: Variable, factor: f64) -> Option<Curve> {
+    let known = places
         .iter()
         .filter(|(_, x, y)| x.is_finite() && y.is_finite());
-    let (mut values, residuals): (Vec<f64>, Vec<f64>) = known.map(|(_, x, y)| (*x, *y)).unzip();
+    let known = known.map(|(_, x, y)| (x / factor, *y));
+    let (mut values, residuals): (Vec<f64>, Vec<f64>) = known.unzip();
     let count = values.len();
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -174,8 +196,8 @@ fn dependence(found: &Discrepancy, factor: f64) -> Option<Curve> {
     }
     let along = (0..=PLACES).map(|k| least + (greatest - least) * k as f64 / PLACES as f64);
     values.extend(along);
-    let is_direction = found.variable == Variable::Direction;
-    let functions = smooth_functions(&values, found.variable, count / 4);
+    let is_direction = variable == Variable::Direction;
+    let functions = smooth_functions(&values, variable, count / 4);
     if functions.is_empty() {
         return None;
     }
@@ -225,20 +247,19 @@ mod tests {
     #[test]
     fn the_curve_of_a_dependence_runs_through_its_points() {
         let value = |k: usize| k as f64 / 40.0;
-        let found = Discrepancy {
-            quantity: Quantity::Length,
-            cable: Some(0),
-            variable: Variable::CableLength,
-            rms_over_sd: 3.0,
-            p_value: 1e-9,
-            points: (0..=40)
-                .map(|k| (k, value(k), 2.0 * (std::f64::consts::PI * value(k)).cos()))
-                .chain([(41, f64::NAN, 1.0)])
-                .collect(),
-        };
-        let curve = dependence(&found, 1.0).expect("a curve");
+        let places: Vec<Place> = (0..=40)
+            .map(|k| {
+                (
+                    k,
+                    10.0 * value(k),
+                    2.0 * (std::f64::consts::PI * value(k)).cos(),
+                )
+            })
+            .chain([(41, f64::NAN, 1.0)])
+            .collect();
+        let curve = dependence(&places, Variable::CableLength, 10.0).expect("a curve");
         for [x, y] in curve.points {
-            assert!((y - 2.0 * (std::f64::consts::PI * x).cos()).abs() < 1e-9);
+            assert!((y - 2.0 * (0.1 * std::f64::consts::PI * x).cos()).abs() < 1e-9);
         }
     }
 

@@ -3,8 +3,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use nalgebra::Matrix3;
-use tautline_core::estimation::ParameterId;
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
@@ -17,7 +15,7 @@ use super::{
 use crate::model::Selection;
 use crate::model::link::LivePlatform;
 use crate::views::robot_3d::camera;
-use tautline_workflow::identification::Identification;
+use tautline_workflow::identification::{Identification, entry_point_covariance};
 
 /// What a scene is built from.
 #[derive(Debug, Clone, Copy)]
@@ -218,26 +216,7 @@ fn displacement(
     Displacement {
         from,
         by: found - from,
-        covariance: covariance(fit, index),
-        is_noise: false,
+        covariance: entry_point_covariance(&fit.solution, index),
+        moved: None,
     }
-}
-
-/// Covariance of an entry point (m^2); coordinates that were not estimated have none.
-fn covariance(fit: &Identification, index: usize) -> Option<Matrix3<f64>> {
-    let whole = fit.solution.covariance.as_ref()?;
-    let mut columns = [None; 3];
-    for (column, parameter) in fit.solution.parameters.iter().enumerate() {
-        if let ParameterId::EntryPoint { cable, axis } = parameter.id
-            && cable == index
-        {
-            columns[axis] = Some(column);
-        }
-    }
-    columns.iter().any(Option::is_some).then(|| {
-        Matrix3::from_fn(|i, k| match (columns[i], columns[k]) {
-            (Some(i), Some(k)) => whole[(i, k)],
-            _ => 0.0,
-        })
-    })
 }

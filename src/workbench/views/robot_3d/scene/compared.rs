@@ -23,7 +23,7 @@ impl Scene {
                 from: cable.wheel.entry,
                 by,
                 covariance: Some(difference.covariance),
-                is_noise: !pulley.moved,
+                moved: pulley.test.map(|_| pulley.moved),
             });
         }
         self

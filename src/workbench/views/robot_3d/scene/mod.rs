@@ -3,6 +3,7 @@
 mod build;
 mod cable;
 mod compared;
+mod displacement;
 mod frame;
 mod measured;
 mod platform;
@@ -12,10 +13,10 @@ mod tests;
 
 use std::sync::Arc;
 
-use nalgebra::Matrix3;
 use tautline_core::geometry::{Pose, Vec3};
 
 pub use build::Subject;
+pub use displacement::{Displacement, Placed, Significance};
 pub use frame::{Floor, FrameBox, round_length};
 pub use measured::{MeasuredPose, MeasuredPoses};
 pub use platform::PlatformBox;
@@ -35,6 +36,11 @@ fn bounds<'a>(points: impl Iterator<Item = &'a Vec3>) -> [Vec3; 2] {
     })
 }
 
+/// The axis that is least along a unit vector.
+pub(super) fn unlike(axis: &Vec3) -> Vec3 {
+    Vec3::ith(axis.iamin(), 1.0)
+}
+
 /// Corners of a box; bit k of the index chooses the upper end along axis k.
 fn corners(low: &Vec3, high: &Vec3) -> [Vec3; 8] {
     std::array::from_fn(|k| Vec3::from_fn(|axis, _| [low, high][k >> axis & 1][axis]))
@@ -51,27 +57,6 @@ pub struct Wheel {
     pub normal: Vec3,
     /// Radius at the cable's centre line (m); 0 for an eyelet.
     pub radius_m: f64,
-}
-
-/// What identification changed at a pulley, or what is different in another session.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Displacement {
-    /// Entry point of the drawing, or of the first session (m).
-    pub from: Vec3,
-    /// Identified less nominal, or second less first (m).
-    pub by: Vec3,
-    /// Its covariance (m^2), where the data determine it.
-    pub covariance: Option<Matrix3<f64>>,
-    /// Whether it is known to be nothing but noise.
-    pub is_noise: bool,
-}
-
-impl Displacement {
-    /// Its length with three standard deviations of its least certain coordinate (m).
-    fn reach_m(&self) -> f64 {
-        let variance = self.covariance.map_or(0.0, |c| c.diagonal().max());
-        self.by.norm() + 3.0 * variance.max(0.0).sqrt()
-    }
 }
 
 /// What the pulleys are that are shown besides the identified ones.

@@ -1,0 +1,272 @@
+//! The pulley inspector: one pulley true to scale, in 3D and in three views with a grid, with the numbers that say how sure
+//! its place is.
+
+mod coordinates;
+mod inset;
+
+use egui::{CentralPanel, Frame, Key, Label, Margin, Panel, RichText, ScrollArea, Ui};
+use egui_material_icons::icons;
+use tautline_core::robot::Robot;
+
+use super::robot_3d::{self, Aim, Robot3d};
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::{Model, OpenSession, Selection};
+use crate::theme::{self, GRID};
+use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
+use inset::{Inset, SIDES, Scale};
+use tautline_workflow::identification::{FitVerdict, IdentifiedPulley, PulleyInspection};
+
+/// Largest side of an inset (points), and its part of the height.
+const INSET: f32 = 280.0;
+const INSET_SHARE: f32 = 0.26;
+/// Least width of the numbers beside the insets (points).
+const BESIDE: f32 = 400.0;
+/// Least height of the picture in 3D (points).
+const PICTURE: f32 = 140.0;
+/// Height of what is written around the insets (points).
+const NUMBERS: f32 = 220.0;
+/// Height of what is written above and below the insets (points).
+const CAPTIONS: f32 = 84.0;
+
+/// How insets and numbers share the room.
+#[derive(Debug, Clone, Copy)]
+struct Arrangement {
+    /// Side of an inset (points).
+    inset: f32,
+    /// Whether the numbers are beside the insets and not below them.
+    is_wide: bool,
+}
+
+impl Arrangement {
+    /// What suits a width and a height (points).
+    fn of(width: f32, height: f32) -> Self {
+        let across = (width - 4.0 * GRID) / 3.0;
+        let inset = across.min(INSET_SHARE * height).clamp(80.0, INSET);
+        // With the space between and after them.
+        let insets = 3.0 * inset + 10.0 * GRID;
+        Self {
+            inset,
+            is_wide: width - insets > BESIDE,
+        }
+    }
+
+    /// Height of everything (points).
+    fn height(self) -> f32 {
+        self.inset + CAPTIONS + if self.is_wide { 0.0 } else { NUMBERS }
+    }
+}
+
+/// The pulley that is inspected, by the index of its cable, if it is one of the open session.
+#[must_use]
+pub fn inspected(model: &Model) -> Option<(&OpenSession, usize)> {
+    let open = model.open.as_ref()?;
+    let count = open.session().robot.cable_count();
+    let cable = model.inspected.filter(|cable| *cable < count)?;
+    Some((open, cable))
+}
+
+/// Draws the inspector.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    (open, cable): (&OpenSession, usize),
+    view: (&mut Robot3d, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let robot = &open.session().robot;
+    let fit = open.fit().map(AsRef::as_ref);
+    let Some(inspection) = PulleyInspection::of(robot, fit, cable) else {
+        return;
+    };
+    let palette = theme::of(ui);
+    let side = Frame::new()
+        .fill(palette.panel)
+        .inner_margin(Margin::symmetric(3 * GRID as i8, 2 * GRID as i8));
+    let mut aim = None;
+    Panel::top("inspected pulley")
+        .frame(side)
+        .show(ui, |ui| aim = header(ui, &inspection, robot, outbox));
+    keys(ui, robot, cable, outbox);
+    let height = ui.available_height();
+    let width = ui.available_width() - 6.0 * GRID;
+    let arrangement = Arrangement::of(width, height);
+    let wanted = match inspection.identified {
+        Some(_) => arrangement.height(),
+        None => 14.0 * GRID,
+    };
+    Panel::bottom("numbers of the pulley")
+        .frame(side)
+        .resizable(false)
+        .exact_size(wanted.min((height - PICTURE).max(60.0)))
+        .show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                let is_explained = fit.is_none_or(|fit| {
+                    let verdict = FitVerdict::of(fit.solution.p_value());
+                    verdict != FitVerdict::Inadequate
+                });
+                judged(ui, &inspection, is_explained);
+                details(ui, &inspection, robot, arrangement);
+            });
+        });
+    CentralPanel::no_frame()
+        .frame(Frame::new().fill(palette.ground))
+        .show(ui, |ui| {
+            robot_3d::inspect(ui, (model, open), cable, view, (aim, outbox));
+        });
+}
+
+/// Whose pulley it is, and where to go from here; gives the camera movement that was asked for.
+fn header(
+    ui: &mut Ui,
+    inspection: &PulleyInspection,
+    robot: &Robot,
+    outbox: &mut Outbox,
+) -> Option<Aim> {
+    let cable = inspection.cable;
+    let mut aim = None;
+    ui.horizontal(|ui| {
+        let colour = theme::of(ui).cable(cable);
+        let (dot, _) = ui.allocate_exact_size(egui::Vec2::splat(10.0), egui::Sense::hover());
+        ui.painter().circle_filled(dot.center(), 5.0, colour);
+        let title = format!("Pulley of {}", inspection.name);
+        ui.add(Label::new(RichText::new(title).font(theme::strong(15.0))).truncate());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if icon_only(ui, icons::ICON_CLOSE, "Close inspector (Escape)", true).clicked() {
+                outbox.send(ViewCommand::Inspect(None));
+            }
+            ui.separator();
+            let several = robot.cable_count() > 1;
+            for (icon, name, step) in [
+                (icons::ICON_CHEVRON_RIGHT, "Next pulley (Page down)", 1),
+                (icons::ICON_CHEVRON_LEFT, "Previous pulley (Page up)", -1),
+            ] {
+                if icon_only(ui, icon, name, several).clicked() {
+                    go(robot, cable, step, outbox);
+                }
+            }
+            ui.separator();
+            let all = "Show the whole robot (Home)";
+            if icon_only(ui, icons::ICON_FIT_SCREEN, all, true).clicked() {
+                aim = Some(Aim::All);
+            }
+            let near = "Show the pulley (F)";
+            if icon_only(ui, icons::ICON_CENTER_FOCUS_STRONG, near, true).clicked() {
+                aim = Some(Aim::Selected);
+            }
+        });
+    });
+    aim
+}
+
+/// Inspects the pulley that many further.
+fn go(robot: &Robot, cable: usize, step: isize, outbox: &mut Outbox) {
+    let count = robot.cable_count() as isize;
+    let next = (cable as isize + step).rem_euclid(count.max(1));
+    outbox.send(ViewCommand::Inspect(usize::try_from(next).ok()));
+}
+
+/// Page up and down go to other pulleys, Escape back to the robot, unless a field or a dialog takes them.
+fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
+    let pressed = |key| is_pressed(ui, key);
+    if pressed(Key::PageDown) {
+        go(robot, cable, 1, outbox);
+    }
+    if pressed(Key::PageUp) {
+        go(robot, cable, -1, outbox);
+    }
+    if pressed(Key::Escape) {
+        outbox.send(ViewCommand::Inspect(None));
+    }
+}
+
+/// How far the pulley is from the drawing, and whether that can be relied on.
+fn judged(ui: &mut Ui, inspection: &PulleyInspection, is_explained: bool) {
+    let text = inspection.sentence(is_explained);
+    if is_explained || inspection.identified.is_none() {
+        ui.add(Label::new(text).wrap());
+    } else {
+        verdict(ui, Verdict::Doubtful, &text);
+    }
+}
+
+/// F shows the pulley of the selected cable, wherever that was selected.
+pub fn key(ui: &Ui, model: &Model, outbox: &mut Outbox) {
+    if model.selection.cable.is_some() && is_pressed(ui, Key::F) {
+        outbox.send(ViewCommand::Inspect(model.selection.cable));
+    }
+}
+
+/// Whether a key was pressed, alone, that no field and no dialog takes.
+fn is_pressed(ui: &Ui, key: Key) -> bool {
+    let is_typing = ui.ctx().text_edit_focused();
+    let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
+    let is_taken = is_typing || is_behind || egui::Popup::is_any_open(ui.ctx());
+    !is_taken && ui.input(|input| input.modifiers.is_none() && input.key_pressed(key))
+}
+
+/// The three views, the coordinates, and what their errors go together with.
+fn details(ui: &mut Ui, inspection: &PulleyInspection, robot: &Robot, arrangement: Arrangement) {
+    let Some(found) = &inspection.identified else {
+        muted(
+            ui,
+            "Identify in phase 4 to see where the pulley really is, with its uncertainty.",
+        );
+        return;
+    };
+    let directions = robot_3d::camera::directions(robot.gravity());
+    let insets = SIDES.map(|side| Inset::new(side, &directions, inspection, found));
+    let scale = Scale::of(&insets);
+    let colour = theme::of(ui).cable(inspection.cable);
+    ui.horizontal_top(|ui| {
+        ui.vertical(|ui| {
+            ui.horizontal(|ui| {
+                for inset in &insets {
+                    let of = (colour, inspection.name.as_str());
+                    inset::show(ui, inset, scale, arrangement.inset, of);
+                }
+            });
+            let text = format!(
+                "Ring: nominal place. Dot: identified place, in its 95 % region. Grid {}.",
+                scale.grid_words()
+            );
+            muted_small(ui, &text);
+        });
+        if arrangement.is_wide {
+            ui.add_space(2.0 * GRID);
+            ui.vertical(|ui| numbers(ui, found, robot));
+        }
+    });
+    if !arrangement.is_wide {
+        numbers(ui, found, robot);
+    }
+}
+
+/// The coordinates, and what their errors go together with.
+fn numbers(ui: &mut Ui, found: &IdentifiedPulley, robot: &Robot) {
+    ui.scope(|ui| coordinates::show(ui, &found.coordinates));
+    if found.correlations.is_empty() {
+        return;
+    }
+    section(ui, "What its errors go together with");
+    ui.spacing_mut().item_spacing.y = 2.0;
+    for correlation in &found.correlations {
+        let text = format!("{}, {}", correlation.name(robot), correlation.words());
+        ui.add(Label::new(text).wrap());
+    }
+}
+
+fn muted_small(ui: &mut Ui, text: &str) {
+    let colour = theme::of(ui).muted;
+    ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+}
+
+/// A button that opens the inspector.
+pub fn button(ui: &mut Ui, (cable, name): (usize, &str), outbox: &mut Outbox) {
+    let text = format!("Inspect the pulley of {name}");
+    if icon_button(ui, icons::ICON_CENTER_FOCUS_STRONG, &text, true)
+        .on_hover_text("Shows it true to scale, with its displacement and uncertainty")
+        .clicked()
+    {
+        outbox.send(ViewCommand::Inspect(Some(cable)));
+    }
+}

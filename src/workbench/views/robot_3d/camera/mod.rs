@@ -1,0 +1,238 @@
+//! The camera: where it is, what it sees, and where a point appears. Base frame, metres, radians.
+
+mod flight;
+mod moves;
+
+pub use flight::Flight;
+
+use nalgebra::{Matrix3, Matrix4, Vector4};
+use tautline_core::geometry::Vec3;
+
+/// Half the vertical opening angle, as its tangent.
+const HALF_OPENING: f64 = 0.315;
+
+/// Directions of the view's own frame in the base frame: columns to the right, away from the viewer, up.
+pub type Directions = Matrix3<f64>;
+
+/// Directions for a robot under `gravity`: up is the axis of the base frame that is most opposite to it.
+#[must_use]
+pub fn directions(gravity: Vec3) -> Directions {
+    let axis = gravity.iamax();
+    if gravity.norm() == 0.0 || axis == 2 {
+        return Matrix3::identity();
+    }
+    let up = Vec3::ith(axis, -gravity[axis].signum());
+    let right = Vec3::ith(usize::from(axis == 0), 1.0);
+    Matrix3::from_columns(&[right, up.cross(&right), up])
+}
+
+/// A view from a side that has a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StandardView {
+    /// Looking away from the viewer, up is up.
+    Front,
+    /// From the right.
+    Side,
+    /// From above.
+    Top,
+    /// From the front right, above.
+    Isometric,
+}
+
+impl StandardView {
+    /// All, in the order of their keys.
+    pub const ALL: [Self; 4] = [Self::Front, Self::Side, Self::Top, Self::Isometric];
+
+    /// Label in the window.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Front => "Front",
+            Self::Side => "Side",
+            Self::Top => "Top",
+            Self::Isometric => "Isometric",
+        }
+    }
+
+    /// Yaw and pitch (rad).
+    fn angles(self) -> (f64, f64) {
+        use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+        match self {
+            Self::Front => (0.0, 0.0),
+            Self::Side => (FRAC_PI_2, 0.0),
+            Self::Top => (0.0, FRAC_PI_2),
+            Self::Isometric => (0.8 * FRAC_PI_4, 0.45),
+        }
+    }
+}
+
+/// How depth shows in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// What is farther is smaller.
+    Perspective,
+    /// Everything is at one scale.
+    Orthographic,
+}
+
+/// A line of sight.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    /// Where it begins (m).
+    pub origin: Vec3,
+    /// Its direction, unit vector.
+    pub direction: Vec3,
+}
+
+/// Where a point is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Share of the width from the left, 0 to 1 within the picture.
+    pub u: f64,
+    /// Share of the height from the top.
+    pub v: f64,
+    /// Distance along the direction of view (m).
+    pub depth_m: f64,
+}
+
+/// A camera that looks at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    directions: Directions,
+    target: Vec3,
+    yaw: f64,
+    pitch: f64,
+    /// To the point in the middle; in an orthographic view what is seen is as high as it would be at that distance.
+    distance_m: f64,
+    /// How close the eye may come to a surface, and how far from it it may be.
+    nearest_m: f64,
+    farthest_m: f64,
+    projection: Projection,
+}
+
+impl Camera {
+    /// The standard view `view` of everything in `points` (m), in a picture of the given width over height.
+    #[must_use]
+    pub fn new(directions: Directions, view: StandardView, points: &[Vec3], aspect: f64) -> Self {
+        let mut camera = Self {
+            directions,
+            target: Vec3::zeros(),
+            yaw: 0.0,
+            pitch: 0.0,
+            distance_m: 1.0,
+            nearest_m: 1e-3,
+            farthest_m: 1e3,
+            projection: Projection::Perspective,
+        };
+        camera.turn_to(view);
+        camera.fit(points, aspect);
+        camera
+    }
+
+    /// Right, up and forward of the picture in the base frame.
+    #[must_use]
+    pub fn axes(&self) -> [Vec3; 3] {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
+        let right = Vec3::new(cos_yaw, sin_yaw, 0.0);
+        let level = Vec3::new(-sin_yaw, cos_yaw, 0.0);
+        let forward = level * cos_pitch - Vec3::z() * sin_pitch;
+        let up = level * sin_pitch + Vec3::z() * cos_pitch;
+        [right, up, forward].map(|axis| self.directions * axis)
+    }
+
+    /// How depth shows.
+    #[must_use]
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// Where the eye is (m); that of an orthographic view is in front of everything.
+    #[must_use]
+    pub fn eye(&self) -> Vec3 {
+        let distance = match self.projection {
+            Projection::Perspective => self.distance_m,
+            Projection::Orthographic => self.farthest_m,
+        };
+        self.target - self.axes()[2] * distance
+    }
+
+    /// Height of what is seen at the depth of the point in the middle (m).
+    #[must_use]
+    pub fn height_m(&self) -> f64 {
+        2.0 * HALF_OPENING * self.distance_m
+    }
+
+    /// Height of what is seen at a depth (m).
+    #[must_use]
+    pub fn height_at(&self, depth_m: f64) -> f64 {
+        match self.projection {
+            Projection::Perspective => 2.0 * HALF_OPENING * depth_m,
+            Projection::Orthographic => self.height_m(),
+        }
+    }
+
+    /// The line of sight through `(u, v)`, shares of width and height from the upper left corner.
+    #[must_use]
+    pub fn ray(&self, (u, v): (f64, f64), aspect: f64) -> Ray {
+        let [right, up, forward] = self.axes();
+        let across = right * ((2.0 * u - 1.0) * aspect) + up * (1.0 - 2.0 * v);
+        match self.projection {
+            Projection::Perspective => Ray {
+                origin: self.eye(),
+                direction: (forward + across * HALF_OPENING).normalize(),
+            },
+            Projection::Orthographic => Ray {
+                origin: self.eye() + across * (0.5 * self.height_m()),
+                direction: forward,
+            },
+        }
+    }
+
+    /// Where `point` (m) is seen; `None` behind the eye.
+    #[must_use]
+    pub fn project(&self, point: &Vec3, aspect: f64) -> Option<Seen> {
+        let [right, up, forward] = self.axes();
+        let d = point - self.eye();
+        let depth_m = d.dot(&forward);
+        let scale = self.height_at(depth_m).recip();
+        (depth_m > 0.01 * self.nearest_m).then(|| Seen {
+            u: 0.5 + d.dot(&right) * scale / aspect,
+            v: 0.5 - d.dot(&up) * scale,
+            depth_m,
+        })
+    }
+
+    /// Takes homogeneous coordinates in the base frame to clip coordinates of OpenGL. `radius_m` and
+    /// `centre` bound everything that is drawn.
+    #[must_use]
+    pub fn clip_from_base(&self, centre: &Vec3, radius_m: f64, aspect: f64) -> Matrix4<f64> {
+        let [right, up, forward] = self.axes();
+        let eye = self.eye();
+        let middle = (centre - eye).dot(&forward);
+        let row =
+            |axis: Vec3, scale: f64| Vector4::new(axis.x, axis.y, axis.z, -axis.dot(&eye)) * scale;
+        let depth = row(forward, 1.0);
+        let (scale, z, w) = match self.projection {
+            Projection::Perspective => {
+                let far = (middle + radius_m).max(2.0 * self.nearest_m);
+                // Nothing is cut off that the eye may come close to.
+                let least = (2e-3 * far).min(0.2 * self.distance_m);
+                let near = (middle - radius_m).max(least);
+                let z = depth * ((far + near) / (far - near))
+                    - Vector4::w() * (2.0 * far * near / (far - near));
+                (HALF_OPENING.recip(), z, depth)
+            }
+            Projection::Orthographic => {
+                let z = (depth - Vector4::w() * middle) / radius_m.max(f64::MIN_POSITIVE);
+                (2.0 / self.height_m(), z, Vector4::w())
+            }
+        };
+        let x = row(right, scale / aspect);
+        let y = row(up, scale);
+        Matrix4::from_rows(&[x.transpose(), y.transpose(), z.transpose(), w.transpose()])
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,332 @@
+//! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
+
+mod colours;
+mod options;
+mod points;
+
+use std::sync::Arc;
+
+use egui::{Color32, Theme};
+use nalgebra::{Matrix3, SymmetricEigen};
+use tautline_core::geometry::Vec3;
+
+pub use colours::{
+    arrow_colour, cable_colour, length_colour, longest_m, significance_colour, tension_colour,
+    tension_range,
+};
+pub use options::{ArrowColour, CableColour, FrameLook, Options};
+pub use points::{Lines, Points, pose_size};
+
+use super::mesh::{Triangles, circle, rgba};
+use super::scene::{Besides, CableView, Displacement, Placed, Scene, Wheel};
+use crate::model::Selection;
+use crate::theme::{self, Palette};
+
+/// Opacity of the pulleys shown besides.
+const GHOST: f32 = 0.3;
+/// Opacity of the pulley that is inspected, and of one that moved in the other session.
+const INSPECTED: f32 = 0.55;
+/// Length of an arrow's head, at most, in sizes of the frame.
+const ARROW: f64 = 0.016;
+/// Opacity of ellipsoids.
+const ELLIPSOID: f32 = 0.28;
+/// Opacity of what is there for orientation only.
+const THIN: f32 = 0.13;
+
+/// Everything to be drawn.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub struct Drawing {
+    /// Opaque parts.
+    pub solids: Triangles,
+    /// Parts to look through.
+    pub glass: Triangles,
+    /// Lines.
+    pub lines: Lines,
+    /// Points.
+    pub points: Points,
+    /// Planned and measured poses.
+    pub poses: Arc<Points>,
+    /// Colour behind everything.
+    pub ground: Color32,
+    /// Centre (m) and radius (m) of a sphere around everything.
+    pub bounds: (Vec3, f64),
+}
+
+/// How a cable and its pulley are drawn.
+#[derive(Debug, Clone, Copy)]
+struct CableLook {
+    colour: Color32,
+    fades: bool,
+    is_selected: bool,
+    is_inspected: bool,
+}
+
+/// A colour that steps back.
+fn faded(colour: Color32, palette: &Palette) -> Color32 {
+    colour.lerp_to_gamma(palette.ground, 0.72)
+}
+
+/// Width of a cable (points of the screen).
+#[must_use]
+pub fn cable_width(is_selected: bool) -> f32 {
+    if is_selected { 4.0 } else { 2.2 }
+}
+
+impl Drawing {
+    /// The scene in the colours of `theme`.
+    #[must_use]
+    pub fn new(scene: &Scene, options: &Options, selection: Selection, theme: Theme) -> Self {
+        let points = || Points::of_poses(scene, selection, theme);
+        let poses = options.poses.then(points).unwrap_or_default();
+        Self::with_poses(Arc::new(poses), scene, options, selection, theme)
+    }
+
+    /// The scene in the colours of `theme`, with these points of its poses.
+    #[must_use]
+    pub fn with_poses(
+        poses: Arc<Points>,
+        scene: &Scene,
+        options: &Options,
+        selection: Selection,
+        theme: Theme,
+    ) -> Self {
+        let palette = theme::palette(theme);
+        let mut drawing = Self {
+            poses,
+            ground: palette.ground,
+            bounds: scene.bounds(&options.tips(scene)),
+            ..Self::default()
+        };
+        drawing.frame(scene, options, palette);
+        drawing.platform(scene, options, palette);
+        let range = tension_range(scene);
+        for (index, cable) in scene.cables.iter().enumerate() {
+            let colour = cable_colour(cable, index, options.colour, range, palette);
+            let fades = options.fades(scene, index);
+            let look = CableLook {
+                colour: if fades {
+                    faded(colour, palette)
+                } else {
+                    colour
+                },
+                fades,
+                is_selected: selection.cable == Some(index),
+                is_inspected: options.inspected == Some(index),
+            };
+            let placed = scene.placed(index, options.exaggeration_of(scene));
+            drawing.cable(&placed, look);
+            drawing.pulley(cable, &placed, look, (scene, options), palette);
+        }
+        if options.inspected.is_none() {
+            drawing.instruments(scene, palette);
+        }
+        drawing
+    }
+
+    fn frame(&mut self, scene: &Scene, options: &Options, palette: &Palette) {
+        let frame = &scene.frame;
+        let look = match options.inspected {
+            Some(_) if options.frame == FrameLook::Solid => FrameLook::Transparent,
+            _ => options.frame,
+        };
+        for member in &frame.members {
+            match look {
+                FrameLook::Solid => {
+                    let colour = rgba(palette.frame, 1.0);
+                    self.solids.beam(*member, frame.member_m, colour);
+                }
+                FrameLook::Transparent => {
+                    let colour = rgba(palette.frame, THIN);
+                    self.glass.beam(*member, frame.member_m, colour);
+                }
+                FrameLook::Hidden => {}
+            }
+        }
+        for line in &frame.floor.lines {
+            self.lines.push(*line, palette.line, 1.0);
+        }
+    }
+
+    fn platform(&mut self, scene: &Scene, options: &Options, palette: &Palette) {
+        let corners = scene.platform.corners(&scene.pose);
+        if options.inspected.is_some() {
+            self.glass.cuboid(&corners, rgba(palette.platform, THIN));
+            return;
+        }
+        self.solids.cuboid(&corners, rgba(palette.platform, 1.0));
+        let edge = palette.platform.lerp_to_gamma(palette.ground, 0.5);
+        for axis in 0..3 {
+            for k in (0..8).filter(|k| k >> axis & 1 == 0) {
+                self.lines
+                    .push([corners[k], corners[k | 1 << axis]], edge, 1.0);
+            }
+        }
+        let reach = 0.8 * (corners[7] - corners[0]).norm();
+        for (axis, colour) in palette.axes.into_iter().enumerate() {
+            let end = scene.pose.transform(&Vec3::ith(axis, reach));
+            self.lines.push([scene.pose.position, end], colour, 2.0);
+        }
+    }
+
+    fn cable(&mut self, placed: &Placed, look: CableLook) {
+        for ends in placed.path.windows(2) {
+            if let [from, to] = ends {
+                let width = cable_width(look.is_selected);
+                self.lines.push([*from, *to], look.colour, width);
+            }
+        }
+        let wheel = &placed.wheel;
+        if look.is_inspected {
+            self.glass_wheel(wheel, look.colour, INSPECTED);
+        } else {
+            self.wheel(wheel, look.colour);
+        }
+    }
+
+    /// A pulley at its size; a disc stands for it where it would be too small to be seen.
+    fn wheel(&mut self, wheel: &Wheel, colour: Color32) {
+        if wheel.radius_m > 0.0 {
+            self.solids.wheel(wheel, rgba(colour, 1.0));
+        }
+        self.points
+            .push(&wheel.centre, colour, [9.0, 0.0, wheel.radius_m as f32]);
+    }
+
+    /// A pulley to look through, with its outline.
+    fn glass_wheel(&mut self, wheel: &Wheel, colour: Color32, opacity: f32) {
+        if wheel.radius_m > 0.0 {
+            self.glass.wheel(wheel, rgba(colour, opacity));
+            for side in circle(&wheel.centre, &wheel.normal, wheel.radius_m) {
+                self.lines.push(side, colour, 1.2);
+            }
+        }
+        let look = [9.0, 1.5, wheel.radius_m as f32];
+        self.points.push(&wheel.centre, colour, look);
+    }
+
+    fn pulley(
+        &mut self,
+        cable: &CableView,
+        placed: &Placed,
+        look: CableLook,
+        (scene, options): (&Scene, &Options),
+        palette: &Palette,
+    ) {
+        let tone = |colour: Color32| {
+            if look.fades {
+                faded(colour, palette)
+            } else {
+                colour
+            }
+        };
+        if let Some(other) = placed.other.filter(|_| options.nominal) {
+            match scene.besides {
+                Besides::Other if !look.fades => self.glass_wheel(&other, look.colour, INSPECTED),
+                _ => self.glass_wheel(&other, tone(palette.ghost), GHOST),
+            }
+        }
+        let Some(moved) = &cable.moved else {
+            return;
+        };
+        let exaggeration = options.exaggeration_of(scene);
+        let tip = moved.from + moved.by * exaggeration;
+        let longest_m = longest_m(scene);
+        let ink = tone(arrow_colour(
+            moved,
+            options.arrow_colour,
+            longest_m,
+            palette,
+        ));
+        if options.arrows {
+            let most_m = match look.is_inspected {
+                true => 0.3 * placed.wheel.radius_m.max(0.2 * ARROW * scene.frame.size_m),
+                false => ARROW * scene.frame.size_m,
+            };
+            self.arrow(&moved.from, &tip, most_m, ink);
+        }
+        if options.ellipsoids
+            && let Some(shape) = ellipsoid(moved, exaggeration)
+        {
+            let ink = if look.is_inspected { look.colour } else { ink };
+            let colour = rgba(ink, ELLIPSOID);
+            self.glass.ellipsoid(&tip, &shape, colour);
+        }
+    }
+
+    /// An arrow whose head is at most so long.
+    fn arrow(&mut self, from: &Vec3, tip: &Vec3, head_m: f64, colour: Color32) {
+        let length = (tip - from).norm();
+        let Some(direction) = (tip - from).try_normalize(1e-9) else {
+            return;
+        };
+        let head = (0.4 * length).min(head_m);
+        let shaft = [*from, tip - direction * (0.8 * head)];
+        self.lines.push(shaft, colour, 2.2);
+        self.solids.cone(tip, &direction, head, rgba(colour, 1.0));
+    }
+
+    fn instruments(&mut self, scene: &Scene, palette: &Palette) {
+        if let Some(laser) = &scene.laser {
+            let size = scene.frame.size_m;
+            let end = laser.spot.unwrap_or(laser.from + laser.direction * size);
+            self.lines.push([laser.from, end], palette.laser, 1.6);
+            if let Some(spot) = &laser.spot {
+                let target = rgba(palette.laser, 0.18);
+                self.glass.disc(spot, &laser.normal, 0.022 * size, target);
+                for side in circle(spot, &laser.normal, 0.022 * size) {
+                    self.lines.push(side, palette.laser, 1.2);
+                }
+                self.points.push(spot, palette.laser, [7.0, 0.0, 0.0]);
+            }
+        }
+        for beam in &scene.home_beams {
+            self.lines.push(*beam, palette.muted, 1.2);
+            self.points.push(&beam[0], palette.muted, [7.0, 1.5, 0.0]);
+        }
+    }
+}
+
+/// Takes the unit sphere to the ellipsoid in which the pulley is with 95 % probability, so many times too large.
+///
+/// `d^T P^-1 d = q` with the 95 % point `q` of chi-square for as many coordinates as were estimated.
+#[must_use]
+pub fn ellipsoid(moved: &Displacement, exaggeration: f64) -> Option<Matrix3<f64>> {
+    let covariance = moved.covariance?;
+    let quantile: f64 = match moved.coordinates() {
+        1 => 3.841,
+        2 => 5.991,
+        _ => 7.815,
+    };
+    let eigen = SymmetricEigen::new(covariance);
+    let scale = exaggeration * quantile.sqrt();
+    let axes = eigen.eigenvalues.map(|v| scale * v.max(0.0).sqrt());
+    // A flat ellipsoid is drawn with a thickness.
+    let least = 0.02 * axes.max();
+    (axes.max() > 0.0 && axes.iter().all(|a| a.is_finite()))
+        .then(|| eigen.eigenvectors * Matrix3::from_diagonal(&axes.map(|a| a.max(least))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ellipsoid_has_the_semi_axes_of_the_covariance() {
+        let moved = |diagonal| Displacement {
+            from: Vec3::zeros(),
+            by: Vec3::zeros(),
+            covariance: Some(Matrix3::from_diagonal(&diagonal)),
+            moved: None,
+        };
+        let shape = ellipsoid(&moved(Vec3::new(4e-6, 1e-6, 9e-6)), 10.0).unwrap();
+        let mut axes: Vec<f64> = (0..3).map(|k| shape.column(k).norm()).collect();
+        axes.sort_by(f64::total_cmp);
+        for (axis, sd) in axes.iter().zip([1e-3, 2e-3, 3e-3]) {
+            assert!((axis - 10.0 * sd * 7.815_f64.sqrt()).abs() < 1e-12);
+        }
+        let flat = ellipsoid(&moved(Vec3::new(1e-6, 1e-6, 0.0)), 1.0).unwrap();
+        let largest = (0..3).map(|k| flat.column(k).norm()).fold(0.0, f64::max);
+        assert!((largest - 1e-3 * 5.991_f64.sqrt()).abs() < 1e-12);
+        assert!(ellipsoid(&moved(Vec3::zeros()), 1.0).is_none());
+    }
+}

@@ -1,0 +1,72 @@
+//! What the parts of the view depend on: they are made again only when that has changed.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use egui::Theme;
+use tautline_core::geometry::Vec3;
+use tautline_session::Session;
+
+use super::drawing::Options;
+use super::scene::MeasuredPoses;
+use crate::model::Selection;
+use crate::model::link::LivePlatform;
+use crate::model::plot_preparation::same;
+use tautline_workflow::identification::Identification;
+
+/// What a scene depends on.
+#[derive(Clone)]
+pub struct SceneKey {
+    /// Id and revision of the session.
+    pub session: (u64, u64),
+    pub fit: Option<Arc<Identification>>,
+    pub selection: Selection,
+    pub live: Option<LivePlatform>,
+}
+
+/// What a drawing depends on, besides its scene.
+#[derive(Clone, PartialEq)]
+pub struct DrawingKey {
+    pub theme: Theme,
+    pub options: Options,
+    pub selection: Selection,
+}
+
+/// What the points of the poses depend on.
+#[derive(Clone)]
+pub struct PosesKey {
+    pub measured: Arc<MeasuredPoses>,
+    pub planned: Vec<Vec3>,
+    pub pose: Option<i64>,
+    pub theme: Theme,
+}
+
+impl PartialEq for PosesKey {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.measured, &other.measured)
+            && self.pose == other.pose
+            && self.theme == other.theme
+            && self.planned == other.planned
+    }
+}
+
+impl SceneKey {
+    /// Whether the measured poses are still these, wherever the platform is.
+    pub fn has_poses_of(&self, other: &Self) -> bool {
+        self.session == other.session
+            && same(self.fit.as_ref(), other.fit.as_ref())
+            && self.selection.cable == other.selection.cable
+    }
+
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.has_poses_of(other) && self.selection == other.selection && self.live == other.live
+    }
+}
+
+/// Positions of the poses that are still to be measured (m).
+pub fn planned(session: &Session) -> Vec<Vec3> {
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
+    let planned = session.plan.iter();
+    let planned = planned.filter(|pose| !measured.contains(&pose.label));
+    planned.map(|pose| pose.pose().position).collect()
+}

@@ -1,0 +1,169 @@
+//! What colours in the picture mean.
+
+use egui::{Align2, Color32, Painter, Pos2, Rect, pos2, vec2};
+
+use super::drawing::{
+    ArrowColour, CableColour, length_colour, longest_m, significance_colour, tension_colour,
+    tension_range,
+};
+use super::overlay::{SMALL, quiet, text};
+use super::picking::Picture;
+use super::scene::{Besides, Significance};
+use crate::theme::{GRID, Palette};
+use tautline_workflow::wording::units::significant;
+
+/// Width of a scale of colours (points).
+const WIDTH: f32 = 160.0;
+
+/// Draws the legends above each other in the lower right corner of `rect`; gives where they are.
+pub fn paint(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
+    let scene = picture.scene;
+    let mut at = rect.right_bottom() - vec2(4.0 * GRID, 5.0 * GRID);
+    let mut drawn = Vec::new();
+    let mut put = |legend: Option<Rect>, at: &mut Pos2| {
+        if let Some(legend) = legend {
+            at.y = legend.top() - 6.0 * GRID;
+            drawn.push(legend);
+        }
+    };
+    if picture.options.inspected.is_none() {
+        put(residuals(painter, at, picture, palette), &mut at);
+    }
+    if picture.options.colour == CableColour::Tension {
+        let legend = match tension_range(scene) {
+            Some([low, high]) => {
+                let marks = [low, (low + high) / 2.0, high].map(|t| format!("{t:.0}"));
+                let colour = |share: f32| tension_colour(share, palette);
+                ramp(painter, at, "Tension (N)", &marks, colour, palette)
+            }
+            None => text(
+                painter,
+                at,
+                Align2::RIGHT_BOTTOM,
+                "No tensions known at this pose",
+                quiet(palette),
+            ),
+        };
+        put(Some(legend), &mut at);
+    }
+    put(displacements(painter, at, picture, palette), &mut at);
+    drawn
+}
+
+fn residuals(
+    painter: &Painter,
+    at: Pos2,
+    picture: &Picture<'_>,
+    palette: &Palette,
+) -> Option<Rect> {
+    let measured = &picture.scene.measured;
+    let has_residuals = measured.iter().any(|pose| pose.residual.is_some());
+    let of_poses = picture.options.poses && has_residuals;
+    let of_cables = picture.options.colour == CableColour::Residual;
+    let title = match (of_cables, of_poses) {
+        (true, true) => "Cable and pose residuals (standard deviations)",
+        (true, false) => "Cable residuals (standard deviations)",
+        (false, true) => "Pose residuals (standard deviations)",
+        (false, false) => return None,
+    };
+    let colour = |share: f32| palette.residual(f64::from(share) * 6.0 - 3.0);
+    let marks = ["-3", "0", "+3"].map(str::to_owned);
+    Some(ramp(painter, at, title, &marks, colour, palette))
+}
+
+fn displacements(
+    painter: &Painter,
+    at: Pos2,
+    picture: &Picture<'_>,
+    palette: &Palette,
+) -> Option<Rect> {
+    let options = picture.options;
+    if picture.scene.besides == Besides::Nothing || !(options.arrows || options.ellipsoids) {
+        return None;
+    }
+    match options.arrow_colour {
+        ArrowColour::Length => {
+            let longest_mm = longest_m(picture.scene)? * 1e3;
+            let marks = [0.0, 0.5 * longest_mm, longest_mm].map(|mm| significant(mm, 2));
+            let colour = |share: f32| length_colour(share, palette);
+            Some(ramp(
+                painter,
+                at,
+                "Displacement (mm)",
+                &marks,
+                colour,
+                palette,
+            ))
+        }
+        ArrowColour::Significance => Some(significances(painter, at, picture, palette)),
+    }
+}
+
+/// A line for each significance that occurs.
+fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Rect {
+    let scene = picture.scene;
+    let occurs = |one: &Significance| {
+        let mut moved = scene.cables.iter().filter_map(|cable| cable.moved.as_ref());
+        moved.any(|moved| moved.significance() == *one)
+    };
+    let all = Significance::KNOWN
+        .into_iter()
+        .chain([Significance::Unknown]);
+    let mut at = at + vec2(0.0, SMALL + 3.0);
+    let mut drawn = Rect::from_min_max(at, at);
+    for one in all.filter(occurs) {
+        let words = match (scene.besides, one) {
+            (Besides::Other, Significance::Noise) => "noise",
+            (Besides::Other, Significance::Clear) => "moved",
+            _ => one.words(),
+        };
+        let right = at - vec2(26.0, 0.0);
+        let words = text(painter, right, Align2::RIGHT_BOTTOM, words, quiet(palette));
+        let middle = words.center().y;
+        let line = Rect::from_min_max(pos2(at.x - 20.0, middle - 2.0), pos2(at.x, middle + 2.0));
+        painter.rect_filled(line, 2.0, significance_colour(one, palette));
+        drawn = drawn.union(words).union(line);
+        at.y = words.top() - 1.0;
+    }
+    let title = text(
+        painter,
+        at,
+        Align2::RIGHT_BOTTOM,
+        "Displacements",
+        quiet(palette),
+    );
+    drawn.union(title)
+}
+
+/// A scale of colours whose lower right corner is at `at`; gives where it and what is written at it are.
+fn ramp(
+    painter: &Painter,
+    at: Pos2,
+    title: &str,
+    marks: &[String; 3],
+    colour: impl Fn(f32) -> Color32,
+    palette: &Palette,
+) -> Rect {
+    const STEPS: usize = 40;
+    let left = at.x - WIDTH;
+    for step in 0..STEPS {
+        let share = |k: usize| k as f32 / STEPS as f32;
+        let corners = [
+            pos2(left + WIDTH * share(step), at.y - 6.0),
+            pos2(left + WIDTH * share(step + 1), at.y),
+        ];
+        let middle = (share(step) + share(step + 1)) / 2.0;
+        painter.rect_filled(Rect::from_points(&corners), 0.0, colour(middle));
+    }
+    let anchors = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP];
+    for (k, (mark, anchor)) in marks.iter().zip(anchors).enumerate() {
+        let x = left + WIDTH * 0.5 * k as f32;
+        text(painter, pos2(x, at.y + 1.0), anchor, mark, quiet(palette));
+    }
+    let above = pos2(at.x, at.y - 9.0);
+    let title = text(painter, above, Align2::RIGHT_BOTTOM, title, quiet(palette));
+    title.union(Rect::from_two_pos(
+        pos2(left, at.y - 6.0),
+        at + vec2(0.0, SMALL + 3.0),
+    ))
+}

@@ -1,0 +1,187 @@
+//! How pulleys differ from those of the drawing or of another session, and where they are drawn for it.
+
+use nalgebra::Matrix3;
+use tautline_core::geometry::Vec3;
+
+use super::{Besides, Scene, Wheel};
+use tautline_workflow::identification::{CLEAR, NOISE, chance_of_noise};
+
+/// Whether a displacement exceeds its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Significance {
+    /// The uncertainty is not known.
+    Unknown,
+    /// Noise alone does that more often than once in 20 times.
+    Noise,
+    /// Neither.
+    Unclear,
+    /// Noise alone does that less often than once in 1000 times.
+    Clear,
+}
+
+impl Significance {
+    /// Those that have a known uncertainty, from least to most.
+    pub const KNOWN: [Self; 3] = [Self::Noise, Self::Unclear, Self::Clear];
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Unknown => "uncertainty not known",
+            Self::Noise => "within the uncertainty",
+            Self::Unclear => "unclear",
+            Self::Clear => "beyond the uncertainty",
+        }
+    }
+}
+
+/// What identification changed at a pulley, or what is different in another session.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Displacement {
+    /// Entry point of the drawing, or of the first session (m).
+    pub from: Vec3,
+    /// Identified less nominal, or second less first (m).
+    pub by: Vec3,
+    /// Its covariance (m^2), where the data determine it; coordinates that were not estimated have none.
+    pub covariance: Option<Matrix3<f64>>,
+    /// Whether it moved or is noise, where a comparison has found that out already.
+    pub moved: Option<bool>,
+}
+
+impl Displacement {
+    /// Its length with three standard deviations of its least certain coordinate (m).
+    #[must_use]
+    pub fn reach_m(&self) -> f64 {
+        let variance = self.covariance.map_or(0.0, |c| c.diagonal().max());
+        self.by.norm() + 3.0 * variance.max(0.0).sqrt()
+    }
+
+    /// Number of coordinates that were estimated.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        let covariance = self.covariance.unwrap_or_default();
+        (0..3).filter(|k| covariance[(*k, *k)] > 0.0).count()
+    }
+
+    /// Whether it exceeds its uncertainty.
+    #[must_use]
+    pub fn significance(&self) -> Significance {
+        let chance = self
+            .covariance
+            .and_then(|covariance| chance_of_noise(&self.by, &covariance));
+        match (self.moved, chance) {
+            (Some(true), _) => Significance::Clear,
+            (Some(false), _) => Significance::Noise,
+            (None, None) => Significance::Unknown,
+            (None, Some(chance)) if chance > NOISE => Significance::Noise,
+            (None, Some(chance)) if chance < CLEAR => Significance::Clear,
+            (None, Some(_)) => Significance::Unclear,
+        }
+    }
+}
+
+/// A cable with its pulleys where they are drawn: what differs between the two pulleys is magnified.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// From the winch's side over the pulley to the platform (m).
+    pub path: Vec<Vec3>,
+    /// Its pulley.
+    pub wheel: Wheel,
+    /// The pulley that is shown besides.
+    pub other: Option<Wheel>,
+}
+
+impl Wheel {
+    /// The same elsewhere.
+    fn shifted(&self, by: &Vec3) -> Self {
+        Self {
+            entry: self.entry + by,
+            centre: self.centre + by,
+            ..*self
+        }
+    }
+}
+
+impl Scene {
+    /// Where a cable and its pulleys are drawn if differences are magnified so many times. The end at the platform stays;
+    /// the cable follows its pulley. An index beyond the cables has an empty path.
+    #[must_use]
+    pub fn placed(&self, index: usize, magnification: f64) -> Placed {
+        let Some(cable) = self.cables.get(index) else {
+            return Placed {
+                path: Vec::new(),
+                wheel: Wheel {
+                    entry: Vec3::zeros(),
+                    centre: Vec3::zeros(),
+                    normal: Vec3::z(),
+                    radius_m: 0.0,
+                },
+                other: None,
+            };
+        };
+        let by = cable.moved.map_or_else(Vec3::zeros, |moved| moved.by);
+        let more = by * (magnification - 1.0);
+        if self.besides == Besides::Other {
+            // The first session is drawn where it is.
+            return Placed {
+                path: cable.path.clone(),
+                wheel: cable.wheel,
+                other: cable.nominal.map(|wheel| wheel.shifted(&more)),
+            };
+        }
+        let path = match (cable.path.last(), cable.free_m) {
+            (Some(anchor), Some(free_m)) if free_m > 0.0 => {
+                let follows = |p: &Vec3| p + more * ((p - anchor).norm() / free_m).min(1.0);
+                cable.path.iter().map(follows).collect()
+            }
+            _ => cable.path.clone(),
+        };
+        Placed {
+            path,
+            wheel: cable.wheel.shifted(&more),
+            other: cable.nominal,
+        }
+    }
+
+    /// Whether a pulley did not move in a comparison in which another one did.
+    #[must_use]
+    pub fn is_unmoved_beside_others(&self, cable: usize) -> bool {
+        let moved = |index: usize| self.cables.get(index)?.moved?.moved;
+        let is_unmoved = moved(cable) == Some(false);
+        is_unmoved && (0..self.cables.len()).any(|index| moved(index) == Some(true))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn displacement(by: [f64; 3], sd: [f64; 3]) -> Displacement {
+        Displacement {
+            from: Vec3::zeros(),
+            by: by.into(),
+            covariance: Some(Matrix3::from_diagonal(&Vec3::from(sd.map(|s| s * s)))),
+            moved: None,
+        }
+    }
+
+    #[test]
+    fn significance_follows_the_chi_square_of_the_estimated_coordinates() {
+        // Upper 5 % points of chi-square from tables: 3.841 for one and 7.815 for three degrees of freedom.
+        for (by, sd, expected) in [
+            ([1.9e-3, 0.0, 0.0], [1e-3, 0.0, 0.0], Significance::Noise),
+            ([2.0e-3, 0.0, 0.0], [1e-3, 0.0, 0.0], Significance::Unclear),
+            ([2.0e-3, 0.0, 0.0], [1e-3, 1e-3, 1e-3], Significance::Noise),
+            ([2.0e-3, 2.1e-3, 0.0], [1e-3; 3], Significance::Unclear),
+            ([4.1e-3, 0.0, 0.0], [1e-3; 3], Significance::Clear),
+        ] {
+            assert_eq!(displacement(by, sd).significance(), expected, "{by:?}");
+        }
+        let mut unknown = displacement([1e-3; 3], [0.0; 3]);
+        assert_eq!(unknown.significance(), Significance::Unknown);
+        unknown.covariance = None;
+        assert_eq!(unknown.significance(), Significance::Unknown);
+        unknown.moved = Some(true);
+        assert_eq!(unknown.significance(), Significance::Clear);
+    }
+}

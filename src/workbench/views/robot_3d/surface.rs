@@ -1,0 +1,81 @@
+//! The nearest surface that a line of sight meets, of what is drawn.
+
+use tautline_core::geometry::Vec3;
+
+use super::camera::Ray;
+use super::drawing::Drawing;
+use super::mesh::Triangles;
+
+/// Where a line of sight meets what is drawn first (m), solid or to look through.
+#[must_use]
+pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
+    let parts = [&drawing.solids, &drawing.glass].into_iter();
+    let nearest = parts.filter_map(|part| distance(part, ray));
+    let nearest = nearest.min_by(f64::total_cmp)?;
+    Some(ray.origin + ray.direction * nearest)
+}
+
+/// Distance along a line of sight to the first of the triangles that it meets (m).
+fn distance(triangles: &Triangles, ray: &Ray) -> Option<f64> {
+    let corners = triangles.positions.chunks_exact(3);
+    let met = corners.filter_map(|corners| {
+        let at = |k: usize| Vec3::from(corners[k].map(f64::from));
+        triangle(ray, [at(0), at(1), at(2)])
+    });
+    met.min_by(f64::total_cmp)
+}
+
+/// Distance to a triangle, from either side (Moeller and Trumbore 1997).
+fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f64> {
+    let (along, across) = (b - a, c - a);
+    let p = ray.direction.cross(&across);
+    let determinant = along.dot(&p);
+    let inverse = determinant.recip();
+    let from = ray.origin - a;
+    let u = from.dot(&p) * inverse;
+    let q = from.cross(&along);
+    let v = ray.direction.dot(&q) * inverse;
+    let distance = across.dot(&q) * inverse;
+    let is_met = determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+    is_met.then_some(distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_sight_meets_the_nearest_face_of_a_box() {
+        let mut triangles = Triangles::default();
+        let corner = |k: usize| {
+            Vec3::from_fn(|axis, _| {
+                if k >> axis & 1 == 0 {
+                    -1.0
+                } else {
+                    1.0 + axis as f64
+                }
+            })
+        };
+        triangles.cuboid(&std::array::from_fn(corner), [1.0; 4]);
+        for (origin, direction, expected) in [
+            ([-5.0, 0.3, 0.2], [1.0, 0.0, 0.0], Some(4.0)),
+            ([5.0, 0.3, 0.2], [-1.0, 0.0, 0.0], Some(4.0)),
+            ([0.0, 0.5, 9.0], [0.0, 0.0, -1.0], Some(6.0)),
+            ([0.1, 0.5, 0.2], [0.0, 1.0, 0.0], Some(1.5)),
+            ([-5.0, 2.1, 0.2], [1.0, 0.0, 0.0], None),
+            ([-5.0, 0.3, 0.2], [-1.0, 0.0, 0.0], None),
+        ] {
+            let ray = Ray {
+                origin: origin.into(),
+                direction: direction.into(),
+            };
+            let found = distance(&triangles, &ray);
+            match (found, expected) {
+                (Some(found), Some(expected)) => {
+                    assert!((found - expected).abs() < 1e-6, "{origin:?}: {found}");
+                }
+                (found, expected) => assert_eq!(found, expected, "{origin:?}"),
+            }
+        }
+    }
+}
