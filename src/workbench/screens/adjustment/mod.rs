@@ -237,10 +237,11 @@ fn write(
             Some(Kind::Recording) => " This is a recording: nothing can be written to it.",
             _ => "",
         };
-        muted(
-            ui,
-            &format!("{changes} values differ from those of the controller.{note}"),
-        );
+        let differ = match changes {
+            1 => "1 value differs from that of the controller.".to_owned(),
+            several => format!("{several} values differ from those of the controller."),
+        };
+        muted(ui, &(differ + note));
     }
 }
 
