@@ -1,0 +1,31 @@
+//! Foreign files: logs, motion capture, point lists and spreadsheets become datasets; descriptions of robots become ours.
+//!
+//! A **source** is a file, recognised by its content. It has **series** of **channels**: name, unit, values. A **recipe**
+//! says which channel is which quantity of the robot, with unit, factor, offset and sign. **Cutting** makes poses of rows:
+//! every row, rows of one label, or rests. What was not understood is told in notices, and nothing is dropped silently.
+
+mod cutting;
+mod document;
+mod formats;
+mod importing;
+mod recipe;
+mod source;
+mod sources;
+mod table;
+mod text;
+mod units;
+
+pub use document::{
+    ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
+};
+pub use formats::{is_robot_description, read_source};
+pub use importing::{Imported, found, import};
+pub use recipe::{
+    Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, propose, read_recipe,
+};
+pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
+pub use sources::read_sources;
+pub use units::{Dimension, Unit, parse_unit, split_heading};
+
+#[cfg(test)]
+mod tests;
