@@ -242,7 +242,7 @@ fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells
                 value.clear();
             }
             Event::Start(tag) if matches!(tag.local_name().as_ref(), b"v" | b"t") => {
-                in_value = true
+                in_value = true;
             }
             Event::End(tag) => match tag.local_name().as_ref() {
                 b"v" | b"t" => in_value = false,

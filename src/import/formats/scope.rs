@@ -106,11 +106,11 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
         for (k, name) in header.names.clone().iter().enumerate() {
             match key.split(['[', ' ']).next().unwrap_or_default() {
                 "SampleTime" => {
-                    header.sample_ms[k] = parse_number(values[k]).map(|(value, _)| value)
+                    header.sample_ms[k] = parse_number(values[k]).map(|(value, _)| value);
                 }
                 "Unit" if !values[k].is_empty() => header.units[k] = Some(values[k].into()),
                 "ScaleFactor" if parse_number(values[k]).is_some_and(|(value, _)| value != 1.0) => {
-                    header.scaled.push(quoted(name))
+                    header.scaled.push(quoted(name));
                 }
                 _ => {}
             }

@@ -278,7 +278,7 @@ impl Proposal<'_> {
 
     /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
     fn poses(&mut self, series: &Series, format: Format) {
-        let mut bodies: Vec<(String, bool, Vec<(usize, &Channel)>)> = Vec::new();
+        let mut bodies: Vec<Body<'_>> = Vec::new();
         for channel in &series.channels {
             let spoken = words(&channel.name);
             let (Some((component, owner)), false) = (
@@ -437,6 +437,9 @@ impl Proposal<'_> {
         }
     }
 }
+
+/// Name of a body, whether it is wanted rather than measured, and its components.
+type Body<'a> = (String, bool, Vec<(usize, &'a Channel)>);
 
 fn is_any(spoken: &[String], known: &[&str]) -> bool {
     spoken.iter().any(|word| known.contains(&word.as_str()))
