@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_session::VersionedFile;
 
+use crate::check::Suggestion;
 use crate::recipe::Recipe;
 use crate::source::{Series, Source};
 
@@ -20,6 +21,10 @@ pub struct ImportDocument {
     pub proposed: bool,
     /// The poses; empty if channels were only listed.
     pub poses: Vec<PoseReport>,
+    /// Mistakes that the readings seem to have.
+    pub suggestions: Vec<Suggestion>,
+    /// Suggestions that the recipe has taken up.
+    pub applied: Vec<Suggestion>,
     /// What was not understood or left out, assumptions, gaps and jumps of clocks.
     pub notices: Vec<String>,
 }

@@ -6,10 +6,14 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{ReadError, read_poses};
 
-use crate::cutting::{CutPose, cut, number_of};
+use crate::check::{Change, Mistake, Readings, Suggestion, check};
+use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
-use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, resolve};
+use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
 use crate::source::Source;
+
+/// Most suggestions that are taken up.
+const MOST_CHANGES: usize = 64;
 
 /// Poses made of foreign files.
 #[derive(Debug, Clone)]
@@ -31,7 +35,7 @@ pub fn import(
     recipe: &Recipe,
     recipe_file: &str,
     robot: &Robot,
-) -> Result<Imported, ReadError> {
+) -> Result<Imported, ImportError> {
     let file = sources.first().map_or("", |source| source.file.as_str());
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
     let mut notices: Vec<String> = sources
@@ -44,9 +48,9 @@ pub fn import(
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
     let columns = columns(&mapping, recipe);
+    let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot);
     let poses_csv = table(&poses, &labels, &columns, recipe);
-    let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot)?;
-    notices.extend(read.notices);
+    let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
     let document = ImportDocument {
         sources: reports(sources, &mapping),
         recipe: recipe.clone(),
@@ -56,14 +60,154 @@ pub fn import(
             .zip(&labels)
             .map(|(pose, label)| report(pose, *label, recipe))
             .collect(),
+        suggestions,
+        applied: Vec::new(),
         notices,
     };
-    Ok(Imported {
-        poses_csv,
-        measurements: read.value,
-        document,
-    })
+    match read {
+        Ok(read) => {
+            let mut document = document;
+            document.notices.extend(read.notices);
+            Ok(Imported {
+                poses_csv,
+                measurements: read.value,
+                document,
+            })
+        }
+        // What is impossible may be a mistake that has a name.
+        Err(error) => Err(ImportError {
+            error,
+            suggestions: document.suggestions,
+        }),
+    }
 }
+
+/// Imports, takes up what the check suggests, and imports again until it suggests nothing.
+///
+/// # Errors
+/// As [`import`], for what no suggestion makes good.
+pub fn import_corrected(
+    sources: &[Source],
+    recipe: &Recipe,
+    recipe_file: &str,
+    robot: &Robot,
+) -> Result<Imported, ImportError> {
+    let mut recipe = recipe.clone();
+    let mut applied: Vec<Suggestion> = Vec::new();
+    loop {
+        let found = import(sources, &recipe, recipe_file, robot);
+        let suggestions = match &found {
+            Ok(imported) => &imported.document.suggestions,
+            Err(error) => &error.suggestions,
+        };
+        // A suggestion that comes back did not help.
+        let new: Vec<Suggestion> = suggestions
+            .iter()
+            .filter(|one| !applied.contains(one))
+            .cloned()
+            .collect();
+        if new.is_empty() || applied.len() > MOST_CHANGES {
+            return found.map(|mut imported| {
+                imported.document.applied = applied;
+                imported
+            });
+        }
+        new.iter()
+            .for_each(|suggestion| suggestion.apply(&mut recipe));
+        applied.extend(new);
+    }
+}
+
+/// What the check of the data finds, and jumps of clocks that are not closed.
+fn suggestions(
+    mapping: &Mapping<'_>,
+    poses: &[CutPose],
+    labels: &[i64],
+    recipe: &Recipe,
+    robot: &Robot,
+) -> Vec<Suggestion> {
+    let is_empty = |quantity: &Quantity| {
+        recipe
+            .left_empty
+            .iter()
+            .any(|column| *column == quantity.column())
+    };
+    let quantities = mapping
+        .quantities
+        .keys()
+        .filter(|quantity| !quantity.is_text() && !is_empty(quantity));
+    let values = |quantity: &Quantity| {
+        poses
+            .iter()
+            .map(|pose| {
+                pose.readings
+                    .get(quantity)
+                    .map_or(f64::NAN, |reading| reading.mean)
+            })
+            .collect()
+    };
+    let readings = Readings {
+        labels: labels.to_vec(),
+        columns: quantities
+            .map(|quantity| (*quantity, values(quantity)))
+            .collect(),
+    };
+    let mut found = check(&readings, robot);
+    for (k, series) in mapping.series.iter().enumerate() {
+        let times = Times::of(mapping, k, recipe);
+        let is_closed = recipe
+            .clocks
+            .iter()
+            .any(|clock| clock.close_jumps && is_series(series, &clock.series));
+        if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
+            let sentence = format!(
+                "the clock of {} jumps by {step:.3} s at row {}: it was set in between; close the jump",
+                series.name,
+                row + 1
+            );
+            let change = Change::CloseJumps {
+                series: series.name.clone(),
+            };
+            found.push(Suggestion::new(
+                Mistake::ClockJump,
+                vec!["time_s".into()],
+                sentence,
+                change,
+            ));
+        }
+    }
+    found
+}
+
+/// Why an import failed, and what may be wrong with the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportError {
+    /// Why.
+    pub error: ReadError,
+    /// Mistakes that the readings seem to have.
+    pub suggestions: Vec<Suggestion>,
+}
+
+impl From<ReadError> for ImportError {
+    fn from(error: ReadError) -> Self {
+        Self {
+            error,
+            suggestions: Vec::new(),
+        }
+    }
+}
+
+impl std::fmt::Display for ImportError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.error)?;
+        match self.suggestions.first() {
+            Some(first) => write!(f, " ({}; --apply-suggestions corrects it)", first.sentence),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for ImportError {}
 
 /// What is in the sources, and what a recipe would make of it.
 ///
@@ -86,6 +230,8 @@ pub fn found(
         recipe: recipe.clone(),
         proposed: false,
         poses: Vec::new(),
+        suggestions: Vec::new(),
+        applied: Vec::new(),
         notices,
     })
 }

@@ -4,25 +4,29 @@
 //! says which channel is which quantity of the robot, with unit, factor, offset and sign. **Cutting** makes poses of rows:
 //! every row, rows of one label, or rests. What was not understood is told in notices, and nothing is dropped silently.
 
+mod check;
 mod cutting;
 mod document;
 mod formats;
 mod importing;
 mod recipe;
+mod robots;
 mod source;
 mod sources;
 mod table;
 mod text;
 mod units;
 
+pub use check::{Change, Mistake, Suggestion};
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
 pub use formats::{is_robot_description, read_source};
-pub use importing::{Imported, found, import};
+pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use recipe::{
     Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, propose, read_recipe,
 };
+pub use robots::read_robot_description;
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;
 pub use units::{Dimension, Unit, parse_unit, split_heading};
