@@ -9,6 +9,8 @@ mod cutting;
 mod document;
 mod formats;
 mod importing;
+mod naming;
+mod proposal;
 mod recipe;
 mod robots;
 mod source;
@@ -23,9 +25,8 @@ pub use document::{
 };
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
-pub use recipe::{
-    Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, propose, read_recipe,
-};
+pub use proposal::propose;
+pub use recipe::{Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, read_recipe};
 pub use robots::read_robot_description;
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;

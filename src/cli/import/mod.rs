@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    ImportDocument, Imported, Recipe, Source, import, propose, read_recipe, read_sources,
+    ImportDocument, Imported, Recipe, Source, import, import_corrected, is_robot_description,
+    propose, read_recipe, read_robot_description, read_sources,
 };
-use tautline_session::{read_robot, write_text, write_versioned};
+use tautline_session::{read_robot, write_robot, write_text, write_versioned};
 
 use crate::BadInput;
 use crate::input::{self, noticed};
@@ -22,7 +23,8 @@ const POSES: &str = "poses.csv";
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .mat, .npy, .npz, .xlsx
+    /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .mat, .npy, .npz, .xlsx; or the
+    /// description of a robot: cables and bodies of CASPR
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
     /// Which channel is which quantity; without it a recipe is proposed from names, units and ranges
@@ -31,7 +33,7 @@ pub struct Arguments {
     /// The robot: a preset or a robot.json; without it robot.json of the folder
     #[arg(long, value_name = "PRESET|FILE")]
     robot: Option<String>,
-    /// Dataset folder to write
+    /// Dataset folder to write; for the description of a robot the robot.json
     #[arg(
         short,
         long,
@@ -45,6 +47,9 @@ pub struct Arguments {
     /// Write the recipe that was used or is proposed
     #[arg(long, value_name = "FILE")]
     recipe_out: Option<PathBuf>,
+    /// Change the recipe as the check of the data suggests: units, signs, exchanged channels, steps, jumps, dead channels
+    #[arg(long)]
+    apply_suggestions: bool,
     /// Replace poses that are in the folder already
     #[arg(long)]
     replace: bool,
@@ -53,25 +58,68 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    if describes_robot(&arguments.sources)? {
+        return robot_description(arguments);
+    }
     let sources = noticed(read_sources(&arguments.sources)?);
     let robot = robot(arguments)?;
     let (recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
-    if let Some(path) = &arguments.recipe_out {
-        write_versioned(path, &recipe)?;
-    }
     if arguments.channels {
         let document = tautline_import::found(&sources, &recipe, &name, &robot.robot)?;
         return deliver(arguments, document, assumptions);
     }
+    let imported = match arguments.apply_suggestions {
+        true => import_corrected(&sources, &recipe, &name, &robot.robot),
+        false => import(&sources, &recipe, &name, &robot.robot),
+    };
     let Imported {
         poses_csv,
         document,
         ..
-    } = import(&sources, &recipe, &name, &robot.robot)?;
+    } = imported.map_err(BadInput::new)?;
     if let Some(folder) = &arguments.out {
-        write(arguments, folder, &robot, &poses_csv, &recipe)?;
+        write(arguments, folder, &robot, &poses_csv, &document.recipe)?;
     }
     deliver(arguments, document, assumptions)
+}
+
+/// Whether all sources describe a robot. A mixture is refused by the reader of readings.
+fn describes_robot(sources: &[PathBuf]) -> Result<bool> {
+    for source in sources {
+        if source.is_dir() || !is_robot_description(source)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+fn robot_description(arguments: &Arguments) -> Result<()> {
+    let Some(out) = &arguments.out else {
+        return Err(BadInput::new(
+            "--out: not given, expected the robot.json to write",
+        ));
+    };
+    let out = if out.is_dir() {
+        out.join(ROBOT)
+    } else {
+        out.clone()
+    };
+    if out.exists() && !arguments.replace {
+        let message = format!(
+            "{}: is there already, expected --replace or another name",
+            out.display()
+        );
+        return Err(BadInput::new(message));
+    }
+    let robot = noticed(read_robot_description(&arguments.sources)?);
+    write_robot(&out, &robot)?;
+    say!(
+        "{}: {} with {} cables",
+        out.display(),
+        robot.name,
+        robot.cable_count()
+    );
+    Ok(())
 }
 
 /// The robot, and the file that it is to be copied from.
@@ -152,7 +200,7 @@ fn write(
         BadInput::new(format!("{}: cannot be made ({error})", folder.display()))
     })?;
     if !robot.is_in_folder {
-        tautline_session::write_robot(&folder.join(ROBOT), &robot.robot)?;
+        write_robot(&folder.join(ROBOT), &robot.robot)?;
     }
     write_text(&poses, poses_csv)?;
     write_versioned(&folder.join(RECIPE), recipe)?;
@@ -167,6 +215,9 @@ fn deliver(
     if let Some(assumptions) = assumptions {
         document.proposed = true;
         document.notices.extend(assumptions);
+    }
+    if let Some(path) = &arguments.recipe_out {
+        write_versioned(path, &document.recipe)?;
     }
     for notice in &document.notices {
         note!("{notice}");

@@ -43,6 +43,12 @@ pub fn print(document: &ImportDocument) {
         );
     }
     say!("");
+    for suggestion in &document.applied {
+        say!("Corrected: {}", suggestion.sentence);
+    }
+    for suggestion in &document.suggestions {
+        say!("Check: {} (--apply-suggestions)", suggestion.sentence);
+    }
 }
 
 fn cells(channel: &ChannelReport) -> [String; 7] {

@@ -240,7 +240,7 @@ fn other_rows(
     let names = series
         .texts
         .iter()
-        .find(|text| crate::recipe::is_label(&text.name));
+        .find(|text| crate::naming::is_label(&text.name));
     if let (Some(names), Some(label)) = (names, label) {
         let row = (0..series.rows).find(|row| same_label(names.at(*row), label));
         return Ok(row.map(|row| row..row + 1));

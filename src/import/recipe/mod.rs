@@ -1,10 +1,7 @@
 //! Recipes: which channel is which quantity of the robot.
 
-mod names;
-mod propose;
 mod quantity;
 mod resolve;
-mod words;
 
 use std::path::Path;
 
@@ -13,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 use tautline_session::{Loaded, ReadError, VersionedFile, read_versioned};
 
-pub use propose::propose;
 pub use quantity::{Kind, Quantity};
 pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
 
@@ -263,13 +259,6 @@ impl VersionedFile for Recipe {
         }
         Ok(())
     }
-}
-
-/// Whether a column is called as labels of poses are.
-pub(crate) fn is_label(name: &str) -> bool {
-    names::words(name)
-        .iter()
-        .any(|word| words::LABEL.contains(&word.as_str()))
 }
 
 /// Reads a recipe.

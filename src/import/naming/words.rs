@@ -1,9 +1,9 @@
 //! Words by which channels are recognised, in English and German.
 
-use super::Kind;
+use crate::recipe::Kind;
 
 /// Kinds that one channel for each cable can be.
-pub(super) const PER_CABLE: &[(Kind, &[&str])] = &[
+pub(crate) const PER_CABLE: &[(Kind, &[&str])] = &[
     (
         Kind::Force,
         &[
@@ -64,7 +64,7 @@ pub(super) const PER_CABLE: &[(Kind, &[&str])] = &[
 ];
 
 /// Words of channels that are no reading of position or force.
-pub(super) const OTHER: &[&str] = &[
+pub(crate) const OTHER: &[&str] = &[
     "vel",
     "velocity",
     "velo",
@@ -97,7 +97,7 @@ pub(super) const OTHER: &[&str] = &[
 ];
 
 /// Words of what a controller wants.
-pub(super) const WANTED: &[&str] = &[
+pub(crate) const WANTED: &[&str] = &[
     "cmd",
     "command",
     "commanded",
@@ -115,12 +115,12 @@ pub(super) const WANTED: &[&str] = &[
 ];
 
 /// Words of what is measured.
-pub(super) const ACTUAL: &[&str] = &[
+pub(crate) const ACTUAL: &[&str] = &[
     "act", "actual", "ist", "meas", "measured", "real", "fbk", "feedback",
 ];
 
 /// Words of instruments that measure poses from outside.
-pub(super) const EXTERNAL: &[&str] = &[
+pub(crate) const EXTERNAL: &[&str] = &[
     "meas",
     "measured",
     "mocap",
@@ -146,11 +146,11 @@ pub(super) const EXTERNAL: &[&str] = &[
 ];
 
 /// Words of a laser distance sensor.
-pub(super) const LASER: &[&str] = &["laser", "distance", "dist", "abstand", "lidar"];
+pub(crate) const LASER: &[&str] = &["laser", "distance", "dist", "abstand", "lidar"];
 /// Words of a temperature.
-pub(super) const TEMPERATURE: &[&str] = &["temp", "temperature", "temperatur"];
+pub(crate) const TEMPERATURE: &[&str] = &["temp", "temperature", "temperatur"];
 /// Words of a time.
-pub(super) const TIME: &[&str] = &[
+pub(crate) const TIME: &[&str] = &[
     "time",
     "t",
     "zeit",
@@ -160,11 +160,11 @@ pub(super) const TIME: &[&str] = &[
     "tout",
 ];
 /// Words of the name of a pose.
-pub(super) const LABEL: &[&str] = &[
+pub(crate) const LABEL: &[&str] = &[
     "pose", "point", "name", "label", "punkt", "pt", "nr", "no", "number", "nummer", "poseid",
 ];
 /// Words of a group.
-pub(super) const GROUP: &[&str] = &["group", "gruppe", "standstill"];
+pub(crate) const GROUP: &[&str] = &["group", "gruppe", "standstill"];
 /// Roll, pitch and yaw.
-pub(super) const ANGLES: [&[&str]; 3] =
+pub(crate) const ANGLES: [&[&str]; 3] =
     [&["roll"], &["pitch", "nick"], &["yaw", "gier", "heading"]];

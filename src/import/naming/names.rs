@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 /// Channels whose names differ by one number.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Family {
+pub(crate) struct Family {
     /// The name with `{i}` for the number.
     pub pattern: String,
     /// Smallest number.
@@ -14,7 +14,7 @@ pub(super) struct Family {
 }
 
 /// The families among names: names that are equal but for one number, and these numbers without a hole.
-pub(super) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> {
+pub(crate) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> {
     let mut patterns: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for name in names {
         for (pattern, number) in patterns_of(name) {
@@ -66,7 +66,7 @@ fn patterns_of(name: &str) -> Vec<(String, usize)> {
 }
 
 /// The words of a name, in lower case: `GVL.Winch1_ActPos [mm]` is gvl, winch, act, pos, mm.
-pub(super) fn words(name: &str) -> Vec<String> {
+pub(crate) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut last = ' ';
     for letter in name.chars() {

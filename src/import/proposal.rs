@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use tautline_core::robot::Robot;
 
-use super::names::{Family, families, words};
-use super::words::{
+use crate::cutting::{is_recording, sampled_at_rest};
+use crate::naming::words::{
     ACTUAL, ANGLES, EXTERNAL, GROUP, LABEL, LASER, OTHER, PER_CABLE, TEMPERATURE, TIME, WANTED,
 };
-use super::{Assignment, Cutting, Kind, Quantity, Recipe, Rest};
-use crate::cutting::{is_recording, sampled_at_rest};
+use crate::naming::{Family, families, words_of};
+use crate::recipe::{Assignment, Cutting, Kind, Quantity, Recipe, Rest};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
 
@@ -187,7 +187,7 @@ impl Proposal<'_> {
     /// Channels that there is one of.
     fn singles(&mut self, series: &Series, format: Format) {
         for text in &series.texts {
-            let spoken = words(&text.name);
+            let spoken = words_of(&text.name);
             let column = match () {
                 () if is_any(&spoken, GROUP) => "group",
                 () if is_any(&spoken, LABEL) => "pose",
@@ -196,7 +196,7 @@ impl Proposal<'_> {
             self.single(series, &text.name, column, None);
         }
         for channel in &series.channels {
-            let spoken = words(&channel.name);
+            let spoken = words_of(&channel.name);
             let dimension = channel
                 .unit
                 .as_deref()
@@ -280,7 +280,7 @@ impl Proposal<'_> {
     fn poses(&mut self, series: &Series, format: Format) {
         let mut bodies: Vec<Body<'_>> = Vec::new();
         for channel in &series.channels {
-            let spoken = words(&channel.name);
+            let spoken = words_of(&channel.name);
             let (Some((component, owner)), false) = (
                 component(&channel.name, &spoken),
                 is_any(
@@ -460,7 +460,7 @@ fn kind_name(kind: Kind) -> &'static str {
 
 /// What one channel for each cable is, and how surely.
 fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
-    let spoken = words(&channel.name);
+    let spoken = words_of(&channel.name);
     if is_any(&spoken, OTHER) {
         return None;
     }
