@@ -223,7 +223,7 @@ fn deliver(
         note!("{notice}");
     }
     arguments.json.deliver(&document, || {
-        report::print(&document);
+        report::print(&document, arguments.channels);
         if let (Some(folder), false) = (&arguments.out, arguments.channels) {
             say!(
                 "{}: {} poses, and the recipe",

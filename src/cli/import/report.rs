@@ -5,19 +5,30 @@ use tautline_import::{ChannelReport, Cutting, ImportDocument, Recipe};
 use crate::output::say;
 use crate::table;
 
-pub fn print(document: &ImportDocument) {
+/// Prints what an import did; the channels one by one where they are what was asked for.
+pub fn print(document: &ImportDocument, list_channels: bool) {
     for source in &document.sources {
         say!("{}: {}", source.file, source.format);
         for series in &source.series {
-            say!("\n{}: {} rows", series.name, series.rows);
-            let mut channels =
-                table::texts(&["channel", "unit", "values", "gaps", "from", "to", "becomes"]);
-            for channel in &series.channels {
-                channels.add_row(cells(channel));
+            let used = series
+                .channels
+                .iter()
+                .filter(|channel| channel.used_as.is_some());
+            let (rows, all) = (series.rows, series.channels.len());
+            say!(
+                "{}: {rows} rows, {all} channels, {} used",
+                series.name,
+                used.count()
+            );
+            if list_channels {
+                let mut channels =
+                    table::texts(&["channel", "unit", "values", "gaps", "from", "to", "becomes"]);
+                for channel in &series.channels {
+                    channels.add_row(cells(channel));
+                }
+                say!("{channels}");
             }
-            say!("{channels}");
         }
-        say!("");
     }
     let whose = if document.proposed {
         "proposed"
@@ -42,7 +53,6 @@ pub fn print(document: &ImportDocument) {
             entry.channel
         );
     }
-    say!("");
     for suggestion in &document.applied {
         say!("Corrected: {}", suggestion.sentence);
     }

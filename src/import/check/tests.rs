@@ -153,7 +153,7 @@ const PLANTED: [Planted; 14] = [
         |r| {
             column(r, Kind::Revolutions, 2)
                 .iter_mut()
-                .for_each(|v| *v = -*v)
+                .for_each(|v| *v = -*v);
         },
         Mistake::ReversedSign,
         "rev_3",
@@ -169,7 +169,7 @@ const PLANTED: [Planted; 14] = [
         |r| {
             column(r, Kind::Revolutions, 5)[14..]
                 .iter_mut()
-                .for_each(|v| *v += 1.0)
+                .for_each(|v| *v += 1.0);
         },
         Mistake::EncoderStep,
         "rev_6",
@@ -179,7 +179,7 @@ const PLANTED: [Planted; 14] = [
         |r| {
             column(r, Kind::Revolutions, 3)
                 .iter_mut()
-                .for_each(|v| *v = 0.25)
+                .for_each(|v| *v = 0.25);
         },
         Mistake::DeadChannel,
         "rev_4",
