@@ -116,19 +116,21 @@ fn scope(data: &Measurements) -> String {
     text
 }
 
-/// A log whose third winch counts the other way round and whose laser reads millimetres, though the header says metres.
+/// A log whose third winch counts the other way round, and whose fifth and sixth have changed places.
 fn mistakes(data: &Measurements) -> String {
     let mut text = "pose".to_owned();
     per_cable(&mut text, ",rev_#");
     per_cable(&mut text, ",force_#_n");
     text.push_str(",laser_m,x_m,y_m,z_m,qw,qx,qy,qz\n");
     for row in 0..data.len() {
-        let mut reversed = data.revolutions.clone();
-        reversed.set(row, 2, -reversed.get(row, 2));
+        let mut wrong = data.revolutions.clone();
+        wrong.set(row, 2, -data.revolutions.get(row, 2));
+        wrong.set(row, 4, data.revolutions.get(row, 5));
+        wrong.set(row, 5, data.revolutions.get(row, 4));
         let mut line = data.labels[row].to_string();
-        cells(&mut line, ",", &reversed, row, 1.0, 6);
+        cells(&mut line, ",", &wrong, row, 1.0, 6);
         cells(&mut line, ",", &data.force_n, row, 1.0, 3);
-        let _ = write!(line, ",{:.2}", 1e3 * data.laser_m[row]);
+        let _ = write!(line, ",{:.5}", data.laser_m[row]);
         commanded(&mut line, ",", data, row, 1.0);
         text.push_str(&line);
         text.push('\n');

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
-use tautline_session::{ReadError, read_poses};
+use tautline_session::{Place, ReadError, escape_formula, read_poses};
 
 use crate::check::{Change, Mistake, Readings, Suggestion, check};
 use crate::cutting::{CutPose, Times, cut, number_of};
@@ -200,9 +200,24 @@ impl From<ReadError> for ImportError {
 impl std::fmt::Display for ImportError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.error)?;
-        match self.suggestions.first() {
-            Some(first) => write!(f, " ({}; --apply-suggestions corrects it)", first.sentence),
-            None => Ok(()),
+        let about = |suggestion: &&Suggestion| match &self.error.place {
+            Place::Cell(_, column) => suggestion.columns.contains(column),
+            _ => false,
+        };
+        let first = self
+            .suggestions
+            .iter()
+            .find(about)
+            .or(self.suggestions.first());
+        match (first, self.suggestions.len()) {
+            (None, _) => Ok(()),
+            (Some(first), 1) => write!(f, " ({}; --apply-suggestions corrects it)", first.sentence),
+            (Some(first), count) => write!(
+                f,
+                " ({}; {} more; --apply-suggestions corrects them)",
+                first.sentence,
+                count - 1
+            ),
         }
     }
 }
@@ -382,7 +397,8 @@ fn table(poses: &[CutPose], labels: &[i64], columns: &[Quantity], recipe: &Recip
         let mut cells = vec![label.to_string()];
         if has_groups {
             let group = pose.group.clone().unwrap_or_default();
-            cells.push(format!("\"{}\"", group.replace('"', "\"\"")));
+            let group = escape_formula(&group).replace('"', "\"\"");
+            cells.push(format!("\"{group}\""));
         }
         if has_times {
             let middle = pose.time_s.map(|[begin, end]| begin + (end - begin) / 2.0);

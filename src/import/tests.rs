@@ -258,6 +258,28 @@ fn every_format_gives_the_same_identification() {
 }
 
 #[test]
+fn columns_of_the_contract_are_what_they_are_called() {
+    let dataset = dataset();
+    let mut columns = columns(&dataset.measurements);
+    for (name, _) in &mut columns {
+        *name = match name.strip_prefix("cmd.") {
+            Some(axis @ ("x" | "y" | "z")) => format!("{axis}_m"),
+            Some(component) => component.into(),
+            None => name.replace("Laser", "laser_m"),
+        };
+    }
+    let text = csv(&columns, ",", false)
+        .replace(" [rev]", "")
+        .replace(" [N]", "");
+    let imported = imported(&dataset, &[("a.csv", text.into_bytes())]);
+    assert!(imported.measurements.tracked_position_m.is_empty());
+    assert_eq!(
+        imported.measurements.commanded,
+        dataset.measurements.commanded
+    );
+}
+
+#[test]
 fn other_units_give_the_same_identification() {
     let dataset = dataset();
     let mut columns = columns(&dataset.measurements);

@@ -30,6 +30,7 @@ const MISFITS: f64 = 0.4;
 const FACTOR: f64 = 0.12;
 
 /// What was read at the poses, before anything is refused as impossible.
+#[derive(Clone)]
 pub(crate) struct Readings {
     /// Labels of the poses.
     pub labels: Vec<i64>,

@@ -282,7 +282,18 @@ impl Proposal<'_> {
     /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
     fn poses(&mut self, series: &Series, format: Format) {
         let mut bodies: Vec<Body<'_>> = Vec::new();
-        for channel in &series.channels {
+        let given: BTreeSet<String> = self
+            .recipe
+            .channels
+            .iter()
+            .filter(|known| known.series.as_ref() == Some(&series.name))
+            .map(|known| known.channel.clone())
+            .collect();
+        let free = series
+            .channels
+            .iter()
+            .filter(|channel| !given.contains(&channel.name));
+        for channel in free {
             let spoken = words_of(&channel.name);
             let (Some((component, owner)), false) = (
                 component(&channel.name, &spoken),

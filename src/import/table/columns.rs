@@ -79,10 +79,9 @@ impl Columns {
         }
         self.last_line = line;
         let width = self.columns.len();
-        // Some recorders end each row with a separator, others leave out empty cells at its end.
-        let is_row = cells.len() == width
-            || (cells.len() == width + 1 && cells.get(width).is_empty())
-            || cells.len() + 1 == width && self.rows == 0;
+        // Some recorders end each row with a separator.
+        let is_row =
+            cells.len() == width || (cells.len() == width + 1 && cells.get(width).is_empty());
         if !is_row {
             let (_, _, count) = self.broken.get_or_insert((line, cells.len(), 0));
             *count += 1;

@@ -1,6 +1,7 @@
 //! Files as recorders write them, by hand: every variant is read to the same channels, or refused in one sentence.
 
 mod binary;
+mod damaged;
 mod scope;
 mod tables;
 mod tracking;
