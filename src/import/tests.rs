@@ -181,6 +181,81 @@ fn mat(columns: &Columns) -> Vec<u8> {
     [bytes, b"\x00\x01IM".to_vec(), log].concat()
 }
 
+/// A zip archive of stored entries.
+fn archive(entries: &[(String, Vec<u8>)]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut archive = rawzip::ZipArchiveWriter::new(&mut bytes);
+    for (name, data) in entries {
+        let entry = archive
+            .new_file(name)
+            .compression_method(rawzip::CompressionMethod::STORE);
+        let (mut entry, config) = entry.start().expect("an entry");
+        let mut writer = config.wrap(&mut entry);
+        std::io::Write::write_all(&mut writer, data).expect("written");
+        let (_, descriptor) = writer.finish().expect("finished");
+        entry.finish(descriptor).expect("finished");
+    }
+    archive.finish().expect("finished");
+    bytes
+}
+
+/// One array for each column.
+fn npz(columns: &Columns) -> Vec<u8> {
+    let entry = |(name, values): &(String, Vec<f64>)| {
+        let header = format!(
+            "{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}\n",
+            values.len()
+        );
+        let mut bytes = [
+            b"\x93NUMPY\x01\x00",
+            &(header.len() as u16).to_le_bytes()[..],
+            header.as_bytes(),
+        ]
+        .concat();
+        values
+            .iter()
+            .for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+        (format!("{name}.npy"), bytes)
+    };
+    archive(&columns.iter().map(entry).collect::<Vec<_>>())
+}
+
+fn xlsx(columns: &Columns) -> Vec<u8> {
+    let mut sheet = "<worksheet><sheetData><row>".to_owned();
+    for (name, _) in columns {
+        let _ = write!(sheet, "<c t=\"str\"><v>{name}</v></c>");
+    }
+    sheet.push_str("</row>");
+    for row in 0..columns[0].1.len() {
+        sheet.push_str("<row>");
+        for (k, (_, values)) in columns
+            .iter()
+            .enumerate()
+            .filter(|(_, (_, values))| !values[row].is_nan())
+        {
+            let letter = char::from(b'A' + u8::try_from(k).expect("few columns"));
+            let _ = write!(
+                sheet,
+                "<c r=\"{letter}{}\"><v>{}</v></c>",
+                row + 2,
+                values[row]
+            );
+        }
+        sheet.push_str("</row>");
+    }
+    sheet.push_str("</sheetData></worksheet>");
+    let workbook =
+        r#"<workbook><sheets><sheet name="Log" sheetId="1" id="r1"/></sheets></workbook>"#;
+    let relations =
+        r#"<Relationships><Relationship Id="r1" Target="worksheets/sheet1.xml"/></Relationships>"#;
+    let parts = [
+        ("xl/workbook.xml", workbook),
+        ("xl/_rels/workbook.xml.rels", relations),
+        ("xl/worksheets/sheet1.xml", &sheet),
+    ];
+    archive(&parts.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec())))
+}
+
 fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
     let folder = tempfile::tempdir().expect("a folder");
     let paths: Vec<PathBuf> = files
@@ -234,7 +309,9 @@ fn every_format_gives_the_same_identification() {
         ("tabs.txt", csv(&columns, "\t", false).into_bytes()),
         ("scope.csv", scope(&columns).into_bytes()),
         ("log.npy", npy(&columns)),
+        ("log.npz", npz(&columns)),
         ("log.mat", mat(&columns)),
+        ("log.xlsx", xlsx(&columns)),
     ] {
         let imported = imported(&dataset, &[(name, bytes)]);
         assert_eq!(
