@@ -15,3 +15,4 @@ pub mod table1;
 pub mod tables;
 pub mod truth;
 pub mod window;
+pub mod your_data;

@@ -11,6 +11,7 @@ mod effects;
 mod evaluate;
 mod home;
 mod identify;
+mod import;
 mod input;
 mod isolability;
 mod live;
@@ -77,6 +78,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Drive a robot to the planned poses and measure; continues an interrupted run
     Measure(measure::Arguments),
+    /// Make a dataset of foreign files: logs, motion capture, point lists, spreadsheets
+    Import(import::Arguments),
     /// Check a dataset before identification: readings, geometry, which faults it would show
     Check(check::Arguments),
     /// Identify the pulleys from a dataset
@@ -147,6 +150,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),

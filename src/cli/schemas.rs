@@ -13,6 +13,7 @@ use super::plan::PlanDocument;
 use super::precalibrate::Precalibration;
 use super::verify::VerificationDocument;
 use crate::output::say;
+use tautline_import::{ImportDocument, Recipe};
 use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::identification::IdentificationDocument;
@@ -21,6 +22,8 @@ use tautline_workflow::readiness::ReadinessDocument;
 pub fn run(out: &Path) -> Result<()> {
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
     let mut schemas = tautline_session::schemas();
+    schemas.push(tautline_session::versioned_schema::<Recipe>());
+    schemas.push(tautline_session::versioned_schema::<ImportDocument>());
     schemas.push(tautline_session::versioned_schema::<IdentificationDocument>());
     schemas.push(tautline_session::versioned_schema::<DiagnosisDocument>());
     schemas.push(tautline_session::versioned_schema::<Accuracy>());

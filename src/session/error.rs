@@ -50,7 +50,9 @@ impl fmt::Display for Place {
 }
 
 impl ReadError {
-    pub(crate) fn new(file: &str, place: Place, message: impl Into<String>) -> Self {
+    /// The error at a place of `file`, the name that the operator knows.
+    #[must_use]
+    pub fn new(file: &str, place: Place, message: impl Into<String>) -> Self {
         Self {
             file: file.into(),
             place,
@@ -62,7 +64,9 @@ impl ReadError {
         Self::new(file, Place::Pointer(error.pointer), error.message)
     }
 
-    pub(crate) fn io(file: &str, place: Place, error: &std::io::Error) -> Self {
+    /// What the operating system said, in words.
+    #[must_use]
+    pub fn io(file: &str, place: Place, error: &std::io::Error) -> Self {
         use std::io::ErrorKind;
         let message = match error.kind() {
             ErrorKind::NotFound => "not found".into(),
@@ -138,7 +142,8 @@ const MESSAGE: usize = 500;
 const POINTER: usize = 200;
 
 /// Text from a file for use in a message: quoted, shortened, on one line.
-pub(crate) fn quoted(text: &str) -> String {
+#[must_use]
+pub fn quoted(text: &str) -> String {
     format!("\"{}\"", OneLine(&shortened(text, QUOTED)))
 }
 

@@ -27,9 +27,10 @@ pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
     write_dataset,
 };
-pub use error::{Loaded, Place, ReadError, WriteError};
+pub use error::{Loaded, Place, ReadError, WriteError, quoted};
 pub use folders::Folders;
 pub use import::{Import, import};
+pub use input_file::open_input;
 pub use json::{
     Migration, Schema, VersionedFile, parse_versioned, read_versioned, schema_for, versioned,
     versioned_schema, write_versioned,

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::{
     adjusted, hangprinter, isolability, nist, screenshots, sessions, table1, truth, window,
+    your_data,
 };
 
 /// Presets of the truth study.
@@ -34,6 +35,7 @@ fn main() -> Result<()> {
         Some("hidden") => hidden::command(&arguments[1..])?,
         Some("studies") => studies(argument)?,
         Some("write") => write(argument)?,
+        Some("your-data") => your_data::write()?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
         Some("screenshots") => {
             screenshots::write_all(argument.map_or(screenshots::folder(), Path::new))?;
@@ -44,7 +46,8 @@ fn main() -> Result<()> {
         }
         _ => bail!(
             "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, nist, hidden KIND, workbench [write | PART], \
-             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME]"
+             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
+             your-data"
         ),
     }
     Ok(())

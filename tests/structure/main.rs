@@ -31,7 +31,7 @@ struct Rules<'a> {
 
 /// The crates in the order of their dependencies. `main.rs` of the workbench is not looked at: it
 /// chooses between window and commands.
-const CRATES: [Rules; 6] = [
+const CRATES: [Rules; 7] = [
     Rules {
         folder: "src/core",
         crates: &[],
@@ -40,6 +40,11 @@ const CRATES: [Rules; 6] = [
     Rules {
         folder: "src/session",
         crates: &["tautline_core"],
+        order: &[],
+    },
+    Rules {
+        folder: "src/import",
+        crates: &["tautline_core", "tautline_session"],
         order: &[],
     },
     Rules {
@@ -57,6 +62,7 @@ const CRATES: [Rules; 6] = [
         crates: &[
             "tautline_core",
             "tautline_session",
+            "tautline_import",
             "tautline_link",
             "tautline_workflow",
         ],

@@ -6,6 +6,7 @@ mod compare;
 mod diagnose;
 mod errors;
 mod identify;
+mod import;
 mod plan;
 mod precalibrate;
 pub mod program;

@@ -2,6 +2,7 @@
 
 mod holding_tensions;
 mod inversion;
+mod phase_tables;
 mod quasi_static_robot;
 mod readings;
 mod virtual_robot;
@@ -9,6 +10,7 @@ mod workspace;
 
 pub(crate) use holding_tensions::holding_tensions_after_home;
 pub use holding_tensions::{Epoch, ambient_temperature_c};
+pub use phase_tables::{PhaseTables, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};
 pub use virtual_robot::{

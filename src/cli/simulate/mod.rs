@@ -1,5 +1,7 @@
 //! `tautline simulate`.
 
+mod phases;
+
 use std::path::PathBuf;
 
 use crate::BadInput;
@@ -30,6 +32,9 @@ pub struct Arguments {
     /// Leave out the noise
     #[arg(long)]
     no_noise: bool,
+    /// Write the tables of the other phases too: winch, force, home, elongation and check
+    #[arg(long)]
+    phases: bool,
     /// Folder to write the dataset to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -62,12 +67,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         noise: !arguments.no_noise,
         ..SimulationOptions::new(arguments.poses, arguments.seed)
     };
-    let run = simulate(&robot, &options).map_err(|error| match error {
+    let failed = |error| match error {
         // What an effect names is not there.
         SimulationError::Effect(error) => BadInput::new(format!("--effect: {error}")),
         other => other.into(),
-    })?;
-    write_dataset(&arguments.out, &run.dataset, &PhaseData::default())?;
+    };
+    let mut run = simulate(&robot, &options).map_err(failed)?;
+    let phases = match arguments.phases {
+        true => phases::tables(&mut run, &options).map_err(failed)?,
+        false => PhaseData::default(),
+    };
+    write_dataset(&arguments.out, &run.dataset, &phases)?;
     write_robot(&arguments.out.join("truth.json"), &run.truth)?;
     say!(
         "{}: {} poses of {} with {} cables, seed {}; the true robot is in truth.json",
@@ -77,6 +87,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         run.dataset.robot.cable_count(),
         arguments.seed
     );
+    if arguments.phases {
+        say!("and the tables of the other phases, for precalibrate and accuracy");
+    }
     if let Some(preset) = preset {
         say!("assumed, not published: {}", preset.assumed);
     }

@@ -1,0 +1,235 @@
+//! `tautline import`.
+
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use tautline_core::robot::Robot;
+use tautline_import::{
+    ImportDocument, Imported, Recipe, Source, import, import_corrected, is_robot_description,
+    propose, read_recipe, read_robot_description, read_sources,
+};
+use tautline_session::{read_robot, write_robot, write_text, write_versioned};
+
+use crate::BadInput;
+use crate::input::{self, noticed};
+use crate::output::{JsonOutput, note, say};
+
+/// Name of the recipe that is kept beside the poses.
+const RECIPE: &str = "recipe.json";
+const ROBOT: &str = "robot.json";
+const POSES: &str = "poses.csv";
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .mat, .npy, .npz, .xlsx; or the
+    /// description of a robot: cables and bodies of CASPR
+    #[arg(value_name = "SOURCE", required = true)]
+    sources: Vec<PathBuf>,
+    /// Which channel is which quantity; without it a recipe is proposed from names, units and ranges
+    #[arg(long, value_name = "FILE")]
+    recipe: Option<PathBuf>,
+    /// The robot: a preset or a robot.json; without it robot.json of the folder
+    #[arg(long, value_name = "PRESET|FILE")]
+    robot: Option<String>,
+    /// Dataset folder to write; for the description of a robot the robot.json
+    #[arg(
+        short,
+        long,
+        value_name = "FOLDER",
+        required_unless_present = "channels"
+    )]
+    out: Option<PathBuf>,
+    /// Only list the channels and the proposed recipe
+    #[arg(long)]
+    channels: bool,
+    /// Write the recipe that was used or is proposed
+    #[arg(long, value_name = "FILE")]
+    recipe_out: Option<PathBuf>,
+    /// Change the recipe as the check of the data suggests: units, signs, exchanged channels, steps, jumps, dead channels
+    #[arg(long)]
+    apply_suggestions: bool,
+    /// Replace poses that are in the folder already
+    #[arg(long)]
+    replace: bool,
+    #[command(flatten)]
+    json: JsonOutput,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if describes_robot(&arguments.sources)? {
+        return robot_description(arguments);
+    }
+    let sources = noticed(read_sources(&arguments.sources)?);
+    let robot = robot(arguments)?;
+    let (recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
+    if arguments.channels {
+        let document = tautline_import::found(&sources, &recipe, &name, &robot.robot)?;
+        return deliver(arguments, document, assumptions);
+    }
+    let imported = match arguments.apply_suggestions {
+        true => import_corrected(&sources, &recipe, &name, &robot.robot),
+        false => import(&sources, &recipe, &name, &robot.robot),
+    };
+    let Imported {
+        poses_csv,
+        document,
+        ..
+    } = imported.map_err(BadInput::new)?;
+    if let Some(folder) = &arguments.out {
+        write(arguments, folder, &robot, &poses_csv, &document.recipe)?;
+    }
+    deliver(arguments, document, assumptions)
+}
+
+/// Whether all sources describe a robot. A mixture is refused by the reader of readings.
+fn describes_robot(sources: &[PathBuf]) -> Result<bool> {
+    for source in sources {
+        if source.is_dir() || !is_robot_description(source)? {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+fn robot_description(arguments: &Arguments) -> Result<()> {
+    let Some(out) = &arguments.out else {
+        return Err(BadInput::new(
+            "--out: not given, expected the robot.json to write",
+        ));
+    };
+    let out = if out.is_dir() {
+        out.join(ROBOT)
+    } else {
+        out.clone()
+    };
+    if out.exists() && !arguments.replace {
+        let message = format!(
+            "{}: is there already, expected --replace or another name",
+            out.display()
+        );
+        return Err(BadInput::new(message));
+    }
+    let robot = noticed(read_robot_description(&arguments.sources)?);
+    write_robot(&out, &robot)?;
+    say!(
+        "{}: {} with {} cables",
+        out.display(),
+        robot.name,
+        robot.cable_count()
+    );
+    Ok(())
+}
+
+/// The robot, and the file that it is to be copied from.
+struct RobotToUse {
+    robot: Robot,
+    is_in_folder: bool,
+}
+
+fn robot(arguments: &Arguments) -> Result<RobotToUse> {
+    let in_folder = arguments
+        .out
+        .as_ref()
+        .map(|folder| folder.join(ROBOT))
+        .filter(|path| path.exists());
+    match (&arguments.robot, in_folder) {
+        (Some(name), in_folder) => {
+            let robot = input::robot(name)?.robot;
+            if let Some(path) = &in_folder
+                && noticed(read_robot(path)?) != robot
+            {
+                let message = format!(
+                    "{}: is another robot than --robot {name}, expected the same or an empty folder",
+                    path.display()
+                );
+                return Err(BadInput::new(message));
+            }
+            Ok(RobotToUse {
+                robot,
+                is_in_folder: in_folder.is_some(),
+            })
+        }
+        (None, Some(path)) => Ok(RobotToUse {
+            robot: noticed(read_robot(&path)?),
+            is_in_folder: true,
+        }),
+        (None, None) => {
+            let message = "--robot: not given, expected the robot that was measured, or -o FOLDER with its robot.json";
+            Err(BadInput::new(message))
+        }
+    }
+}
+
+/// The recipe, its name for messages, and what was assumed to propose it.
+fn recipe(
+    arguments: &Arguments,
+    sources: &[Source],
+    robot: &Robot,
+) -> Result<(Recipe, String, Option<Vec<String>>)> {
+    match &arguments.recipe {
+        Some(path) => Ok((
+            noticed(read_recipe(path)?),
+            path.display().to_string(),
+            None,
+        )),
+        None => {
+            let (recipe, assumptions) = propose(sources, robot);
+            Ok((recipe, "the proposed recipe".into(), Some(assumptions)))
+        }
+    }
+}
+
+fn write(
+    arguments: &Arguments,
+    folder: &Path,
+    robot: &RobotToUse,
+    poses_csv: &str,
+    recipe: &Recipe,
+) -> Result<()> {
+    let poses = folder.join(POSES);
+    if poses.exists() && !arguments.replace {
+        let message = format!(
+            "{}: is there already, expected --replace or another folder",
+            poses.display()
+        );
+        return Err(BadInput::new(message));
+    }
+    std::fs::create_dir_all(folder).map_err(|error| {
+        BadInput::new(format!("{}: cannot be made ({error})", folder.display()))
+    })?;
+    if !robot.is_in_folder {
+        write_robot(&folder.join(ROBOT), &robot.robot)?;
+    }
+    write_text(&poses, poses_csv)?;
+    write_versioned(&folder.join(RECIPE), recipe)?;
+    Ok(())
+}
+
+fn deliver(
+    arguments: &Arguments,
+    mut document: ImportDocument,
+    assumptions: Option<Vec<String>>,
+) -> Result<()> {
+    if let Some(assumptions) = assumptions {
+        document.proposed = true;
+        document.notices.extend(assumptions);
+    }
+    if let Some(path) = &arguments.recipe_out {
+        write_versioned(path, &document.recipe)?;
+    }
+    for notice in &document.notices {
+        note!("{notice}");
+    }
+    arguments.json.deliver(&document, || {
+        report::print(&document, arguments.channels);
+        if let (Some(folder), false) = (&arguments.out, arguments.channels) {
+            say!(
+                "{}: {} poses, and the recipe",
+                folder.join(POSES).display(),
+                document.poses.len()
+            );
+        }
+    })
+}

@@ -1,0 +1,103 @@
+//! The tables of the other phases.
+
+use tautline_core::geometry::Pose;
+use tautline_core::robot::{PerAxis, Tracker};
+use tautline_core::simulation::{
+    Simulated, SimulationError, SimulationOptions, phase_tables, simulate,
+};
+use tautline_session::{
+    CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
+};
+
+/// Poses of the check, and how often each is approached.
+const TARGETS: usize = 5;
+const CYCLES: usize = 10;
+/// The external instrument of the check.
+const TRACKER: Tracker = Tracker {
+    position_sd_m: PerAxis::Same(5e-5),
+    orientation_sd_rad: Some(1e-4),
+};
+
+/// Tables of the run's true robot. Where the robot has a home pose and no home platform it gets one, whose readings are
+/// among the tables.
+pub fn tables(
+    run: &mut Simulated,
+    options: &SimulationOptions,
+) -> Result<PhaseData, SimulationError> {
+    let seed = options.seed.wrapping_add(1);
+    let tables = phase_tables(&run.dataset.robot, &run.truth, seed, options.noise);
+    let mut data = PhaseData {
+        check: check(run, options)?,
+        ..PhaseData::default()
+    };
+    for (cable, pair) in tables.winch {
+        data.winch.push(WinchPair {
+            cable,
+            revolutions: pair.revolutions,
+            length_m: pair.length_m,
+            tension_n: pair.tension_n,
+        });
+    }
+    for (cable, pair) in tables.force {
+        data.force.push(ForcePair {
+            cable,
+            reading_n: pair.reading_n,
+            load_n: pair.load_n,
+        });
+    }
+    for point in tables.elongation {
+        data.elongation.push(ElongationPoint {
+            length_m: point.length_m,
+            tension_n: point.tension_n,
+            elongation_m: point.elongation_m,
+        });
+    }
+    if let Some((platform, readings)) = tables.home {
+        run.dataset.robot.home_platform = Some(platform);
+        let readings = readings.into_iter();
+        data.home = readings
+            .map(|(sensor, reading)| HomeReading { sensor, reading })
+            .collect();
+    }
+    Ok(data)
+}
+
+/// Some of the run's poses, approached again and again and measured from outside.
+fn check(run: &Simulated, options: &SimulationOptions) -> Result<Vec<CheckRow>, SimulationError> {
+    let measured = &run.dataset.measurements;
+    let away = measured
+        .commanded
+        .iter()
+        .zip(&measured.labels)
+        .filter(|(_, label)| **label != 0);
+    let targets: Vec<Pose> = away.filter_map(|(pose, _)| *pose).take(TARGETS).collect();
+    let mut robot = run.dataset.robot.clone();
+    robot.tracker = Some(TRACKER);
+    let commanded: Vec<Pose> = (0..CYCLES).flat_map(|_| targets.clone()).collect();
+    let options = SimulationOptions {
+        seed: options.seed,
+        ..options.clone().commanding(commanded)
+    };
+    let read = simulate(&robot, &options)?.dataset.measurements;
+    let first = read.len() - CYCLES * targets.len();
+    let pose = |position_m, orientation_wxyz| CheckPose {
+        position_m,
+        orientation_wxyz: Some(orientation_wxyz),
+    };
+    let row = |k: usize| {
+        let target = &targets[k % targets.len()];
+        CheckRow {
+            kind: CheckKind::Pose,
+            target: format!("P{}", k % targets.len() + 1),
+            cycle: (k / targets.len()) as i64 + 1,
+            sample: 0,
+            time_s: None,
+            commanded: pose(target.position.into(), target.orientation_wxyz()),
+            attained: pose(
+                read.tracked_position_m[first + k],
+                read.tracked_orientation_wxyz[first + k],
+            ),
+        }
+    };
+    Ok((0..CYCLES * targets.len()).map(row).collect())
+}

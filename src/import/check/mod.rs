@@ -1,0 +1,414 @@
+//! Mistakes that are common in logs, found by comparing the readings with what the poses need.
+//!
+//! Where the commanded or measured poses are known, every reading has a value that it should have: lengths and swivel
+//! angles by the kinematics, laser distances by the target plane. The reading as a line over that value has a slope: 1 if all
+//! is well, -1 with the wrong sign, 360 in degrees instead of revolutions. Where another channel's value fits and its own
+//! does not, channels are exchanged; where it fits with one step, an encoder has lost counts. Forces have no such value;
+//! they have to hold the platform.
+
+mod expected;
+mod forces;
+mod line;
+mod suggestion;
+
+use std::collections::BTreeMap;
+
+use tautline_core::robot::Robot;
+
+use crate::recipe::{Kind, Quantity};
+use expected::Expected;
+use line::{Line, best_step, fit};
+pub use suggestion::{Change, Mistake, Suggestion};
+
+/// Fewest poses that say anything.
+const FEWEST: usize = 6;
+/// A channel fits where its scatter about the line is below this share of its own.
+const FITS: f64 = 0.25;
+/// A channel does not fit above this share.
+const MISFITS: f64 = 0.4;
+/// A slope is a known factor within this share of it. Drums and pulleys are known far better.
+const FACTOR: f64 = 0.12;
+
+/// What was read at the poses, before anything is refused as impossible.
+#[derive(Clone)]
+pub(crate) struct Readings {
+    /// Labels of the poses.
+    pub labels: Vec<i64>,
+    /// Values by column; NaN where there is none.
+    pub columns: BTreeMap<Quantity, Vec<f64>>,
+}
+
+impl Readings {
+    /// Columns of a kind with their quantities.
+    fn of(&self, kind: Kind) -> Vec<(Quantity, &[f64])> {
+        let found = self
+            .columns
+            .iter()
+            .filter(|(quantity, _)| quantity.kind == kind);
+        found
+            .map(|(quantity, values)| (*quantity, values.as_slice()))
+            .collect()
+    }
+}
+
+/// Looks for mistakes.
+pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
+    let mut found = Vec::new();
+    dead_channels(readings, &mut found);
+    if readings.labels.len() < FEWEST {
+        return found;
+    }
+    for kind in [Kind::Commanded, Kind::Tracked] {
+        positions_in_other_unit(readings, robot, kind, &mut found);
+    }
+    if !found
+        .iter()
+        .any(|suggestion| suggestion.is_of(Kind::Commanded))
+    {
+        let expected = Expected::of(readings, robot);
+        for kind in [
+            Kind::Revolutions,
+            Kind::Length,
+            Kind::Swivel,
+            Kind::Laser,
+            Kind::Inclination,
+            Kind::Tracked,
+        ] {
+            let is_dead = |quantity: &Quantity| {
+                found.iter().any(|suggestion: &Suggestion| {
+                    suggestion.mistake == Mistake::DeadChannel
+                        && suggestion.columns.contains(&quantity.column())
+                })
+            };
+            let columns: Vec<Column<'_>> = readings
+                .of(kind)
+                .into_iter()
+                .filter(|(quantity, _)| !is_dead(quantity))
+                .filter_map(|(quantity, values)| {
+                    Some(Column {
+                        quantity,
+                        values,
+                        expected: expected.column(quantity)?,
+                    })
+                })
+                .collect();
+            let in_other_unit = found.iter().any(|suggestion| {
+                suggestion.is_of(kind) && suggestion.mistake == Mistake::WrongUnit
+            });
+            if !in_other_unit {
+                compare(&columns, readings, robot, &mut found);
+            }
+        }
+        forces::check(readings, &expected, robot, &mut found);
+    }
+    angles_in_degrees(readings, &mut found);
+    found
+}
+
+/// A column and the values that it should have.
+struct Column<'a> {
+    quantity: Quantity,
+    values: &'a [f64],
+    expected: &'a [f64],
+}
+
+/// Factors by which values are wrong in another unit.
+fn factors(kind: Kind) -> &'static [(f64, &'static str)] {
+    match kind {
+        Kind::Revolutions => &[(360.0, "degrees"), (std::f64::consts::TAU, "radians")],
+        Kind::Swivel | Kind::Inclination => &[(180.0 / std::f64::consts::PI, "degrees")],
+        _ => &[
+            (1e3, "millimetres"),
+            (1e2, "centimetres"),
+            (1.0 / 0.0254, "inches"),
+        ],
+    }
+}
+
+/// Channels that say the same at all poses while others of their kind do not.
+fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
+    for kind in [Kind::Revolutions, Kind::Length, Kind::Force, Kind::Swivel] {
+        let columns = readings.of(kind);
+        let is_constant = |values: &[f64]| {
+            let there: Vec<f64> = values
+                .iter()
+                .copied()
+                .filter(|value| !value.is_nan())
+                .collect();
+            there.len() >= FEWEST && there.iter().all(|value| *value == there[0])
+        };
+        let constant = columns
+            .iter()
+            .filter(|(_, values)| is_constant(values))
+            .count();
+        if constant * 2 >= columns.len() {
+            continue;
+        }
+        for (quantity, _) in columns.iter().filter(|(_, values)| is_constant(values)) {
+            let column = quantity.column();
+            let sentence = format!(
+                "{column} is the same at all poses while the other cables change: a dead channel; leave it empty"
+            );
+            found.push(Suggestion::new(
+                Mistake::DeadChannel,
+                vec![column.clone()],
+                sentence,
+                Change::LeaveEmpty { column },
+            ));
+        }
+    }
+}
+
+/// Positions many times larger than the frame.
+fn positions_in_other_unit(
+    readings: &Readings,
+    robot: &Robot,
+    kind: Kind,
+    found: &mut Vec<Suggestion>,
+) {
+    let Some(frame_m) = robot.frame_size_m() else {
+        return;
+    };
+    let columns = readings.of(kind);
+    let positions = columns.iter().filter(|(quantity, _)| quantity.index < 3);
+    let largest = positions
+        .clone()
+        .flat_map(|(_, values)| values.iter())
+        .fold(0.0_f64, |most, value| most.max(value.abs()));
+    if largest < 10.0 * frame_m {
+        return;
+    }
+    let factor = factors(kind)
+        .iter()
+        .find(|(factor, _)| largest / factor < 3.0 * frame_m && largest / factor > 1e-3 * frame_m);
+    if let Some((factor, unit)) = factor {
+        let columns: Vec<String> = positions.map(|(quantity, _)| quantity.column()).collect();
+        let sentence = format!(
+            "{} are up to {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres",
+            columns.join(", ")
+        );
+        found.push(Suggestion::new(
+            Mistake::WrongUnit,
+            columns.clone(),
+            sentence,
+            Change::Multiply {
+                columns,
+                factor: 1.0 / factor,
+            },
+        ));
+    }
+}
+
+/// Angles of an inclinometer beyond a full turn are degrees, however little the platform rotates.
+fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
+    for kind in [Kind::Inclination, Kind::Swivel] {
+        let columns = readings.of(kind);
+        let beyond = columns.iter().any(|(_, values)| {
+            values
+                .iter()
+                .any(|value| value.abs() > 2.0 * std::f64::consts::PI)
+        });
+        if beyond
+            && !found.iter().any(|suggestion| {
+                suggestion.is_of(kind) && suggestion.mistake == Mistake::WrongUnit
+            })
+        {
+            let columns: Vec<String> = columns
+                .iter()
+                .map(|(quantity, _)| quantity.column())
+                .collect();
+            let sentence = format!(
+                "{} are beyond a full turn: degrees, not radians",
+                columns.join(", ")
+            );
+            let factor = std::f64::consts::PI / 180.0;
+            found.push(Suggestion::new(
+                Mistake::WrongUnit,
+                columns.clone(),
+                sentence,
+                Change::Multiply { columns, factor },
+            ));
+        }
+    }
+}
+
+/// Compares the columns of a kind with the values that they should have.
+fn compare(
+    columns: &[Column<'_>],
+    readings: &Readings,
+    robot: &Robot,
+    found: &mut Vec<Suggestion>,
+) {
+    let mut values: Vec<Vec<f64>> = columns
+        .iter()
+        .map(|column| column.values.to_vec())
+        .collect();
+    for (column, values) in columns.iter().zip(&mut values) {
+        steps(column, values, readings, robot, found);
+    }
+    let own: Vec<Option<Line>> = columns
+        .iter()
+        .zip(&values)
+        .map(|(column, values)| fit(column.expected, values))
+        .collect();
+    let misfits = |k: usize| own[k].is_some_and(|line| line.scatter > MISFITS);
+    let mut exchanged = vec![false; columns.len()];
+    for i in 0..columns.len() {
+        for j in 0..i {
+            let fits = |value: usize, expected: usize| {
+                fit(columns[expected].expected, &values[value])
+                    .is_some_and(|line| line.scatter < FITS)
+            };
+            if misfits(i)
+                && misfits(j)
+                && !exchanged[i]
+                && !exchanged[j]
+                && fits(i, j)
+                && fits(j, i)
+            {
+                exchanged[i] = true;
+                exchanged[j] = true;
+                let (a, b) = (columns[j].quantity.column(), columns[i].quantity.column());
+                let sentence = format!(
+                    "{a} follows what {b} should be, and the other way round: their channels are exchanged"
+                );
+                found.push(Suggestion::new(
+                    Mistake::Exchanged,
+                    vec![a.clone(), b.clone()],
+                    sentence,
+                    Change::Exchange { a, b },
+                ));
+            }
+        }
+    }
+    let fitting: Vec<(usize, Line)> = (0..columns.len())
+        .filter_map(|k| Some((k, own[k]?)))
+        .filter(|(k, line)| line.scatter < FITS && !exchanged[*k])
+        .collect();
+    signs(columns, &fitting, found);
+    units(columns, &fitting, found);
+}
+
+/// A step of an encoder: taken out of the values where there is one.
+fn steps(
+    column: &Column<'_>,
+    values: &mut [f64],
+    readings: &Readings,
+    robot: &Robot,
+    found: &mut Vec<Suggestion>,
+) {
+    let unit_m = match column.quantity.kind {
+        Kind::Revolutions => robot.cables[column.quantity.index]
+            .winch
+            .cable_per_revolution_m(),
+        Kind::Length => 1.0,
+        _ => return,
+    };
+    let Some(step) = best_step(column.expected, values) else {
+        return;
+    };
+    // In the unit of the column, whatever unit the values are in.
+    let size_m = step.size / step.slope.abs() * unit_m;
+    if size_m.abs() < 5e-3 {
+        return;
+    }
+    let from_pose = readings.labels[step.row];
+    let name = column.quantity.column();
+    let sentence = format!(
+        "{name} jumps by {:.4} ({:.1} mm of cable) at pose {from_pose} and stays so: the encoder lost counts, or the cable slipped",
+        step.size,
+        1e3 * size_m
+    );
+    values[step.row..]
+        .iter_mut()
+        .for_each(|value| *value -= step.size);
+    found.push(Suggestion::new(
+        Mistake::EncoderStep,
+        vec![name.clone()],
+        sentence,
+        Change::TakeBack {
+            column: name,
+            from_pose,
+            add: -step.size,
+        },
+    ));
+}
+
+fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+    if columns
+        .first()
+        .is_none_or(|column| column.quantity.kind == Kind::Laser)
+    {
+        return;
+    }
+    let negative: Vec<usize> = fitting
+        .iter()
+        .filter(|(_, line)| line.slope < 0.0)
+        .map(|(k, _)| *k)
+        .collect();
+    let name = |k: usize| columns[k].quantity.column();
+    let what = |columns: &[String]| match columns {
+        [one] => format!("{one} falls where it should rise: its sign is reversed"),
+        _ => format!(
+            "{} fall where they should rise: their signs are reversed",
+            columns.join(", ")
+        ),
+    };
+    // All of one sign is one mistake; otherwise each channel has its own.
+    let whole = negative.len() == fitting.len() && fitting.len() > 1;
+    let groups: Vec<Vec<String>> = match whole {
+        true => vec![negative.iter().map(|k| name(*k)).collect()],
+        false => negative.iter().map(|k| vec![name(*k)]).collect(),
+    };
+    for columns in groups {
+        let sentence = what(&columns);
+        found.push(Suggestion::new(
+            Mistake::ReversedSign,
+            columns.clone(),
+            sentence,
+            Change::Reverse { columns },
+        ));
+    }
+}
+
+fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+    let Some(kind) = columns.first().map(|column| column.quantity.kind) else {
+        return;
+    };
+    for (factor, unit) in factors(kind) {
+        for (inverse, factor) in [(false, *factor), (true, 1.0 / factor)] {
+            let is_factor = |line: &Line| (line.slope.abs() / factor - 1.0).abs() < FACTOR;
+            let columns: Vec<String> = fitting
+                .iter()
+                .filter(|(_, line)| is_factor(line))
+                .map(|(k, _)| columns[*k].quantity.column())
+                .collect();
+            if columns.is_empty() {
+                continue;
+            }
+            let times = if inverse { 1.0 / factor } else { factor };
+            let how = if inverse { "too small" } else { "too large" };
+            let why = if inverse {
+                "a unit was converted once too often".to_owned()
+            } else {
+                format!("{unit}, not the unit of the column")
+            };
+            let sentence = format!(
+                "{}: {times:.4} times {how} for these poses: {why}",
+                columns.join(", ")
+            );
+            found.push(Suggestion::new(
+                Mistake::WrongUnit,
+                columns.clone(),
+                sentence,
+                Change::Multiply {
+                    columns,
+                    factor: 1.0 / factor,
+                },
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,212 @@
+//! What is wrong, and how the recipe changes to make it right.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
+
+/// Kinds of mistakes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Mistake {
+    /// Values in another unit than stated or assumed.
+    WrongUnit,
+    /// Values of the wrong sign.
+    ReversedSign,
+    /// Two channels in each other's place.
+    Exchanged,
+    /// An encoder that lost or gained counts.
+    EncoderStep,
+    /// A clock that was set in between.
+    ClockJump,
+    /// A channel that reads the same always.
+    DeadChannel,
+}
+
+/// A mistake and what to do about it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Suggestion {
+    /// What is wrong.
+    pub mistake: Mistake,
+    /// Columns of poses.csv that it is about.
+    pub columns: Vec<String>,
+    /// The same as a sentence.
+    pub sentence: String,
+    /// What changes in the recipe.
+    pub change: Change,
+}
+
+/// A change of a recipe.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "do", rename_all = "snake_case")]
+pub enum Change {
+    /// Multiplies columns.
+    Multiply {
+        /// Columns of poses.csv.
+        columns: Vec<String>,
+        /// By what.
+        factor: f64,
+    },
+    /// Turns the sign of columns.
+    Reverse {
+        /// Columns of poses.csv.
+        columns: Vec<String>,
+    },
+    /// Exchanges the channels of two columns.
+    Exchange {
+        /// One column.
+        a: String,
+        /// The other.
+        b: String,
+    },
+    /// Takes back a step.
+    TakeBack {
+        /// Column of poses.csv.
+        column: String,
+        /// Label of the first pose after the step.
+        from_pose: i64,
+        /// What is added from there on.
+        add: f64,
+    },
+    /// Leaves a column empty.
+    LeaveEmpty {
+        /// Column of poses.csv.
+        column: String,
+    },
+    /// Closes the jumps of a clock.
+    CloseJumps {
+        /// Name of the series.
+        series: String,
+    },
+}
+
+impl Suggestion {
+    pub(crate) fn new(
+        mistake: Mistake,
+        columns: Vec<String>,
+        sentence: String,
+        change: Change,
+    ) -> Self {
+        Self {
+            mistake,
+            columns,
+            sentence,
+            change,
+        }
+    }
+
+    /// Whether it is about columns of a kind.
+    pub(super) fn is_of(&self, kind: Kind) -> bool {
+        self.columns
+            .iter()
+            .any(|column| Quantity::parse(column).is_some_and(|quantity| quantity.kind == kind))
+    }
+
+    /// Changes a recipe so that it makes the mistake good.
+    pub fn apply(&self, recipe: &mut Recipe) {
+        match &self.change {
+            Change::Multiply { columns, factor } => edit(recipe, columns, |entry| {
+                entry.factor *= factor;
+                entry.offset *= factor;
+            }),
+            Change::Reverse { columns } => edit(recipe, columns, |entry| {
+                entry.reversed = !entry.reversed;
+                entry.offset = -entry.offset;
+            }),
+            Change::Exchange { a, b } => {
+                if let (Some(mut first), Some(mut second)) =
+                    (entry_of(recipe, a), entry_of(recipe, b))
+                {
+                    std::mem::swap(&mut first.quantity, &mut second.quantity);
+                    recipe.channels.extend([first, second]);
+                }
+            }
+            Change::TakeBack {
+                column,
+                from_pose,
+                add,
+            } => {
+                recipe.steps.push(Step {
+                    quantity: column.clone(),
+                    from_pose: *from_pose,
+                    add: *add,
+                });
+            }
+            Change::LeaveEmpty { column } => recipe.left_empty.push(column.clone()),
+            Change::CloseJumps { series } => match recipe
+                .clocks
+                .iter_mut()
+                .find(|clock| clock.series == *series)
+            {
+                Some(clock) => clock.close_jumps = true,
+                None => recipe.clocks.push(Clock {
+                    series: series.clone(),
+                    offset_s: 0.0,
+                    close_jumps: true,
+                }),
+            },
+        }
+    }
+}
+
+/// Changes the entries of columns. A pattern all of whose columns are meant is changed itself; for some of them there are
+/// entries of their own after it.
+fn edit(recipe: &mut Recipe, columns: &[String], change: impl Fn(&mut Assignment)) {
+    let is_meant = |entry: &Assignment, column: &str| {
+        entry.quantity == column || pattern_number(entry, column).is_some()
+    };
+    let whole = columns.len() > 1 && {
+        let holders = recipe
+            .channels
+            .iter()
+            .filter(|entry| columns.iter().any(|column| is_meant(entry, column)));
+        holders.clone().count() == 1 || holders.clone().all(|entry| !entry.quantity.contains("{i}"))
+    };
+    if whole {
+        for entry in &mut recipe.channels {
+            if columns.iter().any(|column| is_meant(entry, column)) {
+                change(entry);
+            }
+        }
+        return;
+    }
+    for column in columns {
+        if let Some(entry) = recipe
+            .channels
+            .iter_mut()
+            .rev()
+            .find(|entry| is_meant(entry, column))
+            && entry.quantity == *column
+        {
+            change(entry);
+        } else if let Some(mut entry) = entry_of(recipe, column) {
+            change(&mut entry);
+            recipe.channels.push(entry);
+        }
+    }
+}
+
+/// The entry that holds for a column, as one for it alone.
+fn entry_of(recipe: &Recipe, column: &str) -> Option<Assignment> {
+    recipe.channels.iter().rev().find_map(|entry| {
+        if entry.quantity == column {
+            return Some(entry.clone());
+        }
+        let number = pattern_number(entry, column)?;
+        let channel = entry
+            .channel
+            .replacen("{i}", &(number - 1 + entry.first).to_string(), 1);
+        Some(Assignment {
+            channel,
+            quantity: column.into(),
+            first: 1,
+            ..entry.clone()
+        })
+    })
+}
+
+/// The cable for which a pattern gives a column.
+fn pattern_number(entry: &Assignment, column: &str) -> Option<usize> {
+    let quantity = Quantity::parse(column).filter(|quantity| quantity.is_per_cable())?;
+    (entry.quantity == quantity.kind.column_of("{i}")).then_some(quantity.index + 1)
+}

@@ -1,0 +1,354 @@
+//! Mistakes planted in simulated readings.
+
+use tautline_core::measurement::{Grid, Measurements};
+use tautline_core::robot::{Inclinometer, PerAxis, Tracker, presets};
+use tautline_core::simulation::{SimulationOptions, simulate};
+
+use super::*;
+use crate::recipe::{Assignment, Recipe};
+
+/// Readings of a simulated robot with all instruments, and pulleys that are not where the drawing has them.
+fn readings(preset: &str, seed: u64) -> (Readings, Robot) {
+    let mut robot = presets::find(preset).expect("a preset").robot;
+    robot.inclinometer = Some(Inclinometer { sd_rad: 2e-3 });
+    robot.tracker = Some(Tracker {
+        position_sd_m: PerAxis::Same(1e-3),
+        orientation_sd_rad: Some(1e-3),
+    });
+    let data = simulate(&robot, &SimulationOptions::new(30, seed))
+        .expect("simulated")
+        .dataset
+        .measurements;
+    let mut columns = BTreeMap::new();
+    let mut grid = |kind, grid: &Grid| {
+        if !grid.is_empty() {
+            for index in 0..robot.cable_count() {
+                columns.insert(
+                    Quantity { kind, index },
+                    (0..data.len()).map(|pose| grid.get(pose, index)).collect(),
+                );
+            }
+        }
+    };
+    grid(Kind::Revolutions, &data.revolutions);
+    grid(Kind::Length, &data.length_m);
+    grid(Kind::Force, &data.force_n);
+    grid(Kind::Swivel, &data.swivel_rad);
+    insert_instruments(&mut columns, &data);
+    (
+        Readings {
+            labels: data.labels.clone(),
+            columns,
+        },
+        robot,
+    )
+}
+
+fn insert_instruments(columns: &mut BTreeMap<Quantity, Vec<f64>>, data: &Measurements) {
+    if !data.laser_m.is_empty() {
+        columns.insert(
+            Quantity {
+                kind: Kind::Laser,
+                index: 0,
+            },
+            data.laser_m.clone(),
+        );
+    }
+    for index in 0..3 {
+        if !data.inclination_rad.is_empty() {
+            columns.insert(
+                Quantity {
+                    kind: Kind::Inclination,
+                    index,
+                },
+                data.inclination_rad
+                    .iter()
+                    .map(|angles| angles[index])
+                    .collect(),
+            );
+        }
+        if !data.tracked_position_m.is_empty() {
+            columns.insert(
+                Quantity {
+                    kind: Kind::Tracked,
+                    index,
+                },
+                data.tracked_position_m
+                    .iter()
+                    .map(|position| position[index])
+                    .collect(),
+            );
+        }
+    }
+    let commanded: Vec<Vec<f64>> = data
+        .commanded
+        .iter()
+        .map(|pose| {
+            pose.map_or(vec![f64::NAN; 7], |pose| {
+                pose.position
+                    .iter()
+                    .copied()
+                    .chain(pose.orientation_wxyz())
+                    .collect()
+            })
+        })
+        .collect();
+    for index in 0..7 {
+        columns.insert(
+            Quantity {
+                kind: Kind::Commanded,
+                index,
+            },
+            commanded.iter().map(|pose| pose[index]).collect(),
+        );
+    }
+}
+
+fn scale(readings: &mut Readings, kind: Kind, factor: f64) {
+    let columns = readings.columns.iter_mut().filter(|(quantity, _)| {
+        quantity.kind == kind && (kind != Kind::Commanded || quantity.index < 3)
+    });
+    columns.for_each(|(_, values)| values.iter_mut().for_each(|value| *value *= factor));
+}
+
+fn column(readings: &mut Readings, kind: Kind, index: usize) -> &mut Vec<f64> {
+    readings
+        .columns
+        .get_mut(&Quantity { kind, index })
+        .expect("a column")
+}
+
+fn swap(readings: &mut Readings, kind: Kind, i: usize, j: usize) {
+    let first = std::mem::take(column(readings, kind, i));
+    let second = std::mem::replace(column(readings, kind, j), first);
+    *column(readings, kind, i) = second;
+}
+
+const SEEDS: std::ops::Range<u64> = 100..120;
+
+/// What a mistake is called, how it is made, and the column that the suggestion has to name first.
+type Planted = (&'static str, fn(&mut Readings), Mistake, &'static str);
+
+const PLANTED: [Planted; 14] = [
+    (
+        "revolutions in degrees",
+        |r| scale(r, Kind::Revolutions, 360.0),
+        Mistake::WrongUnit,
+        "rev_1",
+    ),
+    (
+        "revolutions in radians",
+        |r| scale(r, Kind::Revolutions, std::f64::consts::TAU),
+        Mistake::WrongUnit,
+        "rev_1",
+    ),
+    (
+        "all revolutions reversed",
+        |r| scale(r, Kind::Revolutions, -1.0),
+        Mistake::ReversedSign,
+        "rev_1",
+    ),
+    (
+        "one winch reversed",
+        |r| {
+            column(r, Kind::Revolutions, 2)
+                .iter_mut()
+                .for_each(|v| *v = -*v);
+        },
+        Mistake::ReversedSign,
+        "rev_3",
+    ),
+    (
+        "two winches exchanged",
+        |r| swap(r, Kind::Revolutions, 1, 4),
+        Mistake::Exchanged,
+        "rev_2",
+    ),
+    (
+        "an encoder lost one turn",
+        |r| {
+            column(r, Kind::Revolutions, 5)[14..]
+                .iter_mut()
+                .for_each(|v| *v += 1.0);
+        },
+        Mistake::EncoderStep,
+        "rev_6",
+    ),
+    (
+        "a dead encoder",
+        |r| {
+            column(r, Kind::Revolutions, 3)
+                .iter_mut()
+                .for_each(|v| *v = 0.25);
+        },
+        Mistake::DeadChannel,
+        "rev_4",
+    ),
+    (
+        "laser in millimetres",
+        |r| scale(r, Kind::Laser, 1e3),
+        Mistake::WrongUnit,
+        "laser_m",
+    ),
+    (
+        "forces in kilonewtons",
+        |r| scale(r, Kind::Force, 1e-3),
+        Mistake::WrongUnit,
+        "force_1_n",
+    ),
+    (
+        "forces negative",
+        |r| scale(r, Kind::Force, -1.0),
+        Mistake::ReversedSign,
+        "force_1_n",
+    ),
+    (
+        "inclinometer in degrees",
+        |r| scale(r, Kind::Inclination, 180.0 / std::f64::consts::PI),
+        Mistake::WrongUnit,
+        "roll_rad",
+    ),
+    (
+        "tracker in millimetres",
+        |r| scale(r, Kind::Tracked, 1e3),
+        Mistake::WrongUnit,
+        "meas_x_m",
+    ),
+    (
+        "axes of the tracker exchanged",
+        |r| swap(r, Kind::Tracked, 1, 2),
+        Mistake::Exchanged,
+        "meas_y_m",
+    ),
+    (
+        "commanded poses in millimetres",
+        |r| scale(r, Kind::Commanded, 1e3),
+        Mistake::WrongUnit,
+        "x_m",
+    ),
+];
+
+#[test]
+fn planted_mistakes_are_found_and_rightly_named() {
+    let mut missed = Vec::new();
+    let mut tries = 0;
+    for seed in SEEDS {
+        let (clean, robot) = readings("mini", seed);
+        for (what, plant, mistake, first) in &PLANTED {
+            let mut readings = clean.clone();
+            plant(&mut readings);
+            let found = check(&readings, &robot);
+            tries += 1;
+            let rightly =
+                matches!(&found[..], [one] if one.mistake == *mistake && one.columns[0] == *first);
+            if !rightly {
+                missed.push(format!(
+                    "{what}, seed {seed}: {:?}",
+                    found.iter().map(|s| &s.sentence).collect::<Vec<_>>()
+                ));
+            }
+        }
+    }
+    // At least 95 of 100.
+    assert!(
+        missed.len() * 20 <= tries,
+        "{} of {tries} missed\n{}",
+        missed.len(),
+        missed.join("\n")
+    );
+}
+
+#[test]
+fn clean_readings_have_no_suggestions() {
+    let mut wrong = Vec::new();
+    for preset in ["mini", "hall", "suspended", "planar"] {
+        for seed in 0..50 {
+            let (readings, robot) = readings(preset, seed);
+            let found = check(&readings, &robot);
+            wrong.extend(
+                found
+                    .iter()
+                    .map(|suggestion| format!("{preset}, seed {seed}: {}", suggestion.sentence)),
+            );
+        }
+    }
+    // At most 1 of 100.
+    assert!(
+        wrong.len() <= 2,
+        "{} of 200\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+}
+
+#[test]
+fn a_suggestion_changes_the_recipe_where_it_is_meant() {
+    let mut recipe = Recipe {
+        channels: vec![
+            Assignment {
+                first: 0,
+                ..Assignment::new("W{i}", "rev_{i}")
+            },
+            Assignment::new("L", "laser_m"),
+        ],
+        ..Recipe::default()
+    };
+    let apply = |recipe: &mut Recipe, columns: &[&str], change: Change| {
+        let columns = columns.iter().map(|column| (*column).to_owned()).collect();
+        Suggestion::new(Mistake::WrongUnit, columns, String::new(), change).apply(recipe);
+    };
+    let all: Vec<String> = (1..=8).map(|k| format!("rev_{k}")).collect();
+    apply(
+        &mut recipe,
+        &[],
+        Change::Multiply {
+            columns: all,
+            factor: 0.5,
+        },
+    );
+    assert_eq!((recipe.channels.len(), recipe.channels[0].factor), (2, 0.5));
+    apply(
+        &mut recipe,
+        &[],
+        Change::Reverse {
+            columns: vec!["rev_3".into()],
+        },
+    );
+    let third = &recipe.channels[2];
+    assert_eq!(
+        (
+            third.channel.as_str(),
+            third.quantity.as_str(),
+            third.reversed,
+            third.factor
+        ),
+        ("W2", "rev_3", true, 0.5)
+    );
+    apply(
+        &mut recipe,
+        &[],
+        Change::Exchange {
+            a: "rev_1".into(),
+            b: "rev_3".into(),
+        },
+    );
+    let pairs: Vec<(&str, &str, bool)> = recipe.channels[3..]
+        .iter()
+        .map(|entry| {
+            (
+                entry.channel.as_str(),
+                entry.quantity.as_str(),
+                entry.reversed,
+            )
+        })
+        .collect();
+    assert_eq!(pairs, [("W0", "rev_3", false), ("W2", "rev_1", true)]);
+    apply(
+        &mut recipe,
+        &[],
+        Change::CloseJumps {
+            series: "log".into(),
+        },
+    );
+    assert!(recipe.clocks[0].close_jumps);
+}

@@ -1,0 +1,119 @@
+//! Times of the rows of a series.
+
+use crate::recipe::{Mapping, Recipe, is_series};
+
+/// A step longer than this many usual steps is a gap.
+const GAP: f64 = 5.0;
+
+/// Times of the rows, where there are any, and what is wrong with them.
+pub(crate) struct Times {
+    /// Times (s); NaN where the row has none.
+    pub time_s: Option<Vec<f64>>,
+    /// Rows before which the clock jumps back or ahead, and by how much (s).
+    pub jumps: Vec<(usize, f64)>,
+    /// Rows before which rows are missing, and how long (s).
+    pub gaps: Vec<(usize, f64)>,
+    closed: bool,
+}
+
+impl Times {
+    /// Times of a series by the recipe, else by its format.
+    pub fn of(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Self {
+        let one = mapping.series[series];
+        let time_s = match mapping.times[series] {
+            Some(mapped) => {
+                let values = one.channels[mapped.channel].values.iter();
+                Some(
+                    values
+                        .map(|value| mapped.factor * value + mapped.offset)
+                        .collect(),
+                )
+            }
+            None => one.time_s.clone(),
+        };
+        let mut times = Self {
+            time_s,
+            jumps: Vec::new(),
+            gaps: Vec::new(),
+            closed: false,
+        };
+        let clock = recipe
+            .clocks
+            .iter()
+            .find(|clock| is_series(one, &clock.series));
+        times.look(clock.is_some_and(|clock| clock.close_jumps));
+        if let (Some(clock), Some(time_s)) = (clock, &mut times.time_s) {
+            time_s.iter_mut().for_each(|time| *time += clock.offset_s);
+        }
+        times
+    }
+
+    /// Finds jumps and gaps; closes the jumps if that is wanted.
+    fn look(&mut self, close: bool) {
+        let Some(time_s) = &mut self.time_s else {
+            return;
+        };
+        let mut steps: Vec<f64> = time_s
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .filter(|step| *step > 0.0)
+            .collect();
+        if steps.is_empty() {
+            return;
+        }
+        let middle = steps.len() / 2;
+        let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let whole: f64 = usual * time_s.len() as f64;
+        let mut shift = 0.0;
+        let mut last = time_s[0];
+        for (row, time) in time_s.iter_mut().enumerate().skip(1) {
+            let step = *time - last;
+            last = *time;
+            // A clock that was set jumps by more than a recording can last; a recorder that paused leaves a gap.
+            let jumps = step < -1e-9 * last.abs().max(1.0) || step > 10.0 * whole.max(3600.0);
+            if jumps {
+                self.jumps.push((row, step));
+                if close {
+                    shift += usual - step;
+                }
+            } else if step > GAP * usual {
+                self.gaps.push((row, step));
+            }
+            *time += shift;
+        }
+        self.closed = close;
+    }
+
+    /// Sentences about jumps and gaps.
+    pub fn notices(&self, name: &str) -> Vec<String> {
+        let mut notices = Vec::new();
+        if let Some((row, step)) = self.jumps.first() {
+            let more = more(self.jumps.len());
+            let done = if self.closed { ": closed" } else { "" };
+            notices.push(format!(
+                "{name}, row {}: the clock jumps by {step:.3} s{more}{done}",
+                row + 1
+            ));
+        }
+        if let Some((row, step)) = self.gaps.first().filter(|_| {
+            self.time_s
+                .as_ref()
+                .is_some_and(|time| time.len() >= super::RECORDING)
+        }) {
+            notices.push(format!(
+                "{name}, row {}: gap of {step:.3} s{}",
+                row + 1,
+                more(self.gaps.len())
+            ));
+        }
+        notices
+    }
+}
+
+fn more(count: usize) -> String {
+    if count > 1 {
+        format!(" and {} more times", count - 1)
+    } else {
+        String::new()
+    }
+}

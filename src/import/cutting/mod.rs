@@ -1,0 +1,353 @@
+//! Rows to poses.
+
+mod clock;
+mod rest;
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use tautline_core::robot::Robot;
+use tautline_session::{Place, ReadError, quoted};
+
+use crate::recipe::{Cutting, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
+use crate::source::{Series, Source};
+pub(crate) use clock::Times;
+use rest::Limits;
+
+/// Fewest rows of a recording: fewer are poses, one in each row.
+const RECORDING: usize = 100;
+
+/// A pose and what was read there.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CutPose {
+    /// Label, where the recipe gives one.
+    pub label: Option<String>,
+    /// Group, where the recipe gives one.
+    pub group: Option<String>,
+    /// Begin and end (s).
+    pub time_s: Option<[f64; 2]>,
+    /// Rows of the first series.
+    pub rows: usize,
+    /// Means of the quantities.
+    pub readings: BTreeMap<Quantity, Averaged>,
+}
+
+/// Mean of readings at a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Averaged {
+    pub mean: f64,
+    /// Standard deviation of one reading; NaN for a single one.
+    pub sd: f64,
+    pub number: usize,
+}
+
+/// Whether a series has the times and the length of a recording.
+pub(crate) fn is_recording(series: &Series) -> bool {
+    series.rows >= RECORDING
+}
+
+/// Whether rests are found in the sources by a recipe, and are fewer than rows.
+pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
+    let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
+        return false;
+    };
+    let main = main_series(&mapping);
+    let times = Times::of(&mapping, main, recipe);
+    let Some(time_s) = &times.time_s else {
+        return false;
+    };
+    let limits = Limits::of(robot, &Rest::default());
+    let rests = rest::find(&mapping, main, time_s, &Rest::default(), &limits);
+    !rests.is_empty() && rests.len() * 5 < time_s.len()
+}
+
+/// The series that has most of the quantities that move.
+fn main_series(mapping: &Mapping<'_>) -> usize {
+    let mut counts = vec![0_usize; mapping.series.len()];
+    for (quantity, mapped) in &mapping.quantities {
+        counts[mapped.series] += if quantity.is_per_cable() { 64 } else { 1 };
+    }
+    (0..counts.len())
+        .rev()
+        .max_by_key(|k| counts[*k])
+        .unwrap_or(0)
+}
+
+/// Cuts sources into poses.
+///
+/// # Errors
+/// If series cannot be brought together, or no pose is found.
+pub(crate) fn cut(
+    mapping: &Mapping<'_>,
+    recipe: &Recipe,
+    robot: &Robot,
+    file: &str,
+    notices: &mut Vec<String>,
+) -> Result<Vec<CutPose>, ReadError> {
+    if mapping.quantities.is_empty() {
+        let message = "no channel is a quantity of the robot: expected a recipe that names them (--recipe), see --channels";
+        return Err(ReadError::new(file, Place::File, message));
+    }
+    let main = main_series(mapping);
+    let all: Vec<Times> = (0..mapping.series.len())
+        .map(|k| Times::of(mapping, k, recipe))
+        .collect();
+    for (k, times) in all.iter().enumerate() {
+        if mapping.quantities.values().any(|mapped| mapped.series == k) {
+            notices.extend(times.notices(&mapping.series[k].name));
+        }
+    }
+    let rows = mapping.series[main].rows;
+    let ranges: Vec<Range<usize>> = match &recipe.cutting {
+        Cutting::Rows => (0..rows).map(|row| row..row + 1).collect(),
+        Cutting::Labels => by_labels(mapping, main, file)?,
+        Cutting::Rest(rest) => {
+            let Some(time_s) = &all[main].time_s else {
+                let message = format!(
+                    "the series {} has no times, expected a channel that is time_s to find rests",
+                    quoted(&mapping.series[main].name)
+                );
+                return Err(ReadError::new(file, Place::File, message));
+            };
+            let limits = Limits::of(robot, rest);
+            let found = rest::find(mapping, main, time_s, rest, &limits);
+            if found.is_empty() {
+                let message = format!(
+                    "found no rest of {} s among {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe); recordings in motion are not read yet",
+                    rest.minimum_s
+                );
+                return Err(ReadError::new(file, Place::File, message));
+            }
+            let kept: usize = found.iter().map(Range::len).sum();
+            notices.push(format!("{} rests with {kept} of {rows} rows; the others, in motion or settling, are not used", found.len()));
+            found
+        }
+    };
+    let mut poses = Vec::with_capacity(ranges.len());
+    for range in &ranges {
+        poses.push(pose(mapping, main, &all, range, file)?);
+    }
+    from_first_pose(mapping, &mut poses);
+    Ok(poses)
+}
+
+/// Runs of rows with the same label.
+fn by_labels(
+    mapping: &Mapping<'_>,
+    main: usize,
+    file: &str,
+) -> Result<Vec<Range<usize>>, ReadError> {
+    let label = mapping.quantities.iter().find(|(quantity, mapped)| {
+        quantity.kind == crate::recipe::Kind::Label && mapped.series == main
+    });
+    let Some((_, label)) = label else {
+        let message = "cutting by labels needs a channel that is pose in the series of the cables";
+        return Err(ReadError::new(file, Place::File, message));
+    };
+    let series = mapping.series[main];
+    let same = |row: usize| match label.is_text {
+        true => {
+            series.texts[label.channel].codes[row] == series.texts[label.channel].codes[row - 1]
+        }
+        false => {
+            series.channels[label.channel].values[row]
+                == series.channels[label.channel].values[row - 1]
+        }
+    };
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for row in 0..series.rows {
+        match ranges.last_mut() {
+            Some(range) if same(row) => range.end = row + 1,
+            _ => ranges.push(row..row + 1),
+        }
+    }
+    Ok(ranges)
+}
+
+/// What was read in a range of rows of the main series, and in other series at the same time.
+fn pose(
+    mapping: &Mapping<'_>,
+    main: usize,
+    times: &[Times],
+    range: &Range<usize>,
+    file: &str,
+) -> Result<CutPose, ReadError> {
+    let time_s = times[main]
+        .time_s
+        .as_ref()
+        .map(|time_s| [time_s[range.start], time_s[range.end - 1]]);
+    let mut pose = CutPose {
+        label: None,
+        group: None,
+        time_s,
+        rows: range.len(),
+        readings: BTreeMap::new(),
+    };
+    let label = mapping.quantities.iter().find(|(quantity, mapped)| {
+        quantity.kind == crate::recipe::Kind::Label && mapped.series == main
+    });
+    pose.label = label.map(|(_, mapped)| text_at(mapping.series[main], mapped, range.start));
+    for (quantity, mapped) in &mapping.quantities {
+        let rows = if mapped.series == main {
+            Some(range.clone())
+        } else {
+            other_rows(
+                mapping,
+                main,
+                times,
+                mapped.series,
+                range,
+                pose.label.as_deref(),
+                file,
+            )?
+        };
+        let Some(rows) = rows else { continue };
+        if quantity.is_text() {
+            if quantity.kind == crate::recipe::Kind::Group {
+                pose.group = Some(text_at(mapping.series[mapped.series], mapped, rows.start));
+            }
+            continue;
+        }
+        let values = &mapping.series[mapped.series].channels[mapped.channel].values[rows];
+        if let Some(mut averaged) = average(values) {
+            averaged.mean = mapped.factor * averaged.mean + mapped.offset;
+            averaged.sd *= mapped.factor.abs();
+            pose.readings.insert(*quantity, averaged);
+        }
+    }
+    align_quaternions(mapping, &mut pose);
+    Ok(pose)
+}
+
+fn text_at(series: &Series, mapped: &Mapped, row: usize) -> String {
+    match mapped.is_text {
+        true => series.texts[mapped.channel].at(row).to_owned(),
+        false => series.channels[mapped.channel].values[row].to_string(),
+    }
+}
+
+/// Rows of another series that belong to rows of the main one: by label, by time, or one to one.
+fn other_rows(
+    mapping: &Mapping<'_>,
+    main: usize,
+    times: &[Times],
+    other: usize,
+    range: &Range<usize>,
+    label: Option<&str>,
+    file: &str,
+) -> Result<Option<Range<usize>>, ReadError> {
+    let series = mapping.series[other];
+    let names = series
+        .texts
+        .iter()
+        .find(|text| crate::naming::is_label(&text.name));
+    if let (Some(names), Some(label)) = (names, label) {
+        let row = (0..series.rows).find(|row| same_label(names.at(*row), label));
+        return Ok(row.map(|row| row..row + 1));
+    }
+    if let (Some(ours), Some(theirs)) = (&times[main].time_s, &times[other].time_s) {
+        let (from, to) = (ours[range.start], ours[range.end - 1]);
+        let start = theirs.partition_point(|time| *time < from);
+        let end = theirs.partition_point(|time| *time <= to);
+        return Ok((start < end).then_some(start..end));
+    }
+    if series.rows == mapping.series[main].rows {
+        return Ok(Some(range.clone()));
+    }
+    let message = format!(
+        "the series {} has {} rows and {} has {}, expected times or labels of poses in both, or as many rows",
+        quoted(&mapping.series[main].name),
+        mapping.series[main].rows,
+        quoted(&series.name),
+        series.rows
+    );
+    Err(ReadError::new(file, Place::File, message))
+}
+
+/// Whether two names are of one pose: equal, or with the same number, as P7 and 7.
+fn same_label(a: &str, b: &str) -> bool {
+    a == b || matches!((number_of(a), number_of(b)), (Some(a), Some(b)) if a == b)
+}
+
+/// The only number of a name.
+pub(crate) fn number_of(label: &str) -> Option<i64> {
+    let digits: Vec<&str> = label
+        .split(|letter: char| !letter.is_ascii_digit())
+        .filter(|part| !part.is_empty())
+        .collect();
+    match digits[..] {
+        [number] => number.parse().ok(),
+        _ => None,
+    }
+}
+
+/// Mean and standard deviation of the values that there are. The mean of equal values is that value, to the last digit.
+fn average(values: &[f64]) -> Option<Averaged> {
+    let mut there = values.iter().copied().filter(|value| !value.is_nan());
+    let first = there.next()?;
+    let (mut sum, mut squares, mut number) = (0.0, 0.0, 1_usize);
+    for value in there {
+        let step = value - first;
+        sum += step;
+        squares += step * step;
+        number += 1;
+    }
+    let mean = sum / number as f64;
+    let sd = match number {
+        1 => f64::NAN,
+        number => ((squares - sum * mean).max(0.0) / (number as f64 - 1.0)).sqrt(),
+    };
+    Some(Averaged {
+        mean: first + mean,
+        sd,
+        number,
+    })
+}
+
+/// Makes means of quaternions unit quaternions. Where a recorder changes sign in between, their mean is none, and is left
+/// out.
+fn align_quaternions(mapping: &Mapping<'_>, pose: &mut CutPose) {
+    use crate::recipe::Kind;
+    for kind in [Kind::Commanded, Kind::Tracked] {
+        let components = (3..7).map(|index| Quantity { kind, index });
+        let components: Vec<Quantity> = components
+            .filter(|quantity| mapping.quantities.contains_key(quantity))
+            .collect();
+        let norm = components
+            .iter()
+            .filter_map(|quantity| pose.readings.get(quantity))
+            .map(|reading| reading.mean.powi(2))
+            .sum::<f64>()
+            .sqrt();
+        for quantity in &components {
+            match pose.readings.get_mut(quantity) {
+                Some(reading) if norm > 0.9 && reading.number > 1 => reading.mean /= norm,
+                Some(reading) if reading.number > 1 => {
+                    pose.readings.remove(quantity);
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Subtracts the values of the first pose where the recipe says so.
+fn from_first_pose(mapping: &Mapping<'_>, poses: &mut [CutPose]) {
+    for (quantity, mapped) in mapping
+        .quantities
+        .iter()
+        .filter(|(_, mapped)| mapped.from_first_pose)
+    {
+        let first = poses
+            .iter()
+            .find_map(|pose| pose.readings.get(quantity))
+            .map(|reading| reading.mean - mapped.offset);
+        let Some(first) = first else { continue };
+        for reading in poses
+            .iter_mut()
+            .filter_map(|pose| pose.readings.get_mut(quantity))
+        {
+            reading.mean -= first;
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Zip archives, of which `.npz` and `.xlsx` are made.
+
+use std::io::Read;
+
+use flate2::read::DeflateDecoder;
+use rawzip::{CompressionMethod, ZipArchive, ZipSliceArchive};
+
+use super::MAX_WHOLE;
+
+/// A zip archive in memory.
+pub(super) struct Archive<'a> {
+    archive: ZipSliceArchive<&'a [u8]>,
+    names: Vec<String>,
+}
+
+impl<'a> Archive<'a> {
+    /// Reads the names of its entries; an error is what is wrong, in words.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, String> {
+        let damaged = |error: rawzip::Error| format!("is a damaged archive ({error})");
+        let archive = ZipArchive::from_slice(bytes).map_err(damaged)?;
+        let mut names = Vec::new();
+        let mut entries = archive.entries();
+        while let Some(entry) = entries.next_entry().map_err(damaged)? {
+            names.push(String::from_utf8_lossy(entry.file_path().as_ref()).into_owned());
+        }
+        Ok(Self { archive, names })
+    }
+
+    /// Names of its entries in their order.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Content of an entry; `None` if there is none of this name.
+    pub fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
+        let damaged = |error: &dyn std::fmt::Display| {
+            format!("entry {name} of the archive is damaged ({error})")
+        };
+        let mut entries = self.archive.entries();
+        while let Some(entry) = entries.next_entry().map_err(|error| damaged(&error))? {
+            if String::from_utf8_lossy(entry.file_path().as_ref()) != name {
+                continue;
+            }
+            let method = entry.compression_method();
+            let local = self
+                .archive
+                .get_entry(entry.wayfinder())
+                .map_err(|error| damaged(&error))?;
+            let mut content = Vec::new();
+            let read = match method {
+                CompressionMethod::STORE => local
+                    .verifying_reader(local.data())
+                    .take(MAX_WHOLE)
+                    .read_to_end(&mut content),
+                CompressionMethod::DEFLATE => {
+                    let plain = DeflateDecoder::new(local.data());
+                    local
+                        .verifying_reader(plain)
+                        .take(MAX_WHOLE)
+                        .read_to_end(&mut content)
+                }
+                _ => {
+                    return Err(format!(
+                        "entry {name} of the archive is compressed in another way than by deflate"
+                    ));
+                }
+            };
+            read.map_err(|error| damaged(&error))?;
+            return Ok(Some(content));
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,215 @@
+//! One reader for each format, and which of them a file needs.
+
+mod archive;
+mod delimited;
+mod excel;
+mod matlab;
+mod motive;
+mod nexus;
+mod numpy;
+mod scope;
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+use tautline_session::{Place, ReadError, open_input};
+
+use crate::source::{Format, Source};
+use crate::text::decoded;
+
+/// Bytes from the beginning of a file by which its format is known.
+const HEAD: u64 = 64 << 10;
+/// Largest file that is read as a whole (bytes): the formats that are not read row by row.
+const MAX_WHOLE: u64 = 2 << 30;
+
+/// What a file is.
+enum Kind {
+    Readable(Format),
+    /// A description of a robot, and not readings.
+    RobotDescription,
+    /// A format that is known and not read: what it is, and what to do.
+    Refused(&'static str),
+}
+
+/// Reads a file, whatever it is.
+///
+/// # Errors
+/// If its format is not known or its content is wrong, in one sentence with the place.
+pub fn read_source(path: &Path) -> Result<Source, ReadError> {
+    let file = path.display().to_string();
+    let refuse = |message: &str| Err(ReadError::new(&file, Place::File, message));
+    let (head, mut input) = open(path, &file)?;
+    let format = match recognise(&head, path) {
+        Kind::Readable(format) => format,
+        Kind::RobotDescription => {
+            return refuse(
+                "is the description of a robot, expected readings; import it by itself, with -o robot.json",
+            );
+        }
+        Kind::Refused(message) => return refuse(message),
+    };
+    match format {
+        Format::Table | Format::PointList => delimited::read(&head, input, &file),
+        Format::TwinCatScope => scope::read(&head, input, &file),
+        Format::Motive => motive::read(&head, input, &file),
+        Format::Nexus => nexus::read(&head, input, &file),
+        Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
+        Format::NumPy => numpy::read(input, &head, &file),
+        Format::Excel => excel::read(input, &file),
+    }
+}
+
+/// Whether a file describes a robot in the XML of other programs.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn is_robot_description(path: &Path) -> Result<bool, ReadError> {
+    let (head, _) = open(path, &path.display().to_string())?;
+    Ok(matches!(recognise(&head, path), Kind::RobotDescription))
+}
+
+/// The beginning of a file, and the file at its beginning.
+fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
+    let mut input = open_input(path, file)?;
+    let failed = |error| ReadError::io(file, Place::File, &error);
+    let mut head = Vec::new();
+    (&mut input)
+        .take(HEAD)
+        .read_to_end(&mut head)
+        .map_err(failed)?;
+    input.rewind().map_err(failed)?;
+    Ok((head, input))
+}
+
+/// The content of a file.
+fn whole(input: &mut File, file: &str) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = Vec::new();
+    let read = input.take(MAX_WHOLE + 1).read_to_end(&mut bytes);
+    read.map_err(|error| ReadError::io(file, Place::File, &error))?;
+    if bytes.len() as u64 > MAX_WHOLE {
+        let message = format!(
+            "found more than {} GB, expected a smaller file",
+            MAX_WHOLE >> 30
+        );
+        return Err(ReadError::new(file, Place::File, message));
+    }
+    Ok(bytes)
+}
+
+fn recognise(head: &[u8], path: &Path) -> Kind {
+    use Kind::{Readable, Refused, RobotDescription};
+    if path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("svdx"))
+    {
+        return Refused(
+            "is a recording of TwinCAT Scope in its closed format, expected its export: \
+             TC3ScopeExportTool.exe \"svd=<file>\" target=<csv> silent",
+        );
+    }
+    match head {
+        [] => return Refused("is empty, expected readings"),
+        [b'P', b'K', 3, 4, ..] => return Readable(zip_content(head)),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => return Readable(Format::NumPy),
+        _ if head.starts_with(b"MATLAB 5.0") => return Readable(Format::Matlab),
+        _ if head.starts_with(b"MATLAB 7.3") => {
+            return Refused(
+                "is a MATLAB file of version 7.3 (HDF5), expected version 7: save(name, vars{:}, '-v7')",
+            );
+        }
+        [0x89, b'H', b'D', b'F', ..] => {
+            return Refused(
+                "is an HDF5 file, which is not read, expected a table, for example as CSV",
+            );
+        }
+        [b'P', b'A', b'R', b'1', ..] => {
+            return Refused(
+                "is a Parquet file, which is not read, expected CSV: pandas.read_parquet(name).to_csv(...)",
+            );
+        }
+        [0x89, b'M', b'C', b'A', b'P', ..] => {
+            return Refused(
+                "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
+            );
+        }
+        _ if head.starts_with(b"#ROSBAG") => {
+            return Refused(
+                "is a recording of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
+            );
+        }
+        _ if head.starts_with(b"SQLite format 3") => {
+            return Refused("is a database, which is not read, expected CSV");
+        }
+        [0xd0, 0xcf, 0x11, 0xe0, ..] => {
+            return Refused(
+                "is an old Excel file (.xls), expected .xlsx: save it under that format",
+            );
+        }
+        [2, 0x50, ..] => {
+            return Refused(
+                "is a C3D file, which is not read, expected the text export of the capture program",
+            );
+        }
+        _ => {}
+    }
+    let text = decoded(head);
+    if text.contains('\0') {
+        return Refused("is a binary file of unknown format, expected readings");
+    }
+    let text = text.trim_start();
+    let first = text.lines().next().unwrap_or_default();
+    let cell = first
+        .split(['\t', ',', ';', ':', ' '])
+        .next()
+        .unwrap_or_default()
+        .trim_matches('"');
+    match cell {
+        "" => Refused("is empty, expected readings"),
+        _ if text.starts_with('<') => match ["<cables", "<links", "<chain"]
+            .iter()
+            .any(|tag| text.contains(tag))
+        {
+            true => RobotDescription,
+            false => Refused(
+                "is an XML file of unknown format, expected readings or a robot of CASPR or WireX",
+            ),
+        },
+        _ if text.starts_with('{') => {
+            Refused("is a JSON file, expected readings; robots and sessions need no import")
+        }
+        "Format" if first.starts_with("Format Version") => Readable(Format::Motive),
+        "Name" if text.contains("SampleTime") || text.contains("SymbolName") => {
+            Readable(Format::TwinCatScope)
+        }
+        _ if nexus::is_title(first) => Readable(Format::Nexus),
+        _ => Readable(Format::Table),
+    }
+}
+
+/// A workbook, or arrays: the names of the entries are in the clear, and the first one's is at the beginning.
+fn zip_content(head: &[u8]) -> Format {
+    let is_array = head.windows(4).any(|name| name == b".npy");
+    if is_array {
+        Format::NumPy
+    } else {
+        Format::Excel
+    }
+}
+
+/// The name of a file without folder and extension, for its series.
+fn stem(file: &str) -> String {
+    Path::new(file)
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+/// The notice that a text is in a rare encoding.
+fn encoding_notice(file: &str, encoding: crate::text::Encoding) -> Option<String> {
+    encoding
+        .name()
+        .map(|name| format!("{file}: read as {name}"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,149 @@
+//! Files as recorders write them, by hand: every variant is read to the same channels, or refused in one sentence.
+
+mod binary;
+mod damaged;
+mod scope;
+mod tables;
+mod tracking;
+
+use std::path::PathBuf;
+
+use super::*;
+use crate::source::Series;
+
+/// A folder with one file in it.
+struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().expect("a folder"),
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn read(&self, name: &str, bytes: &[u8]) -> Result<Source, String> {
+        let path = self.path(name);
+        std::fs::write(&path, bytes).expect("written");
+        let folder = format!("{}/", self.folder.path().display());
+        match read_source(&path) {
+            Ok(mut source) => {
+                source.file = source.file.replace(&folder, "");
+                source
+                    .notices
+                    .iter_mut()
+                    .for_each(|notice| *notice = notice.replace(&folder, ""));
+                Ok(source)
+            }
+            Err(error) => Err(error.to_string().replace(&folder, "")),
+        }
+    }
+}
+
+/// Reads a file that is well formed.
+fn read(name: &str, bytes: impl AsRef<[u8]>) -> Source {
+    Bench::new().read(name, bytes.as_ref()).expect(name)
+}
+
+/// The sentence by which a file is refused.
+fn refusal(name: &str, bytes: impl AsRef<[u8]>) -> String {
+    let sentence = Bench::new().read(name, bytes.as_ref()).expect_err(name);
+    assert!(
+        sentence.starts_with(name) && !sentence.contains('\n'),
+        "{sentence}"
+    );
+    sentence
+}
+
+/// Name, unit and values of the channels of a series; NaN as `None`.
+type Content = Vec<(String, Option<String>, Vec<Option<f64>>)>;
+
+fn content(series: &Series) -> Content {
+    let values = |values: &[f64]| {
+        values
+            .iter()
+            .map(|value| Some(*value).filter(|value| !value.is_nan()))
+            .collect()
+    };
+    series
+        .channels
+        .iter()
+        .map(|channel| {
+            (
+                channel.name.clone(),
+                channel.unit.clone(),
+                values(&channel.values),
+            )
+        })
+        .collect()
+}
+
+fn channel(
+    name: &str,
+    unit: Option<&str>,
+    values: &[f64],
+) -> (String, Option<String>, Vec<Option<f64>>) {
+    let values = values
+        .iter()
+        .map(|value| Some(*value).filter(|value| !value.is_nan()))
+        .collect();
+    (name.into(), unit.map(Into::into), values)
+}
+
+#[test]
+fn what_is_not_read_says_what_to_do() {
+    for (name, bytes, part) in [
+        (
+            "a.svdx",
+            &b"<TcScope"[..],
+            "TC3ScopeExportTool.exe \"svd=<file>\" target=<csv> silent",
+        ),
+        ("a.csv", b"", "is empty, expected readings"),
+        (
+            "a.mat",
+            b"MATLAB 7.3 MAT-file, Platform",
+            "expected version 7: save(name, vars{:}, '-v7')",
+        ),
+        ("a.h5", b"\x89HDF\r\n\x1a\n", "HDF5"),
+        ("a.parquet", b"PAR1\x15\x04", "pandas.read_parquet"),
+        ("a.mcap", b"\x89MCAP0\r\n", "ros2 topic echo --csv"),
+        (
+            "a.bag",
+            b"#ROSBAG V2.0\n",
+            "rostopic echo -b <bag> -p <topic>",
+        ),
+        ("a.db3", b"SQLite format 3\0", "database"),
+        (
+            "a.xls",
+            b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
+            "expected .xlsx",
+        ),
+        ("a.c3d", b"\x02\x50\0\0", "C3D"),
+        (
+            "a.png",
+            b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",
+            "binary file of unknown format",
+        ),
+        ("a.xml", b"<html></html>", "XML file of unknown format"),
+        ("a.json", b"{\"a\": 1}", "JSON file"),
+        (
+            "a.txt",
+            b"no number in here\nnor here\n",
+            "found no row of numbers",
+        ),
+        ("a.xlsx", b"PK\x03\x04 and no archive", "damaged archive"),
+    ] {
+        let sentence = refusal(name, bytes);
+        assert!(sentence.contains(part), "{sentence} lacks {part}");
+    }
+    let robot = refusal(
+        "r.xml",
+        "<?xml version=\"1.0\"?>\n<cables default_cable_set=\"a\">",
+    );
+    assert!(robot.contains("is the description of a robot"), "{robot}");
+}

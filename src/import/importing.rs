@@ -1,0 +1,455 @@
+//! Sources and a recipe to a table of poses.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+use tautline_core::measurement::Measurements;
+use tautline_core::robot::Robot;
+use tautline_session::{Place, ReadError, escape_formula, read_poses};
+
+use crate::check::{Change, Mistake, Readings, Suggestion, check};
+use crate::cutting::{CutPose, Times, cut, number_of};
+use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
+use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
+use crate::source::Source;
+
+/// Most suggestions that are taken up.
+const MOST_CHANGES: usize = 64;
+
+/// Poses made of foreign files.
+#[derive(Debug, Clone)]
+pub struct Imported {
+    /// The table of poses.
+    pub poses_csv: String,
+    /// The same, as it is read.
+    pub measurements: Measurements,
+    /// What was done.
+    pub document: ImportDocument,
+}
+
+/// Makes poses of sources; `recipe_file` is the recipe's name for messages.
+///
+/// # Errors
+/// If a channel of the recipe is not there, no pose is found, or the readings cannot be those of this robot.
+pub fn import(
+    sources: &[Source],
+    recipe: &Recipe,
+    recipe_file: &str,
+    robot: &Robot,
+) -> Result<Imported, ImportError> {
+    let file = sources.first().map_or("", |source| source.file.as_str());
+    let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
+    let mut notices: Vec<String> = sources
+        .iter()
+        .flat_map(|source| source.notices.clone())
+        .collect();
+    notices.extend(lost_frames(&mapping));
+    let mut poses = cut(&mapping, recipe, robot, file, &mut notices)?;
+    drop_empty(&mut poses, &mut notices);
+    let labels = labels(&poses, recipe, &mut notices);
+    apply_steps(&mut poses, &labels, recipe);
+    let columns = columns(&mapping, recipe);
+    let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot);
+    let poses_csv = table(&poses, &labels, &columns, recipe);
+    let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
+    let document = ImportDocument {
+        sources: reports(sources, &mapping),
+        recipe: recipe.clone(),
+        proposed: false,
+        poses: poses
+            .iter()
+            .zip(&labels)
+            .map(|(pose, label)| report(pose, *label, recipe))
+            .collect(),
+        suggestions,
+        applied: Vec::new(),
+        notices,
+    };
+    match read {
+        Ok(read) => {
+            let mut document = document;
+            document.notices.extend(read.notices);
+            Ok(Imported {
+                poses_csv,
+                measurements: read.value,
+                document,
+            })
+        }
+        // What is impossible may be a mistake that has a name.
+        Err(error) => Err(ImportError {
+            error,
+            suggestions: document.suggestions,
+        }),
+    }
+}
+
+/// Imports, takes up what the check suggests, and imports again until it suggests nothing.
+///
+/// # Errors
+/// As [`import`], for what no suggestion makes good.
+pub fn import_corrected(
+    sources: &[Source],
+    recipe: &Recipe,
+    recipe_file: &str,
+    robot: &Robot,
+) -> Result<Imported, ImportError> {
+    let mut recipe = recipe.clone();
+    let mut applied: Vec<Suggestion> = Vec::new();
+    loop {
+        let found = import(sources, &recipe, recipe_file, robot);
+        let suggestions = match &found {
+            Ok(imported) => &imported.document.suggestions,
+            Err(error) => &error.suggestions,
+        };
+        // A suggestion that comes back did not help.
+        let new: Vec<Suggestion> = suggestions
+            .iter()
+            .filter(|one| !applied.contains(one))
+            .cloned()
+            .collect();
+        if new.is_empty() || applied.len() > MOST_CHANGES {
+            return found.map(|mut imported| {
+                imported.document.applied = applied;
+                imported
+            });
+        }
+        new.iter()
+            .for_each(|suggestion| suggestion.apply(&mut recipe));
+        applied.extend(new);
+    }
+}
+
+/// What the check of the data finds, and jumps of clocks that are not closed.
+fn suggestions(
+    mapping: &Mapping<'_>,
+    poses: &[CutPose],
+    labels: &[i64],
+    recipe: &Recipe,
+    robot: &Robot,
+) -> Vec<Suggestion> {
+    let is_empty = |quantity: &Quantity| {
+        recipe
+            .left_empty
+            .iter()
+            .any(|column| *column == quantity.column())
+    };
+    let quantities = mapping
+        .quantities
+        .keys()
+        .filter(|quantity| !quantity.is_text() && !is_empty(quantity));
+    let values = |quantity: &Quantity| {
+        poses
+            .iter()
+            .map(|pose| {
+                pose.readings
+                    .get(quantity)
+                    .map_or(f64::NAN, |reading| reading.mean)
+            })
+            .collect()
+    };
+    let readings = Readings {
+        labels: labels.to_vec(),
+        columns: quantities
+            .map(|quantity| (*quantity, values(quantity)))
+            .collect(),
+    };
+    let mut found = check(&readings, robot);
+    for (k, series) in mapping.series.iter().enumerate() {
+        let times = Times::of(mapping, k, recipe);
+        let is_closed = recipe
+            .clocks
+            .iter()
+            .any(|clock| clock.close_jumps && is_series(series, &clock.series));
+        if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
+            let sentence = format!(
+                "the clock of {} jumps by {step:.3} s at row {}: it was set in between; close the jump",
+                series.name,
+                row + 1
+            );
+            let change = Change::CloseJumps {
+                series: series.name.clone(),
+            };
+            found.push(Suggestion::new(
+                Mistake::ClockJump,
+                vec!["time_s".into()],
+                sentence,
+                change,
+            ));
+        }
+    }
+    found
+}
+
+/// Why an import failed, and what may be wrong with the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportError {
+    /// Why.
+    pub error: ReadError,
+    /// Mistakes that the readings seem to have.
+    pub suggestions: Vec<Suggestion>,
+}
+
+impl From<ReadError> for ImportError {
+    fn from(error: ReadError) -> Self {
+        Self {
+            error,
+            suggestions: Vec::new(),
+        }
+    }
+}
+
+impl std::fmt::Display for ImportError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.error)?;
+        let about = |suggestion: &&Suggestion| match &self.error.place {
+            Place::Cell(_, column) => suggestion.columns.contains(column),
+            _ => false,
+        };
+        let first = self
+            .suggestions
+            .iter()
+            .find(about)
+            .or(self.suggestions.first());
+        match (first, self.suggestions.len()) {
+            (None, _) => Ok(()),
+            (Some(first), 1) => write!(f, " ({}; --apply-suggestions corrects it)", first.sentence),
+            (Some(first), count) => write!(
+                f,
+                " ({}; {} more; --apply-suggestions corrects them)",
+                first.sentence,
+                count - 1
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ImportError {}
+
+/// What is in the sources, and what a recipe would make of it.
+///
+/// # Errors
+/// If a channel of the recipe is not there.
+pub fn found(
+    sources: &[Source],
+    recipe: &Recipe,
+    recipe_file: &str,
+    robot: &Robot,
+) -> Result<ImportDocument, ReadError> {
+    let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
+    let mut notices: Vec<String> = sources
+        .iter()
+        .flat_map(|source| source.notices.clone())
+        .collect();
+    notices.extend(lost_frames(&mapping));
+    Ok(ImportDocument {
+        sources: reports(sources, &mapping),
+        recipe: recipe.clone(),
+        proposed: false,
+        poses: Vec::new(),
+        suggestions: Vec::new(),
+        applied: Vec::new(),
+        notices,
+    })
+}
+
+/// What is made of each channel.
+fn reports(sources: &[Source], mapping: &Mapping<'_>) -> Vec<SourceReport> {
+    let mut used: BTreeMap<(String, String), String> = BTreeMap::new();
+    let mut add = |mapped: &crate::recipe::Mapped, column: String| {
+        let series = mapping.series[mapped.series];
+        let name = match mapped.is_text {
+            true => &series.texts[mapped.channel].name,
+            false => &series.channels[mapped.channel].name,
+        };
+        let uses = used.entry((series.name.clone(), name.clone())).or_default();
+        if !uses.is_empty() {
+            uses.push_str(", ");
+        }
+        uses.push_str(&column);
+    };
+    for (quantity, mapped) in &mapping.quantities {
+        add(mapped, quantity.column());
+    }
+    for mapped in mapping.times.iter().flatten() {
+        add(mapped, "time_s".into());
+    }
+    let used_as =
+        |series: &str, channel: &str| used.get(&(series.to_owned(), channel.to_owned())).cloned();
+    sources
+        .iter()
+        .map(|source| SourceReport::of(source, &used_as))
+        .collect()
+}
+
+/// Runs of rows that an instrument lost.
+fn lost_frames(mapping: &Mapping<'_>) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    let mut notices = Vec::new();
+    for (quantity, mapped) in mapping
+        .quantities
+        .iter()
+        .filter(|(_, mapped)| !mapped.is_text)
+    {
+        let series = mapping.series[mapped.series];
+        let channel = &series.channels[mapped.channel];
+        let runs = channel.lost();
+        // The components of one pose are lost together.
+        let key = (
+            mapped.series,
+            quantity.kind,
+            runs.first().map(|run| run.start),
+            runs.len(),
+        );
+        if let Some(first) = runs.first()
+            && seen.insert(key)
+        {
+            let rows: usize = runs.iter().map(|run| run.end - run.start).sum();
+            notices.push(format!(
+                "{}, channel \"{}\": {rows} rows without a value in {} runs, the first at row {}",
+                series.name,
+                channel.name,
+                runs.len(),
+                first.start + 1
+            ));
+        }
+    }
+    notices
+}
+
+fn drop_empty(poses: &mut Vec<CutPose>, notices: &mut Vec<String>) {
+    let before = poses.len();
+    poses.retain(|pose| !pose.readings.is_empty());
+    if poses.len() < before {
+        notices.push(format!(
+            "{} poses without any reading left out",
+            before - poses.len()
+        ));
+    }
+}
+
+/// Labels of the poses: those of the files, the numbers in their names, or their order.
+fn labels(poses: &[CutPose], recipe: &Recipe, notices: &mut Vec<String>) -> Vec<i64> {
+    let first = i64::from(!recipe.first_pose_is_home);
+    let in_order = || (0..poses.len() as i64).map(|k| k + first).collect();
+    let Some(names) = poses
+        .iter()
+        .map(|pose| pose.label.as_deref())
+        .collect::<Option<Vec<_>>>()
+    else {
+        return in_order();
+    };
+    let exact: Option<Vec<i64>> = names.iter().map(|name| name.parse().ok()).collect();
+    if let Some(exact) = exact {
+        return exact;
+    }
+    let numbers: Option<Vec<i64>> = names.iter().map(|name| number_of(name)).collect();
+    match numbers {
+        Some(numbers) if numbers.iter().collect::<HashSet<_>>().len() == numbers.len() => numbers,
+        _ => {
+            let name = names.first().copied().unwrap_or_default();
+            notices.push(format!("names of poses such as \"{name}\" have no number of their own: numbered from {first} in the order of the file"));
+            in_order()
+        }
+    }
+}
+
+fn apply_steps(poses: &mut [CutPose], labels: &[i64], recipe: &Recipe) {
+    for step in &recipe.steps {
+        let (Some(quantity), Some(from)) = (
+            Quantity::parse(&step.quantity),
+            labels.iter().position(|label| *label == step.from_pose),
+        ) else {
+            continue;
+        };
+        for reading in poses[from..]
+            .iter_mut()
+            .filter_map(|pose| pose.readings.get_mut(&quantity))
+        {
+            reading.mean += step.add;
+        }
+    }
+}
+
+/// The columns of numbers, in the order of the table.
+fn columns(mapping: &Mapping<'_>, recipe: &Recipe) -> Vec<Quantity> {
+    let mapped = mapping
+        .quantities
+        .keys()
+        .copied()
+        .filter(|quantity| !quantity.is_text() && quantity.kind != Kind::Time);
+    let empty = recipe
+        .left_empty
+        .iter()
+        .filter_map(|column| Quantity::parse(column));
+    let columns: BTreeSet<Quantity> = mapped.chain(empty).collect();
+    columns.into_iter().collect()
+}
+
+fn table(poses: &[CutPose], labels: &[i64], columns: &[Quantity], recipe: &Recipe) -> String {
+    let has_times = poses.iter().any(|pose| pose.time_s.is_some());
+    let has_groups = poses.iter().any(|pose| pose.group.is_some());
+    let mut header = vec!["pose".to_owned()];
+    header.extend(has_groups.then(|| "group".into()));
+    header.extend(has_times.then(|| "time_s".into()));
+    header.extend(columns.iter().map(|quantity| quantity.column()));
+    let mut text = header.join(",");
+    text.push('\n');
+    for (pose, label) in poses.iter().zip(labels) {
+        let mut cells = vec![label.to_string()];
+        if has_groups {
+            let group = pose.group.clone().unwrap_or_default();
+            let group = escape_formula(&group).replace('"', "\"\"");
+            cells.push(format!("\"{group}\""));
+        }
+        if has_times {
+            let middle = pose.time_s.map(|[begin, end]| begin + (end - begin) / 2.0);
+            cells.push(
+                middle
+                    .filter(|time| time.is_finite())
+                    .map_or_else(String::new, |time| time.to_string()),
+            );
+        }
+        for quantity in columns {
+            let is_empty = recipe
+                .left_empty
+                .iter()
+                .any(|column| *column == quantity.column());
+            let reading = pose.readings.get(quantity).filter(|_| !is_empty);
+            cells.push(reading.map_or_else(String::new, |reading| reading.mean.to_string()));
+        }
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+fn report(pose: &CutPose, label: i64, recipe: &Recipe) -> PoseReport {
+    let readings = pose.readings.iter().map(|(quantity, reading)| {
+        let sd = Some(reading.sd).filter(|sd| sd.is_finite());
+        (
+            quantity.column(),
+            Reading {
+                mean: reading.mean,
+                sd,
+                number: reading.number,
+            },
+        )
+    });
+    PoseReport {
+        pose: label,
+        begin_s: pose
+            .time_s
+            .map(|time| time[0])
+            .filter(|time| time.is_finite()),
+        end_s: pose
+            .time_s
+            .map(|time| time[1])
+            .filter(|time| time.is_finite()),
+        rows: pose.rows,
+        // Of single rows the table says it all.
+        readings: if recipe.cutting == Cutting::Rows {
+            BTreeMap::new()
+        } else {
+            readings.collect()
+        },
+    }
+}

@@ -1,0 +1,36 @@
+//! Foreign files: logs, motion capture, point lists and spreadsheets become datasets; descriptions of robots become ours.
+//!
+//! A **source** is a file, recognised by its content. It has **series** of **channels**: name, unit, values. A **recipe**
+//! says which channel is which quantity of the robot, with unit, factor, offset and sign. **Cutting** makes poses of rows:
+//! every row, rows of one label, or rests. What was not understood is told in notices, and nothing is dropped silently.
+
+mod check;
+mod cutting;
+mod document;
+mod formats;
+mod importing;
+mod naming;
+mod proposal;
+mod recipe;
+mod robots;
+mod source;
+mod sources;
+mod table;
+mod text;
+mod units;
+
+pub use check::{Change, Mistake, Suggestion};
+pub use document::{
+    ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
+};
+pub use formats::{is_robot_description, read_source};
+pub use importing::{ImportError, Imported, found, import, import_corrected};
+pub use proposal::propose;
+pub use recipe::{Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, read_recipe};
+pub use robots::read_robot_description;
+pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
+pub use sources::read_sources;
+pub use units::{Dimension, Unit, parse_unit, split_heading};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,13 @@
+//! What names of channels say.
+
+mod names;
+pub(crate) mod words;
+
+pub(crate) use names::{Family, families, words as words_of};
+
+/// Whether a column is called as labels of poses are.
+pub(crate) fn is_label(name: &str) -> bool {
+    words_of(name)
+        .iter()
+        .any(|word| words::LABEL.contains(&word.as_str()))
+}

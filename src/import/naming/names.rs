@@ -1,0 +1,125 @@
+//! Names of channels: numbers in them, and words.
+
+use std::collections::BTreeMap;
+
+/// Channels whose names differ by one number.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Family {
+    /// The name with `{i}` for the number.
+    pub pattern: String,
+    /// Smallest number.
+    pub first: usize,
+    /// How many follow each other from there.
+    pub count: usize,
+}
+
+/// The families among names: names that are equal but for one number, and these numbers without a hole.
+pub(crate) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> {
+    let mut patterns: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for name in names {
+        for (pattern, number) in patterns_of(name) {
+            patterns.entry(pattern).or_default().push(number);
+        }
+    }
+    let mut families = Vec::new();
+    for (pattern, mut numbers) in patterns {
+        numbers.sort_unstable();
+        numbers.dedup();
+        let first = numbers[0];
+        let whole = numbers
+            .iter()
+            .enumerate()
+            .all(|(k, number)| *number == first + k);
+        if whole && first <= 1 {
+            families.push(Family {
+                pattern,
+                first,
+                count: numbers.len(),
+            });
+        }
+    }
+    families
+}
+
+/// The name with each of its numbers in turn replaced by `{i}`.
+fn patterns_of(name: &str) -> Vec<(String, usize)> {
+    let bytes = name.as_bytes();
+    let mut patterns = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        if !bytes[at].is_ascii_digit() {
+            at += 1;
+            continue;
+        }
+        let end = bytes[at..]
+            .iter()
+            .position(|byte| !byte.is_ascii_digit())
+            .map_or(bytes.len(), |length| at + length);
+        // Numbers with leading zeros would need another pattern for each length.
+        let canonical = end - at <= 3 && (bytes[at] != b'0' || end - at == 1);
+        if canonical && let Ok(number) = name[at..end].parse() {
+            patterns.push((format!("{}{{i}}{}", &name[..at], &name[end..]), number));
+        }
+        at = end;
+    }
+    patterns
+}
+
+/// The words of a name, in lower case: `GVL.Winch1_ActPos [mm]` is gvl, winch, act, pos, mm.
+pub(crate) fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut last = ' ';
+    for letter in name.chars() {
+        if letter.is_alphabetic() {
+            let begins = !last.is_alphabetic() || (letter.is_uppercase() && last.is_lowercase());
+            if begins {
+                words.push(String::new());
+            }
+            if let Some(word) = words.last_mut() {
+                word.extend(letter.to_lowercase());
+            }
+        }
+        last = letter;
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_differ_by_one_number_are_a_family() {
+        let names = [
+            "time",
+            "Winch1.Pos",
+            "Winch2.Pos",
+            "Winch3.Pos",
+            "x[0]",
+            "x[1]",
+            "F1",
+            "F3",
+            "t2",
+        ];
+        let found = families(names.into_iter());
+        let family = |pattern: &str, first, count| Family {
+            pattern: pattern.into(),
+            first,
+            count,
+        };
+        assert_eq!(
+            found,
+            [family("Winch{i}.Pos", 1, 3), family("x[{i}]", 0, 2)]
+        );
+    }
+
+    #[test]
+    fn names_are_split_into_words() {
+        assert_eq!(
+            words("GVL.Winch1_ActPos [mm]"),
+            ["gvl", "winch", "act", "pos", "mm"]
+        );
+        assert_eq!(words("fKraft"), ["f", "kraft"]);
+        assert_eq!(words("Seillänge 3"), ["seillänge"]);
+    }
+}

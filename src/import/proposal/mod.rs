@@ -1,0 +1,453 @@
+//! A recipe from names, units and ranges.
+
+mod recognition;
+
+use std::collections::BTreeSet;
+
+use tautline_core::robot::Robot;
+
+use crate::cutting::{is_recording, sampled_at_rest};
+use crate::naming::words::{
+    ANGLES, EXTERNAL, GROUP, LABEL, LASER, PER_CABLE, TEMPERATURE, TIME, WANTED,
+};
+use crate::naming::{Family, families, words_of};
+use crate::recipe::{Assignment, Cutting, Kind, Quantity, Recipe, Rest};
+use crate::source::{Channel, Format, Series, Source};
+use crate::units::{Dimension, parse_unit};
+use recognition::{Body, component, is_any, is_whole, kind_name, kind_of};
+
+/// Proposes a recipe; the sentences say what was assumed.
+#[must_use]
+pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
+    let mut proposal = Proposal {
+        robot,
+        recipe: Recipe::default(),
+        given: BTreeSet::new(),
+        notices: Vec::new(),
+    };
+    for source in sources {
+        for series in &source.series {
+            proposal.own_names(series);
+            proposal.families(series);
+            proposal.singles(series, source.format);
+        }
+    }
+    let names_repeat = |name: &str| {
+        let all = sources.iter().flat_map(|source| &source.series);
+        all.filter(|series| series.channel(name).is_some() || series.text(name).is_some())
+            .count()
+            > 1
+    };
+    for assignment in &mut proposal.recipe.channels {
+        let first = assignment
+            .channel
+            .replacen("{i}", &assignment.first.to_string(), 1);
+        if !names_repeat(&first) {
+            assignment.series = None;
+        }
+    }
+    proposal.cutting(sources);
+    proposal.home(sources);
+    (proposal.recipe, proposal.notices)
+}
+
+struct Proposal<'a> {
+    robot: &'a Robot,
+    recipe: Recipe,
+    /// Columns that have a channel.
+    given: BTreeSet<String>,
+    notices: Vec<String>,
+}
+
+impl Proposal<'_> {
+    fn add(&mut self, assignment: Assignment) {
+        self.given.insert(assignment.quantity.clone());
+        self.recipe.channels.push(assignment);
+    }
+
+    fn is_given(&self, column: &str) -> bool {
+        self.given.contains(column)
+    }
+
+    /// Channels that are called as the columns of `poses.csv`.
+    fn own_names(&mut self, series: &Series) {
+        let cables = self.robot.cable_count();
+        for (kind, _) in PER_CABLE {
+            let all = (1..=cables).all(|number| {
+                series
+                    .channel(&kind.column_of(&number.to_string()))
+                    .is_some()
+            });
+            let pattern = kind.column_of("{i}");
+            if all && !self.is_given(&pattern) {
+                self.add(Assignment {
+                    series: Some(series.name.clone()),
+                    ..Assignment::new(pattern.clone(), pattern)
+                });
+            }
+        }
+        let names = series.channels.iter().map(|channel| &channel.name);
+        for name in names.chain(series.texts.iter().map(|text| &text.name)) {
+            let Some(quantity) = Quantity::parse(name).filter(|quantity| !quantity.is_per_cable())
+            else {
+                continue;
+            };
+            let is_text = series.channel(name).is_none();
+            if !self.is_given(name) && (!is_text || quantity.is_text()) {
+                self.add(Assignment {
+                    series: Some(series.name.clone()),
+                    ..Assignment::new(name.clone(), name.clone())
+                });
+            }
+        }
+    }
+
+    /// One channel for each cable.
+    fn families(&mut self, series: &Series) {
+        let cables = self.robot.cable_count();
+        let names = series.channels.iter().map(|channel| channel.name.as_str());
+        let mut candidates: Vec<(Kind, i32, Family)> = Vec::new();
+        for family in families(names) {
+            let member = family.pattern.replacen("{i}", &family.first.to_string(), 1);
+            let Some(channel) = series.channel(&member) else {
+                continue;
+            };
+            let Some((kind, score)) = kind_of(channel) else {
+                continue;
+            };
+            if family.count == cables {
+                candidates.push((kind, score, family));
+            } else if family.count + 1 >= cables || family.count > 2 {
+                self.notices.push(format!(
+                    "{}: {} channels {} could be the {} of cables, but the robot has {cables}: not used",
+                    series.name,
+                    family.count,
+                    family.pattern,
+                    kind_name(kind)
+                ));
+            }
+        }
+        candidates.sort_by_key(|(kind, score, _)| (*kind, -score));
+        for (kind, _, family) in candidates {
+            let column = kind.column_of("{i}");
+            if self.is_given(&column) {
+                continue;
+            }
+            let unit = self.unit_by_range(series, &family, kind);
+            let assignment = Assignment {
+                series: Some(series.name.clone()),
+                unit,
+                first: family.first,
+                ..Assignment::new(family.pattern, column)
+            };
+            self.add(assignment);
+        }
+    }
+
+    /// The unit of a family without one, where its values fit to a unit other than that of the quantity.
+    fn unit_by_range(&mut self, series: &Series, family: &Family, kind: Kind) -> Option<String> {
+        let channels = (0..family.count).filter_map(|k| {
+            series.channel(
+                &family
+                    .pattern
+                    .replacen("{i}", &(family.first + k).to_string(), 1),
+            )
+        });
+        let channels: Vec<&Channel> = channels.collect();
+        if channels.iter().any(|channel| channel.unit.is_some()) {
+            return None;
+        }
+        let frame_m = self.robot.frame_size_m()?;
+        let ranges: Vec<[f64; 2]> = channels
+            .iter()
+            .map(|channel| channel.summary().range)
+            .collect();
+        let widest = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).fold(0.0, f64::max);
+        let unit = match kind {
+            Kind::Length => (widest(&|range| range[1].abs()) > 30.0 * frame_m).then_some("mm"),
+            Kind::Swivel => (widest(&|range| range[1] - range[0]) > 6.5).then_some("deg"),
+            Kind::Revolutions => {
+                let per_revolution = self.robot.cables[0].winch.cable_per_revolution_m();
+                let frames = widest(&|range| range[1] - range[0]) * per_revolution / frame_m;
+                // A calibration moves cables by a part of the frame's size, and not by several times that.
+                if frames > 30.0 {
+                    Some("deg")
+                } else if frames > 2.0 {
+                    Some("rad")
+                } else {
+                    None
+                }
+            }
+            _ => None,
+        }?;
+        self.notices.push(format!(
+            "{}: no unit is stated for {}; by its range it is taken as {unit}",
+            series.name, family.pattern
+        ));
+        Some(unit.into())
+    }
+
+    /// Channels that there is one of.
+    fn singles(&mut self, series: &Series, format: Format) {
+        for text in &series.texts {
+            let spoken = words_of(&text.name);
+            let column = match () {
+                () if is_any(&spoken, GROUP) => "group",
+                () if is_any(&spoken, LABEL) => "pose",
+                () => continue,
+            };
+            self.single(series, &text.name, column, None);
+        }
+        for channel in &series.channels {
+            let spoken = words_of(&channel.name);
+            let dimension = channel
+                .unit
+                .as_deref()
+                .and_then(parse_unit)
+                .map(|unit| unit.dimension);
+            let fits = |expected: Dimension| {
+                dimension.is_none_or(|found| found == expected || found == Dimension::Number)
+            };
+            let column = if is_any(&spoken, LABEL) && is_whole(channel) && spoken.len() <= 2 {
+                Some("pose")
+            } else if series.time_s.is_none()
+                && fits(Dimension::Time)
+                && (is_any(&spoken[..spoken.len().min(1)], TIME)
+                    || dimension == Some(Dimension::Time))
+            {
+                Some("time_s")
+            } else if is_any(&spoken, LASER) && fits(Dimension::Length) {
+                Some("laser_m")
+            } else if is_any(&spoken, TEMPERATURE) && fits(Dimension::Temperature) {
+                Some("temperature_c")
+            } else {
+                ANGLES
+                    .iter()
+                    .position(|angle| is_any(&spoken, angle))
+                    .filter(|_| fits(Dimension::Angle) && !is_any(&spoken, WANTED))
+                    .map(|k| ["roll_rad", "pitch_rad", "yaw_rad"][k])
+            };
+            if let Some(column) = column {
+                let unit = self.single_unit(channel, column);
+                self.single(series, &channel.name, column, unit);
+            }
+        }
+        self.poses(series, format);
+    }
+
+    fn single(&mut self, series: &Series, name: &str, column: &str, unit: Option<&str>) {
+        if self.is_given(column)
+            || self
+                .recipe
+                .channels
+                .iter()
+                .any(|known| known.channel == name && known.series.as_ref() == Some(&series.name))
+        {
+            // The clock of a second series is its own.
+            if column != "time_s"
+                || self.recipe.channels.iter().any(|known| {
+                    known.quantity == "time_s" && known.series.as_ref() == Some(&series.name)
+                })
+            {
+                return;
+            }
+        }
+        self.add(Assignment {
+            series: Some(series.name.clone()),
+            unit: unit.map(Into::into),
+            ..Assignment::new(name, column)
+        });
+    }
+
+    /// The unit of a channel without one, by its range.
+    fn single_unit(&mut self, channel: &Channel, column: &str) -> Option<&'static str> {
+        if channel.unit.is_some() {
+            return None;
+        }
+        let range = channel.summary().range;
+        let largest = range[0].abs().max(range[1].abs());
+        let frame_m = self.robot.frame_size_m()?;
+        let unit = match column {
+            "laser_m" if largest > 30.0 * frame_m => "mm",
+            "roll_rad" | "pitch_rad" | "yaw_rad" if largest > 3.2 => "deg",
+            _ => return None,
+        };
+        self.notices.push(format!(
+            "no unit is stated for {}; by its range it is taken as {unit}",
+            channel.name
+        ));
+        Some(unit)
+    }
+
+    /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
+    fn poses(&mut self, series: &Series, format: Format) {
+        let mut bodies: Vec<Body<'_>> = Vec::new();
+        let given: BTreeSet<String> = self
+            .recipe
+            .channels
+            .iter()
+            .filter(|known| known.series.as_ref() == Some(&series.name))
+            .map(|known| known.channel.clone())
+            .collect();
+        let free = series
+            .channels
+            .iter()
+            .filter(|channel| !given.contains(&channel.name));
+        for channel in free {
+            let spoken = words_of(&channel.name);
+            let (Some((component, owner)), false) = (
+                component(&channel.name, &spoken),
+                is_any(
+                    &spoken,
+                    &["vel", "speed", "acc", "force", "torque", "error"],
+                ),
+            ) else {
+                continue;
+            };
+            let is_wanted = is_any(&spoken, WANTED);
+            let is_known = is_wanted
+                || is_any(&spoken, EXTERNAL)
+                || matches!(format, Format::Motive | Format::Nexus | Format::PointList)
+                || owner.is_empty();
+            if !is_known || is_any(&spoken, &["marker"]) {
+                continue;
+            }
+            match bodies.iter_mut().find(|(known, ..)| *known == owner) {
+                Some((_, _, components)) => components.push((component, channel)),
+                None => bodies.push((owner, is_wanted, vec![(component, channel)])),
+            }
+        }
+        // A body with an orientation tells more than a marker without one.
+        bodies.sort_by_key(|(_, _, components)| usize::MAX - components.len());
+        for (owner, is_wanted, components) in bodies {
+            let has = |k: usize| components.iter().any(|(component, _)| *component == k);
+            let columns: [&str; 7] = match is_wanted {
+                true => ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"],
+                false => [
+                    "meas_x_m", "meas_y_m", "meas_z_m", "meas_qw", "meas_qx", "meas_qy", "meas_qz",
+                ],
+            };
+            if !(0..3).any(has) || (0..3).any(|k| self.is_given(columns[k])) {
+                continue;
+            }
+            let whole_rotation = (3..7).all(has);
+            let up_is_y = format == Format::Motive;
+            let unit = self.position_unit(&components, &owner);
+            for (component, channel) in &components {
+                if *component > 2 && !whole_rotation {
+                    continue;
+                }
+                // Motive's y axis is up and its z axis points to the viewer; ours is z up: (x, y, z) is (x, -z, y) there.
+                let (place, reversed) = match (up_is_y, *component) {
+                    (true, 1) => (2, false),
+                    (true, 2) => (1, true),
+                    (true, 5) => (6, false),
+                    (true, 6) => (5, true),
+                    (_, component) => (component, false),
+                };
+                let unit = unit.filter(|_| *component < 3).map(Into::into);
+                self.add(Assignment {
+                    series: Some(series.name.clone()),
+                    unit,
+                    reversed,
+                    ..Assignment::new(channel.name.clone(), columns[place])
+                });
+            }
+            if up_is_y {
+                self.notices.push(format!("{}: the y axis of the capture is taken as up: x, y, z of the robot are x, -z, y there", series.name));
+            }
+        }
+    }
+
+    fn position_unit(
+        &mut self,
+        components: &[(usize, &Channel)],
+        owner: &str,
+    ) -> Option<&'static str> {
+        let positions = components.iter().filter(|(component, _)| *component < 3);
+        let positions: Vec<&Channel> = positions.map(|(_, channel)| *channel).collect();
+        if positions.iter().any(|channel| channel.unit.is_some()) {
+            return None;
+        }
+        let largest = positions
+            .iter()
+            .flat_map(|channel| channel.summary().range)
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let frame_m = self.robot.frame_size_m()?;
+        if largest < 10.0 * frame_m {
+            return None;
+        }
+        let of = if owner.is_empty() {
+            "the coordinates"
+        } else {
+            owner
+        };
+        self.notices.push(format!(
+            "no unit is stated for {of}; by their range they are taken as mm"
+        ));
+        Some("mm")
+    }
+
+    fn cutting(&mut self, sources: &[Source]) {
+        let series = || sources.iter().flat_map(|source| &source.series);
+        let label = self
+            .recipe
+            .channels
+            .iter()
+            .find(|known| known.quantity == "pose");
+        let repeats = label.is_some_and(|label| {
+            series().any(|series| {
+                match (series.channel(&label.channel), series.text(&label.channel)) {
+                    (Some(channel), _) => channel.values.windows(2).any(|pair| pair[0] == pair[1]),
+                    (None, Some(text)) => text.codes.windows(2).any(|pair| pair[0] == pair[1]),
+                    (None, None) => false,
+                }
+            })
+        });
+        self.recipe.cutting = if repeats {
+            Cutting::Labels
+        } else if series().any(is_recording) && sampled_at_rest(sources, &self.recipe, self.robot) {
+            Cutting::Rest(Rest::default())
+        } else {
+            Cutting::Rows
+        };
+    }
+
+    /// Whether the first pose is the home pose, and whether encoders count from there.
+    fn home(&mut self, sources: &[Source]) {
+        let has_labels = self
+            .recipe
+            .channels
+            .iter()
+            .any(|known| known.quantity == "pose");
+        let revolutions = self
+            .recipe
+            .channels
+            .iter_mut()
+            .find(|known| known.quantity == "rev_{i}");
+        let (Some(assignment), Some(_), false) = (revolutions, self.robot.home, has_labels) else {
+            return;
+        };
+        let mut largest = 0.0_f64;
+        let mut span = 0.0_f64;
+        for number in assignment.first..assignment.first + self.robot.cable_count() {
+            let name = assignment.channel.replacen("{i}", &number.to_string(), 1);
+            let channel = sources
+                .iter()
+                .flat_map(|source| &source.series)
+                .find_map(|series| series.channel(&name));
+            let Some(channel) = channel else { return };
+            let [low, high] = channel.summary().range;
+            let first = channel.values.iter().copied().find(|value| !value.is_nan());
+            largest = largest.max(first.map_or(0.0, f64::abs));
+            span = span.max(high - low);
+        }
+        self.recipe.first_pose_is_home = true;
+        if largest > 0.02 * span {
+            assignment.from_first_pose = true;
+            self.notices.push("the revolutions do not begin at 0: they are counted from the first pose, which is taken as the home pose".into());
+        } else {
+            self.notices.push("the first pose is taken as the home pose, because the revolutions begin at 0 there".into());
+        }
+    }
+}

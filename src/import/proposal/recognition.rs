@@ -1,0 +1,108 @@
+//! What one channel is, by its name, its unit and its values.
+
+use crate::naming::words::{ACTUAL, OTHER, PER_CABLE, WANTED};
+use crate::naming::words_of;
+use crate::recipe::Kind;
+use crate::source::Channel;
+use crate::units::{Dimension, parse_unit};
+
+/// Name of a body, whether it is wanted rather than measured, and its components.
+pub(super) type Body<'a> = (String, bool, Vec<(usize, &'a Channel)>);
+
+pub(super) fn is_any(spoken: &[String], known: &[&str]) -> bool {
+    spoken.iter().any(|word| known.contains(&word.as_str()))
+}
+
+pub(super) fn is_whole(channel: &Channel) -> bool {
+    channel.values.iter().all(|value| value.fract() == 0.0)
+}
+
+pub(super) fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Force => "forces",
+        Kind::Swivel => "swivel angles",
+        Kind::Length => "lengths",
+        _ => "positions",
+    }
+}
+
+/// What one channel for each cable is, and how surely.
+pub(super) fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
+    let spoken = words_of(&channel.name);
+    if is_any(&spoken, OTHER) {
+        return None;
+    }
+    let said = PER_CABLE
+        .iter()
+        .find(|(_, known)| is_any(&spoken, known))
+        .map(|(kind, _)| *kind);
+    let dimension = channel
+        .unit
+        .as_deref()
+        .map(|unit| parse_unit(unit).map(|unit| unit.dimension));
+    let kind = match dimension {
+        Some(Some(Dimension::Force)) => Kind::Force,
+        Some(Some(Dimension::Length)) => Kind::Length,
+        Some(Some(Dimension::Angle)) if said == Some(Kind::Swivel) => Kind::Swivel,
+        Some(Some(Dimension::Angle)) => Kind::Revolutions,
+        Some(Some(Dimension::Number)) | None => match (said, &spoken[..]) {
+            (Some(kind), _) => kind,
+            // `F1` and `l1` are what equations call forces and lengths.
+            (None, [letter]) if letter == "f" => Kind::Force,
+            (None, [letter]) if letter == "l" => Kind::Length,
+            _ => return None,
+        },
+        Some(_) => return None,
+    };
+    let score = i32::from(said.is_some()) + 2 * i32::from(is_any(&spoken, ACTUAL))
+        - 4 * i32::from(is_any(&spoken, WANTED));
+    Some((kind, score))
+}
+
+/// The component of a pose that a name ends with, x, y, z, and w, x, y, z of a quaternion, and the name without it.
+pub(super) fn component(name: &str, spoken: &[String]) -> Option<(usize, String)> {
+    let last = spoken.last()?;
+    // A unit may follow: `ee_x_m`.
+    let (last, dropped) = match parse_unit(last) {
+        Some(_) if spoken.len() > 1 && last != "x" => (&spoken[spoken.len() - 2], last.len() + 1),
+        _ => (last, 0),
+    };
+    let is_rotation = spoken.iter().any(|word| {
+        matches!(
+            word.as_str(),
+            "rotation" | "quat" | "quaternion" | "orientation" | "q"
+        )
+    });
+    let place = match (last.as_str(), is_rotation) {
+        ("x", false) => 0,
+        ("y", false) => 1,
+        ("z", false) => 2,
+        ("w" | "qw", _) => 3,
+        ("x", true) | ("qx", _) => 4,
+        ("y", true) | ("qy", _) => 5,
+        ("z", true) | ("qz", _) => 6,
+        _ => return None,
+    };
+    let end = name.len().checked_sub(dropped + last.len())?;
+    let owner = name
+        .get(..end)?
+        .trim_end_matches(|letter: char| !letter.is_alphanumeric());
+    let kinds = [
+        "Rotation",
+        "Position",
+        "rotation",
+        "position",
+        "quaternion",
+        "orientation",
+        "quat",
+    ];
+    let owner = kinds.iter().fold(owner, |owner, kind| {
+        owner.strip_suffix(kind).unwrap_or(owner)
+    });
+    Some((
+        place,
+        owner
+            .trim_end_matches(|letter: char| !letter.is_alphanumeric())
+            .to_owned(),
+    ))
+}

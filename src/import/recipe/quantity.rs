@@ -1,0 +1,204 @@
+//! The quantities that a channel can be: the columns of `poses.csv`.
+
+use std::f64::consts::TAU;
+
+use crate::units::{Dimension, Unit, parse_unit};
+
+/// A column of `poses.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Quantity {
+    /// What it is.
+    pub kind: Kind,
+    /// Cable from 0, or component of a group of columns.
+    pub index: usize,
+}
+
+/// Kinds of columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// `pose`
+    Label,
+    /// `time_s`
+    Time,
+    /// `temperature_c`
+    Temperature,
+    /// `x_m` to `qz`
+    Commanded,
+    /// `rev_1`
+    Revolutions,
+    /// `length_1_m`
+    Length,
+    /// `force_1_n`
+    Force,
+    /// `swivel_1_rad`
+    Swivel,
+    /// `laser_m`
+    Laser,
+    /// `roll_rad` to `yaw_rad`
+    Inclination,
+    /// `meas_x_m` to `meas_qz`
+    Tracked,
+    /// `meas_sd_x_m` to `meas_sd_z_m`
+    TrackedSd,
+    /// `group`
+    Group,
+}
+
+const SINGLE: [(Kind, &[&str]); 9] = [
+    (Kind::Label, &["pose"]),
+    (Kind::Time, &["time_s"]),
+    (Kind::Temperature, &["temperature_c"]),
+    (
+        Kind::Commanded,
+        &["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"],
+    ),
+    (Kind::Laser, &["laser_m"]),
+    (Kind::Inclination, &["roll_rad", "pitch_rad", "yaw_rad"]),
+    (
+        Kind::Tracked,
+        &[
+            "meas_x_m", "meas_y_m", "meas_z_m", "meas_qw", "meas_qx", "meas_qy", "meas_qz",
+        ],
+    ),
+    (
+        Kind::TrackedSd,
+        &["meas_sd_x_m", "meas_sd_y_m", "meas_sd_z_m"],
+    ),
+    (Kind::Group, &["group"]),
+];
+
+const PER_CABLE: [(Kind, &str, &str); 4] = [
+    (Kind::Revolutions, "rev_", ""),
+    (Kind::Length, "length_", "_m"),
+    (Kind::Force, "force_", "_n"),
+    (Kind::Swivel, "swivel_", "_rad"),
+];
+
+impl Quantity {
+    /// The quantity of a column.
+    #[must_use]
+    pub fn parse(column: &str) -> Option<Self> {
+        let single = SINGLE.iter().find_map(|(kind, names)| {
+            let index = names.iter().position(|name| *name == column)?;
+            Some(Self { kind: *kind, index })
+        });
+        single.or_else(|| {
+            PER_CABLE.iter().find_map(|(kind, before, after)| {
+                let number: usize = column
+                    .strip_prefix(before)?
+                    .strip_suffix(after)?
+                    .parse()
+                    .ok()?;
+                Some(Self {
+                    kind: *kind,
+                    index: number.checked_sub(1)?,
+                })
+            })
+        })
+    }
+
+    /// The quantity of a column whose number may be `{i}`; that of the first cable then.
+    #[must_use]
+    pub fn parse_pattern(column: &str) -> Option<Self> {
+        let parsed = Self::parse(&column.replacen("{i}", "1", 1))?;
+        (!column.contains("{i}") || parsed.is_per_cable()).then_some(parsed)
+    }
+
+    /// Its column.
+    #[must_use]
+    pub fn column(self) -> String {
+        let single = SINGLE.iter().find(|(kind, _)| *kind == self.kind);
+        if let Some(name) = single.and_then(|(_, names)| names.get(self.index)) {
+            return (*name).into();
+        }
+        self.kind.column_of(&(self.index + 1).to_string())
+    }
+
+    /// Whether there is one for each cable.
+    #[must_use]
+    pub fn is_per_cable(self) -> bool {
+        PER_CABLE.iter().any(|(kind, ..)| *kind == self.kind)
+    }
+
+    /// Whether it is a text.
+    #[must_use]
+    pub fn is_text(self) -> bool {
+        matches!(self.kind, Kind::Label | Kind::Group)
+    }
+
+    /// The dimension, and base units per unit of the column.
+    #[must_use]
+    pub fn dimension(self) -> (Dimension, f64) {
+        match self.kind {
+            Kind::Time => (Dimension::Time, 1.0),
+            Kind::Temperature => (Dimension::Temperature, 1.0),
+            Kind::Revolutions => (Dimension::Angle, TAU),
+            Kind::Swivel | Kind::Inclination => (Dimension::Angle, 1.0),
+            Kind::Force => (Dimension::Force, 1.0),
+            Kind::Commanded | Kind::Tracked if self.index > 2 => (Dimension::Number, 1.0),
+            Kind::Length | Kind::Laser | Kind::Commanded | Kind::Tracked | Kind::TrackedSd => {
+                (Dimension::Length, 1.0)
+            }
+            Kind::Label | Kind::Group => (Dimension::Number, 1.0),
+        }
+    }
+
+    /// Factor and offset from a unit to that of the column; `None` if the unit is unknown or measures something else.
+    #[must_use]
+    pub fn conversion(self, unit: &str) -> Option<(f64, f64)> {
+        let unit: Unit = parse_unit(unit)?;
+        let (dimension, native) = self.dimension();
+        // Counts of an encoder need a factor; the number as such is taken.
+        if unit.dimension == Dimension::Number {
+            return Some((1.0, 0.0));
+        }
+        if unit.dimension != dimension {
+            return None;
+        }
+        // Exactly 1 where the units are the same, so that numbers keep their last digit.
+        let factor = if unit.factor == native {
+            1.0
+        } else {
+            unit.factor / native
+        };
+        Some((factor, unit.offset / native))
+    }
+
+    /// The units that it can have, in words.
+    #[must_use]
+    pub fn expected_unit(self) -> &'static str {
+        match self.dimension().0 {
+            Dimension::Length => "a unit of length, such as m or mm",
+            Dimension::Angle => "a unit of angle, such as rad, deg or rev",
+            Dimension::Force => "a unit of force, such as N, kN or kg",
+            Dimension::Temperature => "a unit of temperature, such as °C or K",
+            Dimension::Time => "a unit of time, such as s or ms",
+            Dimension::Number => "no unit",
+        }
+    }
+
+    /// Whether it changes when the platform moves.
+    #[must_use]
+    pub fn moves(self) -> bool {
+        matches!(
+            self.kind,
+            Kind::Revolutions
+                | Kind::Length
+                | Kind::Swivel
+                | Kind::Commanded
+                | Kind::Tracked
+                | Kind::Inclination
+        )
+    }
+}
+
+impl Kind {
+    /// Column of the cable with this number, or `{i}`.
+    #[must_use]
+    pub fn column_of(self, number: &str) -> String {
+        let found = PER_CABLE.iter().find(|(kind, ..)| *kind == self);
+        found.map_or_else(String::new, |(_, before, after)| {
+            format!("{before}{number}{after}")
+        })
+    }
+}

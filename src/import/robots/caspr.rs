@@ -1,0 +1,267 @@
+//! Models of CASPR: `..._cables.xml` and `..._bodies.xml`.
+//!
+//! A cable runs from link 0, the base, to link 1, the platform. At the base it leaves an `attachment`, a point, or a
+//! `base_rotating_pulley`: `fixed_location` is the point that stays when the pulley swivels, our entry point,
+//! `cable_entry_vector` the direction in which the cable reaches it, our swivel axis.
+//! Source: Lau et al., CASPR, 2016, `BaseRotatingPulleyAttachment`.
+
+use tautline_core::geometry::Coordinate;
+use tautline_core::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
+use tautline_session::{Loaded, Place, ReadError, VersionedFile, quoted};
+
+use super::Element;
+
+/// Standard deviation of a length reading (m) where nobody has said any: what good winches reach.
+const LENGTH_SD_M: f64 = 1e-3;
+
+pub(super) fn robot(
+    file: &str,
+    cables: &Element,
+    bodies: Option<(&str, &Element)>,
+) -> Result<Loaded<Robot>, ReadError> {
+    let mut notices = Vec::new();
+    let body = bodies.map(|(file, root)| body(file, root)).transpose()?;
+    let platform = body.unwrap_or_else(|| {
+        notices.push(format!("{file}: without the file of the bodies the platform has six degrees of freedom and no mass"));
+        Platform { free: Coordinate::ALL.to_vec(), mass_kg: None, center_of_mass_m: [0.0; 3], wrench_sd: None }
+    });
+    let set = cable_set(file, cables)?;
+    let mut robot = Robot {
+        name: name_of(file),
+        home: None,
+        gravity_m_s2: [0.0, 0.0, -9.806_65],
+        platform,
+        limits: None,
+        laser: None,
+        inclinometer: None,
+        tracker: None,
+        cables: Vec::new(),
+        home_platform: None,
+        effects: Vec::new(),
+    };
+    for element in &set.children {
+        robot.cables.push(cable(
+            file,
+            element,
+            &robot.platform,
+            robot.cables.len() + 1,
+        )?);
+    }
+    if let Some(element) = set
+        .children
+        .iter()
+        .find(|element| element.name != "cable_ideal")
+    {
+        notices.push(format!("{file}, line {}: stiffness of <{}> left out: cables are inelastic until robot.json says otherwise", element.line, element.name));
+    }
+    notices.push(format!(
+        "{file}: says nothing of winches, noise and how well pulleys are known: a motor revolution is 1 m of cable, a length has a standard deviation of {} mm, entry points are unknown; correct robot.json",
+        1e3 * LENGTH_SD_M
+    ));
+    VersionedFile::check(&robot)
+        .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
+    Ok(Loaded {
+        value: robot,
+        notices,
+    })
+}
+
+/// `CoGiRo` of `models/CoGiRo_cables.xml`.
+fn name_of(file: &str) -> String {
+    let stem = std::path::Path::new(file)
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
+}
+
+/// The set of cables that is the default, or the first one.
+fn cable_set<'a>(file: &str, root: &'a Element) -> Result<&'a Element, ReadError> {
+    let mut sets = root
+        .children
+        .iter()
+        .filter(|child| child.name == "cable_set");
+    let wanted = root.attribute("default_cable_set");
+    let set = match wanted {
+        Some(wanted) => sets.find(|set| set.attribute("id") == Some(wanted)),
+        None => sets.next(),
+    };
+    set.ok_or_else(|| {
+        let which = wanted.map_or_else(String::new, |wanted| format!(" {}", quoted(wanted)));
+        root.error(
+            file,
+            &format!("found no cable_set{which}, expected the cables of the robot"),
+        )
+    })
+}
+
+fn body(file: &str, root: &Element) -> Result<Platform, ReadError> {
+    let links: Vec<&Element> = root
+        .children
+        .iter()
+        .filter(|child| child.name.starts_with("link"))
+        .collect();
+    let [link] = links[..] else {
+        return Err(root.error(
+            file,
+            &format!("found {} links, expected one platform", links.len()),
+        ));
+    };
+    let child = |of: &'_ Element, name: &str| of.child(name).is_some();
+    let joint = link
+        .child("joint")
+        .ok_or_else(|| link.error(file, "found no joint, expected how the platform moves"))?;
+    let kind = joint.attribute("type").unwrap_or_default();
+    let free = freedom(kind).ok_or_else(|| {
+        joint.error(
+            file,
+            &format!(
+                "found the type {}, expected SPATIAL, PLANAR or TRANSLATIONAL",
+                quoted(kind)
+            ),
+        )
+    })?;
+    let physical = link.child("physical");
+    let of = |name: &str| physical.and_then(|physical| physical.child(name));
+    let mass_kg = of("mass")
+        .map(|mass| mass.numbers::<1>(file))
+        .transpose()?
+        .map(|[mass]| mass);
+    let center_of_mass_m = of("com_location")
+        .map(|place| place.numbers::<3>(file))
+        .transpose()?
+        .unwrap_or_default();
+    if child(link, "parent")
+        && link
+            .child("parent")
+            .and_then(|parent| parent.child("location"))
+            .map(|place| place.numbers::<3>(file))
+            .transpose()?
+            .is_some_and(|place| place != [0.0; 3])
+    {
+        return Err(link.error(
+            file,
+            "found a platform whose joint is not at the origin of the base, expected it there",
+        ));
+    }
+    Ok(Platform {
+        free,
+        mass_kg: mass_kg.filter(|mass| *mass > 0.0),
+        center_of_mass_m,
+        wrench_sd: None,
+    })
+}
+
+/// Free coordinates of a joint. The ways to write rotations differ, the freedom does not.
+fn freedom(joint: &str) -> Option<Vec<Coordinate>> {
+    use Coordinate::{Rx, Ry, Rz, X, Y, Z};
+    Some(match joint {
+        _ if joint.starts_with("SPATIAL") => Coordinate::ALL.to_vec(),
+        "PLANAR_XY" => vec![X, Y, Rz],
+        "PLANAR_XZ" => vec![X, Z, Ry],
+        "PLANAR_YZ" => vec![Y, Z, Rx],
+        "TRANSLATIONAL_XY" => vec![X, Y],
+        "TRANSLATIONAL_XZ" => vec![X, Z],
+        "TRANSLATIONAL_YZ" => vec![Y, Z],
+        "TRANSLATIONAL_XYZ" => vec![X, Y, Z],
+        _ => return None,
+    })
+}
+
+fn cable(
+    file: &str,
+    element: &Element,
+    platform: &Platform,
+    number: usize,
+) -> Result<Cable, ReadError> {
+    let attachments = element
+        .child("attachments")
+        .ok_or_else(|| element.error(file, "found no attachments, expected two"))?;
+    let [base, end] = &attachments.children[..] else {
+        let found = attachments.children.len();
+        return Err(attachments.error(
+            file,
+            &format!("found {found} attachments, expected two: base and platform"),
+        ));
+    };
+    let need = |of: &Element, name: &str| -> Result<[f64; 3], ReadError> {
+        let place = of
+            .child(name)
+            .ok_or_else(|| of.error(file, &format!("found no <{name}>, expected three numbers")))?;
+        place.numbers::<3>(file)
+    };
+    let on_link = |of: &Element, link: f64| -> Result<(), ReadError> {
+        match of
+            .child("link")
+            .map(|link| link.numbers::<1>(file))
+            .transpose()?
+        {
+            Some([found]) if found != link => {
+                Err(of.error(file, &format!("found link {found}, expected {link}")))
+            }
+            _ => Ok(()),
+        }
+    };
+    let (entry_point_m, radius_m, axis) = match base.name.as_str() {
+        "attachment" => {
+            on_link(base, 0.0)?;
+            // The axis of an eyelet has no meaning.
+            (need(base, "location")?, 0.0, [0.0, 0.0, 1.0])
+        }
+        "base_rotating_pulley" => {
+            let radius = base
+                .child("pulley_radius")
+                .ok_or_else(|| base.error(file, "found no <pulley_radius>, expected a number"))?;
+            let [radius_m] = radius.numbers::<1>(file)?;
+            (
+                need(base, "fixed_location")?,
+                radius_m,
+                need(base, "cable_entry_vector")?,
+            )
+        }
+        name => {
+            return Err(base.error(
+                file,
+                &format!(
+                    "found the attachment <{name}>, expected a point or a base_rotating_pulley"
+                ),
+            ));
+        }
+    };
+    let norm = axis.iter().map(|value| value * value).sum::<f64>().sqrt();
+    if norm < 1e-9 {
+        return Err(base.error(file, "found a cable_entry_vector without direction"));
+    }
+    on_link(end, 1.0)?;
+    let mut platform_anchor_m = need(end, "location")?;
+    let reference = [end, element]
+        .iter()
+        .find_map(|of| of.attribute("attachment_reference"));
+    if reference == Some("com") {
+        for (anchor, center) in platform_anchor_m.iter_mut().zip(platform.center_of_mass_m) {
+            *anchor += center;
+        }
+    }
+    Ok(Cable {
+        name: element
+            .attribute("name")
+            .map_or_else(|| format!("cable-{number}"), str::to_owned),
+        pulley: Pulley {
+            entry_point_m,
+            entry_point_sd_m: PerAxis::default(),
+            swivel_axis: axis.map(|value| value / norm),
+            swivel_zero: None,
+            swivel_sd_rad: None,
+            radius_m,
+        },
+        platform_anchor_m,
+        winch: Winch {
+            drum_diameter_m: std::f64::consts::FRAC_1_PI,
+            drum_pitch_m: 0.0,
+            gear_ratio: 1.0,
+            length_to_pulley_m: 0.0,
+            length_sd_m: LENGTH_SD_M,
+        },
+        cable: CableMaterial::default(),
+        force_sensor: None,
+    })
+}

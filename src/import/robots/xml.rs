@@ -1,0 +1,160 @@
+//! XML as a tree.
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
+use tautline_session::{Place, ReadError, quoted};
+
+/// Deepest nesting of elements.
+const MAX_DEPTH: usize = 64;
+
+/// An element with what is in it.
+#[derive(Debug, Default)]
+pub(super) struct Element {
+    pub name: String,
+    pub line: u64,
+    attributes: Vec<(String, String)>,
+    text: String,
+    pub children: Vec<Element>,
+}
+
+impl Element {
+    /// The value of an attribute.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| value.as_str())
+    }
+
+    /// The first child of this name.
+    pub fn child(&self, name: &str) -> Option<&Self> {
+        self.children.iter().find(|child| child.name == name)
+    }
+
+    /// The first element of this name at any depth.
+    pub fn find(&self, name: &str) -> Option<&Self> {
+        self.children.iter().find_map(|child| {
+            if child.name == name {
+                Some(child)
+            } else {
+                child.find(name)
+            }
+        })
+    }
+
+    /// The numbers in its text.
+    pub fn numbers<const N: usize>(&self, file: &str) -> Result<[f64; N], ReadError> {
+        let parts: Vec<&str> = self.text.split_whitespace().collect();
+        let numbers: Option<Vec<f64>> = parts
+            .iter()
+            .map(|part| part.parse().ok().filter(|value: &f64| value.is_finite()))
+            .collect();
+        numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| {
+                let expected = if N == 1 {
+                    "a number".to_owned()
+                } else {
+                    format!("{N} numbers")
+                };
+                self.error(
+                    file,
+                    &format!("found {}, expected {expected}", quoted(self.text.trim())),
+                )
+            })
+    }
+
+    /// An error about this element.
+    pub fn error(&self, file: &str, message: &str) -> ReadError {
+        ReadError::new(
+            file,
+            Place::Line(self.line),
+            format!("<{}>: {message}", self.name),
+        )
+    }
+}
+
+/// The root of a document.
+pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
+    let mut reader = Reader::from_str(text);
+    let line_at = |position: u64| {
+        1 + text
+            .bytes()
+            .take(position as usize)
+            .filter(|byte| *byte == b'\n')
+            .count() as u64
+    };
+    let fail = |position: u64, message: &str| {
+        ReadError::new(file, Place::Line(line_at(position)), message)
+    };
+    let mut open: Vec<Element> = vec![Element::default()];
+    loop {
+        let at = reader.buffer_position();
+        let event = reader
+            .read_event()
+            .map_err(|error| fail(reader.error_position(), &format!("is no XML ({error})")))?;
+        match event {
+            Event::Start(tag) => {
+                if open.len() > MAX_DEPTH {
+                    return Err(fail(at, "found elements nested too deeply"));
+                }
+                open.push(element(&tag, line_at(at)));
+            }
+            Event::Empty(tag) => {
+                let element = element(&tag, line_at(at));
+                if let Some(parent) = open.last_mut() {
+                    parent.children.push(element);
+                }
+            }
+            Event::End(_) => {
+                if let (Some(element), Some(parent)) = (open.pop(), open.last_mut()) {
+                    parent.children.push(element);
+                }
+            }
+            Event::Text(text) => {
+                let text = text
+                    .decode()
+                    .map_err(|_| fail(at, "found text that is no UTF-8"))?;
+                if let Some(element) = open.last_mut() {
+                    element.text.push_str(&text);
+                }
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    match (
+        open.len(),
+        open.pop()
+            .and_then(|document| document.children.into_iter().next()),
+    ) {
+        (1, Some(root)) => Ok(root),
+        (1, None) => Err(ReadError::new(
+            file,
+            Place::File,
+            "found no element, expected XML",
+        )),
+        _ => Err(ReadError::new(
+            file,
+            Place::File,
+            "ends before its elements do, expected the whole file",
+        )),
+    }
+}
+
+fn element(tag: &BytesStart<'_>, line: u64) -> Element {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let attributes = tag.attributes().flatten().filter_map(|attribute| {
+        let value = attribute.normalized_value(XmlVersion::Implicit1_0).ok()?;
+        Some((
+            text(attribute.key.local_name().as_ref()),
+            value.into_owned(),
+        ))
+    });
+    Element {
+        name: text(tag.local_name().as_ref()),
+        line,
+        attributes: attributes.collect(),
+        ..Element::default()
+    }
+}

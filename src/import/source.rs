@@ -1,0 +1,165 @@
+//! What a foreign file contains, before anything is made of it.
+
+use std::ops::Range;
+
+/// The formats that are recognised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// A table as text: CSV and its relatives.
+    Table,
+    /// Points with their names, without a header row.
+    PointList,
+    /// CSV export of TwinCAT 3 Scope.
+    TwinCatScope,
+    /// CSV export of OptiTrack Motive.
+    Motive,
+    /// Text export of Vicon Nexus.
+    Nexus,
+    /// MATLAB 5 to 7.2.
+    Matlab,
+    /// NumPy `.npy` or `.npz`.
+    NumPy,
+    /// Excel workbook.
+    Excel,
+}
+
+impl Format {
+    /// Its name in sentences.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Table => "table",
+            Self::PointList => "point list",
+            Self::TwinCatScope => "TwinCAT Scope CSV",
+            Self::Motive => "OptiTrack Motive CSV",
+            Self::Nexus => "Vicon Nexus text",
+            Self::Matlab => "MATLAB file",
+            Self::NumPy => "NumPy file",
+            Self::Excel => "Excel workbook",
+        }
+    }
+}
+
+/// A foreign file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    /// The file as the operator named it.
+    pub file: String,
+    /// What it is.
+    pub format: Format,
+    /// Its channels, those that were sampled together in one series.
+    pub series: Vec<Series>,
+    /// What the operator should know: what was not understood, and what was left out.
+    pub notices: Vec<String>,
+}
+
+/// Channels that were sampled together.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Series {
+    /// Name, unique among all sources that are imported together.
+    pub name: String,
+    /// Number of rows.
+    pub rows: usize,
+    /// When each row was sampled (s), where the format says it by itself.
+    pub time_s: Option<Vec<f64>>,
+    /// Columns of numbers.
+    pub channels: Vec<Channel>,
+    /// Columns of text.
+    pub texts: Vec<TextChannel>,
+}
+
+/// A recorded quantity.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Channel {
+    /// Its name in the file.
+    pub name: String,
+    /// Its unit as the file states it.
+    pub unit: Option<String>,
+    /// Its values; NaN where there is none.
+    pub values: Vec<f64>,
+}
+
+/// A column of text: names of points, states.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TextChannel {
+    /// Its name in the file.
+    pub name: String,
+    /// The different texts.
+    pub distinct: Vec<String>,
+    /// Which of them each row has.
+    pub codes: Vec<u32>,
+}
+
+impl Series {
+    /// The channel of this name.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// The column of text of this name.
+    #[must_use]
+    pub fn text(&self, name: &str) -> Option<&TextChannel> {
+        self.texts.iter().find(|text| text.name == name)
+    }
+}
+
+impl TextChannel {
+    /// The text of a row.
+    #[must_use]
+    pub fn at(&self, row: usize) -> &str {
+        let code = self.codes.get(row).copied().unwrap_or_default();
+        self.distinct.get(code as usize).map_or("", String::as_str)
+    }
+}
+
+/// What a channel's values are like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Number of values.
+    pub values: usize,
+    /// Number of rows without a value.
+    pub gaps: usize,
+    /// Smallest and largest value; NaN without any.
+    pub range: [f64; 2],
+}
+
+impl Channel {
+    /// What its values are like.
+    #[must_use]
+    pub fn summary(&self) -> Summary {
+        let mut summary = Summary {
+            values: 0,
+            gaps: 0,
+            range: [f64::NAN; 2],
+        };
+        for value in &self.values {
+            if value.is_nan() {
+                summary.gaps += 1;
+                continue;
+            }
+            summary.values += 1;
+            summary.range = [summary.range[0].min(*value), summary.range[1].max(*value)];
+        }
+        summary
+    }
+
+    /// Runs of rows without a value that have values before and after them.
+    #[must_use]
+    pub fn lost(&self) -> Vec<Range<usize>> {
+        let mut runs = Vec::new();
+        let mut last = None;
+        for (row, value) in self.values.iter().enumerate() {
+            if value.is_nan() {
+                continue;
+            }
+            if let Some(last) = last
+                && row > last + 1
+            {
+                runs.push(last + 1..row);
+            }
+            last = Some(row);
+        }
+        runs
+    }
+}

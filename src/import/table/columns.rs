@@ -1,0 +1,245 @@
+//! Cells to columns.
+
+use std::collections::HashMap;
+
+use tautline_session::{Place, ReadError, quoted};
+
+use super::layout::Layout;
+use crate::source::{Channel, Series, TextChannel};
+use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
+
+/// Most different texts that a column may have to be kept: names of points and states have few.
+const MAX_DISTINCT: usize = 100_000;
+
+/// Columns that are filled row by row.
+pub(crate) struct Columns {
+    file: String,
+    columns: Vec<Column>,
+    rows: usize,
+    /// Rows with another number of cells than columns: the first one's line and cells, and how many.
+    broken: Option<(u64, usize, usize)>,
+    /// Line of the last row.
+    last_line: u64,
+    /// Line of the first number with a decimal point, and with a decimal comma.
+    decimals: [Option<u64>; 2],
+}
+
+struct Column {
+    name: String,
+    unit: Option<String>,
+    values: Values,
+    /// Cells that are no reading: the first one's line and text, and how many.
+    not_read: Option<(u64, String, usize)>,
+}
+
+enum Values {
+    Numbers(Vec<f64>),
+    /// Dates and times of day, in seconds.
+    Times(Vec<f64>),
+    Texts {
+        codes: Vec<u32>,
+        distinct: Vec<String>,
+        known: HashMap<String, u32>,
+    },
+}
+
+impl Columns {
+    /// Columns of a layout; what each holds is found out from a sample of rows.
+    pub fn new(file: &str, layout: &Layout, sample: &[(u64, &Cells)]) -> Self {
+        let data = || {
+            sample
+                .iter()
+                .filter(|(line, _)| *line >= layout.first_data_line)
+                .map(|(_, cells)| *cells)
+        };
+        let column = |(k, (name, unit)): (usize, &(String, Option<String>))| Column {
+            name: name.clone(),
+            unit: unit.clone(),
+            values: Values::like(data().map(|cells| cells.get(k))),
+            not_read: None,
+        };
+        Self {
+            file: file.into(),
+            columns: layout.headings.iter().enumerate().map(column).collect(),
+            rows: 0,
+            broken: None,
+            last_line: 0,
+            decimals: [None; 2],
+        }
+    }
+
+    /// Adds a row. Rows without a text and comments are no rows; a row with another number of cells is counted and left
+    /// out.
+    ///
+    /// # Errors
+    /// If some numbers have decimal points and others decimal commas: one of the two would be misread.
+    pub fn push(&mut self, line: u64, cells: &Cells) -> Result<(), ReadError> {
+        if cells.are_blank() || cells.get(0).starts_with(['#', '%']) {
+            return Ok(());
+        }
+        self.last_line = line;
+        let width = self.columns.len();
+        // Some recorders end each row with a separator.
+        let is_row =
+            cells.len() == width || (cells.len() == width + 1 && cells.get(width).is_empty());
+        if !is_row {
+            let (_, _, count) = self.broken.get_or_insert((line, cells.len(), 0));
+            *count += 1;
+            return Ok(());
+        }
+        self.rows += 1;
+        for (k, column) in self.columns.iter_mut().enumerate() {
+            if let Some(decimal) = column.push(line, cells.get(k)) {
+                let which = usize::from(decimal == Decimal::Comma);
+                self.decimals[which].get_or_insert(line);
+            }
+        }
+        if let [Some(point), Some(comma)] = self.decimals {
+            let (this, other, where_else) = if line == point {
+                ("point", "comma", comma)
+            } else {
+                ("comma", "point", point)
+            };
+            let message = format!(
+                "found a decimal {this} and, in line {where_else}, a decimal {other}, expected one of the two"
+            );
+            return Err(ReadError::new(&self.file, Place::Line(line), message));
+        }
+        Ok(())
+    }
+
+    /// The series of these columns; what was not read is told in notices.
+    ///
+    /// # Errors
+    /// If there is no row, or most rows have another number of cells.
+    pub fn finish(self, name: &str, notices: &mut Vec<String>) -> Result<Series, ReadError> {
+        let (file, width) = (&self.file, self.columns.len());
+        if let Some((line, found, count)) = self.broken {
+            if count > self.rows {
+                let message =
+                    format!("found {found} cells, expected {width} as in most of the first rows");
+                return Err(ReadError::new(file, Place::Line(line), message));
+            }
+            notices.push(match (count, line == self.last_line) {
+                (1, true) => format!("{file}, line {line}: the last row ends after {found} of {width} cells: left out"),
+                (1, false) => format!("{file}, line {line}: found {found} cells, expected {width}: row left out"),
+                _ => format!("{file}, line {line}: found {found} cells, expected {width}: {count} such rows left out"),
+            });
+        }
+        if self.rows == 0 {
+            return Err(super::no_numbers(file));
+        }
+        let mut series = Series {
+            name: name.into(),
+            rows: self.rows,
+            ..Series::default()
+        };
+        for column in self.columns {
+            let Column {
+                name,
+                unit,
+                values,
+                not_read,
+            } = column;
+            let place = format!("{file}, column {}", quoted(&name));
+            if let Some((line, text, count)) = not_read {
+                let more = if count > 1 {
+                    format!(" and {} more such cells", count - 1)
+                } else {
+                    String::new()
+                };
+                notices.push(format!(
+                    "{place}: line {line} holds {}{more}, taken as no reading",
+                    quoted(&text)
+                ));
+            }
+            match values {
+                Values::Numbers(values) => series.channels.push(Channel { name, unit, values }),
+                Values::Times(values) => series.channels.push(Channel {
+                    name,
+                    unit: Some("s".into()),
+                    values,
+                }),
+                Values::Texts { distinct, .. } if distinct.len() > MAX_DISTINCT => {
+                    notices.push(format!(
+                        "{place}: text, more than {MAX_DISTINCT} different ones, not kept"
+                    ));
+                }
+                Values::Texts { distinct, .. } if distinct.iter().all(String::is_empty) => {
+                    notices.push(format!("{place}: empty, left out"));
+                }
+                Values::Texts {
+                    codes, distinct, ..
+                } => series.texts.push(TextChannel {
+                    name,
+                    distinct,
+                    codes,
+                }),
+            }
+        }
+        Ok(series)
+    }
+}
+
+impl Values {
+    /// Columns that hold what most of these cells are.
+    fn like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
+        let filled = cells.filter(|cell| !is_gap(cell));
+        let count = filled.clone().count();
+        let numbers = filled
+            .clone()
+            .filter(|cell| parse_number(cell).is_some())
+            .count();
+        let times = filled
+            .filter(|cell| parse_timestamp(cell).is_some())
+            .count();
+        if numbers * 2 >= count && count > 0 {
+            Self::Numbers(Vec::new())
+        } else if times * 2 >= count && count > 0 {
+            Self::Times(Vec::new())
+        } else {
+            Self::Texts {
+                codes: Vec::new(),
+                distinct: Vec::new(),
+                known: HashMap::new(),
+            }
+        }
+    }
+}
+
+impl Column {
+    /// Adds a cell; the decimal sign of a number that has one.
+    fn push(&mut self, line: u64, cell: &str) -> Option<Decimal> {
+        let mut decimal = None;
+        let value = match &mut self.values {
+            Values::Texts {
+                codes,
+                distinct,
+                known,
+            } => {
+                if let Some(code) = known.get(cell) {
+                    codes.push(*code);
+                } else if distinct.len() <= MAX_DISTINCT {
+                    let code = distinct.len() as u32;
+                    distinct.push(cell.into());
+                    known.insert(cell.into(), code);
+                    codes.push(code);
+                }
+                return None;
+            }
+            Values::Numbers(_) => parse_number(cell).map(|(value, sign)| {
+                decimal = Some(sign).filter(|sign| *sign != Decimal::None);
+                value
+            }),
+            Values::Times(_) => parse_timestamp(cell),
+        };
+        if value.is_none() && !is_gap(cell) {
+            let (_, _, count) = self.not_read.get_or_insert_with(|| (line, cell.into(), 0));
+            *count += 1;
+        }
+        if let Values::Numbers(values) | Values::Times(values) = &mut self.values {
+            values.push(value.unwrap_or(f64::NAN));
+        }
+        decimal
+    }
+}

@@ -1,0 +1,48 @@
+//! Tables of any kind: rows of cells become channels. Text files, spreadsheets and exports share this.
+
+mod columns;
+mod layout;
+
+use tautline_session::{Place, ReadError};
+
+use crate::source::Series;
+use crate::text::Cells;
+pub(crate) use columns::Columns;
+pub(crate) use layout::Layout;
+
+/// Rows that a layout is recognised by.
+pub(crate) const SAMPLE: usize = 200;
+
+/// A table as rows of cells, each with the number of its line, to a series.
+///
+/// # Errors
+/// If no row has numbers, or the decimal signs contradict each other.
+pub(crate) fn read_rows(
+    file: &str,
+    name: &str,
+    rows: &[(u64, Cells)],
+    notices: &mut Vec<String>,
+) -> Result<Series, ReadError> {
+    let sample: Vec<(u64, &Cells)> = rows
+        .iter()
+        .take(SAMPLE)
+        .map(|(line, cells)| (*line, cells))
+        .collect();
+    let layout = Layout::of(&sample).ok_or_else(|| no_numbers(file))?;
+    layout.check(file)?;
+    let mut columns = Columns::new(file, &layout, &sample);
+    notices.extend(layout.notices(file));
+    for (line, cells) in rows
+        .iter()
+        .filter(|(line, _)| *line >= layout.first_data_line)
+    {
+        columns.push(*line, cells)?;
+    }
+    columns.finish(name, notices)
+}
+
+/// The error that a table has no rows of numbers.
+pub(crate) fn no_numbers(file: &str) -> ReadError {
+    let message = "found no row of numbers, expected a table with a reading in each column";
+    ReadError::new(file, Place::File, message)
+}

@@ -1,0 +1,293 @@
+//! Units as people write them.
+
+use std::f64::consts::{PI, TAU};
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// Lengths; in metres.
+    Length,
+    /// Angles; in radians.
+    Angle,
+    /// Forces; in newtons.
+    Force,
+    /// Temperatures; in degrees Celsius.
+    Temperature,
+    /// Times; in seconds.
+    Time,
+    /// Numbers without a unit.
+    Number,
+}
+
+/// A unit: `value in the base unit = factor value + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// What it measures.
+    pub dimension: Dimension,
+    /// Base units per unit.
+    pub factor: f64,
+    /// Value of its zero in the base unit.
+    pub offset: f64,
+}
+
+/// Standard gravity (m/s^2), by which kilograms on a load cell become newtons.
+const GRAVITY: f64 = 9.806_65;
+
+/// Spellings, in lower case where case does not matter, and what they mean.
+const UNITS: &[(&[&str], Dimension, f64)] = &[
+    (
+        &["m", "meter", "meters", "metre", "metres"],
+        Dimension::Length,
+        1.0,
+    ),
+    (&["dm"], Dimension::Length, 0.1),
+    (
+        &[
+            "cm",
+            "centimeter",
+            "centimeters",
+            "centimetre",
+            "centimetres",
+        ],
+        Dimension::Length,
+        0.01,
+    ),
+    (
+        &[
+            "mm",
+            "millimeter",
+            "millimeters",
+            "millimetre",
+            "millimetres",
+        ],
+        Dimension::Length,
+        1e-3,
+    ),
+    (
+        &[
+            "µm",
+            "μm",
+            "um",
+            "micrometer",
+            "micrometers",
+            "micron",
+            "microns",
+        ],
+        Dimension::Length,
+        1e-6,
+    ),
+    (&["in", "inch", "inches"], Dimension::Length, 0.0254),
+    (&["ft", "foot", "feet"], Dimension::Length, 0.3048),
+    (&["rad", "radian", "radians"], Dimension::Angle, 1.0),
+    (&["mrad"], Dimension::Angle, 1e-3),
+    (
+        &["deg", "degs", "degree", "degrees", "°", "grad"],
+        Dimension::Angle,
+        PI / 180.0,
+    ),
+    (
+        &[
+            "rev",
+            "revs",
+            "revolution",
+            "revolutions",
+            "turn",
+            "turns",
+            "umdr",
+            "u",
+        ],
+        Dimension::Angle,
+        TAU,
+    ),
+    (&["n", "newton", "newtons"], Dimension::Force, 1.0),
+    (&["kn"], Dimension::Force, 1e3),
+    (&["mn"], Dimension::Force, 1e-3),
+    (&["kg", "kgf", "kp"], Dimension::Force, GRAVITY),
+    (&["g"], Dimension::Force, GRAVITY * 1e-3),
+    (
+        &["lbf", "lb", "lbs"],
+        Dimension::Force,
+        GRAVITY * 0.453_592_37,
+    ),
+    (
+        &["s", "sec", "secs", "second", "seconds"],
+        Dimension::Time,
+        1.0,
+    ),
+    (
+        &["ms", "msec", "millisecond", "milliseconds"],
+        Dimension::Time,
+        1e-3,
+    ),
+    (
+        &["µs", "μs", "us", "usec", "microsecond", "microseconds"],
+        Dimension::Time,
+        1e-6,
+    ),
+    (&["100ns"], Dimension::Time, 1e-7),
+    (
+        &["ns", "nsec", "nanosecond", "nanoseconds"],
+        Dimension::Time,
+        1e-9,
+    ),
+    (&["min", "minute", "minutes"], Dimension::Time, 60.0),
+    (&["h", "hour", "hours"], Dimension::Time, 3600.0),
+    (&["d", "day", "days"], Dimension::Time, 86_400.0),
+    (&["°c", "degc", "c", "celsius"], Dimension::Temperature, 1.0),
+    (
+        &[
+            "inc",
+            "incs",
+            "increments",
+            "count",
+            "counts",
+            "cnt",
+            "tick",
+            "ticks",
+            "1",
+            "-",
+        ],
+        Dimension::Number,
+        1.0,
+    ),
+];
+
+/// The unit that a text names.
+#[must_use]
+pub fn parse_unit(text: &str) -> Option<Unit> {
+    let text = text.trim();
+    // The only ones whose case matters: millinewton is as unlikely as meganewton, so `MN` is refused.
+    if text == "MN" {
+        return None;
+    }
+    match text {
+        "K" | "kelvin" => {
+            return Some(Unit {
+                dimension: Dimension::Temperature,
+                factor: 1.0,
+                offset: -273.15,
+            });
+        }
+        "°F" | "degF" => {
+            let factor = 5.0 / 9.0;
+            return Some(Unit {
+                dimension: Dimension::Temperature,
+                factor,
+                offset: -32.0 * factor,
+            });
+        }
+        _ => {}
+    }
+    let lower = text.to_lowercase();
+    let found = UNITS
+        .iter()
+        .find(|(names, ..)| names.contains(&lower.as_str()));
+    found.map(|(_, dimension, factor)| Unit {
+        dimension: *dimension,
+        factor: *factor,
+        offset: 0.0,
+    })
+}
+
+/// The unit in the heading of a column, and the heading without it: `Pos [mm]`, `Pos (mm)`, `Pos / mm`, `Pos in mm`. From
+/// `pos_mm` the unit is taken, but not off the name.
+#[must_use]
+pub fn split_heading(heading: &str) -> (String, Option<String>) {
+    let heading = heading.trim();
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some(inner) = heading.strip_suffix(close)
+            && let Some((name, unit)) = inner.rsplit_once(open)
+            && !is_index(unit)
+            && (open == '[' || parse_unit(unit).is_some())
+            && !name.trim().is_empty()
+        {
+            return (name.trim().into(), Some(unit.trim().into()));
+        }
+    }
+    for between in [" / ", " in ", "/"] {
+        if let Some((name, unit)) = heading.rsplit_once(between)
+            && parse_unit(unit).is_some()
+            && !name.trim().is_empty()
+        {
+            return (name.trim().into(), Some(unit.trim().into()));
+        }
+    }
+    let unit = heading.rsplit_once(['_', '.']).map(|(_, unit)| unit);
+    // One letter after an underscore is more often a part of the name than a unit, but for the SI ones.
+    let is_unit = |unit: &&str| {
+        matches!(*unit, "m" | "s" | "n" | "N") || (unit.len() > 1 && parse_unit(unit).is_some())
+    };
+    (heading.into(), unit.filter(is_unit).map(str::to_owned))
+}
+
+/// Whether brackets hold the index of a vector and not a unit.
+fn is_index(text: &str) -> bool {
+    !text.is_empty()
+        && text
+            .bytes()
+            .all(|byte| byte.is_ascii_digit() || byte == b',')
+}
+
+/// Whether a row of cells names units only.
+pub(crate) fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
+    let mut count = 0;
+    for cell in cells.filter(|cell| !cell.is_empty()) {
+        if parse_unit(bare(cell)).is_none() {
+            return false;
+        }
+        count += 1;
+    }
+    count > 0
+}
+
+/// A unit without brackets around it.
+pub(crate) fn bare(cell: &str) -> &str {
+    cell.trim_matches(|letter| matches!(letter, '[' | ']' | '(' | ')' | ' '))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_known_by_their_spellings() {
+        for (text, dimension, factor) in [
+            ("mm", Dimension::Length, 1e-3),
+            (" Millimeters ", Dimension::Length, 1e-3),
+            ("°", Dimension::Angle, PI / 180.0),
+            ("kN", Dimension::Force, 1e3),
+            ("kg", Dimension::Force, 9.80665),
+            ("ms", Dimension::Time, 1e-3),
+            ("Inc", Dimension::Number, 1.0),
+        ] {
+            let unit = parse_unit(text).expect(text);
+            assert_eq!((unit.dimension, unit.factor), (dimension, factor), "{text}");
+        }
+        let fahrenheit = parse_unit("°F").expect("a unit");
+        assert!((212.0 * fahrenheit.factor + fahrenheit.offset - 100.0).abs() < 1e-12);
+        assert_eq!(parse_unit("furlong"), None);
+        assert_eq!(parse_unit("MN"), None);
+    }
+
+    #[test]
+    fn headings_are_split() {
+        for (heading, name, unit) in [
+            ("Pos [mm]", "Pos", Some("mm")),
+            ("Force (N)", "Force", Some("N")),
+            ("Seillänge / m", "Seillänge", Some("m")),
+            ("angle in deg", "angle", Some("deg")),
+            ("length_1_m", "length_1_m", Some("m")),
+            ("x[3]", "x[3]", None),
+            ("q (unit quaternion)", "q (unit quaternion)", None),
+            ("Winch1.Pos", "Winch1.Pos", None),
+            ("a_u", "a_u", None),
+            ("Pos [furlong]", "Pos", Some("furlong")),
+        ] {
+            assert_eq!(
+                split_heading(heading),
+                (name.into(), unit.map(Into::into)),
+                "{heading}"
+            );
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! import: foreign files to datasets.
+
+use tautline_validation::your_data;
+
+use super::program::{Folder, assert_valid, tautline};
+
+/// A simulated dataset, and its poses as Excel in German writes them, in degrees.
+fn bench() -> Folder {
+    let folder = Folder::new();
+    tautline(&[
+        "simulate",
+        "--robot",
+        "mini",
+        "--poses",
+        "20",
+        "--out",
+        &folder.join("made"),
+    ])
+    .succeeded();
+    let text = std::fs::read_to_string(folder.join("made/poses.csv")).expect("poses");
+    let rows = text
+        .lines()
+        .map(|line| line.replace(',', ";").replace('.', ","));
+    folder.write("log.csv", &rows.collect::<Vec<_>>().join("\r\n"));
+    folder
+}
+
+fn entry_points(folder: &Folder, dataset: &str) -> Vec<f64> {
+    let answer = tautline(&["identify", &folder.join(dataset), "--json", "-"])
+        .succeeded()
+        .json();
+    let points = answer["entry_points_m"].as_array().expect("points").clone();
+    points
+        .iter()
+        .flat_map(|point| point.as_array().expect("three").clone())
+        .map(|value| value.as_f64().expect("a number"))
+        .collect()
+}
+
+#[test]
+fn a_foreign_log_gives_the_same_identification() {
+    let folder = bench();
+    let answer = tautline(&[
+        "import",
+        &folder.join("log.csv"),
+        "--robot",
+        "mini",
+        "-o",
+        &folder.join("data"),
+        "--json",
+        "-",
+    ])
+    .succeeded();
+    let document = answer.json();
+    assert_valid(&document);
+    assert_eq!(
+        (document["format"].as_str(), document["proposed"].as_bool()),
+        (Some("tautline-import"), Some(true))
+    );
+    assert_eq!(
+        document["suggestions"].as_array().map(Vec::len),
+        Some(0),
+        "{}",
+        document["suggestions"]
+    );
+    assert_valid(&folder.json("data/recipe.json"));
+    for (found, expected) in entry_points(&folder, "data")
+        .iter()
+        .zip(entry_points(&folder, "made"))
+    {
+        assert!((found - expected).abs() < 1e-9, "{found} and {expected}");
+    }
+    // The recipe is used again, and does not replace poses without being told.
+    let recipe = folder.join("data/recipe.json");
+    let again = [
+        "import",
+        &folder.join("log.csv"),
+        "--recipe",
+        &recipe,
+        "-o",
+        &folder.join("data"),
+    ];
+    tautline(&again).refused(&["poses.csv: is there already, expected --replace"]);
+    tautline(&[&again[..], &["--replace"]].concat()).succeeded();
+}
+
+#[test]
+fn channels_are_listed_with_a_proposal() {
+    let folder = bench();
+    let answer = tautline(&[
+        "import",
+        &folder.join("log.csv"),
+        "--channels",
+        "--robot",
+        "mini",
+    ])
+    .succeeded();
+    for part in [
+        "log.csv: table",
+        "rev_8",
+        "force_1_n",
+        "Recipe (proposed): every row is a pose",
+        "rev_{i} is rev_{i}",
+    ] {
+        assert!(
+            answer.stdout.contains(part),
+            "{} lacks {part}",
+            answer.stdout
+        );
+    }
+    tautline(&["import", &folder.join("log.csv"), "--channels"]).refused(&["--robot: not given"]);
+    tautline(&[
+        "import",
+        &folder.join("made/truth.json"),
+        "--robot",
+        "mini",
+        "--channels",
+    ])
+    .refused(&["is a JSON file"]);
+}
+
+#[test]
+fn mistakes_are_named_and_corrected() {
+    let folder = bench();
+    let text = std::fs::read_to_string(folder.join("made/poses.csv")).expect("poses");
+    let header: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
+    let place = |name: &str| {
+        header
+            .iter()
+            .position(|column| *column == name)
+            .expect(name)
+    };
+    let (second, fifth) = (place("rev_2"), place("rev_5"));
+    let exchanged = text.lines().skip(1).map(|line| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells.swap(second, fifth);
+        cells.join(",")
+    });
+    let rows: Vec<String> = std::iter::once(header.join(",")).chain(exchanged).collect();
+    let log = folder.write("exchanged.csv", &rows.join("\n"));
+    let arguments = [
+        "import",
+        &log,
+        "--robot",
+        "mini",
+        "-o",
+        &folder.join("wrong"),
+    ];
+    let said = tautline(&arguments).succeeded().stdout;
+    let sentence =
+        "rev_2 follows what rev_5 should be, and the other way round: their channels are exchanged";
+    assert!(said.contains(&format!("Check: {sentence}")), "{said}");
+    let arguments = [
+        "import",
+        &log,
+        "--robot",
+        "mini",
+        "-o",
+        &folder.join("right"),
+        "--apply-suggestions",
+    ];
+    let said = tautline(&arguments).succeeded().stdout;
+    assert!(
+        said.contains(&format!("Corrected: {sentence}")) && !said.contains("Check:"),
+        "{said}"
+    );
+    assert_eq!(
+        entry_points(&folder, "right"),
+        entry_points(&folder, "made")
+    );
+}
+
+#[test]
+fn a_robot_of_caspr_becomes_a_robot() {
+    let folder = Folder::new();
+    let cable = |k: usize, place: &str| {
+        format!(
+            "<cable_ideal name=\"cable {k}\" attachment_reference=\"joint\"><attachments><attachment><link>0</link><location>{place}</location></attachment><attachment><link>1</link><location>0 0 0</location></attachment></attachments></cable_ideal>"
+        )
+    };
+    let cables: Vec<String> = ["0 0 3", "4 0 3", "4 4 3", "0 4 3"]
+        .iter()
+        .enumerate()
+        .map(|(k, place)| cable(k + 1, place))
+        .collect();
+    let text = format!(
+        "<cables default_cable_set=\"a\"><cable_set id=\"a\">{}</cable_set></cables>",
+        cables.join("\n")
+    );
+    let cables = folder.write("frame_cables.xml", &text);
+    let bodies = folder.write("frame_bodies.xml", "<links><link_rigid num=\"1\"><joint type=\"TRANSLATIONAL_XYZ\"/><physical><mass>2</mass></physical></link_rigid></links>");
+    let robot = folder.join("robot.json");
+    let answer = tautline(&["import", &cables, &bodies, "-o", &robot]).succeeded();
+    assert!(
+        answer.stdout.ends_with("robot.json: frame with 4 cables\n"),
+        "{}",
+        answer.stdout
+    );
+    tautline(&[
+        "simulate",
+        "--robot",
+        &robot,
+        "--poses",
+        "3",
+        "--out",
+        &folder.join("made"),
+    ])
+    .succeeded();
+}
+
+#[test]
+fn every_phase_can_be_tried_from_nothing() {
+    let folder = Folder::new();
+    let made = folder.join("made");
+    tautline(&[
+        "simulate",
+        "--robot",
+        "mini",
+        "--phases",
+        "--effect",
+        "winch_scale:3:scale=0.01",
+        "--out",
+        &made,
+    ])
+    .succeeded();
+    let fits = tautline(&["precalibrate", &made, "--json", "-"])
+        .succeeded()
+        .json();
+    let ratio = |cable: usize| {
+        let winch = &fits["winches"][cable];
+        winch["cable_per_revolution_m"].as_f64().expect("a number")
+            / winch["nominal_cable_per_revolution_m"]
+                .as_f64()
+                .expect("a number")
+    };
+    assert!(
+        (ratio(2) - 1.01).abs() < 2e-4 && (ratio(3) - 1.0).abs() < 2e-4,
+        "{} {}",
+        ratio(2),
+        ratio(3)
+    );
+    assert!(
+        fits["home"].is_object() && fits["elongation"].is_object(),
+        "{fits}"
+    );
+    let figures = tautline(&["accuracy", &folder.join("made/check.csv"), "--json", "-"])
+        .succeeded()
+        .json();
+    assert_eq!(
+        figures["poses"]["targets"].as_array().map(Vec::len),
+        Some(5)
+    );
+}
+
+#[test]
+fn the_worked_examples_are_as_the_page_has_them() {
+    let page = your_data::page();
+    for (name, content) in your_data::files().expect("files") {
+        let kept =
+            std::fs::read_to_string(page.with_file_name("your-data").join(name)).expect(name);
+        assert!(
+            kept == content,
+            "{name} is out of date: validation your-data"
+        );
+    }
+    let text = std::fs::read_to_string(&page).expect("the page");
+    assert_eq!(
+        your_data::with_outputs(&text).expect("outputs"),
+        text,
+        "validation your-data writes the page"
+    );
+}

@@ -1,0 +1,249 @@
+//! The worked examples of docs/YOUR-DATA.md: their files, and what the commands print.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail};
+use tautline_core::measurement::{Grid, Measurements};
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+
+use crate::program::program;
+
+/// Folder of the example files, beside the page.
+const FOLDER: &str = "your-data";
+/// Rate of the recording (Hz), and rows at rest and in motion.
+const RATE_HZ: f64 = 25.0;
+const RESTING: usize = 30;
+const MOVING: usize = 10;
+
+/// The page.
+#[must_use]
+pub fn page() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/YOUR-DATA.md")
+}
+
+/// Name and content of each example file.
+///
+/// # Errors
+/// If the robot cannot be simulated.
+pub fn files() -> Result<Vec<(&'static str, String)>> {
+    let robot = presets::find("mini").context("no such preset")?.robot;
+    let run = |poses, seed| -> Result<Measurements> {
+        Ok(simulate(&robot, &SimulationOptions::new(poses, seed))?
+            .dataset
+            .measurements)
+    };
+    Ok(vec![
+        ("table.csv", table(&run(20, 5)?)),
+        ("scope.csv", scope(&run(9, 6)?)),
+        ("mistakes.csv", mistakes(&run(20, 7)?)),
+        ("points.txt", points(&run(20, 7)?)),
+    ])
+}
+
+/// Excel in German: semicolons, decimal commas, degrees and millimetres.
+fn table(data: &Measurements) -> String {
+    let mut text = "Punkt".to_owned();
+    per_cable(&mut text, ";Winde# Winkel [°]");
+    per_cable(&mut text, ";Seilkraft # [N]");
+    text.push_str(
+        ";Laser [mm];Soll X [mm];Soll Y [mm];Soll Z [mm];Soll qw;Soll qx;Soll qy;Soll qz\n",
+    );
+    for row in 0..data.len() {
+        let mut line = data.labels[row].to_string();
+        cells(&mut line, ";", &data.revolutions, row, 360.0, 3);
+        cells(&mut line, ";", &data.force_n, row, 1.0, 2);
+        let _ = write!(line, ";{:.3}", 1e3 * data.laser_m[row]);
+        commanded(&mut line, ";", data, row, 1e3);
+        text.push_str(&line.replace('.', ","));
+        text.push('\n');
+    }
+    text
+}
+
+/// A recording of TwinCAT Scope: the robot waits at each pose, and moves on.
+fn scope(data: &Measurements) -> String {
+    let mut names: Vec<String> = (1..=8).map(|k| format!("GVL.Winch{k}.ActPos")).collect();
+    names.push("GVL.LaserDistance".into());
+    let line = |key: &str, value: &dyn Fn(&str) -> String| {
+        let cells: Vec<String> = names
+            .iter()
+            .map(|name| format!("{key}\t{}", value(name)))
+            .collect();
+        cells.join("\t")
+    };
+    let mut text = "Name\tCalibration\nFile\tC:\\Scope\\calibration.csv\n\n".to_owned();
+    let _ = writeln!(text, "{}", line("Name", &|name| name.into()));
+    let _ = writeln!(
+        text,
+        "{}",
+        line("SampleTime[ms]", &|_| format!("{}", 1e3 / RATE_HZ))
+    );
+    let _ = writeln!(
+        text,
+        "{}\n",
+        line("Unit", &|name| if name.ends_with("Pos") {
+            "rev".into()
+        } else {
+            "m".into()
+        })
+    );
+    let at = |pose: usize| -> Vec<f64> {
+        let mut values: Vec<f64> = data.revolutions.row(pose).to_vec();
+        values.push(data.laser_m[pose]);
+        values
+    };
+    let mut sample = 0;
+    for pose in 0..data.len() {
+        let moving = if pose + 1 < data.len() { MOVING } else { 0 };
+        for row in 0..RESTING + moving {
+            let part = row.saturating_sub(RESTING) as f64 / MOVING as f64;
+            let next = at((pose + 1).min(data.len() - 1));
+            let values = at(pose)
+                .into_iter()
+                .zip(next)
+                .map(|(from, to)| from + part * (to - from));
+            let cells: Vec<String> = values
+                .map(|value| format!("{sample}\t{value:.6}"))
+                .collect();
+            let _ = writeln!(text, "{}", cells.join("\t"));
+            sample += 1;
+        }
+    }
+    text.push_str("EOF\n");
+    text
+}
+
+/// A log whose third winch counts the other way round, and whose fifth and sixth have changed places.
+fn mistakes(data: &Measurements) -> String {
+    let mut text = "pose".to_owned();
+    per_cable(&mut text, ",rev_#");
+    per_cable(&mut text, ",force_#_n");
+    text.push_str(",laser_m,x_m,y_m,z_m,qw,qx,qy,qz\n");
+    for row in 0..data.len() {
+        let mut wrong = data.revolutions.clone();
+        wrong.set(row, 2, -data.revolutions.get(row, 2));
+        wrong.set(row, 4, data.revolutions.get(row, 5));
+        wrong.set(row, 5, data.revolutions.get(row, 4));
+        let mut line = data.labels[row].to_string();
+        cells(&mut line, ",", &wrong, row, 1.0, 6);
+        cells(&mut line, ",", &data.force_n, row, 1.0, 3);
+        let _ = write!(line, ",{:.5}", data.laser_m[row]);
+        commanded(&mut line, ",", data, row, 1.0);
+        text.push_str(&line);
+        text.push('\n');
+    }
+    text
+}
+
+/// Positions by a laser tracker for some of these poses (mm).
+fn points(data: &Measurements) -> String {
+    let mut text = String::new();
+    for row in (3..data.len()).step_by(4) {
+        let position = 1e3 * data.truth.poses[row].position;
+        let _ = writeln!(
+            text,
+            "P{} {:.3} {:.3} {:.3}",
+            data.labels[row], position.x, position.y, position.z
+        );
+    }
+    text
+}
+
+fn per_cable(header: &mut String, title: &str) {
+    (1..=8).for_each(|k| header.push_str(&title.replace('#', &k.to_string())));
+}
+
+fn cells(line: &mut String, separator: &str, grid: &Grid, row: usize, factor: f64, digits: usize) {
+    for value in grid.row(row) {
+        let _ = write!(line, "{separator}{:.digits$}", factor * value);
+    }
+}
+
+fn commanded(line: &mut String, separator: &str, data: &Measurements, row: usize, factor: f64) {
+    match data.commanded[row] {
+        Some(pose) => {
+            pose.position.iter().for_each(|value| {
+                let _ = write!(line, "{separator}{}", factor * (value * 1e6).round() / 1e6);
+            });
+            pose.orientation_wxyz().iter().for_each(|value| {
+                let _ = write!(line, "{separator}{value:.9}");
+            });
+        }
+        None => (0..7).for_each(|_| line.push_str(separator)),
+    }
+}
+
+/// The page with what its commands print now: after `$ tautline ..` in a block `console`, where anything is shown there.
+///
+/// # Errors
+/// If a command fails.
+pub fn with_outputs(page: &str) -> Result<String> {
+    let folder = tempfile::tempdir()?;
+    std::fs::create_dir(folder.path().join(FOLDER))?;
+    for (name, content) in files()? {
+        std::fs::write(folder.path().join(FOLDER).join(name), content)?;
+    }
+    let mut written = String::new();
+    let (mut in_console, mut shown) = (false, true);
+    let mut lines = page.lines().peekable();
+    while let Some(line) = lines.next() {
+        if line.starts_with("```") {
+            in_console = line == "```console";
+            shown = true;
+        }
+        if let Some(command) = line.strip_prefix("$ tautline ").filter(|_| in_console) {
+            let printed = run(command, folder.path())?;
+            written.push_str(line);
+            written.push('\n');
+            // What is shown is replaced; where nothing is shown the command only has to succeed.
+            shown = lines
+                .peek()
+                .is_some_and(|next| next.starts_with("$ ") || next.starts_with("```"));
+            if !shown {
+                written.push_str(&printed);
+            }
+        } else if shown || !in_console {
+            written.push_str(line);
+            written.push('\n');
+        }
+    }
+    Ok(written)
+}
+
+/// What a command prints on both outputs, without blanks at the ends of lines.
+fn run(command: &str, folder: &Path) -> Result<String> {
+    let output = Command::new(program())
+        .args(command.split_whitespace())
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .output()?;
+    let (stdout, stderr) = (
+        String::from_utf8(output.stdout)?,
+        String::from_utf8(output.stderr)?,
+    );
+    if !output.status.success() {
+        bail!("tautline {command}: {stderr}");
+    }
+    let lines = stderr.lines().chain(stdout.lines());
+    Ok(lines.fold(String::new(), |text, line| {
+        format!("{text}{}\n", line.trim_end())
+    }))
+}
+
+/// Writes the example files, and the outputs into the page.
+///
+/// # Errors
+/// If a command fails or a file cannot be written.
+pub fn write() -> Result<()> {
+    let page = page();
+    let folder = page.with_file_name(FOLDER);
+    std::fs::create_dir_all(&folder)?;
+    for (name, content) in files()? {
+        tautline_session::write_text(&folder.join(name), &content)?;
+    }
+    let text = with_outputs(&std::fs::read_to_string(&page)?)?;
+    Ok(tautline_session::write_text(&page, &text)?)
+}
