@@ -73,6 +73,7 @@ const MARKS: [(TableKind, &[&str]); 5] = [
 
 const EXPECTED: &str = "expected a session, a robot, a dataset folder, or a table of poses, \
                           a plan, or winch, force, home, elongation or check readings";
+const OTHERS: &str = "files of other programs are read by `tautline import`";
 
 /// Reads whatever `path` is; tables are read for the robot of the session `into`.
 ///
@@ -149,14 +150,14 @@ fn import_table(
     into: Option<&Session>,
 ) -> Result<Loaded<Import>, ReadError> {
     if is_binary(bytes) {
-        let message = format!("found a binary file, {EXPECTED}");
+        let message = format!("found a binary file, {EXPECTED}; {OTHERS}");
         return Err(ReadError::new(file, Place::File, message));
     }
     let names = Table::open(bytes, file)?.names().to_vec();
     let Some(kind) = recognise(&names) else {
         let names: Vec<String> = names.iter().take(6).map(|name| quoted(name)).collect();
         let message = format!(
-            "found a table with the columns {}, {EXPECTED}",
+            "found a table with the columns {}, {EXPECTED}; {OTHERS}",
             names.join(", ")
         );
         return Err(ReadError::new(file, Place::File, message));

@@ -144,6 +144,7 @@ fn what_is_not_understood_is_named_beside_what_is() {
             .contains("b: found a binary file, expected a session"),
         "{error}"
     );
+    assert!(error.to_string().contains("tautline import"), "{error}");
     fs::write(bench.path("b"), b"\xff\xfep\0").expect("written");
     let error = import(&bench.path("b"), None).expect_err("UTF-16");
     assert!(error.to_string().contains("in Excel: save as"), "{error}");
