@@ -91,7 +91,6 @@ impl Candidate {
 
     /// Whether both cannot be in one set: they say the same of a cable.
     pub fn excludes(&self, other: &Self) -> bool {
-        let scale = |c: &Self| matches!(c.effect().id(), "winch_scale" | "winch_scale_common");
         let overlap = self.cables & other.cables != 0 || self.cables == other.cables;
         if std::ptr::eq(self.effect(), other.effect()) {
             // What all cables have in common one of them may have more of.
@@ -101,8 +100,7 @@ impl Candidate {
                 && !is_more
                 && (self.place.is_nan() || !self.is_event() || self.place == other.place);
         }
-        // The common scale is the scale of every winch.
-        scale(self) && scale(other) && (self.is_family() || other.is_family())
+        is_same_kind(self.effect(), other.effect()) && (self.is_family() || other.is_family())
     }
 
     /// The cause with an estimate of its columns' parameters.
@@ -204,6 +202,12 @@ impl Candidate {
         }
         numbers
     }
+}
+
+/// Whether two effects are the same, or the scale of one winch and that of all.
+pub(super) fn is_same_kind(one: &Effect, other: &Effect) -> bool {
+    let scale = |effect: &Effect| matches!(effect.id(), "winch_scale" | "winch_scale_common");
+    std::ptr::eq(one, other) || scale(one) && scale(other)
 }
 
 /// Same effect on the same cables in the same way, wherever an event or a wave is.

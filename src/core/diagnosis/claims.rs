@@ -1,9 +1,9 @@
 //! What the posterior of the sets says of each cause: its probability, and what else could stand in its place.
 
-use super::candidates::is_alike;
+use super::candidates::{is_alike, is_same_kind};
 use super::inference::Ranked;
 use super::report::{Alternative, Cause};
-use crate::effect::{Scope, Search};
+use crate::effect::Search;
 
 /// Probability from which a cause is named, or several together are listed.
 pub(super) const SURE: f64 = 0.95;
@@ -152,6 +152,13 @@ fn is_said_by(set: &[Cause], own: &Cause) -> bool {
 /// Whether a cause says what another does, but for its values: on the same cables or more; an event at the same reading, a
 /// step at a pose beside it.
 fn is_support(one: &Cause, other: &Cause) -> bool {
+    let whole = |one: &Cause, other: &Cause| {
+        one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
+    };
+    // A value for all cables and one for each.
+    if is_same_kind(one.effect(), other.effect()) && (whole(one, other) || whole(other, one)) {
+        return true;
+    }
     if !std::ptr::eq(one.effect(), other.effect()) {
         return false;
     }
@@ -163,11 +170,7 @@ fn is_support(one: &Cause, other: &Cause) -> bool {
     };
     let (a, b) = (one.cables(), other.cables());
     let more = a.len() > 1 && !b.is_empty() && b.iter().all(|cable| a.contains(cable));
-    let whole = |one: &Cause, other: &Cause| {
-        one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
-    };
-    let all = one.effect().scope() == Scope::CableOrAll && (whole(one, other) || whole(other, one));
-    near && (a == b || all || more)
+    near && (a == b || more)
 }
 
 #[cfg(test)]
