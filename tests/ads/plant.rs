@@ -291,6 +291,8 @@ impl Program {
     }
 
     fn obey(&mut self) -> Result<(), tautline_link::LinkError> {
+        // What was written before the command holds for it, also where both are read at once.
+        self.take_parameters();
         let kind = self.written.get(&global("kind")).and_then(|v| v.first());
         match kind.copied().unwrap_or(0.0) as i64 {
             1 => {
