@@ -66,6 +66,7 @@ fn table(data: &Measurements) -> String {
 /// A recording of TwinCAT Scope: the robot waits at each pose, and moves on.
 fn scope(data: &Measurements) -> String {
     let mut names: Vec<String> = (1..=8).map(|k| format!("GVL.Winch{k}.ActPos")).collect();
+    names.extend((1..=8).map(|k| format!("GVL.Winch{k}.Force")));
     names.push("GVL.LaserDistance".into());
     let line = |key: &str, value: &dyn Fn(&str) -> String| {
         let cells: Vec<String> = names
@@ -84,14 +85,14 @@ fn scope(data: &Measurements) -> String {
     let _ = writeln!(
         text,
         "{}\n",
-        line("Unit", &|name| if name.ends_with("Pos") {
-            "rev".into()
-        } else {
-            "m".into()
+        line("Unit", &|name| match name.rsplit('.').next() {
+            Some("ActPos") => "rev".into(),
+            Some("Force") => "N".into(),
+            _ => "m".into(),
         })
     );
     let at = |pose: usize| -> Vec<f64> {
-        let mut values: Vec<f64> = data.revolutions.row(pose).to_vec();
+        let mut values = [data.revolutions.row(pose), data.force_n.row(pose)].concat();
         values.push(data.laser_m[pose]);
         values
     };
