@@ -6,7 +6,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, escape_formula, read_poses};
 
-use crate::check::{Change, Mistake, Readings, Suggestion, check};
+use crate::check::{Change, Readings, Suggestion, check};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
@@ -38,11 +38,7 @@ pub fn import(
 ) -> Result<Imported, ImportError> {
     let file = sources.first().map_or("", |source| source.file.as_str());
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
-    let mut notices: Vec<String> = sources
-        .iter()
-        .flat_map(|source| source.notices.clone())
-        .collect();
-    notices.extend(lost_frames(&mapping));
+    let mut notices = notices(sources, &mapping);
     let mut poses = cut(&mapping, recipe, robot, file, &mut notices)?;
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
@@ -168,12 +164,7 @@ fn suggestions(
             let change = Change::CloseJumps {
                 series: series.name.clone(),
             };
-            found.push(Suggestion::new(
-                Mistake::ClockJump,
-                vec!["time_s".into()],
-                sentence,
-                change,
-            ));
+            found.push(Suggestion::new(sentence, change));
         }
     }
     found
@@ -235,11 +226,6 @@ pub fn found(
     robot: &Robot,
 ) -> Result<ImportDocument, ReadError> {
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
-    let mut notices: Vec<String> = sources
-        .iter()
-        .flat_map(|source| source.notices.clone())
-        .collect();
-    notices.extend(lost_frames(&mapping));
     Ok(ImportDocument {
         sources: reports(sources, &mapping),
         recipe: recipe.clone(),
@@ -247,7 +233,7 @@ pub fn found(
         poses: Vec::new(),
         suggestions: Vec::new(),
         applied: Vec::new(),
-        notices,
+        notices: notices(sources, &mapping),
     })
 }
 
@@ -278,6 +264,12 @@ fn reports(sources: &[Source], mapping: &Mapping<'_>) -> Vec<SourceReport> {
         .iter()
         .map(|source| SourceReport::of(source, &used_as))
         .collect()
+}
+
+/// What is to be said of sources: what was not understood, and what their instruments lost.
+fn notices(sources: &[Source], mapping: &Mapping<'_>) -> Vec<String> {
+    let known = sources.iter().flat_map(|source| source.notices.clone());
+    known.chain(lost_frames(mapping)).collect()
 }
 
 /// Runs of rows that an instrument lost.

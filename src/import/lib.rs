@@ -9,6 +9,7 @@ mod cutting;
 mod document;
 mod formats;
 mod importing;
+mod median;
 mod naming;
 mod proposal;
 mod recipe;

@@ -15,7 +15,7 @@ use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::scene::Significance;
 
 use crate::measured::{Measured, give, press};
-use crate::robot_3d::{drawn, in_window, open, session_of};
+use crate::robot_3d::{camera, drawn, in_window, open, scene, session_of};
 use crate::support::{options, settle, workbench};
 
 fn inspected(harness: &Harness<'_, App>) -> Option<usize> {
@@ -55,13 +55,7 @@ fn a_double_click_a_key_and_the_table_lead_to_a_pulley() {
         .with_max_steps(200)
         .build_eframe(|creation| App::new(creation, options()));
     open(&mut harness, session_of("mini", 6), true);
-    let before = *harness
-        .state()
-        .state
-        .views
-        .robot_3d
-        .camera()
-        .expect("a camera");
+    let before = camera(&harness);
     let at = in_window(&harness, &drawn(&harness, 1));
     harness.hover_at(at);
     harness.run_ok();
@@ -73,21 +67,8 @@ fn a_double_click_a_key_and_the_table_lead_to_a_pulley() {
     assert_eq!(inspected(&harness), Some(1));
     assert_eq!(harness.state().state.model.selection.cable, Some(1));
     harness.get_by_label("Pulley of cable-2");
-    let there = *harness
-        .state()
-        .state
-        .views
-        .robot_3d
-        .camera()
-        .expect("a camera");
-    let scene = harness
-        .state()
-        .state
-        .views
-        .robot_3d
-        .scene()
-        .expect("a scene")
-        .clone();
+    let there = camera(&harness);
+    let scene = scene(&harness);
     let centre = scene.cables[1].wheel.centre;
     let rect = harness.get_by_label("3D view").rect();
     assert!(rect.shrink(40.0).contains(in_window(&harness, &centre)));
@@ -98,13 +79,7 @@ fn a_double_click_a_key_and_the_table_lead_to_a_pulley() {
     harness.key_press(Key::Escape);
     harness.run_ok();
     assert_eq!(inspected(&harness), None);
-    let back = *harness
-        .state()
-        .state
-        .views
-        .robot_3d
-        .camera()
-        .expect("a camera");
+    let back = camera(&harness);
     assert_eq!(back, before, "back to where one came from");
     // The key, with the pulley still selected and the pointer elsewhere.
     harness.hover_at(egui::pos2(4.0, 400.0));
@@ -192,14 +167,7 @@ fn numbers_and_words_are_those_of_the_identification() {
         assert!(image.rect().width() > 100.0);
     }
     harness.get_by_label("What its errors go together with");
-    let scene = harness
-        .state()
-        .state
-        .views
-        .robot_3d
-        .scene()
-        .expect("a scene")
-        .clone();
+    let scene = scene(&harness);
     let moved = scene.cables[2].moved.expect("a displacement");
     assert_eq!(moved.significance(), Significance::Clear);
 }

@@ -12,6 +12,7 @@ use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
 use tautline_workbench::shell::App;
+use tautline_workbench::views::robot_3d::camera::Camera;
 use tautline_workbench::views::robot_3d::drawing::{ArrowColour, FrameLook, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
@@ -79,7 +80,13 @@ fn click(harness: &mut Harness<'_, App>, at: Pos2) {
     harness.run_ok();
 }
 
-fn scene(
+/// Where the camera is.
+pub fn camera(harness: &Harness<'_, App>) -> Camera {
+    let view = &harness.state().state.views.robot_3d;
+    *view.camera().expect("it is there")
+}
+
+pub fn scene(
     harness: &Harness<'_, App>,
 ) -> std::sync::Arc<tautline_workbench::views::robot_3d::scene::Scene> {
     harness
@@ -170,13 +177,7 @@ fn keys_and_buttons_turn_the_view() {
 fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     let mut harness = workbench();
     open(&mut harness, session_of("mini", 3), false);
-    let before = *harness
-        .state()
-        .state
-        .views
-        .robot_3d
-        .camera()
-        .expect("it is there");
+    let before = camera(&harness);
     let pose = Pose::from_parts([0.05, 0.0, 0.1], [1.0, 0.0, 0.0, 0.0]);
     let state = &mut harness.state_mut().state;
     state.model.live_platform = Some(LivePlatform {
@@ -190,28 +191,10 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     assert_eq!(scene(&harness).shown, Shown::Live);
     assert_eq!(scene(&harness).cables[5].tension_n, Some(25.0));
     assert_eq!(scene(&harness).planned, [pose.position]);
-    assert_eq!(
-        *harness
-            .state()
-            .state
-            .views
-            .robot_3d
-            .camera()
-            .expect("it is there"),
-        before
-    );
+    assert_eq!(camera(&harness), before);
     harness.state_mut().state.model.live_platform = None;
     open(&mut harness, session_of("planar", 3), false);
-    assert_ne!(
-        *harness
-            .state()
-            .state
-            .views
-            .robot_3d
-            .camera()
-            .expect("it is there"),
-        before
-    );
+    assert_ne!(camera(&harness), before);
     assert_eq!(scene(&harness).cables.len(), 4);
 }
 

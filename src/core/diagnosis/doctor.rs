@@ -21,6 +21,7 @@ use crate::statistics::normal_quantile;
 
 /// Probability with which an effect of the smallest visible size is found.
 const POWER: f64 = 0.9;
+
 /// Diagnoses a dataset: the joint problem of its robot, the effects of its model held. Rows of one standstill are averaged.
 ///
 /// # Errors

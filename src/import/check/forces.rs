@@ -8,7 +8,7 @@ use tautline_core::kinematics::{applied_wrench, structure_matrix};
 use tautline_core::robot::Robot;
 
 use super::expected::Expected;
-use super::{Change, FEWEST, Mistake, Readings, Suggestion};
+use super::{Change, FEWEST, Readings, Suggestion};
 use crate::recipe::{Kind, Quantity};
 
 /// Factors that make newtons of other units.
@@ -66,8 +66,6 @@ pub(super) fn check(
             columns.join(", ")
         );
         found.push(Suggestion::new(
-            Mistake::WrongUnit,
-            columns.clone(),
             sentence,
             Change::Multiply {
                 columns,
@@ -95,12 +93,7 @@ pub(super) fn check(
         let sentence = format!(
             "{a} and {b} hold the platform only the other way round: their channels are exchanged"
         );
-        found.push(Suggestion::new(
-            Mistake::Exchanged,
-            vec![a.clone(), b.clone()],
-            sentence,
-            Change::Exchange { a, b },
-        ));
+        found.push(Suggestion::new(sentence, Change::Exchange { a, b }));
     }
 }
 
@@ -125,12 +118,7 @@ fn negative(columns: &[(Quantity, &[f64])], found: &mut Vec<Suggestion>) {
             "{}: negative at nearly all poses, and cables cannot push: the sign is reversed",
             columns.join(", ")
         );
-        found.push(Suggestion::new(
-            Mistake::ReversedSign,
-            columns.clone(),
-            sentence,
-            Change::Reverse { columns },
-        ));
+        found.push(Suggestion::new(sentence, Change::Reverse { columns }));
     }
 }
 

@@ -1,5 +1,7 @@
 //! Lines through readings, that a few wrong ones do not turn.
 
+use crate::median::median;
+
 /// `reading = intercept + slope expected`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Line {
@@ -38,7 +40,10 @@ pub(super) fn fit(expected: &[f64], readings: &[f64]) -> Option<Line> {
     for _ in 0..3 {
         let line = least_squares(&pairs)?;
         let off = |(x, y): &(f64, f64)| (y - line.0 - line.1 * x).abs();
-        let limit = 5.0 * median(pairs.iter().map(off)).max(1e-12 * spread);
+        let limit = 5.0
+            * median(pairs.iter().map(off))
+                .unwrap_or(0.0)
+                .max(1e-12 * spread);
         let before = pairs.len();
         let near: Vec<(f64, f64)> = pairs
             .iter()
@@ -149,13 +154,4 @@ fn scatter(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
     (values.map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

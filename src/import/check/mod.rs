@@ -149,12 +149,7 @@ fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
             let sentence = format!(
                 "{column} is the same at all poses while the other cables change: a dead channel; leave it empty"
             );
-            found.push(Suggestion::new(
-                Mistake::DeadChannel,
-                vec![column.clone()],
-                sentence,
-                Change::LeaveEmpty { column },
-            ));
+            found.push(Suggestion::new(sentence, Change::LeaveEmpty { column }));
         }
     }
 }
@@ -188,8 +183,6 @@ fn positions_in_other_unit(
             columns.join(", ")
         );
         found.push(Suggestion::new(
-            Mistake::WrongUnit,
-            columns.clone(),
             sentence,
             Change::Multiply {
                 columns,
@@ -223,8 +216,6 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
             );
             let factor = std::f64::consts::PI / 180.0;
             found.push(Suggestion::new(
-                Mistake::WrongUnit,
-                columns.clone(),
                 sentence,
                 Change::Multiply { columns, factor },
             ));
@@ -272,12 +263,7 @@ fn compare(
                 let sentence = format!(
                     "{a} follows what {b} should be, and the other way round: their channels are exchanged"
                 );
-                found.push(Suggestion::new(
-                    Mistake::Exchanged,
-                    vec![a.clone(), b.clone()],
-                    sentence,
-                    Change::Exchange { a, b },
-                ));
+                found.push(Suggestion::new(sentence, Change::Exchange { a, b }));
             }
         }
     }
@@ -323,8 +309,6 @@ fn steps(
         .iter_mut()
         .for_each(|value| *value -= step.size);
     found.push(Suggestion::new(
-        Mistake::EncoderStep,
-        vec![name.clone()],
         sentence,
         Change::TakeBack {
             column: name,
@@ -362,12 +346,7 @@ fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
     };
     for columns in groups {
         let sentence = what(&columns);
-        found.push(Suggestion::new(
-            Mistake::ReversedSign,
-            columns.clone(),
-            sentence,
-            Change::Reverse { columns },
-        ));
+        found.push(Suggestion::new(sentence, Change::Reverse { columns }));
     }
 }
 
@@ -398,8 +377,6 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
                 columns.join(", ")
             );
             found.push(Suggestion::new(
-                Mistake::WrongUnit,
-                columns.clone(),
                 sentence,
                 Change::Multiply {
                     columns,

@@ -81,12 +81,16 @@ pub enum Change {
 }
 
 impl Suggestion {
-    pub(crate) fn new(
-        mistake: Mistake,
-        columns: Vec<String>,
-        sentence: String,
-        change: Change,
-    ) -> Self {
+    /// The mistake that a change makes good, in the columns that it changes.
+    pub(crate) fn new(sentence: String, change: Change) -> Self {
+        let (mistake, columns) = match &change {
+            Change::Multiply { columns, .. } => (Mistake::WrongUnit, columns.clone()),
+            Change::Reverse { columns } => (Mistake::ReversedSign, columns.clone()),
+            Change::Exchange { a, b } => (Mistake::Exchanged, vec![a.clone(), b.clone()]),
+            Change::TakeBack { column, .. } => (Mistake::EncoderStep, vec![column.clone()]),
+            Change::LeaveEmpty { column } => (Mistake::DeadChannel, vec![column.clone()]),
+            Change::CloseJumps { .. } => (Mistake::ClockJump, vec!["time_s".into()]),
+        };
         Self {
             mistake,
             columns,

@@ -293,14 +293,12 @@ fn a_suggestion_changes_the_recipe_where_it_is_meant() {
         ],
         ..Recipe::default()
     };
-    let apply = |recipe: &mut Recipe, columns: &[&str], change: Change| {
-        let columns = columns.iter().map(|column| (*column).to_owned()).collect();
-        Suggestion::new(Mistake::WrongUnit, columns, String::new(), change).apply(recipe);
+    let apply = |recipe: &mut Recipe, change: Change| {
+        Suggestion::new(String::new(), change).apply(recipe);
     };
     let all: Vec<String> = (1..=8).map(|k| format!("rev_{k}")).collect();
     apply(
         &mut recipe,
-        &[],
         Change::Multiply {
             columns: all,
             factor: 0.5,
@@ -309,7 +307,6 @@ fn a_suggestion_changes_the_recipe_where_it_is_meant() {
     assert_eq!((recipe.channels.len(), recipe.channels[0].factor), (2, 0.5));
     apply(
         &mut recipe,
-        &[],
         Change::Reverse {
             columns: vec!["rev_3".into()],
         },
@@ -326,7 +323,6 @@ fn a_suggestion_changes_the_recipe_where_it_is_meant() {
     );
     apply(
         &mut recipe,
-        &[],
         Change::Exchange {
             a: "rev_1".into(),
             b: "rev_3".into(),
@@ -345,7 +341,6 @@ fn a_suggestion_changes_the_recipe_where_it_is_meant() {
     assert_eq!(pairs, [("W0", "rev_3", false), ("W2", "rev_1", true)]);
     apply(
         &mut recipe,
-        &[],
         Change::CloseJumps {
             series: "log".into(),
         },

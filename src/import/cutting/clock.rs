@@ -1,5 +1,6 @@
 //! Times of the rows of a series.
 
+use crate::median::median;
 use crate::recipe::{Mapping, Recipe, is_series};
 
 /// A step longer than this many usual steps is a gap.
@@ -53,16 +54,9 @@ impl Times {
         let Some(time_s) = &mut self.time_s else {
             return;
         };
-        let mut steps: Vec<f64> = time_s
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .filter(|step| *step > 0.0)
-            .collect();
-        if steps.is_empty() {
+        let Some(usual) = usual_step(time_s) else {
             return;
-        }
-        let middle = steps.len() / 2;
-        let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        };
         let whole: f64 = usual * time_s.len() as f64;
         let mut shift = 0.0;
         let mut last = time_s[0];
@@ -116,4 +110,10 @@ fn more(count: usize) -> String {
     } else {
         String::new()
     }
+}
+
+/// Median of the steps forward of a clock (s), if there are any.
+pub(super) fn usual_step(time_s: &[f64]) -> Option<f64> {
+    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
+    median(steps.filter(|step| *step > 0.0))
 }

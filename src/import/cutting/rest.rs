@@ -8,6 +8,8 @@ use std::ops::Range;
 
 use tautline_core::robot::Robot;
 
+use super::clock::usual_step;
+use crate::median::median;
 use crate::recipe::{Kind, Mapping, Quantity, Rest};
 
 /// Sizes of the noise that a speed may have on top of its limit (standard deviations).
@@ -59,16 +61,9 @@ pub(super) fn find(
 ) -> Vec<Range<usize>> {
     let rows = time_s.len();
     let mut still = vec![true; rows];
-    let mut steps: Vec<f64> = time_s
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .filter(|step| *step > 0.0)
-        .collect();
-    if steps.is_empty() {
+    let Some(usual) = usual_step(time_s) else {
         return Vec::new();
-    }
-    let middle = steps.len() / 2;
-    let usual = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    };
     let half = ((rest.minimum_s / 4.0 / usual).round() as usize).max(1);
     let moving = mapping
         .quantities
@@ -158,11 +153,6 @@ fn noise(values: &[f64]) -> f64 {
     let second = values
         .windows(3)
         .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
-    let mut second: Vec<f64> = second.filter(|value| !value.is_nan()).collect();
-    if second.is_empty() {
-        return 0.0;
-    }
-    let middle = second.len() / 2;
-    let median = *second.select_nth_unstable_by(middle, f64::total_cmp).1;
-    1.4826 * median / 6.0_f64.sqrt()
+    let second = second.filter(|value| !value.is_nan());
+    1.4826 * median(second).unwrap_or(0.0) / 6.0_f64.sqrt()
 }

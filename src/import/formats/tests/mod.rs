@@ -63,13 +63,12 @@ fn refusal(name: &str, bytes: impl AsRef<[u8]>) -> String {
 /// Name, unit and values of the channels of a series; NaN as `None`.
 type Content = Vec<(String, Option<String>, Vec<Option<f64>>)>;
 
+fn known(values: &[f64]) -> Vec<Option<f64>> {
+    let known = |value: &f64| Some(*value).filter(|value| !value.is_nan());
+    values.iter().map(known).collect()
+}
+
 fn content(series: &Series) -> Content {
-    let values = |values: &[f64]| {
-        values
-            .iter()
-            .map(|value| Some(*value).filter(|value| !value.is_nan()))
-            .collect()
-    };
     series
         .channels
         .iter()
@@ -77,7 +76,7 @@ fn content(series: &Series) -> Content {
             (
                 channel.name.clone(),
                 channel.unit.clone(),
-                values(&channel.values),
+                known(&channel.values),
             )
         })
         .collect()
@@ -88,11 +87,7 @@ fn channel(
     unit: Option<&str>,
     values: &[f64],
 ) -> (String, Option<String>, Vec<Option<f64>>) {
-    let values = values
-        .iter()
-        .map(|value| Some(*value).filter(|value| !value.is_nan()))
-        .collect();
-    (name.into(), unit.map(Into::into), values)
+    (name.into(), unit.map(Into::into), known(values))
 }
 
 #[test]
