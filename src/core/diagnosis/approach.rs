@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::candidates::Candidate;
 use super::evidence::Member;
-use super::exploration::{MOST_EXTENDED, Visibility, visibility};
+use super::exploration::{MOST_EXTENDED, UNEXPLAINED, Visibility, visibility};
 use super::fit::Fit;
 use super::inference::{causes_of, is_possible};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
@@ -99,7 +99,12 @@ pub(super) fn approach<'a>(
             if same_members(&members, &at.present) || report.cancelled {
                 continue;
             }
-            let refit = Fit::new(&problem, &causes_of(&at, &mut gram, &members))?;
+            let causes = causes_of(&at, &mut gram, &members);
+            let refit = if left < UNEXPLAINED {
+                Fit::new(&problem, &causes)?
+            } else {
+                Fit::to_the_end(&problem, &causes)?
+            };
             let value = score(&refit, &members);
             if is_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, refit));

@@ -17,13 +17,15 @@ pub(super) type Member = (usize, usize);
 /// A set of causes with its evidence, ready to be extended.
 pub(super) struct System {
     pub members: Vec<Member>,
-    /// `L^-1 F^T R` with the rows `R` of the set: one row per parameter, one column per column of the catalogue by which it
-    /// may be extended.
-    rows: DMatrix<f64>,
+    /// `(L^-1 F^T R)^T` with the rows `R` of the set: one row per column of the catalogue by which it may be extended, one
+    /// column per parameter.
+    shared: DMatrix<f64>,
+    /// What each of these columns has in common with the set: sum of the squares of its row, and its product with the
+    /// score.
+    taken: DVector<f64>,
+    explained: DVector<f64>,
     /// Number of the first of these columns in the catalogue.
     offset: usize,
-    /// `L^-1 b`.
-    score: DVector<f64>,
     /// Logarithm of the evidence and the prior of the set.
     pub log_posterior: f64,
     /// Estimates of the columns' parameters, member after member.
@@ -68,7 +70,7 @@ impl System {
             .iter()
             .flat_map(|m| gram.first[m.0]..gram.first[m.0 + 1])
             .collect();
-        let mut rows = DMatrix::zeros(width, extension.len());
+        let mut shared = DMatrix::zeros(extension.len(), width);
         let mut among = DMatrix::zeros(width, width);
         let mut score = DVector::zeros(width);
         let mut at = 0;
@@ -82,15 +84,16 @@ impl System {
             score.rows_mut(at, count).copy_from(&gram.own[*index].score);
             for k in 0..count {
                 let row = gram.row(gram.first[*index] + k);
-                rows.row_mut(at + k)
-                    .copy_from_slice(&row[extension.clone()]);
+                let by = &row[extension.clone()];
+                for (to, weight) in prior.row(k).iter().enumerate().filter(|w| *w.1 != 0.0) {
+                    axpy(*weight, by, shared.column_mut(at + to).as_mut_slice());
+                }
                 for (to, column) in own.iter().enumerate() {
                     among[(at + k, to)] = row[*column];
                 }
             }
             at += count;
         }
-        let rows = factor.transpose() * &rows;
         let score = factor.tr_mul(&score);
         let mut matrix = DMatrix::identity(width, width);
         matrix += factor.tr_mul(&among) * &factor;
@@ -99,19 +102,29 @@ impl System {
             // Rounding of a nearly singular matrix: one plus a positive semidefinite one.
             Cholesky::pack_dirty(DMatrix::identity(width, width))
         });
-        let mut whitened = rows;
-        cholesky.l_dirty().solve_lower_triangular_mut(&mut whitened);
         let mut half = score.clone();
         cholesky.l_dirty().solve_lower_triangular_mut(&mut half);
+        let mut taken = DVector::zeros(extension.len());
+        let mut explained = DVector::zeros(extension.len());
+        if !extension.is_empty() {
+            divide(&mut shared, cholesky.l_dirty());
+            for (column, score) in shared.column_iter().zip(half.iter()) {
+                axpy(*score, column.as_slice(), explained.as_mut_slice());
+                for (sum, value) in taken.iter_mut().zip(column.iter()) {
+                    *sum += value * value;
+                }
+            }
+        }
         let log_determinant = 2.0 * cholesky.l_dirty().diagonal().map(f64::ln).sum();
         let estimate = &factor * cholesky.solve(&-&score);
         let covariance = &factor * cholesky.solve(&factor.transpose());
         let mut system = Self {
             members: members.to_vec(),
-            rows: whitened,
+            shared,
+            taken,
+            explained,
             offset: extension.start,
             log_posterior: 0.5 * (half.norm_squared() - log_determinant) + log_prior,
-            score: half,
             estimate,
             covariance,
         };
@@ -151,9 +164,9 @@ impl System {
         let own = &gram.own[index];
         let log_odds = candidate.log_odds;
         if count == 1 {
-            let rows = self.rows.column(first - self.offset);
-            let information = (own.information[(0, 0)] - rows.norm_squared()).max(0.0);
-            let score = own.score[0] - rows.dot(&self.score);
+            let at = first - self.offset;
+            let information = (own.information[(0, 0)] - self.taken[at]).max(0.0);
+            let score = own.score[0] - self.explained[at];
             let best = |(scale, (size, weight)): (usize, &(f64, f64))| {
                 let sd = candidate.prior[(0, 0)] * size;
                 let spread = 1.0 + information * sd * sd;
@@ -167,12 +180,31 @@ impl System {
             let found = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
             return (found.0 >= least).then_some(found);
         }
-        let rows = self.rows.columns(first - self.offset, count);
+        let at = first - self.offset;
+        let rows = self.shared.rows(at, count).into_owned();
         let conditional = Own {
-            score: &own.score - rows.tr_mul(&self.score),
-            information: &own.information - rows.tr_mul(&rows),
+            score: &own.score - self.explained.rows(at, count),
+            information: &own.information - &rows * rows.transpose(),
         };
         best_scale(candidate, &conditional, least).map(|(value, scale)| (value + log_odds, scale))
+    }
+}
+
+/// `to := to + weight * from`.
+fn axpy(weight: f64, from: &[f64], to: &mut [f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to += weight * from;
+    }
+}
+
+/// `columns := columns L^-T`, column by column: these are long and few.
+fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
+    for k in 0..columns.ncols() {
+        for j in 0..k {
+            let (from, mut to) = columns.columns_range_pair_mut(j, k);
+            to.axpy(-l[(k, j)], &from, 1.0);
+        }
+        columns.column_mut(k).unscale_mut(l[(k, k)]);
     }
 }
 

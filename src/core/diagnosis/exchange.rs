@@ -12,6 +12,8 @@ use crate::measurement::Dataset;
 
 /// Chi-square per degree of freedom from which an exchange is looked for: its residuals are huge.
 const HUGE: f64 = 4.0;
+/// Steps after which a fit that leaves more than allowed is given up: the right one gets there in half as many.
+const PATIENCE: usize = 6;
 /// Part of the excess of chi-square that may be left, and of what a second exchange of other channels leaves.
 const LEFT: f64 = 0.25;
 /// Difference of chi-square from which one exchange is told from another.
@@ -61,7 +63,7 @@ pub(super) fn exchanged(
             values: vec![kind],
         };
         let exchanged = undone(dataset, &bound);
-        let fit = Fit::below(allowed, &Problem::new(&exchanged)?, &[])?;
+        let fit = Fit::below((allowed, PATIENCE), &Problem::new(&exchanged)?, &[])?;
         tried.push((bound, fit.solution.chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));

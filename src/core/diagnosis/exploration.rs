@@ -16,8 +16,12 @@ use super::search::{Search, Set, Visited, settled};
 const MOST_POINTS: usize = 5;
 /// Most sets that are extended in each search.
 pub(super) const MOST_EXTENDED: usize = 40;
+/// Chi-square per degree of freedom from which nothing explains the readings.
+pub(super) const UNEXPLAINED: f64 = 100.0;
 /// Difference of the logarithm of the posterior up to which a set counts.
 const COUNTED: f64 = 12.0;
+/// And up to which the scales of its members are chosen anew.
+const WORTH_SETTLING: f64 = 8.0;
 /// Information, in units of the prior's, below which the data say nothing of a parameter.
 const SEEN: f64 = 1e-2;
 
@@ -57,15 +61,18 @@ pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
     largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
 }
 
+/// From a fit with its own hyperparameters. At the first fit of all whole families are tried together, too.
 pub(super) fn explore(
     at: &LinearFit<'_, '_>,
-    most: usize,
+    own: Hyperparameters,
+    (most, is_first): (usize, bool),
     report: &mut Reporter<'_, '_>,
 ) -> Explored {
     let described = at.linear.described();
-    let own = at.estimate(&at.present);
     let mut asked = vec![own.clone()];
-    if own.is_far_from(&described) {
+    let left = at.fit.solution.chi2 / at.fit.solution.degrees_of_freedom;
+    // Where nothing explains the readings, everything would be a cause in noise as described.
+    if own.is_far_from(&described) && left < UNEXPLAINED {
         asked.push(described);
     }
     let mut points: Vec<Point<'_>> = Vec::new();
@@ -90,7 +97,7 @@ pub(super) fn explore(
         let findings = at.present.len();
         search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
         if hyper.is_loud()
-            || points.is_empty() && search.best().is_some_and(|b| b.members.len() > 2)
+            || is_first && points.is_empty() && search.best().is_some_and(|b| b.members.len() > 2)
         {
             search.drop_from_all();
             search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
@@ -104,7 +111,7 @@ pub(super) fn explore(
         if !asked.is_empty() {
             continue;
         }
-        let ranking = ranked(&mut points);
+        let ranking = ranked(&mut points, WORTH_SETTLING);
         let Some((members, _)) = ranking.first() else {
             break;
         };
@@ -122,13 +129,13 @@ pub(super) fn explore(
         visibility: points
             .first()
             .map_or_else(Vec::new, |point| visibility(&point.gram)),
-        ranking: ranked(&mut points),
+        ranking: ranked(&mut points, COUNTED),
         at: found,
     }
 }
 
-/// The sets of all points with their posteriors, the best first.
-fn ranked(points: &mut [Point<'_>]) -> Vec<(Vec<Member>, f64)> {
+/// The sets of all points with their posteriors, the best first, down to some below it.
+fn ranked(points: &mut [Point<'_>], counted: f64) -> Vec<(Vec<Member>, f64)> {
     // Where each set is best.
     let mut best: HashMap<Set, (usize, f64)> = HashMap::new();
     for (place, point) in points.iter().enumerate() {
@@ -144,12 +151,14 @@ fn ranked(points: &mut [Point<'_>]) -> Vec<(Vec<Member>, f64)> {
     let top = values.fold(f64::NEG_INFINITY, f64::max);
     let mut ranking: Vec<(Vec<Member>, f64)> = Vec::new();
     for (set, (place, value)) in best {
-        if value < top - COUNTED {
+        if value < top - counted {
             continue;
         }
-        // Members have the scales that suited the set that they were added to.
-        let members = points[place].visited[&set].members.clone();
-        let visited = settled(&mut points[place].gram, &members);
+        let mut visited = points[place].visited[&set].clone();
+        if value > top - WORTH_SETTLING {
+            // Members have the scales that suited the set that they were added to.
+            visited = settled(&mut points[place].gram, &visited.members);
+        }
         let all = points.iter_mut().enumerate().map(|(k, point)| {
             let own = if k == place {
                 visited.log_posterior

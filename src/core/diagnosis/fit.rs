@@ -25,16 +25,18 @@ impl<'a> Fit<'a> {
     /// without them is not fitted to the end.
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
         let known = base.known.as_ref().filter(|_| !causes.is_empty());
-        Self::below(
-            known.map_or(f64::INFINITY, |known| known.chi2),
-            base,
-            causes,
-        )
+        let bound = known.map_or(f64::INFINITY, |known| known.chi2);
+        Self::below((bound, PATIENCE), base, causes)
     }
 
-    /// The same, given up where chi-square does not soon fall below a bound.
+    /// The same to the end: where nothing explains the readings yet, the way may be long.
+    pub fn to_the_end(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
+        Self::below((f64::INFINITY, usize::MAX), base, causes)
+    }
+
+    /// The same, given up where chi-square is not below a bound after so many steps.
     pub fn below(
-        bound: f64,
+        (bound, patience): (f64, usize),
         base: &Problem<'a>,
         causes: &[Cause],
     ) -> Result<Self, EstimationError> {
@@ -46,7 +48,7 @@ impl<'a> Fit<'a> {
         let mut tried = 0;
         let watch = &mut |progress: &Progress| {
             tried += 1;
-            if tried > PATIENCE && progress.loss > bound {
+            if tried > patience && progress.loss > bound {
                 Control::Cancel
             } else {
                 Control::Continue

@@ -64,6 +64,9 @@ pub(super) struct Linear {
     /// Derivatives with respect to what is always estimated.
     pub fixed: DMatrix<f64>,
     pub shapes: Vec<Shape>,
+    /// Variance factors from which they are estimated: from louder noise than there is the estimation would not find a
+    /// background, and from quieter it would try one in every class.
+    pub start: Vec<f64>,
 }
 
 /// The problem with given hyperparameters, what is always estimated and the background eliminated.
@@ -90,6 +93,11 @@ impl Linear {
     pub fn described(&self) -> Hyperparameters {
         let classes = self.conditions.classes.len();
         self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()])
+    }
+
+    /// Where the estimation starts: no background.
+    pub fn start(&self) -> Hyperparameters {
+        self.with_prior(self.start.clone(), vec![0; self.shapes.len()])
     }
 
     /// The shapes of each kind of reading and group.
@@ -256,8 +264,8 @@ impl Linear {
         amplitude: &[usize],
         further: &DMatrix<f64>,
     ) -> (f64, Hyperparameters) {
-        let described = self.with_prior(self.described().variance, amplitude.to_vec());
-        self.refined(&described, further)
+        let start = self.with_prior(self.start.clone(), amplitude.to_vec());
+        self.refined(&start, further)
     }
 
     /// The same from some hyperparameters, whose amplitudes stay.

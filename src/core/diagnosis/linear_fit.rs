@@ -59,6 +59,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         Self {
             fit,
             linear: Linear {
+                start: vec![1.0; conditions.classes.len()],
                 conditions,
                 residual,
                 fixed,
@@ -68,6 +69,14 @@ impl<'f, 'a> LinearFit<'f, 'a> {
             generators,
             present,
         }
+    }
+
+    /// The same with variance factors of the noise that are known better than as described, if any are.
+    pub fn starting_at(mut self, variance: &[f64]) -> Self {
+        if !variance.is_empty() {
+            self.linear.start.copy_from_slice(variance);
+        }
+        self
     }
 
     /// Columns of members in conditions, in units of their prior.
@@ -88,10 +97,10 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         joined(&parts.iter().collect::<Vec<_>>())
     }
 
-    /// The hyperparameters that suit a set, from the noise as described: from louder noise the estimation would stay there.
+    /// The hyperparameters that suit a set.
     pub fn estimate(&self, members: &[Member]) -> Hyperparameters {
         self.linear
-            .estimate(&self.linear.described(), &self.columns(members))
+            .estimate(&self.linear.start(), &self.columns(members))
     }
 
     pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
