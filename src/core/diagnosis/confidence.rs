@@ -18,7 +18,7 @@ use crate::estimation::{EstimationError, Linearisation, Problem};
 /// Probability from which a cause that is not sure is likely.
 const LIKELY: f64 = 0.5;
 /// Part of what a cause explains by which readings of the same cables may scatter more than those of others.
-const LEFT: f64 = 0.5;
+const LEFT: f64 = 0.25;
 /// An error without a name may be part of one that a cause imitates if it explains this part of what the cause does, and is
 /// on the same cable, or this share of what the cause changes is in the same readings.
 const PART: f64 = 0.05;
@@ -84,7 +84,8 @@ pub(super) fn contested<'a>(
             };
             return Ok((kept, remainder));
         }
-        inference = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
+        let fit = Fit::new(problem, &causes)?;
+        inference = at_fit(fit, options, Vec::new(), &inference.linear.start);
     }
 }
 
@@ -109,7 +110,8 @@ pub(super) fn weighed<'a>(
         };
         let mut causes = kept.inference.fit.causes.clone();
         causes.push(cause);
-        let with = at_fit(Fit::new(problem, &causes)?, options, Vec::new());
+        let fit = Fit::new(problem, &causes)?;
+        let with = at_fit(fit, options, Vec::new(), &kept.inference.linear.start);
         let mut left = Remainder::new(&with);
         if errors(&with, &left).len() >= before.len() {
             continue;
@@ -148,7 +150,9 @@ pub(super) fn kept<'a>(
         let mut others = inference.fit.causes.clone();
         others.remove(index);
         let without = Fit::new(problem, &others)?;
-        if claim.is_sure && full.is_better_than(&Prediction::new(&without)) {
+        // Poses held out say nothing of an event at one of the others.
+        let is_event = matches!(cause.effect().search(), Search::AtPose(_));
+        if claim.is_sure && (is_event || full.is_better_than(&Prediction::new(&without))) {
             kept.push((without.solution.chi2, cause.clone(), claim));
             continue;
         }
@@ -173,7 +177,8 @@ pub(super) fn kept<'a>(
     let inference = if is_complete && is_ordered {
         inference
     } else {
-        at_fit(Fit::new(problem, &causes)?, options, Vec::new())
+        let fit = Fit::new(problem, &causes)?;
+        at_fit(fit, options, Vec::new(), &inference.linear.start)
     };
     Ok(Kept {
         inference,

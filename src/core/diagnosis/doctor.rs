@@ -66,7 +66,8 @@ fn examine(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Diagnosis, EstimationError> {
-    let (inference, visibility) = infer(problem, options, report)?;
+    let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
+    let problem = &problem;
     let (claims, possible) = claims(&inference.ranking);
     let kept = kept(problem, inference, claims, possible, options)?;
     let contested = contested(problem, kept, options)?;

@@ -27,6 +27,8 @@ use crate::estimation::{EstimationError, Problem};
 
 /// Most linearisations.
 const MOST_LINEARISATIONS: usize = 5;
+/// Change of chi-square from which effects depend on other poses than those of the fit before.
+const MOVED: f64 = 0.5;
 /// Sizes over the largest typical one that no cause has.
 const ABSURD: f64 = 10.0;
 
@@ -177,25 +179,38 @@ pub(super) fn causes_of(
     causes
 }
 
-/// Infers the causes of a problem.
+/// Infers the causes of a problem. What effects depend on is taken at the poses of each fit, which a large cause moves: so
+/// it is in the problem without causes that comes back.
 pub(super) fn infer<'a>(
-    base: &Problem<'a>,
+    mut base: Problem<'a>,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
-) -> Result<(Inference<'a>, Vec<Visibility>), EstimationError> {
+) -> Result<(Problem<'a>, Inference<'a>, Vec<Visibility>), EstimationError> {
     let expected = EXPECTED_PER_ALPHA * options.alpha;
-    let none = Fit::new(base, &[])?;
+    let none = Fit::new(&base, &[])?;
     let mut seen: Option<Vec<Visibility>> = None;
     let mut fit = approach(none, &mut seen, options, report)?;
     let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
     // Evidence of sets at their own fits.
     let mut fitted: Vec<(Vec<Cause>, f64)> = Vec::new();
+    // Variance factors of the quietest noise that any fit left.
+    let mut quietest: Vec<f64> = Vec::new();
     for round in 1.. {
-        let at = LinearFit::new(&fit, expected, true);
-        let explored = explore(&at, options.most_findings, report);
+        if !fit.causes.is_empty() {
+            let nearer = base.clone().with_contexts_of(&fit.solution);
+            let moved = Fit::new(&nearer, &fit.causes)?;
+            if (moved.solution.chi2 - fit.solution.chi2).abs() > MOVED {
+                (base, fit) = (nearer, moved);
+                fitted.clear();
+            }
+        }
+        let at = LinearFit::new(&fit, expected, true).starting_at(&quietest);
+        let (own, hyper) = at.own_evidence();
+        quieten(&mut quietest, &hyper);
+        let at = at.starting_at(&quietest);
+        let explored = explore(&at, hyper, (options.most_findings, round == 1), report);
         let visible = seen.get_or_insert(explored.visibility);
         report.stage(Stage::Refits, at.present.len());
-        let (own, _) = at.own_evidence();
         fitted.push((fit.causes.clone(), own));
         let mut compared = Comparison::new(&at, explored.ranking, &fitted);
         let mut gram = at.gram(&explored.at);
@@ -205,9 +220,12 @@ pub(super) fn infer<'a>(
                 break;
             }
             let start = causes_of(&at, &mut gram, compared.members(place));
-            let refit = Fit::new(base, &start)?;
+            let refit = Fit::new(&base, &start)?;
             let value = if is_possible(&refit) {
-                LinearFit::new(&refit, expected, false).own_evidence().0
+                let refit = LinearFit::new(&refit, expected, false).starting_at(&quietest);
+                let (value, hyper) = refit.own_evidence();
+                quieten(&mut quietest, &hyper);
+                value
             } else {
                 f64::NEG_INFINITY
             };
@@ -233,13 +251,17 @@ pub(super) fn infer<'a>(
             }
             _ => {
                 let united = united(&fit).filter(|_| round < MOST_LINEARISATIONS);
-                let united = united.map(|causes| Fit::new(base, &causes)).transpose()?;
+                let united = united.map(|causes| Fit::new(&base, &causes)).transpose()?;
                 let better = united.filter(|fit| {
-                    is_possible(fit) && LinearFit::new(fit, expected, false).own_evidence().0 > own
+                    let at = LinearFit::new(fit, expected, false).starting_at(&quietest);
+                    is_possible(fit) && at.own_evidence().0 > own
                 });
                 match better {
                     Some(next) => fit = next,
-                    None => return Ok((at_fit(fit, options, ranking), std::mem::take(visible))),
+                    None => {
+                        let inference = at_fit(fit, options, ranking, &quietest);
+                        return Ok((base, inference, std::mem::take(visible)));
+                    }
                 }
             }
         }
@@ -247,14 +269,27 @@ pub(super) fn infer<'a>(
     unreachable!("the last round returns")
 }
 
-/// What is known at a fit.
+/// The smaller variance factors of both.
+fn quieten(quietest: &mut Vec<f64>, at: &Hyperparameters) {
+    if quietest.is_empty() {
+        quietest.clone_from(&at.variance);
+    }
+    for (least, variance) in quietest.iter_mut().zip(&at.variance) {
+        *least = least.min(*variance);
+    }
+}
+
+/// What is known at a fit, the variance factors of the noise estimated from some.
 pub(super) fn at_fit<'a>(
     fit: Fit<'a>,
     options: &DiagnosisOptions,
     mut ranking: Vec<Ranked>,
+    start: &[f64],
 ) -> Inference<'a> {
-    let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, false);
+    let expected = EXPECTED_PER_ALPHA * options.alpha;
+    let at = LinearFit::new(&fit, expected, false).starting_at(start);
     let (_, hyper) = at.own_evidence();
+    let at = at.starting_at(&hyper.variance);
     let columns = at.columns(&at.present);
     // The fit is of the likeliest set, but for rounding of the linear comparison.
     if let Some(own) = ranking.iter().position(|r| is_same(&r.causes, &fit.causes)) {

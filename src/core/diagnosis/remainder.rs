@@ -21,8 +21,13 @@ const MOST: usize = 3;
 const SAID: f64 = 4.0;
 /// Logarithm of the odds of a rival up to which it does not matter.
 const NO_RIVAL: f64 = -6.0;
-/// Share of what an error without a name explains from which a cause with fewer parameters is preferred.
+/// Shares of what an error without a name explains from which a cause with no more parameters is preferred, and from which
+/// the error has nothing over it.
 const NEARLY_ALL: f64 = 0.9;
+const ALL: f64 = 0.98;
+/// Logarithm of the odds from which such an error is possible all the same, and those that are said of it.
+const OPEN: f64 = 6.0;
+const MOST_OPEN: f64 = 2.2;
 
 /// An error without a name.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,12 +146,17 @@ fn rival(
     let with_rival = joined(&[&others, &found.columns]);
     let noise = linear.with_amplitudes(&amplitude, &with_rival).1;
     let left = |columns: &DMatrix<f64>| linear.base(&noise, columns).chi2;
-    let share = || {
-        let none = left(&others);
-        (none - left(&named)) / (none - left(&with_rival)).max(f64::MIN_POSITIVE)
+    let none = left(&others);
+    let share = (none - left(&named)) / (none - left(&with_rival)).max(f64::MIN_POSITIVE);
+    let has_no_more = inference.parameters_of(set) <= found.columns.ncols();
+    // What a cause explains with no more parameters is not taken from it. If its rival explains more, and is far likelier,
+    // which of both it is stays open.
+    let log_odds = match has_no_more && share >= NEARLY_ALL {
+        true if share < ALL && log_odds > OPEN => MOST_OPEN,
+        true => return None,
+        false => log_odds,
     };
-    let has_fewer = inference.parameters_of(set) < found.columns.ncols();
-    (log_odds > NO_RIVAL && !(has_fewer && share() >= NEARLY_ALL)).then(|| Nameless {
+    (log_odds > NO_RIVAL).then(|| Nameless {
         log_odds,
         ..Nameless::of_structure(&found, &inference.fit.problem.dataset.robot)
     })

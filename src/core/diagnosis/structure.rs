@@ -31,7 +31,7 @@ const VARIANCE_PRIOR: f64 = 8.0;
 /// Least share of the squares of a target's readings that any function is taken to leave where targets are compared.
 const LEAST_LEFT: f64 = 0.25;
 /// How many of the best are compared exactly, and logarithm of the odds of all together from which they are.
-const COMPARED: usize = 3;
+const COMPARED: usize = 5;
 const ASKED: f64 = -2.0;
 
 /// An error of some form.

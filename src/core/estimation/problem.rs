@@ -107,16 +107,26 @@ impl<'a> Problem<'a> {
     /// The same problem with what effects depend on taken at the poses of a solution, which are better known
     /// than those commanded; there it starts, too.
     #[must_use]
-    pub fn at_poses_of(mut self, solution: &Solution) -> Self {
+    pub fn at_poses_of(self, solution: &Solution) -> Self {
+        Self {
+            known: Some(Arc::new(solution.clone())),
+            ..self.with_contexts_of(solution)
+        }
+    }
+
+    /// The same problem with what effects depend on taken at the poses of a solution and with its entry points.
+    #[must_use]
+    pub fn with_contexts_of(mut self, solution: &Solution) -> Self {
         let data = &self.dataset.measurements;
         let mut poses = vec![solution.globals.home; data.len()];
         for (row, pose) in &solution.poses {
             poses[*row] = *pose;
         }
-        let robot = &self.dataset.robot;
+        let robot = solution.globals.model(&self.dataset.robot);
         let home = self.home_row();
-        self.contexts = Some(Arc::new(PoseContexts::new(robot, data, home, &poses, None)));
-        self.known = Some(Arc::new(solution.clone()));
+        self.contexts = Some(Arc::new(PoseContexts::new(
+            &robot, data, home, &poses, None,
+        )));
         self
     }
 

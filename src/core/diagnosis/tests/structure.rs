@@ -92,7 +92,7 @@ fn clean_data_have_no_error_without_a_name() {
     let dataset = run_with("mini", 41, 5, &[]).dataset;
     let problem = based(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let inference = at_fit(fit, &DiagnosisOptions::default(), Vec::new());
+    let inference = at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
     assert!(Remainder::new(&inference).left.is_empty());
     assert!(
         inference
