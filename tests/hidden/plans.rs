@@ -5,7 +5,7 @@ use tautline_core::effect::CATALOGUE;
 use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
 /// Seed of the first data set.
-const FIRST_SEED: u64 = 1_000_000;
+const FIRST_SEED: u64 = 2_000_000;
 /// Of this many data sets per effect and robot the last is just visible.
 const JUST_VISIBLE_EVERY: usize = 3;
 
@@ -143,7 +143,7 @@ pub const STUDIES: [(&str, &str); 13] = [
 ];
 
 /// First seed of data sets of which nobody sees more than the table.
-pub const TABLE_SEED: u64 = 20_000_000;
+pub const TABLE_SEED: u64 = 30_000_000;
 /// Distance of the first seeds of two studies of the table.
 const APART: u64 = 100_000;
 /// Data sets of each study of the table.
