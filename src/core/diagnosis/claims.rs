@@ -39,6 +39,10 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
         .iter()
         .map(|r| r.log_posterior)
         .fold(f64::NEG_INFINITY, f64::max);
+    if !top.is_finite() {
+        // No set of causes makes these readings possible.
+        return (Vec::new(), Vec::new());
+    }
     let weight = |r: &Ranked| (r.log_posterior - top).exp();
     let total: f64 = ranking.iter().map(weight).sum();
     let mut probability = vec![0.0; first.causes.len()];
@@ -222,6 +226,16 @@ mod tests {
         assert!((claims[0].probability - 0.7).abs() < 1e-12, "{claims:?}");
         assert!((claims[0].alternatives[0].probability - 0.3).abs() < 1e-12);
         assert!(!claims[0].is_named() && claims[0].is_sure);
+    }
+
+    #[test]
+    fn nothing_is_claimed_of_readings_that_no_set_makes_possible() {
+        let impossible = Ranked {
+            causes: vec![on("payload_mass", &[])],
+            log_posterior: f64::NEG_INFINITY,
+        };
+        let (claims, beside) = claims(&[impossible]);
+        assert!(claims.is_empty() && beside.is_empty());
     }
 
     #[test]
