@@ -9,7 +9,7 @@ use tautline_core::estimation::{Analysis, Problem};
 use tautline_core::measurement::{Dataset, Variable};
 
 use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::identification::{RESIDUAL, reading_residuals};
+use tautline_workflow::identification::{RESIDUAL, readings_of};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::plot::gaps::without_gaps;
 use tautline_workflow::wording::sentence;
@@ -89,15 +89,10 @@ impl Residuals {
 }
 
 /// Residuals of a kind of reading by row; a row of an instrument that reads several numbers has several.
-fn by_row(
-    diagnosed: &Diagnosed,
-    analysis: &Analysis,
-    found: &Discrepancy,
-) -> HashMap<usize, Vec<f64>> {
+fn by_row(analysis: &Analysis, found: &Discrepancy) -> HashMap<usize, Vec<f64>> {
     let mut rows: HashMap<usize, Vec<f64>> = HashMap::new();
-    let robot = diagnosed.robot();
-    for one in reading_residuals(robot, analysis, found.quantity, found.cable) {
-        if let Some(deviations) = one.deviations {
+    for one in readings_of(analysis, found.quantity, found.cable) {
+        if let Some(deviations) = one.normalised() {
             rows.entry(one.row).or_default().push(deviations);
         }
     }
@@ -114,10 +109,10 @@ struct Dependent {
 }
 
 /// The readings of a dependence with the residuals that all plots show.
-fn dependents(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
-    let before = by_row(diagnosed, &residuals.before, found);
+fn dependents(found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
+    let before = by_row(&residuals.before, found);
     let after = residuals.after.as_ref();
-    let after = after.map(|after| by_row(diagnosed, after, found));
+    let after = after.map(|after| by_row(after, found));
     let mut seen: HashMap<usize, usize> = HashMap::new();
     let mut dependents = Vec::new();
     for (row, variable, _) in &found.points {
@@ -140,7 +135,7 @@ fn dependents(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals)
 fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Figure {
     let (factor, unit) = unit(found.variable);
     let labels = &diagnosed.dataset.measurements.labels;
-    let dependents = dependents(diagnosed, found, residuals);
+    let dependents = dependents(found, residuals);
     let point = |one: &Dependent| Point {
         pose: labels.get(one.row).copied(),
         ..Point::new(factor * one.variable, one.residual)
