@@ -49,7 +49,7 @@ fn can_be_changed(reading: &Observation) -> bool {
 
 #[test]
 fn residuals_and_redundancies_are_the_derivatives_of_the_sum_of_squares() {
-    const STEP: f64 = 0.3;
+    const STEP: f64 = 0.05;
     for name in presets::NAMES {
         let run = run_of(name, 12, 31);
         let problem = Problem::new(&run.dataset).unwrap();
@@ -70,9 +70,9 @@ fn residuals_and_redundancies_are_the_derivatives_of_the_sum_of_squares() {
                 reading.redundancy.unwrap() - redundancy,
             ];
             // The model is not linear: third derivatives of the sum of squares are left.
-            assert!(off.abs() < 2e-3, "{name}, {reading:?}: {off:e}");
+            assert!(off.abs() < 5e-4, "{name}, {reading:?}: {off:e}");
             assert!(
-                off_redundancy.abs() < 2e-3,
+                off_redundancy.abs() < 5e-4,
                 "{name}, {reading:?}: {off_redundancy:e}"
             );
             kinds.insert(std::mem::discriminant(&reading.kind));
@@ -91,16 +91,17 @@ fn an_error_moves_the_pulleys_as_far_as_stated() {
         let readings = analysis.observations.iter().filter(|r| can_be_changed(r));
         for reading in readings.step_by(11) {
             let pulled = reading.pull.expect("every reading moves something");
-            let changed = with_error(&run.dataset, reading, 1.0);
+            // So little that the model is linear.
+            let changed = with_error(&run.dataset, reading, 0.1);
             let moved = solved(&Problem::new(&changed).unwrap());
             let entries = |s: &Solution| s.globals.entry_points.clone();
             let by: Vec<f64> = std::iter::zip(entries(&moved), entries(&solution))
-                .map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).norm())
+                .map(|(a, b)| 10.0 * (Vec3::from(a) - Vec3::from(b)).norm())
                 .collect();
             let most = by.iter().copied().fold(0.0, f64::max);
             let off = (most - pulled.per_sd_m).abs();
-            assert!(off < 0.03 * most, "{name}, {reading:?}: {most} m");
-            assert!(by[pulled.cable] > 0.97 * most, "{name}, {reading:?}");
+            assert!(off < 0.01 * most, "{name}, {reading:?}: {most} m");
+            assert!(by[pulled.cable] > 0.99 * most, "{name}, {reading:?}");
         }
     }
 }
@@ -171,14 +172,11 @@ fn the_analysis_agrees_with_the_linearisation() {
                 let design = linear.design.row(row).transpose();
                 let fitted = design.dot(&(&covariance * &design));
                 let redundancy = pose.remainder.row(k).norm_squared() - fitted;
-                assert!(
-                    (one.standardised - linear.residual[row]).abs() < 1e-6,
-                    "{name}"
-                );
-                assert!(
-                    (one.redundancy.unwrap() - redundancy).abs() < 1e-6,
-                    "{name}"
-                );
+                // Latent tensions come from another number of passes.
+                let off = one.standardised - linear.residual[row];
+                assert!(off.abs() < 1e-3, "{name}, {one:?}: {off:e}");
+                let off = one.redundancy.unwrap() - redundancy;
+                assert!(off.abs() < 1e-3, "{name}, {one:?}: {off:e}");
                 assert!((one.sd / linear.rows[row].sd - 1.0).abs() < 1e-12, "{name}");
                 compared += 1;
             }

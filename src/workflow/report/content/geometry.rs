@@ -2,7 +2,7 @@
 
 use tautline_core::estimation::ParameterId;
 
-use super::{NONE, number, signed};
+use super::{NONE, displacements, number, signed};
 use crate::identification::{Identification, nominal_and_value, unit_of_value};
 use crate::report::document::{Section, Table};
 use crate::wording::sentence;
@@ -15,7 +15,7 @@ const LISTED: usize = 10;
 /// Most decimals that are shown.
 const FINEST: usize = 4;
 
-pub fn section(fit: &Identification) -> Section {
+pub fn section(fit: &Identification, tolerance_m: Option<f64>) -> Section {
     let mut section = Section::new("Identified values");
     if fit.solution.covariance.is_none() {
         section.lead(
@@ -24,6 +24,7 @@ pub fn section(fit: &Identification) -> Section {
     } else {
         section.paragraph("If the model explains the data, each true value lies within two standard deviations of the identified one with 95 % probability.");
     }
+    displacements::drawn(fit, tolerance_m, &mut section);
     section.table(entry_points(fit));
     section.table(others(fit));
     correlations(fit, &mut section);

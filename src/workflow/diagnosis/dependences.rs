@@ -3,16 +3,16 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use tautline_core::diagnosis::Discrepancy;
+use tautline_core::diagnosis::{Discrepancy, Finding};
 use tautline_core::effect::{Search, measurements_as_modelled};
 use tautline_core::estimation::{Analysis, Problem};
 use tautline_core::measurement::{Dataset, Variable};
 
-use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::identification::{RESIDUAL, readings_of};
-use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
-use tautline_workflow::plot::gaps::without_gaps;
-use tautline_workflow::wording::sentence;
+use crate::documents::diagnosis::Diagnosed;
+use crate::identification::{RESIDUAL, readings_of};
+use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use crate::plot::gaps::without_gaps;
+use crate::wording::sentence;
 
 /// Readings of which dependences are shown, the worst.
 const SHOWN: usize = 5;
@@ -35,6 +35,22 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     }
     groups.truncate(SHOWN);
     groups
+}
+
+/// The dependence by which a finding was noticed: of its cables where it names some, the strongest first.
+#[must_use]
+pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
+    let instances = finding.cause.instances.iter();
+    let cables: Vec<usize> = instances
+        .filter(|bound| bound.targeted)
+        .flat_map(|bound| bound.cables.iter().copied())
+        .collect();
+    let is_its = |one: &Discrepancy| match one.cable {
+        Some(cable) => cables.contains(&cable),
+        None => cables.is_empty(),
+    };
+    let shown = found.iter().position(is_its);
+    shown.or_else(|| (cables.is_empty() && !found.is_empty()).then_some(0))
 }
 
 /// The plots of the strongest dependences, by their places among all.
