@@ -158,6 +158,9 @@ fn plots(looks: &mut Looks) -> Result<()> {
         "Correlation",
         "Statistics",
     ] {
+        if tab == "Statistics" {
+            looks.stage.press_named("More plots");
+        }
         looks.stage.press_named(tab);
         if tab == "Residuals" {
             looks.stage.press("Show cursors");

@@ -21,6 +21,8 @@ const MARGIN: f32 = 20.0;
 const TEXT: f32 = 7.0;
 /// Part of a view that the longest displacement takes.
 const LONGEST: f64 = 0.22;
+/// Distance of a label from its pulley (pt).
+const LABEL: f32 = 11.0;
 /// Numbers closer than this share a label (pt).
 const SAME: f32 = 7.0;
 
@@ -148,7 +150,7 @@ impl View {
             arrow(canvas, from, to, colour);
             // Outwards, where nothing else is.
             let out = (from - frame.center()).normalized();
-            let at = from + 8.0 * if out == Vec2::ZERO { Vec2::DOWN } else { out };
+            let at = from + LABEL * if out == Vec2::ZERO { Vec2::DOWN } else { out };
             let number = (index + 1).to_string();
             match labels
                 .iter_mut()

