@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 use egui::load::{ImageLoadResult, ImageLoader, ImagePoll, LoadError, SizeHint};
-use egui::{Align, ColorImage, Context, Key, Layout, RichText, ScrollArea, Ui, Window, vec2};
+use egui::{Align, ColorImage, Context, Id, Key, Layout, RichText, ScrollArea, Ui, Window, vec2};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
 use crate::model::Model;
@@ -44,7 +44,10 @@ fn pages(ui: &mut Ui, page: Page, manual: &mut Manual, outbox: &mut Outbox) {
     install(ui.ctx());
     let room = ui.ctx().content_rect().size() - vec2(8.0 * GRID, 16.0 * GRID);
     let mut is_open = true;
+    // A size that was chosen in a small window is not that for a large one.
+    let id = Id::unique(("manual", room.x as i32, room.y as i32));
     Window::new("Manual")
+        .id(id)
         .open(&mut is_open)
         .collapsible(false)
         .pivot(egui::Align2::CENTER_CENTER)

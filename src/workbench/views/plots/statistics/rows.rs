@@ -249,10 +249,8 @@ fn reading(robot: &Robot, one: &ReadingStatistics) -> Row {
         number(Some(sd), |v| significant(v, 3)),
         number(one.redundancy, |v| fixed(v, 3)),
         number(one.normalised, |v| signed(v, 2)),
-        number(one.smallest_error.map(|v| factor * v), |v| {
-            significant(v, 3)
-        }),
-        number(one.influence_m.map(|v| 1e3 * v), |v| significant(v, 2)),
+        number(one.smallest_error.map(|v| factor * v), |v| fixed(v, digits)),
+        number(one.influence_m.map(|v| 1e3 * v), |v| fixed(v, 2)),
         words(moves.map_or("", |cable| cable.name.as_str())),
     ];
     let selects = Selection {
