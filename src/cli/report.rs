@@ -45,6 +45,9 @@ pub struct Arguments {
     /// Who made the measurements
     #[arg(long, default_value = "")]
     operator: String,
+    /// How far a pulley may be from the drawing (mm); the report judges by it
+    #[arg(long, value_name = "MM")]
+    tolerance: Option<f64>,
     /// Company that the report is for
     #[arg(long, default_value = "")]
     company: String,
@@ -69,6 +72,7 @@ impl Arguments {
             header: self.header.clone(),
             operator: self.operator.clone(),
             company: self.company.clone(),
+            tolerance_m: self.tolerance.map(|mm| 1e-3 * mm),
         }
     }
 }
@@ -78,6 +82,14 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         return Err(BadInput::new(format!(
             "--out: found {}, expected a name that ends with .html or .pdf",
             arguments.out.display()
+        )));
+    }
+    if let Some(mm) = arguments
+        .tolerance
+        .filter(|mm| !(mm.is_finite() && *mm > 0.0))
+    {
+        return Err(BadInput::new(format!(
+            "--tolerance: found {mm}, expected a positive number of millimetres"
         )));
     }
     let session = input::session(&arguments.subject)?;

@@ -86,7 +86,7 @@ pub enum Arrangement {
 }
 
 /// Content of reports.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Report {
     /// The customer.
@@ -95,6 +95,9 @@ pub struct Report {
     pub header: String,
     /// Names of parts that are left out; one that is not known is ignored.
     pub without: Vec<String>,
+    /// How far a pulley may be from the drawing (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_m: Option<f64>,
 }
 
 /// Settings of the last connection, proposed for sessions that have none of their own.

@@ -10,6 +10,7 @@ use tautline_workbench::model::command::{
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::manual::Page;
 use tautline_workbench::model::phase::Phase;
 use tautline_workflow::report::ReportFormat;
 
@@ -17,7 +18,7 @@ use super::stage::{LARGE, Stage};
 use super::{files, open, phase};
 
 /// Sizes of the window (pixels).
-const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [1920.0, 1080.0]];
+const SIZES: [[f32; 2]; 3] = [[1024.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
 
 struct Looks {
     stage: Stage,
@@ -155,7 +156,11 @@ fn plots(looks: &mut Looks) -> Result<()> {
         "Tensions",
         "Convergence",
         "Correlation",
+        "Statistics",
     ] {
+        if tab == "Statistics" {
+            looks.stage.press_named("More plots");
+        }
         looks.stage.press_named(tab);
         if tab == "Residuals" {
             looks.stage.press("Show cursors");
@@ -177,6 +182,14 @@ fn dialogs(looks: &mut Looks) -> Result<()> {
     looks.stage.give(ReportCommand::AskSave(ReportFormat::Pdf));
     looks.at("report")?;
     looks.stage.give(ReportCommand::Cancel);
+    for page in [Page::Start, Page::Identification, Page::Plots] {
+        looks.stage.give(ViewCommand::Manual(Some(page)));
+        looks.at(&format!("manual-{}", page.name().trim_end_matches(".md")))?;
+    }
+    looks.stage.give(ViewCommand::Manual(None));
+    looks.stage.give(ViewCommand::About(true));
+    looks.at("about")?;
+    looks.stage.give(ViewCommand::About(false));
     looks.stage.give(Edit::Rename("Another name".into()));
     looks.stage.give(FileCommand::Close);
     looks.at("unsaved")?;

@@ -7,7 +7,7 @@ use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::IdentificationCommand;
 use tautline_workbench::model::plot_preparation::residuals;
 use tautline_workbench::views::robot_3d::drawing::CableColour;
-use tautline_workflow::identification::{RESIDUAL, group_of};
+use tautline_workflow::identification::{RESIDUAL, group_of, reading_statistics};
 
 use crate::measured::{Measured, document, give, press};
 
@@ -18,6 +18,7 @@ const SAME: f64 = 1e-3;
 #[test]
 fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
     let mut kinds = Vec::new();
+    let mut kinds_listed = std::collections::BTreeSet::new();
     for effect in [
         ("winch_scale", "cable-3", &[("scale", 0.02)][..]),
         ("force_bias", "cable-3", &[("bias", 25.0)][..]),
@@ -53,6 +54,17 @@ fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
                 );
             }
         }
+        // The table of statistics has them all, tensions as well.
+        for one in reading_statistics(fit) {
+            let shown = residuals(fit, one.quantity, one.cable);
+            let labels = &fit.dataset.measurements.labels;
+            let mut same = shown.iter().filter(|(row, _)| labels[*row] == one.pose);
+            let Some(normalised) = one.normalised else {
+                continue;
+            };
+            assert!(same.any(|(_, value)| *value == normalised), "{}", one.name);
+            kinds_listed.insert(one.quantity);
+        }
         // The 3D view has the largest of the lengths of each pose, with its sign.
         let view = &harness.state().state.views.robot_3d;
         let scene = view.scene().expect("a scene");
@@ -79,6 +91,11 @@ fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
             assert!(fit.suspect_line(reading).ends_with(&words), "{words}");
         }
     }
+    let listed = [Quantity::Length, Quantity::Tension, Quantity::Laser];
+    assert!(
+        kinds_listed.into_iter().eq(listed),
+        "every kind of reading of MINI"
+    );
     for quantity in [Quantity::Length, Quantity::Tension] {
         assert!(kinds.contains(&quantity), "{quantity:?} is among {kinds:?}");
     }

@@ -9,8 +9,10 @@ use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_session::Method;
+use tautline_workflow::clock;
 use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
 use tautline_workflow::identification::Identification;
+use tautline_workflow::report::{ComparisonInput, ReportChoice, ReportFormat, write_comparison};
 
 use crate::input;
 use crate::output::{JsonOutput, note};
@@ -29,6 +31,9 @@ pub struct Arguments {
     level: f64,
     #[command(flatten)]
     json: JsonOutput,
+    /// Write a report of the comparison; its name ends with .html or .pdf
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -38,18 +43,36 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "--level: found {level}, expected a probability between 0 and 1"
         )));
     }
-    let (first, second) = (
-        identified(&arguments.first)?,
-        identified(&arguments.second)?,
-    );
+    if let Some(path) = &arguments.report
+        && ReportFormat::of(path).is_none()
+    {
+        return Err(BadInput::new(format!(
+            "--report: found {}, expected a name that ends with .html or .pdf",
+            path.display()
+        )));
+    }
+    let (name_a, first) = identified(&arguments.first)?;
+    let (name_b, second) = identified(&arguments.second)?;
+    let names = [name_a, name_b];
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
+    if let Some(path) = &arguments.report {
+        let input = ComparisonInput {
+            names: [&names[0], &names[1]],
+            fits: [&first, &second],
+            comparison: &compared,
+            choice: &ReportChoice::default(),
+            now: clock::now(),
+        };
+        write_comparison(path, &input)?;
+    }
     let document = ComparisonDocument::of(&compared);
     arguments
         .json
         .deliver(&document, || report::print(&compared, &document))
 }
 
-fn identified(path: &Path) -> Result<Identification> {
+/// The name of a session with its identification.
+fn identified(path: &Path) -> Result<(String, Identification)> {
     let session = input::session(path)?;
     if session.settings.identification.method == Method::Published {
         note!(
@@ -57,6 +80,7 @@ fn identified(path: &Path) -> Result<Identification> {
             path.display()
         );
     }
-    identify_to_compare(&session, &mut |_| Control::Continue)
-        .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))
+    let found = identify_to_compare(&session, &mut |_| Control::Continue)
+        .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))?;
+    Ok((session.name, found))
 }

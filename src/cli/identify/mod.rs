@@ -9,10 +9,10 @@ use anyhow::Result;
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Loss};
 use tautline_core::measurement::Dataset;
-use tautline_session::{Method, write_robot};
+use tautline_session::{Method, write_bytes, write_robot};
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, PublishedIdentification, identify, identify_published,
-    solved_method,
+    readings_csv, solved_method, values_csv,
 };
 
 use crate::effect_arguments::FreedEffects;
@@ -41,6 +41,12 @@ pub struct Arguments {
     pub repeat: usize,
     #[command(flatten)]
     json: JsonOutput,
+    /// Write every reading with its residual, redundancy, smallest detectable error and the influence of that error (CSV)
+    #[arg(long, value_name = "FILE")]
+    statistics: Option<PathBuf>,
+    /// Write every identified value with its standard deviation, prior and 95 % interval (CSV)
+    #[arg(long, value_name = "FILE")]
+    values: Option<PathBuf>,
     /// Write the identified robot as a model file
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
@@ -50,6 +56,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let request = request(arguments, input::dataset(&arguments.dataset)?)?;
     let (model, document, is_usable) = match arguments.method {
         MethodName::Published => {
+            if arguments.statistics.is_some() || arguments.values.is_some() {
+                return Err(BadInput::new(
+                    "--statistics, --values: found with --method published, which has no standard deviations; expected --method joint or simple",
+                ));
+            }
             let published = fastest(
                 arguments.repeat,
                 |p: &PublishedIdentification| p.seconds,
@@ -70,6 +81,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 || identify(&request, &mut |_| Control::Continue).map_err(BadInput::new),
             )?;
             let identified = identified.refuse_extrapolation().map_err(BadInput::new)?;
+            if let Some(path) = &arguments.statistics {
+                write_bytes(path, readings_csv(&identified).as_bytes())?;
+            }
+            if let Some(path) = &arguments.values {
+                write_bytes(path, values_csv(&identified).as_bytes())?;
+            }
             let converged = identified.solution.converged();
             (identified.model.clone(), identified.document(), converged)
         }
@@ -106,7 +123,7 @@ fn request(arguments: &Arguments, dataset: Dataset) -> Result<IdentificationRequ
     let method = solved_method(Method::from(arguments.method));
     let request = IdentificationRequest::new(dataset, method, &effects);
     let mut request = request.map_err(BadInput::new)?;
-    request.lists_readings = false;
+    request.lists_readings = arguments.statistics.is_some();
     if let Some(limit) = arguments.robust {
         if !(limit.is_finite() && limit > 0.0) {
             return Err(BadInput::new(format!(

@@ -198,8 +198,8 @@ fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
 pub(super) fn quantity_of(kind: RowKind) -> Option<Quantity> {
     use crate::estimation::ObservationKind as Kind;
     match kind {
-        RowKind::Tension(_) => Some(Quantity::Tension),
         RowKind::Observation(Kind::Length(_)) => Some(Quantity::Length),
+        RowKind::Observation(Kind::Tension(_)) => Some(Quantity::Tension),
         RowKind::Observation(Kind::Laser) => Some(Quantity::Laser),
         RowKind::Observation(Kind::Swivel(_)) => Some(Quantity::Swivel),
         RowKind::Observation(Kind::Inclination(_)) => Some(Quantity::Inclination),

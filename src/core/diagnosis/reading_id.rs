@@ -19,7 +19,6 @@ impl ReadingId {
     /// for the tension readings at home.
     pub fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
         let (quantity, cable, component) = match row.kind {
-            RowKind::Tension(cable) => (Quantity::Tension, Some(cable), None),
             RowKind::Prior(index) => match linear.parameters[index].id {
                 ParameterId::HomeTension { cable } => (Quantity::Tension, Some(cable), None),
                 _ => return None,
@@ -27,6 +26,7 @@ impl ReadingId {
             RowKind::Observation(kind) => match kind {
                 ObservationKind::Equilibrium(_) => return None,
                 ObservationKind::Length(cable) => (Quantity::Length, Some(cable), None),
+                ObservationKind::Tension(cable) => (Quantity::Tension, Some(cable), None),
                 ObservationKind::Laser => (Quantity::Laser, None, None),
                 ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable), None),
                 ObservationKind::TrackerPosition(k) => (Quantity::TrackerPosition, None, Some(k)),

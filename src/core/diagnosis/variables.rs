@@ -219,7 +219,7 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
         let correction = residual * at.sd;
         match at.kind {
             // The rows of tensions are the errors of the readings themselves: reading minus tension.
-            RowKind::Tension(cable) => {
+            RowKind::Observation(ObservationKind::Tension(cable)) => {
                 tension.set(row, cable, tension.get(row, cable) + correction);
             }
             RowKind::Observation(ObservationKind::Laser) => laser[row] += correction,

@@ -8,9 +8,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::analysis::sd_of;
+use super::analysis::{is_tension_read, sd_of};
 use super::evaluated::Evaluated;
-use super::evaluator::{Elimination, Equations};
+use super::evaluator::{Elimination, NoiseEstimate};
 use super::observation::ObservationKind;
 use super::parameter::Parameter;
 use super::problem::Problem;
@@ -20,10 +20,8 @@ use super::system::Priors;
 /// What a row stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowKind {
-    /// A reading other than a tension, or an equilibrium equation.
+    /// A reading or an equilibrium equation.
     Observation(ObservationKind),
-    /// The tension reading of a cable.
-    Tension(usize),
     /// The prior of the parameter with this index.
     Prior(usize),
 }
@@ -130,9 +128,9 @@ impl<'a> Builder<'a> {
         self.at.poses.equations_at(index);
         let row = self.at.poses.rows()[index];
         let layout = self.at.poses.layout.clone();
-        let mut equations = self.at.poses.equations().clone();
+        let equations = self.at.poses.equations();
         let mut elimination = Elimination::new(&layout, 0.0);
-        elimination.eliminate(&equations, &layout, 0.0);
+        elimination.eliminate(equations, &layout, 0.0);
         let present: Vec<usize> = (0..layout.rows)
             .filter(|r| equations.present[*r] > 0.0)
             .collect();
@@ -141,7 +139,7 @@ impl<'a> Builder<'a> {
         for (k, r) in present.iter().enumerate() {
             let y = elimination.half_solve(equations.by_pose[*r]);
             basis.row_mut(k).copy_from_slice(&y);
-            let gradient = elimination.remaining_gradient(&equations, &layout, *r, y);
+            let gradient = elimination.remaining_gradient(equations, &layout, *r, y);
             let mapped = self.at.map.map_row(&self.at.home, &gradient);
             design.row_mut(k).copy_from_slice(&mapped);
         }
@@ -149,7 +147,7 @@ impl<'a> Builder<'a> {
             present.len(),
             present.iter().map(|r| equations.residual[*r]),
         );
-        let (kinds, noise) = self.noise_of(row, &mut equations, &present);
+        let (kinds, noise) = self.noise_of(row, &present);
         let remainder = &noise - (&noise * &basis) * basis.transpose();
         let first = self.rows.len();
         self.rows.extend(kinds);
@@ -163,67 +161,33 @@ impl<'a> Builder<'a> {
         });
     }
 
-    /// The estimates of the noise of each reading, in its standard deviations, as a linear map of the
-    /// whitened rows: with the covariance `D` of the rows and the derivative `B` of the rows by the noise,
-    /// `B^T D^-1 r`.
-    fn noise_of(
-        &self,
-        row: usize,
-        equations: &mut Equations<f64>,
-        present: &[usize],
-    ) -> (Vec<LinearRow>, DMatrix<f64>) {
-        let layout = &self.at.poses.layout;
-        let latent = self.problem.has_latent_tension();
-        let forces = &self.problem.dataset.measurements.force_n;
-        let tension_sd = |cable: usize| self.at.poses.tension_sd(cable);
-        let weights: Vec<f64> = equations.length_by_cable.iter().map(|g| -g[3]).collect();
-        let mut kinds: Vec<LinearRow> = Vec::new();
-        let of = |kind, sd| LinearRow {
-            row: Some(row),
-            kind,
-            sd,
+    /// The estimates of the noise of each reading, in its standard deviations, as a linear map of the whitened rows
+    /// that are present.
+    fn noise_of(&self, row: usize, present: &[usize]) -> (Vec<LinearRow>, DMatrix<f64>) {
+        let poses = &self.at.poses;
+        let read = |kind: ObservationKind, own: usize| match kind {
+            ObservationKind::Tension(cable) => is_tension_read(self.problem, poses, (row, cable)),
+            _ => present.contains(&own),
         };
-        for r in present {
-            let kind = layout.kinds[*r];
-            let weight = weights.get(*r).copied().unwrap_or(1.0);
-            let sd = match kind {
-                ObservationKind::Length(cable) => self.at.poses.length_sd(cable),
-                ObservationKind::Equilibrium(k) => self.at.poses.wrench_variance(k.index()).sqrt(),
-                _ => sd_of(self.problem, kind, row, weight),
-            };
-            kinds.push(of(RowKind::Observation(kind), sd));
-        }
-        let read = |cable: &usize| latent && !forces.get(row, *cable).is_nan();
-        let tensions: Vec<usize> = (0..layout.cables)
-            .filter(read)
-            .filter(|cable| tension_sd(*cable) > 0.0)
+        let estimates = poses.noise_estimates();
+        let estimates: Vec<_> = estimates
+            .iter()
+            .filter(|one| read(one.kind, one.row))
             .collect();
-        for cable in &tensions {
-            kinds.push(of(RowKind::Tension(*cable), tension_sd(*cable)));
-        }
-        let mut map = DMatrix::zeros(kinds.len(), present.len());
-        for (column, r) in present.iter().enumerate() {
-            equations.residual.fill(0.0);
-            equations.residual[*r] = 1.0;
-            let lambda = equations.equilibrium_multipliers(layout);
-            for (k, r) in present.iter().enumerate() {
-                let sd = kinds[k].sd;
-                map[(k, column)] = match layout.kinds[*r] {
-                    ObservationKind::Length(c) => {
-                        sd * equations.length_multiplier(c, tension_sd(c).powi(2), &lambda)
-                    }
-                    ObservationKind::Equilibrium(k) => sd * lambda[k.index()],
-                    _ => equations.residual[*r],
-                };
-            }
-            for (k, cable) in tensions.iter().enumerate() {
-                let sd = tension_sd(*cable);
-                let error = equations.tension_error(*cable, sd * sd, &lambda);
-                // The error is the reading less the truth.
-                map[(present.len() + k, column)] = -error / sd;
-            }
-        }
-        (kinds, map)
+        let of = |one: &&NoiseEstimate<f64>| LinearRow {
+            row: Some(row),
+            kind: RowKind::Observation(one.kind),
+            sd: sd_of(self.problem, poses, one.kind, row),
+        };
+        let balance = poses.layout.equilibrium;
+        let entry = |reading: usize, column: usize| {
+            let (one, row) = (estimates[reading], present[column]);
+            let shared = balance.and_then(|first| one.balance.get(row.checked_sub(first)?));
+            let own = if row == one.row { one.own } else { 0.0 };
+            own + shared.copied().unwrap_or(0.0)
+        };
+        let map = DMatrix::from_fn(estimates.len(), present.len(), entry);
+        (estimates.iter().map(of).collect(), map)
     }
 
     fn pose_by_parameter(&self, elimination: &Elimination<f64>) -> DMatrix<f64> {
@@ -254,7 +218,7 @@ impl<'a> Builder<'a> {
             self.rows.push(LinearRow {
                 row: Some(*row),
                 kind: RowKind::Observation(kind),
-                sd: sd_of(self.problem, kind, *row, 1.0),
+                sd: sd_of(self.problem, evaluator, kind, *row),
             });
             self.residual.push(self.at.home.residuals[index]);
             let gradient = &self.at.home.gradients[index * n..(index + 1) * n];

@@ -26,12 +26,12 @@ mod start;
 mod surface;
 mod system;
 
-pub use analysis::Analysis;
+pub use analysis::{Analysis, SUSPECT_LEVEL};
 pub use covariance::covariance_of;
 pub use expected::ExpectedInformation;
 pub use globals::Globals;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
-pub use observation::{Observation, ObservationKind};
+pub use observation::{DetectionTest, Observation, ObservationKind, Pull, Reliability};
 pub use options::{Control, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Loss, Method, Poses, Problem};

@@ -1,13 +1,34 @@
-//! Observations: what the adjustment compares with its prediction, row by row.
+//! Observations: what the adjustment compares with its prediction, with their residuals and their reliability.
+//!
+//! The residual of a reading is the least-squares estimate of its noise, with the opposite sign: prediction minus
+//! reading, where the prediction is that of the whole adjustment. A reading that others share in, as the tension in the
+//! length of an elastic cable, has its own part of their common error only. With the redundancy `r`, the share of an error
+//! of the reading that shows in its residual, the residual in standard deviations of the reading is normal with the
+//! variance `r` if model and noise are right (Baarda 1968).
+//!
+//! An error `d` in one reading shifts its normalised residual by `d sqrt(r) / sd`. A test at the two-sided level `alpha`
+//! detects it with the probability `beta` if that is
+//!
+//! `delta_0 = q(1 - alpha / 2) + q(beta)`,  so if  `d = sd delta_0 / sqrt(r)`,
+//!
+//! `q` being the normal quantile: the smallest detectable error, or minimal detectable bias. (The other tail, left out, has
+//! a probability below `alpha / 2`.) What a reading of that error does to the result is the external reliability; it is
+//! proportional to the error, so an observation carries it per standard deviation of the reading.
+//!
+//! W. Baarda, A testing procedure for use in geodetic networks, 1968; W. Foerstner, Reliability analysis of parameter
+//! estimation in linear models, 1987. The columns of the tables are those of JAG3D.
 
 use crate::geometry::Coordinate;
+use crate::statistics::normal_quantile;
 
 /// What a row of the adjustment compares with its prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObservationKind {
     /// Length of a cable.
     Length(usize),
-    /// Equilibrium of forces along, or of torques about, an axis; stands for the tension readings.
+    /// Tension of a cable.
+    Tension(usize),
+    /// Equilibrium of forces along, or of torques about, an axis: an equation that no sensor reads.
     Equilibrium(Coordinate),
     /// Laser distance.
     Laser,
@@ -30,12 +51,27 @@ pub struct Observation {
     pub kind: ObservationKind,
     /// Prediction minus reading, in standard deviations of the reading.
     pub standardised: f64,
-    /// Standard deviation of the reading (SI unit of the reading, 1 for equilibrium rows).
+    /// Standard deviation of the reading (SI unit of the reading; N or N m for equations of equilibrium).
     pub sd: f64,
     /// Share of an error of this reading that shows in its residual, 0 to 1; `None` where
     /// the common parameters are not determined.
     pub redundancy: Option<f64>,
+    /// The entry point that an error of this reading moves most; `None` where it moves none, or where the common parameters
+    /// are not determined.
+    pub pull: Option<Pull>,
 }
+
+/// The entry point that an error of a reading moves most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pull {
+    /// Its cable.
+    pub cable: usize,
+    /// By how much an error of one standard deviation of the reading moves it (m).
+    pub per_sd_m: f64,
+}
+
+/// Below this redundancy a reading is hardly controlled by others.
+const CONTROLLED: f64 = 1e-3;
 
 impl Observation {
     /// Prediction minus reading in SI units.
@@ -48,7 +84,85 @@ impl Observation {
     /// where the reading is hardly controlled by others.
     #[must_use]
     pub fn normalised(&self) -> Option<f64> {
-        let redundancy = self.redundancy.filter(|r| *r > 1e-3)?;
+        let redundancy = self.controlled()?;
         Some(self.standardised / redundancy.sqrt())
+    }
+
+    /// What a test of this reading can detect, and what it can miss; `None` where the reading is hardly controlled by others.
+    #[must_use]
+    pub fn reliability(&self, test: DetectionTest) -> Option<Reliability> {
+        let redundancy = self.controlled()?;
+        let deviations = test.noncentrality() / redundancy.sqrt();
+        Some(Reliability {
+            smallest_error: deviations * self.sd,
+            influence_m: self.pull.map_or(0.0, |pull| deviations * pull.per_sd_m),
+        })
+    }
+
+    fn controlled(&self) -> Option<f64> {
+        self.redundancy.filter(|r| *r > CONTROLLED)
+    }
+}
+
+/// A two-sided test of single normalised residuals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DetectionTest {
+    /// Probability that a reading without an error fails it.
+    pub level: f64,
+    /// Probability with which an error is to be detected.
+    pub power: f64,
+}
+
+impl DetectionTest {
+    /// Power that is customary in geodesy.
+    pub const USUAL_POWER: f64 = 0.8;
+
+    /// Mean of the normalised residual at which the test has its power: `delta_0`.
+    #[must_use]
+    pub fn noncentrality(self) -> f64 {
+        normal_quantile(1.0 - 0.5 * self.level) + normal_quantile(self.power)
+    }
+}
+
+/// What a test of single readings can detect, and what it can miss.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reliability {
+    /// The smallest error of the reading that the test detects with its power (SI unit of the reading): internal reliability.
+    pub smallest_error: f64,
+    /// How far that error moves the entry point that it moves most (m): external reliability.
+    pub influence_m: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Baarda's own figures: level 0.1 %, power 80 %.
+    #[test]
+    fn the_noncentrality_is_that_of_the_tables() {
+        let baarda = DetectionTest {
+            level: 0.001,
+            power: 0.8,
+        };
+        assert!((baarda.noncentrality() - 4.132).abs() < 5e-4);
+        let reading = Observation {
+            row: 1,
+            kind: ObservationKind::Laser,
+            standardised: 1.0,
+            sd: 2e-4,
+            redundancy: Some(0.25),
+            pull: Some(Pull {
+                cable: 3,
+                per_sd_m: 1e-5,
+            }),
+        };
+        let reliability = reading.reliability(baarda).expect("it is controlled");
+        assert!((reliability.smallest_error - 4.132 * 2.0 * 2e-4).abs() < 1e-6);
+        assert!((reliability.influence_m - 4.132 * 2.0 * 1e-5).abs() < 1e-7);
+        let uncontrolled = Observation {
+            redundancy: Some(1e-9),
+            ..reading
+        };
+        assert_eq!(uncontrolled.reliability(baarda), None);
     }
 }

@@ -104,10 +104,16 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
             [cable] if bound.targeted => format!(" of {}", robot.cables[*cable].name),
             _ => String::new(),
         };
-        for (parameter, description) in bound.effect.parameters().iter().enumerate() {
+        let all = bound.effect.parameters();
+        for (parameter, description) in all.iter().enumerate() {
+            // An effect of one parameter is called by its own name alone.
+            let which = match all.len() {
+                1 => String::new(),
+                _ => format!(", {}", description.name.replace('_', " ")),
+            };
             parameters.push(Parameter {
                 id: ParameterId::Effect { effect, parameter },
-                name: format!("{} {}{on}", bound.effect.id(), description.name),
+                name: format!("{}{on}{which}", bound.effect.title()),
                 unit: description.unit,
                 // What is given and not estimated counts as known exactly.
                 prior_sd: Some(if description.discrete {

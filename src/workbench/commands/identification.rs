@@ -15,8 +15,9 @@ use crate::model::command::{
 use crate::model::fit_progress::{Before, FitProgress};
 use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
-use crate::model::{Model, OpenSession, UiRequest, discrepancy};
+use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
+use tautline_workflow::diagnosis::dependences;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
 use tautline_workflow::documents::isolability::IsolabilityTable;
@@ -224,7 +225,7 @@ fn diagnosed(
         return Ok(None);
     };
     let record = keep.then(|| record(session, "Diagnosis", &diagnosed.document(), clock::now()));
-    let figures = discrepancy::figures(&diagnosed);
+    let figures = dependences::figures(&diagnosed);
     Ok(Some(Box::new(DiagnosisResult {
         diagnosed,
         record,

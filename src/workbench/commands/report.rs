@@ -7,8 +7,13 @@ use std::sync::Arc;
 use super::file_tasks::{pick, write};
 use crate::model::Model;
 use crate::model::command::{ReportCommand, ReportDraft};
+use crate::model::comparison::{Compared, Source};
+use crate::model::phase::Screen;
 use tautline_workflow::clock;
-use tautline_workflow::report::{ReportChoice, ReportFormat, ReportInput, write_report};
+use tautline_workflow::report::{
+    ComparisonInput, ReportChoice, ReportFormat, ReportInput, completed, write_comparison,
+    write_report,
+};
 
 pub(super) fn perform(model: &mut Model, command: ReportCommand) {
     match command {
@@ -38,6 +43,14 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
 
 /// Where the report belongs: beside the session.
 fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
+    if let Some(of) = compared(model) {
+        let name = format!("comparison-report.{}", format.extension());
+        let first = match &of.runs[0].source {
+            Source::File(path) => Some(path.as_path()),
+            Source::Open => model.open.as_ref()?.path(),
+        };
+        return Some(first.map_or_else(|| name.clone().into(), |path| path.with_file_name(&name)));
+    }
     let path = model.open.as_ref()?.path();
     let stem = path.and_then(Path::file_stem);
     let stem = stem.map_or_else(|| "session".into(), |stem| stem.to_string_lossy());
@@ -82,7 +95,33 @@ fn with_extension(path: PathBuf, format: ReportFormat) -> PathBuf {
     name.into()
 }
 
+/// The comparison on the screen, if that is what a report is wanted of.
+fn compared(model: &Model) -> Option<&Arc<Compared>> {
+    let result = model.comparison.result()?;
+    result
+        .as_ref()
+        .ok()
+        .filter(|_| model.screen == Screen::Compare)
+}
+
+fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: Arc<Compared>) {
+    write(model, "Writing the report", path, move |path| {
+        let input = ComparisonInput {
+            names: of.runs.each_ref().map(|run| run.name.as_str()),
+            fits: of.runs.each_ref().map(|run| run.fit.as_ref()),
+            comparison: &of.comparison,
+            choice: &choice,
+            now: clock::now(),
+        };
+        write_comparison(path, &input).map_err(|error| error.to_string())?;
+        Ok(None)
+    });
+}
+
 fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet<usize>) {
+    if let Some(of) = compared(model).cloned() {
+        return save_comparison(model, path, choice, of);
+    }
     let Some(open) = &model.open else {
         return;
     };
@@ -93,6 +132,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
         && (diagnosis.is_none() || open.diagnosis_is_current());
     let report_picture = model.report_picture;
     write(model, "Writing the report", path, move |path| {
+        let (fit, diagnosis) = completed(&session, (fit, diagnosis));
         let picture = report_picture(&session, fit.as_deref(), &pinned);
         let input = ReportInput {
             session: &session,

@@ -60,6 +60,8 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         }
         ViewCommand::Palette(open) => model.dialogs.set_palette(open),
         ViewCommand::Log(open) => model.dialogs.log = open,
+        ViewCommand::Manual(page) => model.dialogs.manual = page,
+        ViewCommand::About(open) => model.dialogs.about = open,
         ViewCommand::SetPlots(plots) => model.change_preferences(|p| p.plots = plots),
     }
 }

@@ -4,10 +4,10 @@ pub mod autosave;
 pub mod caught_panic;
 pub mod command;
 pub mod comparison;
-pub mod discrepancy;
 pub mod edit;
 pub mod fit_progress;
 pub mod link;
+pub mod manual;
 mod memo;
 mod memory;
 pub mod messages;
@@ -75,6 +75,10 @@ pub struct Dialogs {
     pub report: Option<ReportDraft>,
     /// Whether the log is open.
     pub log: bool,
+    /// The page of the manual that is open.
+    pub manual: Option<manual::Page>,
+    /// Whether it is shown what the program is made of.
+    pub about: bool,
 }
 
 impl Dialogs {

@@ -9,7 +9,7 @@ use tautline_core::robot::Robot;
 
 use super::open_session::Diagnosed;
 use tautline_workflow::identification::{
-    Identification, IdentificationRequest, group_of, identify, reading_residuals,
+    Identification, IdentificationRequest, group_of, identify, readings_of,
 };
 
 /// Readings of one kind and cable with what they may depend on.
@@ -154,8 +154,6 @@ fn groups(fit: &Identification) -> Vec<(Quantity, Option<usize>)> {
         .iter()
         .filter_map(|reading| group_of(reading.kind))
         .collect();
-    let tensions = fit.analysis.tension_errors_n.iter();
-    groups.extend(tensions.map(|(_, cable, _)| (Quantity::Tension, Some(*cable))));
     groups.sort();
     groups.dedup();
     groups
@@ -168,8 +166,7 @@ pub fn residuals(
     quantity: Quantity,
     cable: Option<usize>,
 ) -> Vec<(usize, f64)> {
-    reading_residuals(&fit.dataset.robot, &fit.analysis, quantity, cable)
-        .into_iter()
-        .filter_map(|one| Some((one.row, one.deviations?)))
+    readings_of(&fit.analysis, quantity, cable)
+        .filter_map(|one| Some((one.row, one.normalised()?)))
         .collect()
 }

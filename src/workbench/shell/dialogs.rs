@@ -8,8 +8,9 @@ use egui_material_icons::icons;
 use super::State;
 use crate::model::Model;
 use crate::model::command::{Answer, FileCommand, ReportCommand, ReportDraft, RobotCommand};
+use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, muted, primary, section};
+use crate::widgets::{Entered, Number, heading, icon_button, muted, number, primary, section};
 use tautline_workflow::report::{Part, ReportChoice};
 
 /// Draws the question that is open, if one is.
@@ -44,7 +45,12 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
         egui::ScrollArea::vertical()
             .max_height(height)
             .auto_shrink([false, true])
-            .show(ui, |ui| choice(ui, &mut draft.choice));
+            .show(ui, |ui| {
+                head(ui, &mut draft.choice);
+                if state.model.screen != Screen::Compare {
+                    parts(ui, &mut draft.choice);
+                }
+            });
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
             let path = draft.path.trim();
@@ -67,8 +73,8 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     state.model.dialogs.report = Some(draft);
 }
 
-/// Which sections a report has, and its heading.
-fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
+/// The heading of a report.
+fn head(ui: &mut Ui, choice: &mut ReportChoice) {
     section(ui, "Heading");
     Grid::new("head of the report")
         .num_columns(2)
@@ -88,6 +94,27 @@ fn choice(ui: &mut Ui, choice: &mut ReportChoice) {
                 ui.end_row();
             }
         });
+}
+
+/// By what a report judges, and which sections it has.
+fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
+    ui.horizontal(|ui| {
+        ui.label("Tolerance of the pulleys (mm)");
+        let shown = Number {
+            name: "Tolerance of the pulleys (mm)",
+            value: choice.tolerance_m.map(|m| 1e3 * m),
+            decimals: 2,
+            unit: "mm",
+            optional: true,
+            width: 90.0,
+        };
+        match number(ui, &shown) {
+            Some(Entered::Nothing) => choice.tolerance_m = None,
+            Some(Entered::Value(mm)) if mm > 0.0 => choice.tolerance_m = Some(1e-3 * mm),
+            Some(Entered::Value(_) | Entered::Wrong(_)) | None => {}
+        }
+        muted(ui, "Without one, nothing is judged.");
+    });
     section(ui, "Sections");
     Grid::new("parts of the report")
         .num_columns(2)

@@ -63,8 +63,9 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         model,
         outbox,
         panels,
-        ..
+        views,
     } = state;
+    views::manual::show(ui, model, &mut views.manual, outbox);
     screens::connect::show(ui, model, &mut panels.connect, outbox);
     dialogs::show(ui, state);
     save_as::show(ui, state);

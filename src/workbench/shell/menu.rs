@@ -7,6 +7,7 @@ use crate::model::command::{
     Command, CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, IdentificationCommand, PoseStep,
     ReportCommand, RobotCommand, Setup, ViewCommand,
 };
+use crate::model::manual::Page;
 use crate::model::phase::{Phase, Screen};
 use tautline_workflow::report::ReportFormat;
 
@@ -23,11 +24,20 @@ pub enum Menu {
     Model,
     /// The robot and its controller.
     Robot,
+    /// The manual.
+    Help,
 }
 
 impl Menu {
     /// All, from the left.
-    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::View, Self::Model, Self::Robot];
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Edit,
+        Self::View,
+        Self::Model,
+        Self::Robot,
+        Self::Help,
+    ];
 
     /// What the operator reads.
     #[must_use]
@@ -38,6 +48,7 @@ impl Menu {
             Self::View => "View",
             Self::Model => "Model",
             Self::Robot => "Robot",
+            Self::Help => "Help",
         }
     }
 }
@@ -61,6 +72,8 @@ fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, key))
 }
 
+/// Most sessions that the menu offers to open again.
+const RECENT: usize = 5;
 const CONTROL: Modifiers = Modifiers::COMMAND;
 const CONTROL_SHIFT: Modifiers = Modifiers {
     shift: true,
@@ -75,6 +88,7 @@ pub fn items(state: &State) -> Vec<Item> {
     items.extend(view(state));
     items.extend(model(state));
     items.extend(robot(state));
+    items.extend(help(state));
     items
 }
 
@@ -94,9 +108,65 @@ fn item(
     }
 }
 
+/// Sessions that are offered to be opened again.
+fn recent(state: &State) -> Vec<Item> {
+    let recent = state.model.preferences.recent().iter();
+    recent
+        .take(RECENT)
+        .map(|session| {
+            item(
+                Menu::File,
+                format!("Open recent: {}", session.name),
+                None,
+                true,
+                FileCommand::Open(session.path().to_owned()),
+            )
+        })
+        .collect()
+}
+
+fn help(state: &State) -> Vec<Item> {
+    let page = Page::of(state.model.screen);
+    vec![
+        item(
+            Menu::Help,
+            "Manual",
+            None,
+            true,
+            ViewCommand::Manual(Some(Page::Start)),
+        ),
+        item(
+            Menu::Help,
+            format!("Help on this screen: {}", page.title()),
+            keys(Modifiers::NONE, Key::F1),
+            true,
+            ViewCommand::Manual(Some(page)),
+        ),
+        item(
+            Menu::Help,
+            "What each number means",
+            None,
+            true,
+            ViewCommand::Manual(Some(Page::Numbers)),
+        ),
+        item(
+            Menu::Help,
+            "About Tautline",
+            None,
+            true,
+            ViewCommand::About(true),
+        ),
+    ]
+}
+
 fn file(state: &State) -> Vec<Item> {
     let open = state.model.open.is_some();
-    vec![
+    let is_compared = matches!(state.model.comparison.result(), Some(Ok(_)));
+    let has_report = match state.model.screen {
+        Screen::Compare => is_compared,
+        _ => open,
+    };
+    let mut items = vec![
         item(
             Menu::File,
             "Try the demo robot",
@@ -111,6 +181,9 @@ fn file(state: &State) -> Vec<Item> {
             true,
             FileCommand::AskOpen,
         ),
+    ];
+    items.extend(recent(state));
+    items.extend([
         item(
             Menu::File,
             "Compare two sessions",
@@ -136,14 +209,14 @@ fn file(state: &State) -> Vec<Item> {
             Menu::File,
             "Save report as HTML…",
             None,
-            open,
+            has_report,
             ReportCommand::AskSave(ReportFormat::Html),
         ),
         item(
             Menu::File,
             "Save report as PDF…",
             None,
-            open,
+            has_report,
             ReportCommand::AskSave(ReportFormat::Pdf),
         ),
         item(
@@ -160,7 +233,8 @@ fn file(state: &State) -> Vec<Item> {
             true,
             FileCommand::Quit,
         ),
-    ]
+    ]);
+    items
 }
 
 fn edit(state: &State) -> Vec<Item> {

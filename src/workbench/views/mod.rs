@@ -1,5 +1,6 @@
 //! What is drawn beside the panels: the robot in 3D, plots.
 
+pub mod manual;
 pub mod offscreen;
 pub mod plots;
 pub mod pulley_inspector;
@@ -26,6 +27,8 @@ pub struct ViewStates {
     pub timeline: timeline::TimelineState,
     /// Of the plots.
     pub plots: plots::Panes,
+    /// Of the manual.
+    pub manual: manual::Manual,
 }
 
 impl Default for ViewStates {
@@ -39,6 +42,7 @@ impl Default for ViewStates {
             compared_3d,
             timeline: timeline::TimelineState::default(),
             plots: plots::Panes::default(),
+            manual: manual::Manual::default(),
         }
     }
 }

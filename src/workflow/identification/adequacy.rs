@@ -28,6 +28,12 @@ impl FitVerdict {
         }
     }
 
+    /// Whether standard deviations of the fit hold.
+    #[must_use]
+    pub fn holds(self) -> bool {
+        self != Self::Inadequate
+    }
+
     /// In words, as the end or the whole of a sentence.
     #[must_use]
     pub fn words(self) -> &'static str {

@@ -10,6 +10,7 @@ mod published;
 mod pulley;
 mod request;
 mod residuals;
+mod statistics;
 mod wording;
 
 use std::collections::HashMap;
@@ -34,7 +35,11 @@ pub use pulley::{
     chance_of_noise, entry_point_covariance,
 };
 pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
-pub use residuals::{RESIDUAL, ReadingResidual, group_of, reading_residuals};
+pub use residuals::{RESIDUAL, all_readings, group_of, readings_of};
+pub use statistics::{
+    CONFIDENCE, ReadingStatistics, ValueStatistics, nominal_and_value, reading_statistics,
+    readings_csv, unit_of_reading, unit_of_value, value_statistics, values_csv,
+};
 pub use wording::reading_name;
 
 /// Why there is no identification, or none to rely on.
@@ -228,8 +233,6 @@ impl Identification {
         let measurements = &self.dataset.measurements;
         let solution = &self.solution;
         let cables = self.dataset.robot.cable_count();
-        let has_latent_tension = self.method == Method::Joint && !measurements.force_n.is_empty();
-        let tension_n = self.analysis.tension_rms_n();
         let poses = solution.poses.iter().map(|(row, pose)| FittedPose {
             pose: measurements.labels[*row],
             position_m: pose.position.into(),
@@ -254,7 +257,7 @@ impl Identification {
             rms: Rms {
                 length_m: (self.analysis).rms(|kind| matches!(kind, ObservationKind::Length(_))),
                 laser_m: self.analysis.rms(|kind| kind == ObservationKind::Laser),
-                tension_n: tension_n.filter(|_| has_latent_tension),
+                tension_n: (self.analysis).rms(|kind| matches!(kind, ObservationKind::Tension(_))),
             },
             poses: poses.collect(),
             effects: self.effects(),

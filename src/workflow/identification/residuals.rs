@@ -1,29 +1,18 @@
-//! Residuals of readings as every screen and every document shows them: prediction minus reading.
+//! Residuals of readings as every screen and every document shows them: prediction minus reading, as
+//! [`tautline_core::estimation::Observation`] defines it.
 
 use tautline_core::diagnosis::Quantity;
-use tautline_core::estimation::{Analysis, ObservationKind};
-use tautline_core::robot::Robot;
+use tautline_core::estimation::{Analysis, Observation, ObservationKind};
 
 /// What the axis of a plot of residuals says.
 pub const RESIDUAL: &str = "Prediction minus reading";
-
-/// The residual of a reading.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReadingResidual {
-    /// Row of the measurements.
-    pub row: usize,
-    /// Prediction minus reading (SI unit of the reading).
-    pub value: f64,
-    /// The same in standard deviations: of the residual, or of the sensor for tensions, whose residuals are those of all
-    /// other readings. `None` where the reading is hardly controlled by others.
-    pub deviations: Option<f64>,
-}
 
 /// Kind and cable of a reading; none for the balance of forces, which no sensor reads.
 #[must_use]
 pub fn group_of(kind: ObservationKind) -> Option<(Quantity, Option<usize>)> {
     Some(match kind {
         ObservationKind::Length(cable) => (Quantity::Length, Some(cable)),
+        ObservationKind::Tension(cable) => (Quantity::Tension, Some(cable)),
         ObservationKind::Swivel(cable) => (Quantity::Swivel, Some(cable)),
         ObservationKind::Laser => (Quantity::Laser, None),
         ObservationKind::TrackerPosition(_) => (Quantity::TrackerPosition, None),
@@ -33,38 +22,20 @@ pub fn group_of(kind: ObservationKind) -> Option<(Quantity, Option<usize>)> {
     })
 }
 
-/// The residuals of all readings of a kind, of one cable where they belong to cables, in the order of the rows.
-#[must_use]
-pub fn reading_residuals(
-    robot: &Robot,
+/// All readings, without the equations of equilibrium, which no sensor reads.
+pub fn all_readings(analysis: &Analysis) -> impl Iterator<Item = &Observation> {
+    let readings = analysis.observations.iter();
+    readings.filter(|reading| group_of(reading.kind).is_some())
+}
+
+/// The readings of a kind, of one cable where they belong to cables, in the order of the rows.
+pub fn readings_of(
     analysis: &Analysis,
     quantity: Quantity,
     cable: Option<usize>,
-) -> Vec<ReadingResidual> {
-    if quantity == Quantity::Tension {
-        let errors = analysis.tension_errors_n.iter();
-        return errors
-            .filter(|(_, of, _)| Some(*of) == cable)
-            .filter_map(|(row, of, error)| {
-                let sensor = robot.cables.get(*of)?.force_sensor?;
-                // An error is what the sensor reads less the tension that is predicted.
-                Some(ReadingResidual {
-                    row: *row,
-                    value: -error,
-                    deviations: Some(-error / sensor.tension_sd_n),
-                })
-            })
-            .collect();
-    }
+) -> impl Iterator<Item = &Observation> {
     let readings = analysis.observations.iter();
-    readings
-        .filter(|reading| group_of(reading.kind) == Some((quantity, cable)))
-        .map(|reading| ReadingResidual {
-            row: reading.row,
-            value: reading.residual(),
-            deviations: reading.normalised(),
-        })
-        .collect()
+    readings.filter(move |reading| group_of(reading.kind) == Some((quantity, cable)))
 }
 
 #[cfg(test)]
@@ -84,10 +55,14 @@ mod tests {
     }
 
     fn residual(fit: &Identification, quantity: Quantity, cable: Option<usize>, row: usize) -> f64 {
-        let all = reading_residuals(&fit.dataset.robot, &fit.analysis, quantity, cable);
-        let own = all.iter().find(|one| one.row == row).expect("it was read");
-        let deviations = own.deviations.expect("it is controlled");
-        assert_eq!(own.value > 0.0, deviations > 0.0, "one sign in both units");
+        let mut all = readings_of(&fit.analysis, quantity, cable);
+        let own = all.find(|one| one.row == row).expect("it was read");
+        let deviations = own.normalised().expect("it is controlled");
+        assert_eq!(
+            own.residual() > 0.0,
+            deviations > 0.0,
+            "one sign in both units"
+        );
         deviations
     }
 

@@ -58,7 +58,8 @@ pub fn reading_name(robot: &Robot, kind: ObservationKind) -> String {
     let axis = |k: usize| ["x", "y", "z"][k];
     match kind {
         ObservationKind::Length(index) => format!("length of {}", cable(index)),
-        ObservationKind::Equilibrium(c) => format!("tensions, balance of {}", c.describe()),
+        ObservationKind::Tension(index) => format!("tension of {}", cable(index)),
+        ObservationKind::Equilibrium(c) => format!("balance of {}", c.describe()),
         ObservationKind::Laser => "laser distance".to_owned(),
         ObservationKind::Swivel(index) => format!("swivel angle of {}", cable(index)),
         ObservationKind::TrackerPosition(k) => format!("measured position {}", axis(k)),

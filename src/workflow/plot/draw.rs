@@ -17,6 +17,8 @@ pub const TEXT: f32 = 11.5;
 pub const GRID: f32 = 4.0;
 /// Markers up to which every point has its own shape; beyond they are small squares.
 const MOST_SHAPES: usize = 3000;
+/// Ticks of the y axis for which room is made in the lowest plot: two of them are in any range.
+const FEWEST_TICKS: usize = 4;
 /// Width of an average character of the font, in sizes of the font.
 const CHARACTER: f32 = 0.55;
 
@@ -76,7 +78,9 @@ impl Layout {
         let is_long = x_title > 0.2 * whole.width();
         let bottom = if is_long { 2.0 * line } else { line } + GRID;
         let height = (whole.height() - top - bottom).max(16.0);
-        let y_ticks = ticks(&figure.y, view[1], (height / 28.0) as usize);
+        // A low plot still has a scale.
+        let most = ((height / 28.0) as usize).max(FEWEST_TICKS);
+        let y_ticks = ticks(&figure.y, view[1], most);
         let widest = y_ticks.iter().map(|(_, text)| width(text));
         let left = widest.fold(16.0, f32::max) + 2.0 * GRID;
         let right = figure.heat.as_ref().map_or(2.0 * GRID, |heat| {
@@ -409,26 +413,26 @@ impl Plot<'_> {
         let plot = layout.scale.rect;
         let edges = [plot.left_top(), plot.left_bottom(), plot.right_bottom()];
         canvas.line(&edges, Stroke::new(1.0, colours.line), false);
-        let mut free = f32::NEG_INFINITY;
-        for (value, text) in &layout.x_ticks {
-            // Names can be closer than their width.
+        let spans = layout.x_ticks.iter().map(|(value, text)| {
             let x = layout.scale.x(*value);
             let half = 0.3 * TEXT * text.chars().count() as f32;
-            if x - half < free || x + half + 2.0 * GRID > layout.x_title {
+            Rangef::new(x - half, x + half + GRID)
+        });
+        let fits = apart(spans.collect(), &layout.x_ticks);
+        for ((value, text), span) in layout.x_ticks.iter().zip(fits) {
+            if span.is_none_or(|span| span.max + GRID > layout.x_title) {
                 continue;
             }
-            free = x + half + GRID;
-            let at = Pos2::new(x, plot.max.y + GRID);
+            let at = Pos2::new(layout.scale.x(*value), plot.max.y + GRID);
             canvas.text(at, Align2::CENTER_TOP, text, TEXT, colours.muted);
         }
-        let mut free = f32::INFINITY;
-        for (value, text) in &layout.y_ticks {
+        let spans = layout.y_ticks.iter().map(|(value, _)| {
             let y = layout.scale.y(*value);
-            if y + 0.5 * TEXT > free {
-                continue;
-            }
-            free = y - 0.5 * TEXT;
-            let at = Pos2::new(plot.min.x - GRID, y);
+            Rangef::new(y - 0.5 * TEXT, y + 0.5 * TEXT)
+        });
+        let fits = apart(spans.collect(), &layout.y_ticks);
+        for ((value, text), _) in layout.y_ticks.iter().zip(fits).filter(|(_, s)| s.is_some()) {
+            let at = Pos2::new(plot.min.x - GRID, layout.scale.y(*value));
             canvas.text(at, Align2::RIGHT_CENTER, text, TEXT, colours.muted);
         }
         if self.figure.x.names.is_empty() {
@@ -469,6 +473,23 @@ impl Plot<'_> {
         let at = entry.rect.left_center() + vec2(5.0 * GRID, 0.0);
         canvas.text(at, Align2::LEFT_CENTER, &entry.text, TEXT, colour);
     }
+}
+
+/// Which labels are drawn so that none covers another. Names can be closer than their size: numbers of cables, which are
+/// short, come before long names.
+fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
+    let mut order: Vec<usize> = (0..spans.len()).collect();
+    let is_number = |k: &usize| ticks[*k].1.parse::<f64>().is_ok();
+    order.sort_by_key(|k| !is_number(k));
+    let mut kept: Vec<Option<Rangef>> = vec![None; spans.len()];
+    for k in order {
+        let span = spans[k];
+        let is_free = |other: &Rangef| span.max <= other.min || span.min >= other.max;
+        if kept.iter().flatten().all(is_free) {
+            kept[k] = Some(span);
+        }
+    }
+    kept
 }
 
 /// The columns of pixels that have more points than are painted.

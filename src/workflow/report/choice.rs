@@ -11,6 +11,8 @@ pub enum Part {
     Result,
     /// The robot with its picture.
     Robot,
+    /// The instruments with their uncertainties.
+    Instruments,
     /// The measured data.
     Data,
     /// The method of identification.
@@ -27,6 +29,8 @@ pub enum Part {
     Adjustments,
     /// Limits and assumptions.
     Limits,
+    /// Lines to sign on.
+    Signatures,
     /// Provenance of the report.
     About,
     /// The log of the session.
@@ -35,9 +39,10 @@ pub enum Part {
 
 impl Part {
     /// All, in their order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Result,
         Self::Robot,
+        Self::Instruments,
         Self::Data,
         Self::Method,
         Self::Geometry,
@@ -46,6 +51,7 @@ impl Part {
         Self::Accuracy,
         Self::Adjustments,
         Self::Limits,
+        Self::Signatures,
         Self::About,
         Self::Log,
     ];
@@ -56,6 +62,7 @@ impl Part {
         match self {
             Self::Result => "result",
             Self::Robot => "robot",
+            Self::Instruments => "instruments",
             Self::Data => "data",
             Self::Method => "method",
             Self::Geometry => "geometry",
@@ -64,6 +71,7 @@ impl Part {
             Self::Accuracy => "accuracy",
             Self::Adjustments => "adjustments",
             Self::Limits => "limits",
+            Self::Signatures => "signatures",
             Self::About => "about",
             Self::Log => "log",
         }
@@ -81,6 +89,7 @@ impl Part {
         match self {
             Self::Result => "Result",
             Self::Robot => "Robot",
+            Self::Instruments => "Instruments",
             Self::Data => "Measured data",
             Self::Method => "Method",
             Self::Geometry => "Identified values",
@@ -89,6 +98,7 @@ impl Part {
             Self::Accuracy => "Accuracy",
             Self::Adjustments => "Adjustments",
             Self::Limits => "Limits of this report",
+            Self::Signatures => "Signatures",
             Self::About => "About this report",
             Self::Log => "Log of the session",
         }
@@ -96,7 +106,7 @@ impl Part {
 }
 
 /// The parts of a report that are wanted, and its heading; by default everything, with a title from the session.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReportChoice {
     /// Parts that are left out.
     pub without: BTreeSet<Part>,
@@ -108,6 +118,8 @@ pub struct ReportChoice {
     pub operator: String,
     /// For whom.
     pub company: String,
+    /// How far a pulley may be from the drawing (m); nothing is judged without.
+    pub tolerance_m: Option<f64>,
 }
 
 impl ReportChoice {
@@ -121,6 +133,7 @@ impl ReportChoice {
             header: preferences.report.header.clone(),
             operator: preferences.operator.clone(),
             company: preferences.report.company.clone(),
+            tolerance_m: preferences.report.tolerance_m,
         }
     }
 
@@ -129,6 +142,7 @@ impl ReportChoice {
         preferences.operator.clone_from(&self.operator);
         preferences.report.company.clone_from(&self.company);
         preferences.report.header.clone_from(&self.header);
+        preferences.report.tolerance_m = self.tolerance_m;
         let without = self.without.iter();
         preferences.report.without = without.map(|part| part.name().to_owned()).collect();
     }
@@ -146,6 +160,7 @@ mod tests {
             header: "Form 7".into(),
             operator: "B. Smith".into(),
             company: "Cables Ltd".into(),
+            tolerance_m: Some(0.002),
         };
         let mut preferences = Preferences::default();
         choice.save(&mut preferences);

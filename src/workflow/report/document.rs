@@ -43,6 +43,8 @@ pub enum Block {
     Table(Table),
     /// Plots side by side as far as there is room.
     Plots(Vec<Drawing>),
+    /// Lines to sign on: what for, and the name that is known already.
+    Signatures(Vec<(String, String)>),
     /// A picture.
     Picture {
         /// PNG.

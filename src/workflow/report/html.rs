@@ -57,6 +57,14 @@ fn block(block: &Block) -> Markup {
             Block::Plots(plots) => div.plots {
                 @for plot in plots { (PreEscaped(plot.svg())) }
             },
+            Block::Signatures(lines) => div.signatures {
+                @for (what, who) in lines {
+                    div {
+                        p.line { (who) }
+                        p.note { (what) ": name, date, signature" }
+                    }
+                }
+            },
             Block::Picture { png, caption } => figure {
                 img src=(data_uri(png)) alt=(caption);
                 figcaption { (caption) }

@@ -1,5 +1,6 @@
 //! What a report is made of.
 
+use tautline_core::comparison::Comparison;
 use tautline_session::{Session, Timestamp};
 
 use super::choice::ReportChoice;
@@ -23,6 +24,21 @@ pub struct ReportInput<'a> {
     /// A picture of the robot (PNG), if there is one.
     pub picture: Option<&'a [u8]>,
     /// The parts that are wanted, and the heading.
+    pub choice: &'a ReportChoice,
+    /// When the report is made.
+    pub now: Timestamp,
+}
+
+/// Input of the report of a comparison.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparisonInput<'a> {
+    /// Names of the two sessions.
+    pub names: [&'a str; 2],
+    /// Their identifications.
+    pub fits: [&'a Identification; 2],
+    /// The second less the first.
+    pub comparison: &'a Comparison,
+    /// The heading; a comparison has all its parts.
     pub choice: &'a ReportChoice,
     /// When the report is made.
     pub now: Timestamp,

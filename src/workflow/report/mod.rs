@@ -6,21 +6,25 @@
 mod choice;
 mod colours;
 mod content;
+mod deviations;
 mod document;
 mod html;
 mod input;
 mod pdf;
 mod plots;
+mod results;
 #[cfg(test)]
 mod tests;
+mod tolerance;
 
 use std::path::{Path, PathBuf};
 
 use tautline_session::{WriteError, write_bytes};
 
 pub use choice::{Part, ReportChoice};
-pub use input::ReportInput;
+pub use input::{ComparisonInput, ReportInput};
 pub use pdf::PdfError;
+pub use results::{Results, completed};
 
 /// How a report is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,6 +93,32 @@ pub fn render_report(
         ReportFormat::Html => html::render(&document).into_bytes(),
         ReportFormat::Pdf => pdf::render(&document, input.now)?,
     })
+}
+
+/// The report of a comparison as bytes of a file.
+///
+/// # Errors
+/// If the PDF cannot be made.
+pub fn render_comparison(
+    input: &ComparisonInput<'_>,
+    format: ReportFormat,
+) -> Result<Vec<u8>, ReportError> {
+    let document = content::comparison::document(input);
+    Ok(match format {
+        ReportFormat::Html => html::render(&document).into_bytes(),
+        ReportFormat::Pdf => pdf::render(&document, input.now)?,
+    })
+}
+
+/// Writes the report of a comparison in the format that the name of the file says, completely or not at all.
+///
+/// # Errors
+/// If the name ends with neither .html nor .pdf, or the file cannot be written.
+pub fn write_comparison(path: &Path, input: &ComparisonInput<'_>) -> Result<(), ReportError> {
+    let format =
+        ReportFormat::of(path).ok_or_else(|| ReportError::Extension(path.to_path_buf()))?;
+    write_bytes(path, &render_comparison(input, format)?)?;
+    Ok(())
 }
 
 /// Writes the report in the format that the name of the file says, completely or not at all.

@@ -8,13 +8,11 @@ use crate::plot::figure::{Axis, Band, Columns, Curve, Figure, Ink, Marker, Point
 use crate::plot::histogram::{histogram as count, normal};
 
 /// Size of the plot of one cable (pt): two stand side by side.
-const SIZE: [f64; 2] = [236.0, 104.0];
+pub const SIZE: [f64; 2] = [236.0, 104.0];
 /// Makes the labels of a plot 7 pt high.
-const SCALE: f64 = 0.61;
+pub const SCALE: f64 = 0.61;
 /// Standard deviations beyond which a residual is improbable.
 const LIMIT: f64 = 3.0;
-/// Standard deviations that a plot shows at most: what is farther out stands at the edge.
-const FARTHEST: f64 = 12.0;
 
 /// Residuals over the poses, in standard deviations; the band is where 997 of 1000 lie. Points are the number of the pose
 /// and its residual; `summary` stands beside the name.
@@ -23,17 +21,12 @@ pub fn residuals(name: &str, points: &[(i64, f64)], summary: &str) -> Drawing {
         let own = points
             .iter()
             .filter(|(_, r)| (r.abs() > LIMIT) == is_beyond);
-        let shown = own.map(|(pose, r)| Point::new(*pose as f64, r.clamp(-FARTHEST, FARTHEST)));
+        let shown = own.map(|(pose, r)| Point::new(*pose as f64, *r));
         Series::new("", ink, Marker::Circle, shown.collect())
     };
     let figure = Figure {
         x: Axis::whole("Pose"),
-        y: Axis {
-            names: [(-LIMIT, "\u{2212}3"), (0.0, "0"), (LIMIT, "+3")]
-                .map(|(at, text)| (at, text.to_owned()))
-                .into(),
-            ..Axis::new([name, summary].join("  "), "")
-        },
+        y: Axis::new([name, summary].join("  "), ""),
         bands: vec![Band {
             name: String::new(),
             y: [-LIMIT, LIMIT],
@@ -44,6 +37,13 @@ pub fn residuals(name: &str, points: &[(i64, f64)], summary: &str) -> Drawing {
     };
     let label = format!("Residuals of {name}, prediction minus reading, over the poses");
     drawing(label, &figure, SIZE, SCALE, &PLOT)
+}
+
+/// Residuals along what they depend on, as the doctor shows them.
+pub fn dependence(name: &str, figure: &Figure) -> Drawing {
+    let size = [2.0 * SIZE[0] + 12.0, 132.0];
+    let label = format!("{name}, along {}", figure.x.title());
+    drawing(label, figure, size, SCALE, &PLOT)
 }
 
 /// Bins of a histogram per standard deviation.

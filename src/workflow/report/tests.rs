@@ -15,6 +15,7 @@ use super::document::{Block, Document};
 use super::*;
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::samples::{dataset, diagnosed};
+use crate::documents::record;
 use crate::identification::{Identification, IdentificationRequest, identify};
 
 /// A name that would be a program if it were taken as markup.
@@ -294,6 +295,7 @@ fn parts_can_be_left_out_and_the_head_is_ones_own() {
         header: "Form 7".to_owned(),
         operator: "B. Smith".to_owned(),
         company: "Cables & Co".to_owned(),
+        tolerance_m: None,
     };
     let html = sample.html();
     for text in [
@@ -315,6 +317,99 @@ fn parts_can_be_left_out_and_the_head_is_ones_own() {
     assert!(render_report(&sample.input(), ReportFormat::Pdf).is_ok());
     sample.choice.without = Part::ALL.into();
     assert!(content::document(&sample.input()).sections.is_empty());
+}
+
+/// The sample's model explains its data, so its pulleys are judged.
+#[test]
+fn a_tolerance_is_judged_with_the_uncertainty_on_the_safe_side() {
+    let mut sample = sample(&[]);
+    assert!(!sample.html().contains("ISO 14253-1"));
+    for (tolerance_m, verdict) in [
+        (10.0, "are within the tolerance of 10000 mm"),
+        (1e-9, "utside the tolerance of 0.000001 mm"),
+    ] {
+        sample.choice.tolerance_m = Some(tolerance_m);
+        let html = sample.html();
+        assert!(html.contains(verdict), "{verdict}");
+        assert!(html.contains("ISO 14253-1") && html.contains("Signatures"));
+    }
+    // Nothing is judged by uncertainties that do not hold.
+    sample.fit.solution.chi2 *= 1e3;
+    let html = sample.html();
+    assert!(html.contains("No pulley is judged"));
+    assert!(!html.contains("ISO 14253-1"));
+}
+
+#[test]
+fn the_plots_of_residuals_show_all_points() {
+    let points = [(1, 0.5), (2, -250.0)];
+    let drawing = plots::residuals("cable-1", &points, "");
+    let all = drawing.shapes.iter();
+    let discs: Vec<f64> = all
+        .filter_map(|shape| match shape {
+            crate::plot::drawing::Shape::Disc { at, .. } => Some(at[1]),
+            _ => None,
+        })
+        .collect();
+    // The far one is far below the other, and on the plot.
+    assert!(discs.len() == 2 && discs[1] > discs[0] + 30.0, "{discs:?}");
+    assert!(discs.iter().all(|y| *y < drawing.size[1]));
+    assert!(
+        drawing.svg().contains("\u{2212}200"),
+        "the axis has its values"
+    );
+}
+
+/// Two fits of the same data: nothing differs.
+#[test]
+fn a_comparison_has_a_report() {
+    let sample = sample(&[]);
+    let fits = [&sample.fit, &sample.fit];
+    let comparison = crate::comparison::compare_identifications(fits, 0.05).expect("compared");
+    let input = ComparisonInput {
+        names: ["Before <b>", "After"],
+        fits,
+        comparison: &comparison,
+        choice: &sample.choice,
+        now: time(60),
+    };
+    let html = render_comparison(&input, ReportFormat::Html).expect("HTML");
+    let html = String::from_utf8(html).expect("text");
+    elements(&html);
+    for text in [
+        "Comparison: Before &lt;b&gt; and After",
+        "No pulley has moved",
+        "Compared by: name, date, signature",
+        "From above",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+    pdf::assert_on_pages(&content::comparison::document(&input));
+    assert!(render_comparison(&input, ReportFormat::Pdf).is_ok());
+}
+
+/// A session that is opened again has no results in memory, but knows that it was diagnosed.
+#[test]
+fn a_report_after_opening_again_has_what_was_found_before() {
+    let mut sample = sample(&[]);
+    let (fit, diagnosis) = completed(&sample.session, (None, None));
+    assert!(fit.is_some() && diagnosis.is_none(), "nobody has asked");
+    let document = sample.diagnosis.document();
+    let record = record(&sample.session, "Diagnosis", &document, time(5));
+    sample.session.add_result(record);
+    let (fit, diagnosis) = completed(&sample.session, (None, None));
+    let (fit, diagnosis) = (fit.expect("a fit"), diagnosis.expect("a diagnosis"));
+    let input = ReportInput {
+        fit: Some(&fit),
+        diagnosis: Some(&diagnosis),
+        ..sample.input()
+    };
+    let bytes = render_report(&input, ReportFormat::Html).expect("HTML");
+    let html = String::from_utf8(bytes).expect("text");
+    assert!(html.contains("Model diagnosis") && !html.contains("was not diagnosed"));
+    // Of other data nothing was asked.
+    sample.session.exclude(7).expect("a measured pose");
+    assert!(completed(&sample.session, (None, None)).1.is_none());
 }
 
 #[test]

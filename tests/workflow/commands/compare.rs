@@ -77,3 +77,23 @@ fn runs_of_different_robots_are_refused() {
     tautline(&["compare", &mini, &folder.join("nothing")]).refused(&["nothing"]);
     tautline(&["compare", &mini, &mini, "--level", "2"]).refused(&["--level", "found 2"]);
 }
+
+#[test]
+fn a_comparison_has_a_report_of_its_own() {
+    let folder = Folder::new();
+    let robot = presets::find("mini").expect("a preset").robot;
+    let (first, second) = (
+        write_run(&folder, "one", &robot, 1),
+        write_run(&folder, "two", &robot, 2),
+    );
+    for name in ["compared.html", "compared.pdf"] {
+        let out = folder.join(name);
+        tautline(&["compare", &first, &second, "--report", &out]).succeeded();
+        let bytes = std::fs::read(&out).expect("the report");
+        assert!(bytes.len() > 10_000, "{name}");
+    }
+    let text = std::fs::read_to_string(folder.join("compared.html")).expect("text");
+    assert!(text.contains("No pulley has moved") && text.contains("Compared by"));
+    let wrong = ["compare", &first, &second, "--report", "compared.txt"];
+    tautline(&wrong).refused(&["compared.txt", ".html"]);
+}

@@ -197,3 +197,53 @@ fn every_effect_of_the_catalogue_is_listed() {
         assert!(listed, "{}", effect.id());
     }
 }
+
+#[test]
+fn statistics_are_written_reading_by_reading_and_value_by_value() {
+    let folder = Folder::new();
+    let dataset = simulate(&folder, "mini", 15, &[]);
+    let (readings, values) = (folder.join("readings.csv"), folder.join("values.csv"));
+    let written = ["--statistics", &readings, "--values", &values];
+    let result = identify(&dataset, &written).json();
+    let table = |path: &str| -> Vec<Vec<String>> {
+        let text = std::fs::read_to_string(path).expect("a table");
+        let cells = |line: &str| line.split(',').map(str::to_owned).collect();
+        text.lines().map(cells).collect()
+    };
+    let (readings, values) = (table(&readings), table(&values));
+    assert_eq!(readings[0][5], "redundancy");
+    // 15 poses and home: lengths, tensions and the laser, at home no lengths.
+    assert_eq!(readings.len(), 1 + 15 * 17 + 9);
+    // Redundancies of equations and priors are not in the table.
+    let sum: f64 = readings[1..]
+        .iter()
+        .map(|line| line[5].parse::<f64>().expect("a number"))
+        .sum();
+    let freedom = number(&result, "/dof");
+    assert!(sum > 0.3 * freedom && sum < freedom, "{sum} of {freedom}");
+    let x = values
+        .iter()
+        .find(|line| line[0] == "cable-3 entry point x")
+        .expect("there");
+    assert_number(
+        &result,
+        "/entry_points_m/2/0",
+        x[3].parse().expect("a number"),
+        1e-12,
+    );
+    let refused = [
+        "identify",
+        &dataset,
+        "--method",
+        "published",
+        "--values",
+        "x.csv",
+    ];
+    let answer = tautline(&refused);
+    assert_eq!(answer.code, Some(2));
+    assert!(
+        answer.stderr.contains("standard deviations"),
+        "{}",
+        answer.stderr
+    );
+}

@@ -69,3 +69,20 @@ fn a_report_needs_a_name_that_says_its_format_and_something_to_report_on() {
     let table = folder.write("winch.csv", "cable,revolutions,length_m\ncable-1,1,0.1\n");
     tautline(&["report", &table, "--out", &folder.join("r.pdf")]).refused(&["winch.csv"]);
 }
+
+#[test]
+fn a_report_judges_by_a_tolerance() {
+    let folder = Folder::new();
+    let data = folder.join("mini");
+    let poses = [
+        "simulate", "--robot", "mini", "--poses", "20", "--out", &data,
+    ];
+    tautline(&poses).succeeded();
+    let out = folder.join("report.html");
+    tautline(&["report", &data, "--out", &out, "--tolerance", "500"]).succeeded();
+    let text = std::fs::read_to_string(&out).expect("the report");
+    assert!(text.contains("All 8 pulleys are within the tolerance of 500 mm"));
+    assert!(text.contains("Measured by: name, date, signature"));
+    let wrong = ["report", &data, "--out", &out, "--tolerance", "0"];
+    tautline(&wrong).refused(&["--tolerance", "positive"]);
+}

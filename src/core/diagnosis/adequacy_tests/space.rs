@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::discrepancy::smooth_functions;
 use super::*;
-use crate::estimation::RowKind;
+use crate::estimation::{ObservationKind, RowKind};
 
 /// `M` written out.
 fn dense(linear: &Linearisation) -> DMatrix<f64> {
@@ -141,7 +141,7 @@ fn fitted_tensions_are_better_than_readings() {
             .unwrap();
         let sensor = run.dataset.robot.cables[cable].force_sensor.unwrap();
         for at in &fitted.linear.rows {
-            if at.kind == RowKind::Tension(cable) {
+            if at.kind == RowKind::Observation(ObservationKind::Tension(cable)) {
                 let row = at.row.unwrap();
                 let truth = data.truth.tension_n.get(row, cable);
                 read += (sensor.tension_n(data.force_n.get(row, cable)) - truth).powi(2);

@@ -5,6 +5,7 @@ mod columns;
 mod equations;
 mod inputs;
 mod layout;
+mod noise;
 mod normal;
 mod packing;
 mod platform_rows;
@@ -15,11 +16,13 @@ mod steps;
 use cable_rows::CableConstants;
 use columns::{ColumnStore, Packed, packed};
 use inputs::{NoiseGain, PortInputs, Selection, contexts_of};
+use noise::NoiseSizes;
 use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
 use steps::Eliminated;
 
 pub(super) use equations::Equations;
-pub(super) use layout::{Layout, effect_columns};
+pub(super) use layout::{CABLE_COLUMNS, Layout, effect_columns};
+pub(super) use noise::NoiseEstimate;
 pub(super) use normal::{Elimination, Sums};
 
 use std::sync::Arc;
@@ -326,6 +329,18 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     /// Variance of a component of the unexplained wrench (N^2, N^2 m^2).
     pub fn wrench_variance(&self, coordinate: usize) -> f64 {
         self.wrench_variance[coordinate]
+    }
+
+    /// The estimated noise of each reading as a function of the equations that were evaluated last.
+    #[inline(always)]
+    pub fn noise_estimates(&self) -> Vec<NoiseEstimate<T>> {
+        let tensions = self.constants.iter().filter(|_| self.is_latent);
+        let sizes = NoiseSizes {
+            length_m: self.constants.iter().map(|c| c.length_sd).collect(),
+            tension_n: tensions.map(|c| c.tension_sd).collect(),
+            wrench: self.wrench_variance.map(f64::sqrt),
+        };
+        self.equations.noise_estimates(&self.layout, &sizes)
     }
 
     /// The equations that were evaluated last.

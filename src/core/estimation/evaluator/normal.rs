@@ -168,7 +168,11 @@ impl<T: Packet> Elimination<T> {
                 let plane = layout.plane_column();
                 gradient[plane] = gradient[plane] + equations.laser_by_plane;
             }
-            Kind::TrackerPosition(_) | Kind::TrackerOrientation(_) | Kind::Inclination(_) => {}
+            // A tension has no row of its own.
+            Kind::Tension(_)
+            | Kind::TrackerPosition(_)
+            | Kind::TrackerOrientation(_)
+            | Kind::Inclination(_) => {}
         }
         let effects = &equations.by_effect[row * layout.effects..(row + 1) * layout.effects];
         add_to(&mut gradient[layout.effect_column()..], effects);

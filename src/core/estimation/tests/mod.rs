@@ -9,6 +9,7 @@ mod plain;
 mod ports;
 mod rank;
 mod reference;
+mod reliability;
 mod robust;
 mod start;
 mod statistics;

@@ -123,10 +123,16 @@ fn estimated_tension_errors_follow_the_true_ones() {
         let analysis = Analysis::new(&problem, &solved(&problem));
         let data = &run.dataset.measurements;
         let (mut product, mut estimated, mut true_square) = (0.0, 0.0, 0.0);
-        for (row, cable, error) in &analysis.tension_errors_n {
-            let sensor = run.dataset.robot.cables[*cable].force_sensor.unwrap();
-            let reading = sensor.tension_n(data.force_n.get(*row, *cable));
-            let noise = reading - data.truth.tension_n.get(*row, *cable);
+        let mut count = 0;
+        for one in &analysis.observations {
+            let ObservationKind::Tension(cable) = one.kind else {
+                continue;
+            };
+            count += 1;
+            let error = -one.residual();
+            let sensor = run.dataset.robot.cables[cable].force_sensor.unwrap();
+            let reading = sensor.tension_n(data.force_n.get(one.row, cable));
+            let noise = reading - data.truth.tension_n.get(one.row, cable);
             product += noise * error;
             estimated += error * error;
             true_square += noise * noise;
@@ -134,8 +140,7 @@ fn estimated_tension_errors_follow_the_true_ones() {
         // The best estimate e of noise t has cov(e, t) = var(e): the slope of t over e is 1. Its standard
         // deviation is that of the remaining noise over the size of e.
         let slope = product / estimated;
-        let sd =
-            ((true_square - product) / analysis.tension_errors_n.len() as f64 / estimated).sqrt();
+        let sd = ((true_square - product) / f64::from(count) / estimated).sqrt();
         assert!(estimated > 0.0 && product > 0.0, "{name}");
         assert!((slope - 1.0).abs() < LIMIT * sd, "{name}: {slope} +- {sd}");
     }

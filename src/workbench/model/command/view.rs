@@ -6,6 +6,7 @@ use tautline_core::measurement::Variable;
 use tautline_session::Plots;
 
 use crate::model::Selection;
+use crate::model::manual::Page;
 use crate::model::phase::Screen;
 
 /// Changes what is shown, nothing else.
@@ -35,6 +36,10 @@ pub enum ViewCommand {
     Palette(bool),
     /// Shows or hides the log.
     Log(bool),
+    /// Opens the manual at a page, or closes it.
+    Manual(Option<Page>),
+    /// Shows or hides what the program is made of.
+    About(bool),
     /// Keeps which plots are shown, and how they are arranged.
     SetPlots(Plots),
 }

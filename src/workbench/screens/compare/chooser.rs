@@ -7,11 +7,12 @@ use egui_material_icons::icons;
 
 use super::PanelState;
 use crate::model::Model;
-use crate::model::command::{CompareCommand, Outbox, ViewCommand};
+use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{Side, Source};
 use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button};
+use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 
 /// Height of a row and width of the name before it (points).
@@ -29,6 +30,11 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
                     None => Screen::Start,
                 };
                 outbox.send(ViewCommand::Go(back));
+            }
+            let is_compared = matches!(model.comparison.result(), Some(Ok(_)));
+            let name = "Save report…";
+            if icon_button(ui, icons::ICON_DESCRIPTION, name, is_compared).clicked() {
+                outbox.send(ReportCommand::AskSave(ReportFormat::Pdf));
             }
             let is_any = Side::ALL
                 .iter()

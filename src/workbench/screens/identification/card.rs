@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
 use egui_material_icons::icons;
-use tautline_core::diagnosis::{
-    Cause, Discrepancy, Evidence, Finding, FoundParameter, Verdict as Sure,
-};
+use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
 use tautline_core::effect::{EffectSetting, UNKNOWN};
 
 use super::{Panel, ambiguous, effects, gain};
@@ -15,6 +13,7 @@ use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
 use crate::views::pulley_inspector;
 use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
+use tautline_workflow::diagnosis::dependences::of_finding;
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{range, unit_of};
@@ -54,18 +53,8 @@ fn dependence(
     diagnosed: &Diagnosed,
     (finding, number): (&Finding, usize),
 ) {
-    let cables: Vec<usize> = finding
-        .cause
-        .instances
-        .iter()
-        .filter(|bound| bound.targeted)
-        .flat_map(|bound| bound.cables.iter().copied())
-        .collect();
     let found = &diagnosed.diagnosis.discrepancies;
-    let of_cables = |one: &&Discrepancy| one.cable.is_some_and(|cable| cables.contains(&cable));
-    let of_none = |one: &&Discrepancy| cables.is_empty() && one.cable.is_none();
-    let shown = found.iter().find(|one| of_cables(one) || of_none(one));
-    let Some(shown) = shown.or_else(|| found.first().filter(|_| cables.is_empty())) else {
+    let Some(shown) = of_finding(found, finding).and_then(|index| found.get(index)) else {
         return;
     };
     let button = icon_button(ui, icons::ICON_SHOW_CHART, "Show its residuals", true);

@@ -5,10 +5,10 @@ use tautline_core::diagnosis::Discrepancy;
 
 use super::Panel;
 use crate::model::command::ViewCommand;
-use crate::model::discrepancy::groups;
 use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{muted, section};
+use tautline_workflow::diagnosis::dependences::groups;
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::{list, ratio, readings, sentence};
 

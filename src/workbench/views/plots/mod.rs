@@ -8,6 +8,7 @@ mod panes;
 mod screen;
 pub mod small;
 mod sources;
+mod statistics;
 mod tab;
 
 use std::collections::BTreeMap;
@@ -46,6 +47,9 @@ pub struct PlotState {
     tensions: Tensions,
     choice: Option<Choice>,
     elongation: Option<usize>,
+    statistics: statistics::Statistics,
+    /// The session that the panels belong to.
+    session: Option<u64>,
     panels: BTreeMap<Tab, Panel>,
     figure: Option<(FigureOf, Arc<Figure>)>,
     generation: u64,
@@ -86,6 +90,13 @@ fn pane(
     let Some(open) = &model.open else {
         return;
     };
+    if plots.tab == Tab::Statistics
+        && let Some(fit) = open.fit()
+    {
+        let shared = (model.selection, hovered);
+        statistics::show(ui, fit, &mut plots.statistics, shared, outbox);
+        return;
+    }
     match plots.figure(open) {
         Ok(figure) => plot(ui, model, plots, &figure, hovered, outbox),
         Err(Unavailable::Empty(why)) => empty(ui, why),
@@ -169,6 +180,10 @@ impl PlotState {
 
     /// Forgets what belongs to other results.
     fn settle(&mut self, open: &OpenSession) {
+        // What is zoomed or measured with cursors belongs to its session.
+        if self.session.replace(open.id()) != Some(open.id()) {
+            self.panels.clear();
+        }
         let (fit, diagnosed) = (open.fit(), open.diagnosis());
         let is_old = |preparation: &Preparation| !preparation.is_of(fit, diagnosed);
         if self.preparation.as_ref().is_some_and(is_old) {
@@ -249,6 +264,7 @@ impl PlotState {
             }
             Tab::Convergence => sources::convergence::figure(open.fit().ok_or(nothing)?),
             Tab::Correlation => sources::correlation::figure(open.fit().ok_or(nothing)?),
+            Tab::Statistics => return Err(nothing),
         })
     }
 }

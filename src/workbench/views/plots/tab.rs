@@ -22,11 +22,13 @@ pub enum Tab {
     Elongation,
     /// Residuals before and after what a diagnosis found.
     BeforeAfter,
+    /// A table of all readings and of all identified values.
+    Statistics,
 }
 
 impl Tab {
     /// All, from the left.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Residuals,
         Self::Variable,
         Self::Laser,
@@ -35,6 +37,7 @@ impl Tab {
         Self::Correlation,
         Self::Elongation,
         Self::BeforeAfter,
+        Self::Statistics,
     ];
 
     /// What preferences call it.
@@ -49,6 +52,7 @@ impl Tab {
             Self::Correlation => "correlation",
             Self::Elongation => "elongation",
             Self::BeforeAfter => "before-after",
+            Self::Statistics => "statistics",
         }
     }
 
@@ -70,6 +74,7 @@ impl Tab {
             Self::Correlation => "Correlation",
             Self::Elongation => "Elongation",
             Self::BeforeAfter => "Before and after",
+            Self::Statistics => "Statistics",
         }
     }
 
@@ -117,6 +122,10 @@ impl Tab {
             Self::BeforeAfter => (
                 open.diagnosis().is_some(),
                 "Residuals before and after appear here after a diagnosis.",
+            ),
+            Self::Statistics => (
+                has_fit,
+                "Redundancies, smallest detectable errors and intervals appear here after identification.",
             ),
         };
         (!present).then_some(why)

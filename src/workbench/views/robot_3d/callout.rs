@@ -125,6 +125,7 @@ mod tests {
             from: Vec3::zeros(),
             by: Vec3::new(1.2e-3, -4e-4, 0.0),
             covariance: Some(Matrix3::from_diagonal(&Vec3::new(1.44e-8, 4e-6, 0.0))),
+            is_explained: true,
             moved: None,
         });
         assert_eq!(

@@ -226,6 +226,7 @@ mod tests {
                 from: cable.wheel.entry - by,
                 by,
                 covariance: None,
+                is_explained: true,
                 moved: None,
             });
         }

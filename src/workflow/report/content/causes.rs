@@ -4,9 +4,11 @@ use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
 use tautline_core::effect::UNKNOWN;
 
 use super::number;
+use crate::diagnosis::dependences::{figures, of_finding};
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
+use crate::report::plots;
 use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{range, significant, unit_of};
 use crate::wording::{count, list, odds, ratio, sentence};
@@ -23,8 +25,23 @@ pub fn section(told: &Diagnosed) -> Section {
     if diagnosis.findings.is_empty() {
         section.paragraph("No cause was found.");
     }
+    let figures = figures(told);
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         self::finding(told, index + 1, finding, &mut section);
+        let dependence = of_finding(&diagnosis.discrepancies, finding);
+        if let Some((place, figure)) = dependence.and_then(|k| figures.get_key_value(&k)) {
+            let found = &diagnosis.discrepancies[*place];
+            let name = match told.cable(found.cable) {
+                Some(cable) => format!("{} readings of {cable}", sentence(found.quantity.name())),
+                None => format!("{} readings", sentence(found.quantity.name())),
+            };
+            section.note(format!(
+                "{name} by which this was noticed, and what the findings explain of them."
+            ));
+            section
+                .blocks
+                .push(Block::Plots(vec![plots::dependence(&name, figure)]));
+        }
     }
     let remaining = diagnosis.remaining.iter();
     section.list(remaining.map(|left| told.remaining_line(left)).collect());

@@ -2,11 +2,12 @@
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{Observation, ObservationKind};
-use tautline_core::robot::Robot;
 
 use super::{number, signed};
 use crate::documents::diagnosis::Diagnosed;
-use crate::identification::{Identification, reading_name};
+use crate::identification::{
+    Identification, all_readings, group_of, reading_name, unit_of_reading,
+};
 use crate::report::document::{Block, Section, Table};
 use crate::report::plots;
 use crate::wording::units::{display_unit, quantity};
@@ -30,10 +31,7 @@ pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {
         section.note("Prediction minus reading over the poses, in standard deviations of this difference. The band covers three of them; with a correct model about 3 of 1000 readings lie outside.");
         section.blocks.push(Block::Plots(plots));
     }
-    let all: Vec<f64> = fit
-        .analysis
-        .observations
-        .iter()
+    let all: Vec<f64> = all_readings(&fit.analysis)
         .filter_map(Observation::normalised)
         .collect();
     if !all.is_empty() {
@@ -71,19 +69,6 @@ fn verdict(fit: &Identification) -> String {
     }
 }
 
-/// The quantity of a reading; none for static equilibrium, which stands for the tensions.
-fn quantity_of(kind: ObservationKind) -> Option<(Quantity, &'static str)> {
-    Some(match kind {
-        ObservationKind::Length(_) => (Quantity::Length, "m"),
-        ObservationKind::Laser => (Quantity::Laser, "m"),
-        ObservationKind::Swivel(_) => (Quantity::Swivel, "rad"),
-        ObservationKind::Inclination(_) => (Quantity::Inclination, "rad"),
-        ObservationKind::TrackerPosition(_) => (Quantity::TrackerPosition, "m"),
-        ObservationKind::TrackerOrientation(_) => (Quantity::TrackerOrientation, "rad"),
-        ObservationKind::Equilibrium(_) => return None,
-    })
-}
-
 fn kinds(fit: &Identification) -> Table {
     let mut table = Table::new(
         "Residuals by kind of reading: root mean square, and relative to noise alone",
@@ -98,13 +83,12 @@ fn kinds(fit: &Identification) -> Table {
         ],
     );
     for quantity in Quantity::ALL {
-        let own =
-            |reading: &&Observation| quantity_of(reading.kind).is_some_and(|(q, _)| q == quantity);
+        let own = |one: &&Observation| group_of(one.kind).is_some_and(|(q, _)| q == quantity);
         let readings: Vec<&Observation> = fit.analysis.observations.iter().filter(own).collect();
-        let Some((_, unit)) = readings.first().and_then(|r| quantity_of(r.kind)) else {
+        if readings.is_empty() {
             continue;
-        };
-        let (factor, unit) = display_unit(unit);
+        }
+        let (factor, unit) = display_unit(unit_of_reading(quantity));
         let normalised: Vec<f64> = readings.iter().filter_map(|r| r.normalised()).collect();
         let beyond = normalised.iter().filter(|r| r.abs() > 3.0).count();
         table.push([
@@ -116,30 +100,7 @@ fn kinds(fit: &Identification) -> Table {
             beyond.to_string(),
         ]);
     }
-    if let Some(tension_n) = fit.analysis.tension_rms_n() {
-        let noise = tension_noise(&fit.dataset.robot, fit);
-        table.push([
-            "Tension".to_owned(),
-            "N".to_owned(),
-            fit.analysis.tension_errors_n.len().to_string(),
-            number(tension_n, 2),
-            number(noise, 2),
-            super::NONE.to_owned(),
-        ]);
-    }
     table
-}
-
-/// Estimated errors of the tensions over the noise of their sensors.
-fn tension_noise(robot: &Robot, fit: &Identification) -> f64 {
-    rms(fit
-        .analysis
-        .tension_errors_n
-        .iter()
-        .filter_map(|(_, cable, error)| {
-            let sensor = robot.cables.get(*cable)?.force_sensor?;
-            Some(error / sensor.tension_sd_n)
-        }))
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

@@ -1,12 +1,12 @@
 //! The identified parameters.
 
-use tautline_core::estimation::{Parameter, ParameterId};
-use tautline_core::geometry::Coordinate;
+use tautline_core::estimation::ParameterId;
 
-use super::{NONE, number, signed};
-use crate::identification::Identification;
+use super::{NONE, displacements, number, signed};
+use crate::identification::{Identification, nominal_and_value, unit_of_value};
 use crate::report::document::{Section, Table};
-use crate::wording::units::{decimals, display_unit, unit_of};
+use crate::wording::sentence;
+use crate::wording::units::{decimals, display_unit};
 
 /// Correlations above this are listed.
 const CORRELATED: f64 = 0.9;
@@ -15,7 +15,7 @@ const LISTED: usize = 10;
 /// Most decimals that are shown.
 const FINEST: usize = 4;
 
-pub fn section(fit: &Identification) -> Section {
+pub fn section(fit: &Identification, tolerance_m: Option<f64>) -> Section {
     let mut section = Section::new("Identified values");
     if fit.solution.covariance.is_none() {
         section.lead(
@@ -24,6 +24,7 @@ pub fn section(fit: &Identification) -> Section {
     } else {
         section.paragraph("If the model explains the data, each true value lies within two standard deviations of the identified one with 95 % probability.");
     }
+    displacements::drawn(fit, tolerance_m, &mut section);
     section.table(entry_points(fit));
     section.table(others(fit));
     correlations(fit, &mut section);
@@ -91,50 +92,6 @@ fn entry_points(fit: &Identification) -> Table {
     table
 }
 
-/// Nominal and identified value of a parameter that is no entry point; the nominal one only where it is one number.
-fn values(fit: &Identification, parameter: &Parameter) -> Option<(Option<f64>, f64)> {
-    let globals = &fit.solution.globals;
-    let robot = &fit.dataset.robot;
-    match parameter.id {
-        ParameterId::EntryPoint { .. } => None,
-        ParameterId::PlaneOffset => {
-            let nominal = robot.laser.map(|laser| laser.target_plane.offset_m);
-            Some((nominal, globals.plane_offset_m))
-        }
-        ParameterId::Home(coordinate) => {
-            let nominal = robot.home.as_ref()?.pose();
-            let k = coordinate.index();
-            let is_position = matches!(coordinate, Coordinate::X | Coordinate::Y | Coordinate::Z);
-            if is_position {
-                Some((Some(nominal.position[k]), globals.home.position[k]))
-            } else {
-                Some((Some(0.0), globals.home.difference(&nominal)[k]))
-            }
-        }
-        ParameterId::HomeTension { cable } => {
-            Some((Some(0.0), *globals.home_tension_error_n.get(cable)?))
-        }
-        ParameterId::Effect { effect, parameter } => {
-            let bound = fit.free_effects().get(effect)?;
-            let neutral = bound.effect.parameters().get(parameter)?.neutral;
-            Some((Some(neutral), *bound.values.get(parameter)?))
-        }
-    }
-}
-
-/// Display unit of a parameter, and the factor to it.
-fn unit<'a>(fit: &Identification, parameter: &'a Parameter) -> (f64, &'a str) {
-    let name = match parameter.id {
-        ParameterId::Effect { effect, parameter } => {
-            let bound = fit.free_effects().get(effect);
-            let all = bound.map(|bound| bound.effect.parameters());
-            all.and_then(|all| all.get(parameter)).map(|p| p.name)
-        }
-        _ => None,
-    };
-    display_unit(unit_of(name.unwrap_or_default(), parameter.unit))
-}
-
 fn others(fit: &Identification) -> Table {
     let mut table = Table::new(
         "Other identified parameters; home rotations are relative to the nominal pose",
@@ -149,17 +106,20 @@ fn others(fit: &Identification) -> Table {
         ],
     );
     for (index, parameter) in fit.solution.parameters.iter().enumerate() {
-        let Some((nominal, found)) = values(fit, parameter) else {
+        if let ParameterId::EntryPoint { .. } = parameter.id {
+            continue;
+        }
+        let Some((nominal, found)) = nominal_and_value(fit, parameter) else {
             continue;
         };
-        let (factor, unit) = unit(fit, parameter);
+        let (factor, unit) = display_unit(unit_of_value(fit, parameter));
         let sd = fit.solution.standard_deviation(index).map(|sd| factor * sd);
         let digits = sd.map_or(2, |sd| common_decimals(std::iter::once(sd)));
         let shown = |value: Option<f64>, text: fn(f64, usize) -> String| {
             value.map_or_else(|| NONE.to_owned(), |value| text(factor * value, digits))
         };
         table.push([
-            parameter.name.clone(),
+            sentence(&parameter.name),
             unit.to_owned(),
             shown(nominal, number),
             number(factor * found, digits),
@@ -199,7 +159,7 @@ fn correlations(fit: &Identification, section: &mut Section) {
         2,
         &["Parameter", "and", "correlation"],
     );
-    let name = |k: usize| fit.solution.parameters[k].name.clone();
+    let name = |k: usize| sentence(&fit.solution.parameters[k].name);
     for (a, b, correlation) in strong.into_iter().take(LISTED) {
         table.push([name(a), name(b), signed(correlation, 3)]);
     }

@@ -4,9 +4,12 @@ mod about;
 mod accuracy;
 mod adjustments;
 mod causes;
+pub mod comparison;
 mod data;
+mod displacements;
 mod fit;
 mod geometry;
+mod instruments;
 mod limits;
 mod method;
 mod result;
@@ -28,12 +31,21 @@ pub fn document(input: &ReportInput<'_>) -> Document {
     let sections = [
         (Part::Result, Some(result::section(input))),
         (Part::Robot, Some(robot::section(&session.robot))),
+        (
+            Part::Instruments,
+            Some(instruments::section(&session.robot)),
+        ),
         (Part::Data, Some(data::section(session))),
         (
             Part::Method,
             input.fit.map(|fit| method::section(session, fit)),
         ),
-        (Part::Geometry, input.fit.map(geometry::section)),
+        (
+            Part::Geometry,
+            input
+                .fit
+                .map(|fit| geometry::section(fit, input.choice.tolerance_m)),
+        ),
         (
             Part::Fit,
             input.fit.map(|fit| fit::section(fit, input.diagnosis)),
@@ -42,6 +54,7 @@ pub fn document(input: &ReportInput<'_>) -> Document {
         (Part::Accuracy, accuracy::section(session)),
         (Part::Adjustments, adjustments::section(session)),
         (Part::Limits, Some(limits::section(input))),
+        (Part::Signatures, Some(instruments::signatures(input))),
         (Part::About, Some(about::section(input))),
         (Part::Log, about::log(session)),
     ];

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::Diagnosis;
 use tautline_core::estimation::Solution;
 use tautline_session::Session;
 
-use super::accuracy;
+use super::{accuracy, displacements};
 use crate::identification::Identification;
 use crate::report::document::{Block, Section};
 use crate::report::input::ReportInput;
@@ -33,6 +33,9 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     }
     if let Some(fit) = input.fit {
         section.paragraph(moved(fit));
+        if let Some(tolerance_m) = input.choice.tolerance_m {
+            displacements::judged(fit, tolerance_m, &mut section);
+        }
         for deficiency in &fit.open {
             section.paragraph(format!("Open: {}.", deficiency.sentence));
         }

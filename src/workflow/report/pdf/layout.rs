@@ -25,6 +25,8 @@ pub const BOTTOM: f64 = PAGE[1] - 60.0;
 const GAP: f64 = 12.0;
 /// Largest height of a picture (pt).
 const PICTURE_HEIGHT: f64 = 270.0;
+/// Room for a signature above its line (pt).
+const SIGNATURE: f64 = 44.0;
 /// Space that must remain below a heading on the same page (pt).
 const BELOW_HEADING: f64 = 72.0;
 
@@ -189,6 +191,7 @@ impl<'a> Layout<'a> {
                 self.table(table);
             }
             Block::Plots(plots) => self.plots(plots),
+            Block::Signatures(lines) => self.signatures(lines),
             Block::Picture { png, caption } => self.picture(png, caption),
         }
         // A lead belongs to the block below it.
@@ -286,6 +289,25 @@ impl<'a> Layout<'a> {
             }
             self.y += height + 4.0;
         }
+    }
+
+    /// Lines to sign on, side by side.
+    fn signatures(&mut self, lines: &[(String, String)]) {
+        let count = lines.len().max(1) as f64;
+        let width = (WIDTH - (count - 1.0) * 2.0 * GAP) / count;
+        self.reserve(SIGNATURE + SMALL.leading);
+        let top = self.y;
+        for (k, (what, who)) in lines.iter().enumerate() {
+            let x = LEFT + k as f64 * (width + 2.0 * GAP);
+            self.y = top + SIGNATURE - TEXT.leading;
+            self.line(who.clone(), TEXT, x, Anchor::Start);
+            self.y = top + SIGNATURE;
+            let rule = Shape::segment([x, self.y], [x + width, self.y], 0.75, colours::DARK);
+            self.page().shapes.push(rule);
+            let caption = format!("{what}: name, date, signature");
+            self.line(caption, SMALL, x, Anchor::Start);
+        }
+        self.y = top + SIGNATURE + SMALL.leading;
     }
 
     fn picture(&mut self, png: &[u8], caption: &str) {

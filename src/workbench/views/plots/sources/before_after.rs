@@ -1,9 +1,9 @@
 //! Histogram of standardised residuals without and with what a diagnosis found.
 
-use tautline_core::diagnosis::Quantity;
+use tautline_core::estimation::Observation;
 
-use crate::model::plot_preparation::{Prepared, residuals};
-use tautline_workflow::identification::Identification;
+use crate::model::plot_preparation::Prepared;
+use tautline_workflow::identification::{Identification, all_readings};
 use tautline_workflow::plot::figure::{Axis, Columns, Curve, Figure, Ink};
 use tautline_workflow::plot::histogram;
 
@@ -36,19 +36,11 @@ pub fn figure(prepared: &Prepared) -> Figure {
     }
 }
 
-/// All standardised residuals of a fit.
+/// All standardised residuals of the readings of a fit.
 fn all(fit: &Identification) -> Vec<f64> {
-    let mut values: Vec<f64> = fit
-        .analysis
-        .observations
-        .iter()
-        .filter_map(|r| r.normalised())
-        .collect();
-    for cable in 0..fit.dataset.robot.cables.len() {
-        let errors = residuals(fit, Quantity::Tension, Some(cable));
-        values.extend(errors.into_iter().map(|(_, value)| value));
-    }
-    values
+    all_readings(&fit.analysis)
+        .filter_map(Observation::normalised)
+        .collect()
 }
 
 /// Columns whose area is 1.

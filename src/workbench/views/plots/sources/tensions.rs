@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tautline_core::diagnosis::Quantity;
 
 use super::{POSE, over_pose};
-use tautline_workflow::identification::{Identification, RESIDUAL, reading_residuals};
+use tautline_workflow::identification::{Identification, RESIDUAL, readings_of};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 
 /// What is shown of tensions.
@@ -41,9 +41,8 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
         }
         Shown::Residuals => {
             for index in 0..cables.len() {
-                let of = (Quantity::Tension, Some(index));
-                for one in reading_residuals(&fit.dataset.robot, &fit.analysis, of.0, of.1) {
-                    put(one.row, index, one.value);
+                for one in readings_of(&fit.analysis, Quantity::Tension, Some(index)) {
+                    put(one.row, index, one.residual());
                 }
             }
         }

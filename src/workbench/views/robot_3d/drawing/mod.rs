@@ -316,6 +316,7 @@ mod tests {
             from: Vec3::zeros(),
             by: Vec3::zeros(),
             covariance: Some(Matrix3::from_diagonal(&diagonal)),
+            is_explained: true,
             moved: None,
         };
         let shape = ellipsoid(&moved(Vec3::new(4e-6, 1e-6, 9e-6)), 10.0).unwrap();

@@ -15,7 +15,7 @@ use super::{
 use crate::model::Selection;
 use crate::model::link::LivePlatform;
 use crate::views::robot_3d::camera;
-use tautline_workflow::identification::{Identification, entry_point_covariance};
+use tautline_workflow::identification::{FitVerdict, Identification, entry_point_covariance};
 
 /// What a scene is built from.
 #[derive(Debug, Clone, Copy)]
@@ -217,6 +217,7 @@ fn displacement(
         from,
         by: found - from,
         covariance: entry_point_covariance(&fit.solution, index),
+        is_explained: FitVerdict::of(fit.solution.p_value()).holds(),
         moved: None,
     }
 }

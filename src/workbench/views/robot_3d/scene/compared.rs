@@ -23,6 +23,7 @@ impl Scene {
                 from: cable.wheel.entry,
                 by,
                 covariance: Some(difference.covariance),
+                is_explained: true,
                 moved: pulley.test.map(|_| pulley.moved),
             });
         }

@@ -9,7 +9,7 @@ use tautline_workflow::identification::{CLEAR, NOISE, chance_of_noise};
 /// Whether a displacement exceeds its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Significance {
-    /// The uncertainty is not known.
+    /// The uncertainty is not known, or the model does not explain the data.
     Unknown,
     /// Noise alone does that more often than once in 20 times.
     Noise,
@@ -27,7 +27,7 @@ impl Significance {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Unknown => "uncertainty not known",
+            Self::Unknown => "no valid uncertainty",
             Self::Noise => "within the uncertainty",
             Self::Unclear => "unclear",
             Self::Clear => "beyond the uncertainty",
@@ -44,6 +44,8 @@ pub struct Displacement {
     pub by: Vec3,
     /// Its covariance (m^2), where the data determine it; coordinates that were not estimated have none.
     pub covariance: Option<Matrix3<f64>>,
+    /// Whether the model explains the data, without which the covariance says nothing.
+    pub is_explained: bool,
     /// Whether it moved or is noise, where a comparison has found that out already.
     pub moved: Option<bool>,
 }
@@ -68,6 +70,7 @@ impl Displacement {
     pub fn significance(&self) -> Significance {
         let chance = self
             .covariance
+            .filter(|_| self.is_explained)
             .and_then(|covariance| chance_of_noise(&self.by, &covariance));
         match (self.moved, chance) {
             (Some(true), _) => Significance::Clear,
@@ -161,6 +164,7 @@ mod tests {
             from: Vec3::zeros(),
             by: by.into(),
             covariance: Some(Matrix3::from_diagonal(&Vec3::from(sd.map(|s| s * s)))),
+            is_explained: true,
             moved: None,
         }
     }

@@ -1,5 +1,7 @@
 //! Diagnosing the model: the one way for commands, reports and the window.
 
+pub mod dependences;
+
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;

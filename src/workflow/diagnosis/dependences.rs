@@ -3,16 +3,16 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use tautline_core::diagnosis::Discrepancy;
+use tautline_core::diagnosis::{Discrepancy, Finding};
 use tautline_core::effect::{Search, measurements_as_modelled};
 use tautline_core::estimation::{Analysis, Problem};
 use tautline_core::measurement::{Dataset, Variable};
 
-use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::identification::{RESIDUAL, reading_residuals};
-use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
-use tautline_workflow::plot::gaps::without_gaps;
-use tautline_workflow::wording::sentence;
+use crate::documents::diagnosis::Diagnosed;
+use crate::identification::{RESIDUAL, readings_of};
+use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
+use crate::plot::gaps::without_gaps;
+use crate::wording::sentence;
 
 /// Readings of which dependences are shown, the worst.
 const SHOWN: usize = 5;
@@ -35,6 +35,22 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     }
     groups.truncate(SHOWN);
     groups
+}
+
+/// The dependence by which a finding was noticed: of its cables where it names some, the strongest first.
+#[must_use]
+pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
+    let instances = finding.cause.instances.iter();
+    let cables: Vec<usize> = instances
+        .filter(|bound| bound.targeted)
+        .flat_map(|bound| bound.cables.iter().copied())
+        .collect();
+    let is_its = |one: &Discrepancy| match one.cable {
+        Some(cable) => cables.contains(&cable),
+        None => cables.is_empty(),
+    };
+    let shown = found.iter().position(is_its);
+    shown.or_else(|| (cables.is_empty() && !found.is_empty()).then_some(0))
 }
 
 /// The plots of the strongest dependences, by their places among all.
@@ -89,15 +105,10 @@ impl Residuals {
 }
 
 /// Residuals of a kind of reading by row; a row of an instrument that reads several numbers has several.
-fn by_row(
-    diagnosed: &Diagnosed,
-    analysis: &Analysis,
-    found: &Discrepancy,
-) -> HashMap<usize, Vec<f64>> {
+fn by_row(analysis: &Analysis, found: &Discrepancy) -> HashMap<usize, Vec<f64>> {
     let mut rows: HashMap<usize, Vec<f64>> = HashMap::new();
-    let robot = diagnosed.robot();
-    for one in reading_residuals(robot, analysis, found.quantity, found.cable) {
-        if let Some(deviations) = one.deviations {
+    for one in readings_of(analysis, found.quantity, found.cable) {
+        if let Some(deviations) = one.normalised() {
             rows.entry(one.row).or_default().push(deviations);
         }
     }
@@ -114,10 +125,10 @@ struct Dependent {
 }
 
 /// The readings of a dependence with the residuals that all plots show.
-fn dependents(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
-    let before = by_row(diagnosed, &residuals.before, found);
+fn dependents(found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
+    let before = by_row(&residuals.before, found);
     let after = residuals.after.as_ref();
-    let after = after.map(|after| by_row(diagnosed, after, found));
+    let after = after.map(|after| by_row(after, found));
     let mut seen: HashMap<usize, usize> = HashMap::new();
     let mut dependents = Vec::new();
     for (row, variable, _) in &found.points {
@@ -140,7 +151,7 @@ fn dependents(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals)
 fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Figure {
     let (factor, unit) = unit(found.variable);
     let labels = &diagnosed.dataset.measurements.labels;
-    let dependents = dependents(diagnosed, found, residuals);
+    let dependents = dependents(found, residuals);
     let point = |one: &Dependent| Point {
         pose: labels.get(one.row).copied(),
         ..Point::new(factor * one.variable, one.residual)

@@ -1,21 +1,31 @@
-//! What the residuals at a solution say: standardised residuals, redundancies, suspicious readings.
+//! What the residuals at a solution say: standardised residuals, redundancies, reliability, suspicious readings.
 //!
-//! For a whitened row `r` with the fitted part's variance `h`, the redundancy is `1 - h`: the share of an
-//! error in that reading that shows in its residual (Baarda 1968). `r / sqrt(1 - h)` is standard
-//! normal if model and noise are right. The redundancies of all rows and priors sum to the degrees of
-//! freedom.
+//! With the estimate `e = w^T r` of the noise of a reading in its standard deviations, a function `w` of the whitened rows
+//! `r` ([`super::evaluator`]), and the covariance `I - H` of these rows after the fit, the redundancy is
+//! `w^T (I - H) w`: the share of an error in that reading that shows in its residual (Baarda 1968). `e` over its
+//! square root is standard normal if model and noise are right. The redundancies of all readings, equations and priors sum to
+//! the degrees of freedom.
+//!
+//! With the derivative `g` of `e` with respect to the common parameters, the poses following, and their covariance `C`, an
+//! error of one standard deviation in the reading moves the parameters by `C g`.
+
+mod home;
+mod poses;
+
+use home::HomeReadings;
+use poses::AnalysePoses;
 
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::evaluated::Evaluated;
-use super::evaluator::{Elimination, Evaluator, Layout};
-use super::home::HomeRow;
-use super::observation::{Observation, ObservationKind};
+use super::evaluator::Evaluator;
+use super::observation::{DetectionTest, Observation, ObservationKind};
+use super::parameter::ParameterId;
 use super::problem::Problem;
 use super::solution::Solution;
 use super::system::{Priors, System};
-use crate::real::{Kernel, Lanes, Packet};
+use crate::real::{Lanes, Packet};
 
 /// Level for all readings together at which single readings are called suspect.
 pub const SUSPECT_LEVEL: f64 = 0.01;
@@ -27,9 +37,8 @@ const NEVER_SUSPECT: f64 = 2.5;
 pub struct Analysis {
     /// Every reading that was made and every equilibrium equation, in the order of the rows; none in a summary.
     pub observations: Vec<Observation>,
-    /// Estimated error of each tension reading (N): row, cable, value; none in a summary.
-    pub tension_errors_n: Vec<(usize, usize, f64)>,
-    /// Redundancy of the prior of each parameter.
+    /// Redundancy of the prior of each parameter; `None` where there is none, and for those that stand for tension readings
+    /// at home, which are among the observations.
     pub prior_redundancies: Vec<Option<f64>>,
     sums: ResidualSums,
 }
@@ -39,8 +48,6 @@ pub struct Analysis {
 struct ResidualSums {
     /// Number of readings and sum of squared residuals of each kind (SI units).
     kinds: Vec<(ObservationKind, usize, f64)>,
-    /// The same of the estimated errors of the tension readings (N).
-    tensions: (usize, f64),
     /// Readings so far.
     count: usize,
     /// Readings whose normalised residual is improbable.
@@ -77,10 +84,13 @@ impl Analysis {
         }))
     }
 
-    /// Root mean square of the estimated errors of the tension readings (N).
+    /// The test of single readings behind [`Self::suspects`], with the power that is customary in geodesy.
     #[must_use]
-    pub fn tension_rms_n(&self) -> Option<f64> {
-        root_mean_square(self.sums.tensions)
+    pub fn test(&self) -> DetectionTest {
+        DetectionTest {
+            level: self.sums.level(),
+            power: DetectionTest::USUAL_POWER,
+        }
     }
 
     /// Readings whose normalised residual is improbable, the worst first: two-sided, at a level of 1 % for all
@@ -121,14 +131,13 @@ impl ResidualSums {
         }
     }
 
-    fn add_tension(&mut self, error: f64) {
-        self.tensions.0 += 1;
-        self.tensions.1 += error * error;
+    /// Level of the test of one reading.
+    fn level(&self) -> f64 {
+        SUSPECT_LEVEL / self.count.max(1) as f64
     }
 
     fn is_suspect(&self, reading: &Observation) -> bool {
-        let level = SUSPECT_LEVEL / self.count.max(1) as f64;
-        crate::statistics::normal_two_sided(size(reading)) < level
+        crate::statistics::normal_two_sided(size(reading)) < self.level()
     }
 
     /// All readings are in.
@@ -164,11 +173,19 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
         covariance: covariance.map(|c| at.map.column_covariance(&at.home, c)),
         keeps_all: dispatch.keeps_all,
         observations: Vec::new(),
-        tension_errors_n: Vec::new(),
         sums: ResidualSums::default(),
     };
     if let Some((row, evaluator)) = &mut at.home_evaluator {
-        for reading in home_observations(evaluator, problem, covariance, &at.home, *row) {
+        let home = HomeReadings {
+            problem,
+            solution,
+            covariance,
+            row: *row,
+        };
+        for reading in home.instruments(evaluator, &at.home) {
+            collector.add(reading);
+        }
+        for reading in home.tensions() {
             collector.add(reading);
         }
     }
@@ -182,7 +199,6 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
     );
     Analysis {
         observations: collector.observations,
-        tension_errors_n: collector.tension_errors_n,
         sums: collector.sums.finish(),
         prior_redundancies: prior_redundancies(problem, solution, covariance),
     }
@@ -203,17 +219,18 @@ fn covariance_at<T: Packet>(
     System::build(&at.poses.sums, &at.map, &at.home, &priors).covariance()
 }
 
-/// Standard deviation of a reading; `length_weight` is the whitening factor of its length row.
-pub(super) fn sd_of(
+/// Standard deviation of a reading in a row that `evaluator` has (SI units).
+pub(super) fn sd_of<T: Packet>(
     problem: &Problem<'_>,
+    evaluator: &Evaluator<'_, T>,
     kind: ObservationKind,
     row: usize,
-    length_weight: f64,
 ) -> f64 {
     let robot = &problem.dataset.robot;
     match kind {
-        ObservationKind::Length(_) => length_weight.recip(),
-        ObservationKind::Equilibrium(_) => 1.0,
+        ObservationKind::Length(cable) => evaluator.length_sd(cable),
+        ObservationKind::Tension(cable) => evaluator.tension_sd(cable),
+        ObservationKind::Equilibrium(axis) => evaluator.wrench_variance(axis.index()).sqrt(),
         ObservationKind::Laser => robot.laser.map_or(f64::NAN, |l| l.sd_m),
         ObservationKind::Swivel(cable) => {
             robot.cables[cable].pulley.swivel_sd_rad.unwrap_or(f64::NAN)
@@ -235,32 +252,14 @@ pub(super) fn sd_of(
     }
 }
 
-fn home_observations(
-    evaluator: &mut Evaluator<'_, f64>,
+/// Whether the tension of a cable is a reading with noise of its own at a row.
+pub(super) fn is_tension_read<T: Packet>(
     problem: &Problem<'_>,
-    covariance: Option<&DMatrix<f64>>,
-    home: &HomeRow,
-    row: usize,
-) -> Vec<Observation> {
-    let layout = evaluator.layout.clone();
-    let present = evaluator.equations_at(0).present.clone();
-    let n = covariance.map_or(0, DMatrix::nrows);
-    let measured = (layout.cables..layout.rows).filter(|r| present[*r] > 0.0);
-    measured
-        .map(|r| {
-            let index = r - layout.cables;
-            let kind = layout.kinds[r];
-            let gradient = DVector::from_column_slice(&home.gradients[index * n..(index + 1) * n]);
-            let fitted = |c: &DMatrix<f64>| gradient.dot(&(c * &gradient));
-            Observation {
-                row,
-                kind,
-                standardised: home.residuals[index],
-                sd: sd_of(problem, kind, row, 1.0),
-                redundancy: covariance.map(|c| 1.0 - fitted(c)),
-            }
-        })
-        .collect()
+    evaluator: &Evaluator<'_, T>,
+    (row, cable): (usize, usize),
+) -> bool {
+    let force = problem.dataset.measurements.force_n.get(row, cable);
+    problem.has_latent_tension() && !force.is_nan() && evaluator.tension_sd(cable) > 0.0
 }
 
 fn prior_redundancies(
@@ -275,7 +274,11 @@ fn prior_redundancies(
         rows[*row][*column] = *value;
     }
     let redundancy = |k: usize| {
-        solution.parameters[k].prior_sd?;
+        let parameter = &solution.parameters[k];
+        parameter.prior_sd?;
+        if let ParameterId::HomeTension { .. } = parameter.id {
+            return None;
+        }
         let covariance = covariance?;
         Some(1.0 - rows[k].dot(&(covariance * &rows[k])))
     };
@@ -288,7 +291,6 @@ struct Collector<'a> {
     /// Whether single readings are kept.
     keeps_all: bool,
     observations: Vec<Observation>,
-    tension_errors_n: Vec<(usize, usize, f64)>,
     sums: ResidualSums,
 }
 
@@ -297,109 +299,6 @@ impl Collector<'_> {
         self.sums.add(&reading);
         if self.keeps_all {
             self.observations.push(reading);
-        }
-    }
-
-    fn add_tension(&mut self, row: usize, cable: usize, error: f64) {
-        self.sums.add_tension(error);
-        if self.keeps_all {
-            self.tension_errors_n.push((row, cable, error));
-        }
-    }
-}
-
-struct AnalysePoses<'e, 'a, T: Packet> {
-    evaluator: &'e mut Evaluator<'a, T>,
-    collector: &'e mut Collector<'a>,
-    token: T::Token,
-}
-
-impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
-    type Output = ();
-    #[inline(always)]
-    fn call(mut self) {
-        let layout = self.evaluator.layout.clone();
-        let zero = T::splat(self.token, 0.0);
-        let mut elimination = Elimination::new(&layout, zero);
-        let mut fitted = vec![zero; layout.rows];
-        let mut tension = vec![zero; layout.cables];
-        for batch in 0..self.evaluator.batches() {
-            // Twice: the first time finds the tensions at which the second linearises.
-            self.evaluator.equations_at(batch);
-            let equations = self.evaluator.equations_at(batch);
-            elimination.eliminate(equations, &layout, 0.0);
-            for row in 0..layout.rows {
-                let y = elimination.half_solve(equations.by_pose[row]);
-                fitted[row] = crate::real::square_norm(y);
-                if let Some(covariance) = &self.collector.covariance {
-                    let gradient = elimination.remaining_gradient(equations, &layout, row, y);
-                    fitted[row] = fitted[row] + quadratic_form(covariance, &gradient);
-                }
-            }
-            for cable in 0..layout.cables {
-                tension[cable] = self.evaluator.tension_error(batch, cable);
-            }
-            self.collect(batch, &layout, &fitted, &tension);
-        }
-    }
-}
-
-/// `g^T C g`.
-#[inline(always)]
-fn quadratic_form<T: Packet>(covariance: &DMatrix<f64>, gradient: &[T]) -> T {
-    let zero = gradient[0].lift(0.0);
-    let mut sum = zero;
-    for (g, column) in gradient.iter().zip(covariance.column_iter()) {
-        let mut inner = zero;
-        for (h, c) in gradient.iter().zip(&column) {
-            inner = h.mul_add(zero.lift(*c), inner);
-        }
-        sum = g.mul_add(inner, sum);
-    }
-    sum
-}
-
-/// The values of each lane.
-fn lanes<T: Packet>(values: impl Iterator<Item = T>) -> Vec<f64> {
-    let mut lanes = vec![0.0; values.size_hint().0 * T::LANES];
-    for (k, value) in values.enumerate() {
-        value.store(&mut lanes, k);
-    }
-    lanes
-}
-
-impl<T: Packet> AnalysePoses<'_, '_, T> {
-    fn collect(&mut self, batch: usize, layout: &Layout, fitted: &[T], tension: &[T]) {
-        let equations = self.evaluator.equations();
-        let residual = lanes(equations.residual.iter().copied());
-        let present = lanes(equations.present.iter().copied());
-        let weights = lanes(equations.length_by_cable.iter().map(|g| g[3]));
-        let fitted = lanes(fitted.iter().copied());
-        let tension = lanes(tension.iter().copied());
-        let collector = &mut *self.collector;
-        let problem = collector.problem;
-        let known = collector.covariance.is_some();
-        let latent = problem.has_latent_tension();
-        let forces = &problem.dataset.measurements.force_n;
-        let rows = self.evaluator.rows().iter();
-        for (lane, row) in rows.skip(batch * T::LANES).take(T::LANES).enumerate() {
-            let at = |k: usize| k * T::LANES + lane;
-            for k in (0..layout.rows).filter(|k| present[at(*k)] > 0.0) {
-                let kind = layout.kinds[k];
-                let weight = weights.get(at(k)).map_or(1.0, |w| -w);
-                collector.add(Observation {
-                    row: *row,
-                    kind,
-                    standardised: residual[at(k)],
-                    sd: sd_of(problem, kind, *row, weight),
-                    redundancy: known.then(|| 1.0 - fitted[at(k)]),
-                });
-            }
-            for cable in (0..layout.cables).filter(|_| latent) {
-                if !forces.get(*row, cable).is_nan() {
-                    collector.add_tension(*row, cable, tension[at(cable)]);
-                }
-            }
         }
     }
 }

@@ -1,0 +1,126 @@
+//! The noise of each reading as a linear function of the whitened rows.
+//!
+//! The readings of a pose enter the rows through `B`, one column per reading in its standard deviations; with the
+//! covariance `D = B B^T` of the rows and the whitened rows `r = D^(-1/2) (...)`, the least-squares estimate of the
+//! noise is `e = B^T D^(-1/2) r`. A reading of its own is its row. Where tensions are latent, a length reading and the
+//! tension reading of its cable share the length row, and all tensions share the rows of the equilibrium.
+
+use super::equations::Equations;
+use super::layout::Layout;
+use crate::estimation::observation::ObservationKind as Kind;
+use crate::real::Real;
+use crate::small_cholesky::back_substitute;
+
+/// The estimated noise of a reading, in its standard deviations, sign as prediction minus reading:
+/// `own r_row + sum_k balance_k r_(q + k)` with the rows `q..q + 6` of the equilibrium.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::estimation) struct NoiseEstimate<T> {
+    pub kind: Kind,
+    /// A row that is the reading's own, or that of its cable.
+    pub row: usize,
+    /// Factor of that row.
+    pub own: T,
+    /// Factors of the rows of the equilibrium.
+    pub balance: [T; 6],
+}
+
+/// Standard deviations of what enters the rows of one pose.
+pub(in crate::estimation) struct NoiseSizes {
+    /// Of each length reading (m).
+    pub length_m: Vec<f64>,
+    /// Of each tension reading (N); 0 where it is no reading.
+    pub tension_n: Vec<f64>,
+    /// Of each component of the unexplained wrench (N, N m).
+    pub wrench: [f64; 6],
+}
+
+impl<T: Real> Equations<T> {
+    /// The noise of every row that is a reading or an equation, then that of the tension readings.
+    pub fn noise_estimates(&self, layout: &Layout, sizes: &NoiseSizes) -> Vec<NoiseEstimate<T>> {
+        let zero = self.laser_by_plane.lift(0.0);
+        let one = zero.lift(1.0);
+        let multipliers = self.multipliers(layout);
+        let mut estimates = Vec::with_capacity(layout.rows + layout.cables);
+        for (row, kind) in layout.kinds.iter().copied().enumerate() {
+            let (own, balance) = match kind {
+                Kind::Length(cable) => {
+                    let shared = self.shared_row(cable, sizes, &multipliers);
+                    let sd = zero.lift(sizes.length_m[cable]);
+                    let share = zero - sd * shared.regression;
+                    (sd * shared.weight, shared.balance.map(|a| share * a))
+                }
+                Kind::Equilibrium(axis) => {
+                    let sd = zero.lift(sizes.wrench[axis.index()]);
+                    (zero, multipliers.map(|lambda| sd * lambda[axis.index()]))
+                }
+                _ => (one, [zero; 6]),
+            };
+            estimates.push(NoiseEstimate {
+                kind,
+                row,
+                own,
+                balance,
+            });
+        }
+        for (cable, sd) in sizes.tension_n.iter().enumerate() {
+            let shared = self.shared_row(cable, sizes, &multipliers);
+            let minus_sd = zero.lift(-sd);
+            let c = self.length_by_tension[cable];
+            let share = minus_sd * (one - c * shared.regression);
+            estimates.push(NoiseEstimate {
+                kind: Kind::Tension(cable),
+                row: cable,
+                own: minus_sd * c * shared.weight,
+                balance: shared.balance.map(|a| share * a),
+            });
+        }
+        estimates
+    }
+
+    /// `E^-1 r` for a whitened residual of 1 in each row of the equilibrium; zero where there is none.
+    fn multipliers(&self, layout: &Layout) -> [[T; 6]; 6] {
+        let zero = self.laser_by_plane.lift(0.0);
+        let mut multipliers = [[zero; 6]; 6];
+        let Some(first) = layout.equilibrium else {
+            return multipliers;
+        };
+        for (k, lambda) in multipliers.iter_mut().enumerate() {
+            lambda[k] = self.present[first + k];
+            back_substitute(&self.equilibrium_factor, lambda);
+        }
+        multipliers
+    }
+
+    fn shared_row(
+        &self,
+        cable: usize,
+        sizes: &NoiseSizes,
+        multipliers: &[[T; 6]; 6],
+    ) -> SharedRow<T> {
+        let zero = self.laser_by_plane.lift(0.0);
+        // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
+        let weight = zero - self.length_by_cable[cable][3];
+        let sd = sizes.tension_n.get(cable).copied().unwrap_or(0.0);
+        let c = self.length_by_tension[cable];
+        let a = &self.structure[cable];
+        let product = |lambda: [T; 6]| {
+            let terms = a.iter().zip(lambda);
+            terms.fold(zero, |sum, (a, l)| a.mul_add(l, sum))
+        };
+        SharedRow {
+            weight,
+            regression: c * zero.lift(sd * sd) * weight * weight,
+            balance: multipliers.map(product),
+        }
+    }
+}
+
+/// What the length row of a cable shares with its tension.
+struct SharedRow<T> {
+    /// `1 / sqrt(D)`.
+    weight: T,
+    /// `c sd_T^2 / D`.
+    regression: T,
+    /// `A lambda` for a residual of 1 in each row of the equilibrium.
+    balance: [T; 6],
+}

@@ -1,0 +1,160 @@
+//! The manual: pages of Markdown with pictures, the same that are in the repository.
+
+use super::phase::{Phase, Screen};
+
+/// A page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Page {
+    /// How to begin, and what is where.
+    Start,
+    /// Phase 1.
+    Precalibration,
+    /// Phase 2.
+    Modeling,
+    /// Phase 3.
+    Measuring,
+    /// Phase 4.
+    Identification,
+    /// Phase 5.
+    Adjustment,
+    /// Plots, and the table of statistics.
+    Plots,
+    /// Comparing sessions, and reports.
+    Report,
+    /// What each number means.
+    Numbers,
+}
+
+macro_rules! page {
+    ($name:literal) => {
+        ($name, include_str!(concat!("../../../docs/manual/", $name)))
+    };
+}
+
+macro_rules! picture {
+    ($name:literal) => {
+        (
+            $name,
+            include_bytes!(concat!("../../../screenshots/", $name)).as_slice(),
+        )
+    };
+}
+
+/// The pictures of the pages: name of the file and PNG.
+pub const PICTURES: [(&str, &[u8]); 8] = [
+    picture!("start.png"),
+    picture!("phase-1.png"),
+    picture!("phase-2.png"),
+    picture!("phase-3.png"),
+    picture!("phase-4.png"),
+    picture!("phase-5.png"),
+    picture!("doctor.png"),
+    picture!("compare.png"),
+];
+
+impl Page {
+    /// All, in the order of reading.
+    pub const ALL: [Self; 9] = [
+        Self::Start,
+        Self::Precalibration,
+        Self::Modeling,
+        Self::Measuring,
+        Self::Identification,
+        Self::Adjustment,
+        Self::Plots,
+        Self::Report,
+        Self::Numbers,
+    ];
+
+    fn file(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Start => page!("start.md"),
+            Self::Precalibration => page!("phase-1.md"),
+            Self::Modeling => page!("phase-2.md"),
+            Self::Measuring => page!("phase-3.md"),
+            Self::Identification => page!("phase-4.md"),
+            Self::Adjustment => page!("phase-5.md"),
+            Self::Plots => page!("plots.md"),
+            Self::Report => page!("report.md"),
+            Self::Numbers => page!("numbers.md"),
+        }
+    }
+
+    /// Name of its file, by which other pages refer to it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.file().0
+    }
+
+    /// Its text.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        self.file().1
+    }
+
+    /// Its heading.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        let first = self.text().lines().next().unwrap_or_default();
+        first.trim_start_matches("# ")
+    }
+
+    /// The page about what is on the screen.
+    #[must_use]
+    pub fn of(screen: Screen) -> Self {
+        match screen {
+            Screen::Start => Self::Start,
+            Screen::Compare => Self::Report,
+            Screen::Phase(phase) => match phase {
+                Phase::Precalibration => Self::Precalibration,
+                Phase::Modeling => Self::Modeling,
+                Phase::Measuring => Self::Measuring,
+                Phase::Identification => Self::Identification,
+                Phase::Adjustment => Self::Adjustment,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Targets of links and pictures: what stands in round brackets after square ones.
+    fn targets(text: &str) -> Vec<&str> {
+        let parts = text.split("](").skip(1);
+        parts.filter_map(|part| part.split(')').next()).collect()
+    }
+
+    #[test]
+    fn links_and_pictures_of_all_pages_are_there() {
+        let mut pictures = 0;
+        for page in Page::ALL {
+            assert!(page.text().starts_with("# "), "{}", page.name());
+            for target in targets(page.text()) {
+                match target.strip_prefix("../../screenshots/") {
+                    Some(name) => {
+                        pictures += 1;
+                        let known = PICTURES.iter().any(|(known, _)| *known == name);
+                        assert!(known, "{}: {target}", page.name());
+                    }
+                    None => {
+                        let known = Page::ALL.iter().any(|other| other.name() == target);
+                        assert!(known, "{}: {target}", page.name());
+                    }
+                }
+            }
+        }
+        assert_eq!(pictures, PICTURES.len(), "every picture is shown once");
+    }
+
+    #[test]
+    fn every_screen_has_a_page() {
+        let phases = Phase::ALL.map(|phase| Page::of(Screen::Phase(phase)));
+        assert_eq!(phases, Page::ALL[1..6]);
+        for (phase, page) in Phase::ALL.iter().zip(phases) {
+            let title = format!("{}. {}", phase.number(), phase.title());
+            assert_eq!(page.title(), title);
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Statistics of the identification as a table: readings with their reliability, identified values with their intervals.
+
+mod rows;
+
+use std::sync::Arc;
+
+use egui::{Align, ComboBox, IntoAtoms, Layout, RichText, Role, Sense, TextEdit, Ui, WidgetInfo};
+use egui_extras::{Column, TableBuilder};
+use egui_material_icons::icons;
+use tautline_workflow::identification::Identification;
+use tautline_workflow::wording::count;
+
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::{Memo, Selection};
+use crate::theme::{self, GRID};
+use crate::widgets::{icon_button, muted};
+use rows::{Head, Listed, Of, Order, Row, arranged, rows_of, text};
+
+/// State of the table.
+#[derive(Debug, Default)]
+pub struct Statistics {
+    listed: Listed,
+    orders: [Option<Order>; 2],
+    filter: String,
+    all: Memo<Of, Vec<Row>>,
+    shown: Memo<(Of, Option<Order>, String), Vec<usize>>,
+}
+
+/// Draws the table; `hovered` is what is under the pointer, in all views.
+pub fn show(
+    ui: &mut Ui,
+    fit: &Arc<Identification>,
+    state: &mut Statistics,
+    (selection, hovered): (Selection, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let of = Of {
+        listed: state.listed,
+        fit: Arc::clone(fit),
+    };
+    let order = state.orders[state.listed as usize];
+    let rows = state.all.get(of.clone(), || rows_of(&of));
+    let filter = state.filter.trim().to_lowercase();
+    let key = (of.clone(), order, filter.clone());
+    let shown = state.shown.get(key, || arranged(rows, order, &filter));
+    let heads = of.listed.heads();
+    ui.horizontal(|ui| {
+        listed(ui, &mut state.listed);
+        let field = TextEdit::singleline(&mut state.filter).hint_text("Filter by name");
+        ui.add(field.desired_width(140.0))
+            .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter the table"));
+        muted(ui, &number_of(shown.len(), rows.len()));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, icons::ICON_CONTENT_COPY, "Copy table", true).clicked() {
+                ui.ctx().copy_text(text(heads, rows, shown));
+            }
+        });
+    });
+    let order = &mut state.orders[of.listed as usize];
+    table(
+        ui,
+        heads,
+        (rows, shown),
+        order,
+        (selection, hovered),
+        outbox,
+    );
+}
+
+fn listed(ui: &mut Ui, chosen: &mut Listed) {
+    let title = |listed: Listed| Listed::ALL.iter().find(|(l, _)| *l == listed);
+    let title = title(*chosen).map_or("", |(_, title)| title);
+    let shown = ComboBox::from_id_salt("statistics of")
+        .selected_text(title)
+        .show_ui(ui, |ui| {
+            for (value, title) in Listed::ALL {
+                ui.selectable_value(chosen, value, title);
+            }
+        });
+    let name = format!("Statistics of: {title}");
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &name));
+}
+
+fn number_of(shown: usize, all: usize) -> String {
+    match shown == all {
+        true => count(all, "row"),
+        false => format!("{shown} of {}", count(all, "row")),
+    }
+}
+
+fn table(
+    ui: &mut Ui,
+    heads: &[Head],
+    (rows, shown): (&[Row], &[usize]),
+    order: &mut Option<Order>,
+    (selection, hovered): (Selection, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let palette = theme::of(ui);
+    let id = ui.scope_id().with(("statistics", heads.len()));
+    egui::ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
+        let mut table = TableBuilder::new(ui)
+            .id_salt(id)
+            .sense(Sense::click())
+            .cell_layout(Layout::left_to_right(Align::Center));
+        for head in heads {
+            table = table.column(Column::initial(head.width).at_least(36.0).clip(true));
+        }
+        let header = |mut row: egui_extras::TableRow<'_, '_>| {
+            for (column, head) in heads.iter().enumerate() {
+                row.col(|ui| heading(ui, head, column, order));
+            }
+        };
+        table.header(6.0 * GRID, header).body(|body| {
+            body.rows(5.5 * GRID, shown.len(), |mut line| {
+                let row = &rows[shown[line.index()]];
+                let is_selected = row.selects != Selection::default() && row.selects == selection;
+                line.set_selected(is_selected);
+                for (head, cell) in heads.iter().zip(&row.cells) {
+                    line.col(|ui| {
+                        let colour = if row.is_suspect && head.title == "Standardised" {
+                            palette.warning
+                        } else {
+                            palette.text
+                        };
+                        let label = egui::Label::new(RichText::new(cell).color(colour))
+                            .selectable(false)
+                            .truncate();
+                        aligned(ui, head, |ui| {
+                            ui.add(label);
+                        });
+                    });
+                }
+                let response = line.response();
+                let name = row.cells.join(", ");
+                response
+                    .widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &name));
+                if response.hovered() {
+                    *hovered = row.selects;
+                }
+                if response.clicked() {
+                    let chosen = match is_selected {
+                        true => Selection::default(),
+                        false => row.selects,
+                    };
+                    outbox.send(ViewCommand::Select(chosen));
+                }
+            });
+        });
+    });
+}
+
+fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
+    if head.is_number {
+        ui.with_layout(Layout::right_to_left(Align::Center), add);
+    } else {
+        add(ui);
+    }
+}
+
+/// A heading, which sorts by its column: first ascending, then descending, then as measured.
+fn heading(ui: &mut Ui, head: &Head, column: usize, order: &mut Option<Order>) {
+    let own = order.filter(|order| order.column == column);
+    let icon = own.map(|order| match order.descending {
+        true => icons::ICON_ARROW_DOWNWARD,
+        false => icons::ICON_ARROW_UPWARD,
+    });
+    let state = match own {
+        None => "",
+        Some(order) if order.descending => ", sorted, largest first",
+        Some(_) => ", sorted, smallest first",
+    };
+    aligned(ui, head, |ui| {
+        let text = RichText::new(head.title).small();
+        let content = match icon {
+            Some(icon) => (text, icon.rich_text().size(12.0)).into_atoms(),
+            None => text.into_atoms(),
+        };
+        let button = egui::Button::new(content).frame(false);
+        let response = ui.add(button).on_hover_text(head.help);
+        let name = format!("Sort by {}{state}", head.title.to_lowercase());
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+        if response.clicked() {
+            *order = match own {
+                None => Some(Order {
+                    column,
+                    descending: false,
+                }),
+                Some(order) if !order.descending => Some(Order {
+                    descending: true,
+                    ..order
+                }),
+                Some(_) => None,
+            };
+        }
+    });
+}

@@ -1,0 +1,314 @@
+//! The statistics of an identification, reading by reading and value by value, as a table: what JAG3D calls observations
+//! and unknown parameters.
+
+use tautline_core::diagnosis::Quantity;
+use tautline_core::estimation::{DetectionTest, Observation, Parameter, ParameterId};
+use tautline_core::geometry::Coordinate;
+use tautline_core::statistics::normal_quantile;
+use tautline_session::escape_formula;
+
+use super::{Identification, all_readings, group_of, reading_name};
+use crate::wording::units::unit_of;
+
+/// Probability with which a value lies in its interval.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// A reading with its residual and its reliability (SI units).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadingStatistics {
+    /// Label of the pose.
+    pub pose: i64,
+    /// Kind of reading.
+    pub quantity: Quantity,
+    /// Its cable, if it has one.
+    pub cable: Option<usize>,
+    /// What was read: `length of cable-3`.
+    pub name: String,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Prediction minus reading.
+    pub residual: f64,
+    /// Standard deviation of the reading.
+    pub sd: f64,
+    /// Share of an error of the reading that shows in its residual.
+    pub redundancy: Option<f64>,
+    /// The residual in its own standard deviations.
+    pub normalised: Option<f64>,
+    /// The smallest error that the test detects.
+    pub smallest_error: Option<f64>,
+    /// How far that error moves the entry point that it moves most (m).
+    pub influence_m: Option<f64>,
+    /// The cable of that entry point.
+    pub moves: Option<usize>,
+    /// Whether the reading fails the test.
+    pub is_suspect: bool,
+}
+
+/// An estimated value (SI units).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValueStatistics {
+    /// What it is: `cable-3 entry point x`.
+    pub name: String,
+    /// Its cable, if it is a coordinate of a pulley.
+    pub cable: Option<usize>,
+    /// SI unit; none for coefficients.
+    pub unit: &'static str,
+    /// What the description says.
+    pub nominal: Option<f64>,
+    /// What was identified.
+    pub value: f64,
+    /// Its standard deviation; `None` where the data do not determine it.
+    pub sd: Option<f64>,
+    /// The standard deviation before anything was measured.
+    pub prior_sd: Option<f64>,
+    /// Ends of the interval in which it lies with the probability [`CONFIDENCE`].
+    pub interval: Option<[f64; 2]>,
+}
+
+/// SI unit of a kind of reading.
+#[must_use]
+pub fn unit_of_reading(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Length | Quantity::Laser | Quantity::TrackerPosition => "m",
+        Quantity::Tension => "N",
+        Quantity::Swivel | Quantity::Inclination | Quantity::TrackerOrientation => "rad",
+    }
+}
+
+/// The statistics of all readings, in the order of the poses. The test is the one by which suspicious readings are found.
+#[must_use]
+pub fn reading_statistics(fit: &Identification) -> Vec<ReadingStatistics> {
+    let test = fit.analysis.test();
+    all_readings(&fit.analysis)
+        .filter_map(|reading| of_reading(fit, reading, test))
+        .collect()
+}
+
+fn of_reading(
+    fit: &Identification,
+    reading: &Observation,
+    test: DetectionTest,
+) -> Option<ReadingStatistics> {
+    let (quantity, cable) = group_of(reading.kind)?;
+    let reliability = reading.reliability(test);
+    let is_same = |one: &Observation| (one.row, one.kind) == (reading.row, reading.kind);
+    Some(ReadingStatistics {
+        pose: *fit.dataset.measurements.labels.get(reading.row)?,
+        quantity,
+        cable,
+        name: reading_name(&fit.dataset.robot, reading.kind),
+        unit: unit_of_reading(quantity),
+        residual: reading.residual(),
+        sd: reading.sd,
+        redundancy: reading.redundancy,
+        normalised: reading.normalised(),
+        smallest_error: reliability.map(|r| r.smallest_error),
+        influence_m: reliability.map(|r| r.influence_m),
+        moves: reading.pull.map(|pull| pull.cable),
+        is_suspect: fit.analysis.suspects().iter().any(is_same),
+    })
+}
+
+/// The statistics of all estimated values, in the order of the solution.
+#[must_use]
+pub fn value_statistics(fit: &Identification) -> Vec<ValueStatistics> {
+    let half = normal_quantile(0.5 + 0.5 * CONFIDENCE);
+    let parameters = fit.solution.parameters.iter().enumerate();
+    parameters
+        .filter_map(|(index, parameter)| {
+            let (nominal, value) = nominal_and_value(fit, parameter)?;
+            let sd = fit.solution.standard_deviation(index);
+            Some(ValueStatistics {
+                name: parameter.name.clone(),
+                cable: match parameter.id {
+                    ParameterId::EntryPoint { cable, .. } => Some(cable),
+                    _ => None,
+                },
+                unit: unit_of_value(fit, parameter),
+                nominal,
+                value,
+                sd,
+                prior_sd: parameter.prior_sd,
+                interval: sd.map(|sd| [value - half * sd, value + half * sd]),
+            })
+        })
+        .collect()
+}
+
+/// Nominal and identified value of a parameter (SI units); the nominal one only where it is one number.
+#[must_use]
+pub fn nominal_and_value(
+    fit: &Identification,
+    parameter: &Parameter,
+) -> Option<(Option<f64>, f64)> {
+    let globals = &fit.solution.globals;
+    let robot = &fit.dataset.robot;
+    match parameter.id {
+        ParameterId::EntryPoint { cable, axis } => {
+            let nominal = robot.cables.get(cable)?.pulley.entry_point_m[axis];
+            Some((Some(nominal), globals.entry_points.get(cable)?[axis]))
+        }
+        ParameterId::PlaneOffset => {
+            let nominal = robot.laser.map(|laser| laser.target_plane.offset_m);
+            Some((nominal, globals.plane_offset_m))
+        }
+        ParameterId::Home(coordinate) => {
+            let nominal = robot.home.as_ref()?.pose();
+            let k = coordinate.index();
+            let is_position = matches!(coordinate, Coordinate::X | Coordinate::Y | Coordinate::Z);
+            if is_position {
+                Some((Some(nominal.position[k]), globals.home.position[k]))
+            } else {
+                Some((Some(0.0), globals.home.difference(&nominal)[k]))
+            }
+        }
+        ParameterId::HomeTension { cable } => {
+            Some((Some(0.0), *globals.home_tension_error_n.get(cable)?))
+        }
+        ParameterId::Effect { effect, parameter } => {
+            let bound = fit.free_effects().get(effect)?;
+            let neutral = bound.effect.parameters().get(parameter)?.neutral;
+            Some((Some(neutral), *bound.values.get(parameter)?))
+        }
+    }
+}
+
+/// SI unit of a parameter; none for coefficients.
+#[must_use]
+pub fn unit_of_value(fit: &Identification, parameter: &Parameter) -> &'static str {
+    let name = match parameter.id {
+        ParameterId::Effect { effect, parameter } => {
+            let bound = fit.free_effects().get(effect);
+            let all = bound.map(|bound| bound.effect.parameters());
+            all.and_then(|all| all.get(parameter)).map(|p| p.name)
+        }
+        _ => None,
+    };
+    unit_of(name.unwrap_or_default(), parameter.unit)
+}
+
+/// The statistics of readings as CSV: SI units, dots as decimal points, nothing where a number is not known.
+#[must_use]
+pub fn readings_csv(fit: &Identification) -> String {
+    let cables = &fit.dataset.robot.cables;
+    let mut text = "pose,reading,unit,residual,sd,redundancy,normalised_residual,smallest_detectable_error,influence_m,moves,suspect\n".to_owned();
+    for one in reading_statistics(fit) {
+        let moves = one.moves.and_then(|cable| cables.get(cable));
+        text += &line(&[
+            one.pose.to_string(),
+            one.name,
+            one.unit.to_owned(),
+            one.residual.to_string(),
+            one.sd.to_string(),
+            known(one.redundancy),
+            known(one.normalised),
+            known(one.smallest_error),
+            known(one.influence_m),
+            moves.map_or_else(String::new, |cable| cable.name.clone()),
+            if one.is_suspect { "yes" } else { "" }.to_owned(),
+        ]);
+    }
+    text
+}
+
+/// The statistics of values as CSV, in the same way.
+#[must_use]
+pub fn values_csv(fit: &Identification) -> String {
+    let mut text = "parameter,unit,nominal,value,sd,prior_sd,from_95,to_95\n".to_owned();
+    for one in value_statistics(fit) {
+        let [from, to] = [0, 1].map(|end| one.interval.map(|ends| ends[end]));
+        text += &line(&[
+            one.name,
+            one.unit.to_owned(),
+            known(one.nominal),
+            one.value.to_string(),
+            known(one.sd),
+            known(one.prior_sd),
+            known(from),
+            known(to),
+        ]);
+    }
+    text
+}
+
+fn known(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+fn line(cells: &[String]) -> String {
+    let cells: Vec<String> = cells.iter().map(|cell| quoted(cell)).collect();
+    cells.join(",") + "\n"
+}
+
+/// Names are given by the user: they are no formulas of spreadsheets, and may contain commas.
+fn quoted(cell: &str) -> String {
+    if cell.parse::<f64>().is_ok() {
+        return cell.to_owned();
+    }
+    let cell = escape_formula(cell);
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::estimation::{Control, Method};
+
+    use super::*;
+    use crate::documents::diagnosis::samples::dataset;
+    use crate::identification::{IdentificationRequest, identify};
+
+    fn fit() -> Identification {
+        let request = IdentificationRequest::new(dataset(), Method::Joint, &[]);
+        let request = request.expect("a request");
+        identify(&request, &mut |_| Control::Continue).expect("identified")
+    }
+
+    #[test]
+    fn every_reading_and_every_value_has_a_line() {
+        let fit = fit();
+        let readings = reading_statistics(&fit);
+        assert_eq!(readings.len(), all_readings(&fit.analysis).count());
+        assert!(readings.len() > 80);
+        for one in &readings {
+            let (redundancy, smallest) = (one.redundancy, one.smallest_error);
+            let [redundancy, smallest] = [redundancy, smallest].map(|v| v.expect("determined"));
+            assert!((0.0..=1.0).contains(&redundancy), "{one:?}");
+            // Four standard deviations are found at once; less redundancy needs more.
+            assert!(smallest > 4.0 * one.sd, "{one:?}");
+            assert!(one.influence_m.is_some_and(|by| by > 0.0) && one.moves.is_some());
+        }
+        let values = value_statistics(&fit);
+        assert_eq!(values.len(), fit.solution.parameters.len());
+        for one in &values {
+            let [from, to] = one.interval.expect("determined");
+            assert!(from < one.value && one.value < to);
+            assert!(((to - from) / one.sd.expect("determined") - 3.92).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn tables_have_a_row_each_and_as_many_cells_as_headings() {
+        let fit = fit();
+        for (text, rows) in [
+            (readings_csv(&fit), reading_statistics(&fit).len()),
+            (values_csv(&fit), value_statistics(&fit).len()),
+        ] {
+            let mut lines = text.lines();
+            let heads = lines.next().expect("headings").split(',').count();
+            assert_eq!(text.lines().count(), 1 + rows);
+            // A name with a comma stands in quotes.
+            let plain = lines.filter(|line| !line.contains('"'));
+            assert!(plain.clone().count() > 5);
+            for line in plain {
+                assert_eq!(line.split(',').count(), heads, "{line}");
+            }
+        }
+        assert_eq!(quoted("=1+1"), "'=1+1");
+        assert_eq!(quoted("-1.5"), "-1.5");
+        assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
+    }
+}

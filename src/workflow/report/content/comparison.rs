@@ -1,0 +1,221 @@
+//! The report of a comparison of two sessions.
+
+use tautline_core::comparison::{Comparison, PulleyDifference};
+use tautline_core::estimation::Observation;
+
+use super::{displacements, number, signed, when};
+use crate::comparison::{differs, effect_name, unexplained, verdict};
+use crate::identification::{Identification, all_readings};
+use crate::report::deviations::Deviation;
+use crate::report::document::{Block, Document, Section, Table};
+use crate::report::input::{ComparisonInput, PROGRAM};
+use crate::report::plots;
+use crate::wording::units::{mm, quantity, significant, with_sd};
+use crate::wording::{count, ratio, sentence};
+
+/// The whole report.
+pub fn document(input: &ComparisonInput<'_>) -> Document {
+    let names = input.names;
+    let title = match input.choice.title.trim() {
+        "" => format!("Comparison: {} and {}", names[0], names[1]),
+        title => title.to_owned(),
+    };
+    let mut subtitle = Vec::new();
+    for (what, who) in [
+        ("Company", &input.choice.company),
+        ("Operator", &input.choice.operator),
+    ] {
+        if !who.trim().is_empty() {
+            subtitle.push(format!("{what}: {}", who.trim()));
+        }
+    }
+    subtitle.push(format!("Created {}", when(input.now)));
+    Document {
+        header: input.choice.header.trim().to_owned(),
+        title,
+        subtitle,
+        sections: vec![
+            result(input),
+            pulleys(input),
+            others(input.comparison),
+            residuals(input),
+            signatures(input),
+            about(input),
+        ]
+        .into_iter()
+        .filter(|section| !section.blocks.is_empty())
+        .collect(),
+    }
+}
+
+fn result(input: &ComparisonInput<'_>) -> Section {
+    let mut section = Section::new("Result");
+    section.lead(verdict(input.comparison));
+    for text in unexplained(input.comparison, input.names) {
+        section.paragraph(text);
+    }
+    let facts = input
+        .names
+        .iter()
+        .zip(input.fits)
+        .zip(["First session", "Second session"]);
+    let facts = facts.map(|((name, fit), what)| (what.to_owned(), of_session(name, fit)));
+    section.blocks.push(Block::Facts(facts.collect()));
+    section
+}
+
+fn of_session(name: &str, fit: &Identification) -> String {
+    let poses = count(fit.dataset.measurements.len(), "pose");
+    let fit = fit.residual_ratio().map_or_else(String::new, |by| {
+        format!(", residuals {} times the expected noise", ratio(by))
+    });
+    format!("{name}: {poses}{fit}")
+}
+
+fn pulleys(input: &ComparisonInput<'_>) -> Section {
+    let mut section = Section::new("Pulleys, second less first");
+    if let Some(motion) = &input.comparison.motion {
+        section.paragraph(format!(
+            "A motion that all pulleys have in common has been removed: a shift of {} and a rotation of {}.",
+            quantity(motion.shift_m.norm(), "m"),
+            quantity(motion.rotation_rad.norm(), "rad")
+        ));
+    }
+    let cables = &input.fits[0].dataset.robot.cables;
+    let drawn = cables.iter().zip(&input.comparison.pulleys);
+    let drawn: Vec<Deviation> = drawn
+        .map(|(cable, pulley)| {
+            let shown = pulley.relative.unwrap_or(pulley.raw);
+            Deviation {
+                from: cable.pulley.entry_point_m.into(),
+                by: shown.vector_m,
+                covariance: Some(shown.covariance),
+                is_marked: pulley.moved,
+            }
+        })
+        .collect();
+    displacements::draw(&drawn, None, &mut section);
+    section.table(differences(input.comparison));
+    section
+}
+
+fn differences(compared: &Comparison) -> Table {
+    let mut table = Table::new(
+        format!(
+            "Differences; a pulley is called moved if noise alone would make one in fewer than {} of 100 comparisons",
+            significant(100.0 * compared.level, 2)
+        ),
+        1,
+        &[
+            "Pulley",
+            "dx mm",
+            "dy mm",
+            "dz mm",
+            "length mm",
+            "standard deviation mm",
+            "by chance",
+            "verdict",
+        ],
+    );
+    for pulley in &compared.pulleys {
+        let shown = pulley.relative.unwrap_or(pulley.raw);
+        let [x, y, z] = [0, 1, 2].map(|k| signed(1e3 * shown.vector_m[k], 2));
+        table.push([
+            pulley.cable.clone(),
+            x,
+            y,
+            z,
+            mm(shown.length_m(), 2),
+            mm(shown.length_sd_m(), 2),
+            chance(pulley),
+            called(pulley).to_owned(),
+        ]);
+    }
+    table
+}
+
+fn chance(pulley: &PulleyDifference) -> String {
+    match pulley.test.map(|test| test.p_corrected) {
+        None => super::NONE.to_owned(),
+        Some(p) if p < 1e-4 => "< 0.0001".to_owned(),
+        Some(p) => number(p, 4),
+    }
+}
+
+fn called(pulley: &PulleyDifference) -> &'static str {
+    match (pulley.test, pulley.moved) {
+        (None, _) => "undetermined",
+        (Some(_), true) => "moved",
+        (Some(_), false) => "noise",
+    }
+}
+
+/// What else the two have.
+fn others(compared: &Comparison) -> Section {
+    let mut section = Section::new("Other differences");
+    let mut table = Table::new(
+        "Target plane and effects",
+        1,
+        &["Quantity", "first", "second", "difference", "verdict"],
+    );
+    let mut push =
+        |name: String, unit: &str, size: &tautline_core::comparison::ScalarDifference| {
+            let value = |value: Option<f64>| {
+                value.map_or_else(|| super::NONE.to_owned(), |value| quantity(value, unit))
+            };
+            let verdict = match differs(compared, size.test) {
+                true => "different",
+                false => "noise",
+            };
+            table.push([
+                name,
+                value(size.first),
+                value(size.second),
+                with_sd(size.difference, size.sd, unit).replace('-', "−"),
+                verdict.to_owned(),
+            ]);
+        };
+    if let Some(plane) = &compared.plane {
+        push("Target plane".to_owned(), "m", plane);
+    }
+    for effect in &compared.effects {
+        push(sentence(&effect_name(effect)), &effect.unit, &effect.size);
+    }
+    section.table(table);
+    section
+}
+
+fn residuals(input: &ComparisonInput<'_>) -> Section {
+    let mut section = Section::new("Residuals of both");
+    section.note("Prediction minus reading of all readings, in standard deviations; the line is what the stated noise would give.");
+    let drawn = input.names.iter().zip(input.fits).map(|(name, fit)| {
+        let all: Vec<f64> = all_readings(&fit.analysis)
+            .filter_map(Observation::normalised)
+            .collect();
+        plots::histogram(&format!("{name}: {} readings", all.len()), &all)
+    });
+    section.blocks.push(Block::Plots(drawn.collect()));
+    section
+}
+
+fn signatures(input: &ComparisonInput<'_>) -> Section {
+    let mut section = Section::new("Signatures");
+    let operator = input.choice.operator.trim();
+    section.blocks.push(Block::Signatures(vec![
+        ("Compared by".to_owned(), operator.to_owned()),
+        ("Approved by".to_owned(), String::new()),
+    ]));
+    section
+}
+
+fn about(input: &ComparisonInput<'_>) -> Section {
+    let mut section = Section::new("About this report");
+    let facts = [
+        ("Program", PROGRAM.to_owned()),
+        ("Created", when(input.now)),
+        ("Robot", input.fits[0].dataset.robot.name.clone()),
+    ];
+    let facts = facts.map(|(name, value)| (name.to_owned(), value));
+    section.blocks.push(Block::Facts(facts.into()));
+    section
+}

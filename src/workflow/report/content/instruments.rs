@@ -1,0 +1,125 @@
+//! The instruments with their uncertainties, and who signs.
+
+use tautline_core::robot::Robot;
+
+use super::number;
+use crate::report::document::{Block, Section, Table};
+use crate::report::input::ReportInput;
+use crate::wording::count;
+use crate::wording::units::{mm, quantity, significant};
+
+pub fn section(robot: &Robot) -> Section {
+    let mut section = Section::new("Instruments");
+    section.paragraph("Standard deviations as the description of the robot states them. Serial numbers and dates of calibration are to be filled in.");
+    let mut table = Table::new(
+        "What was read, and how exactly",
+        2,
+        &[
+            "Instrument",
+            "reads",
+            "number",
+            "standard deviation",
+            "serial number",
+            "calibrated on",
+        ],
+    );
+    for (name, reads, number, sd) in instruments(robot) {
+        let empty = || "\u{2026}".to_owned();
+        table.push([
+            name.into(),
+            reads.into(),
+            number.to_string(),
+            sd,
+            empty(),
+            empty(),
+        ]);
+    }
+    section.table(table);
+    section
+}
+
+type Instrument = (&'static str, &'static str, usize, String);
+
+fn instruments(robot: &Robot) -> Vec<Instrument> {
+    let cables = &robot.cables;
+    let lengths = cables.iter().map(|cable| cable.winch.length_sd_m);
+    let mut all: Vec<Instrument> = vec![(
+        "Winch encoder",
+        "length of a cable",
+        cables.len(),
+        span(lengths.map(|sd| 1e3 * sd).collect(), "mm"),
+    )];
+    let tensions: Vec<f64> = cables
+        .iter()
+        .filter_map(|cable| Some(cable.force_sensor?.tension_sd_n))
+        .collect();
+    if !tensions.is_empty() {
+        let number = tensions.len();
+        all.push((
+            "Force sensor",
+            "tension of a cable",
+            number,
+            span(tensions, "N"),
+        ));
+    }
+    if let Some(laser) = &robot.laser {
+        let sd = quantity(laser.sd_m, "m");
+        all.push(("Laser distance sensor", "distance to the target", 1, sd));
+    }
+    let swivels: Vec<f64> = cables
+        .iter()
+        .filter_map(|cable| cable.pulley.swivel_sd_rad)
+        .map(f64::to_degrees)
+        .collect();
+    if !swivels.is_empty() {
+        let number = swivels.len();
+        let sd = span(swivels, "degrees");
+        all.push(("Swivel encoder", "direction of a pulley", number, sd));
+    }
+    if let Some(inclinometer) = &robot.inclinometer {
+        let sd = quantity(inclinometer.sd_rad, "rad");
+        all.push(("Inclinometer", "rotation of the platform", 1, sd));
+    }
+    if let Some(tracker) = &robot.tracker {
+        let sd = tracker.position_sd_m.each().into_iter().fold(0.0, f64::max);
+        let sd = quantity(sd, "m");
+        all.push(("External instrument", "pose of the platform", 1, sd));
+    }
+    if let Some(home) = &robot.home {
+        let sd = format!("{} mm", mm(home.position_sd_m, 3));
+        all.push(("Home reference", "pose from which lengths count", 1, sd));
+    }
+    all
+}
+
+/// One number where all are equal, else the least and the greatest.
+fn span(values: Vec<f64>, unit: &str) -> String {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    match significant(least, 3) == significant(greatest, 3) {
+        true => format!("{} {unit}", significant(greatest, 3)),
+        false => format!(
+            "{} to {} {unit}",
+            significant(least, 3),
+            significant(greatest, 3)
+        ),
+    }
+}
+
+/// What a tolerance says of the pulleys, and lines to sign.
+pub fn signatures(input: &ReportInput<'_>) -> Section {
+    let mut section = Section::new("Signatures");
+    let operator = input.choice.operator.trim();
+    section.blocks.push(Block::Signatures(vec![
+        ("Measured by".to_owned(), operator.to_owned()),
+        ("Approved by".to_owned(), String::new()),
+    ]));
+    if let Some(tolerance_m) = input.choice.tolerance_m {
+        section.note(format!(
+            "The tolerance of {} mm for {} was given by the operator.",
+            number(1e3 * tolerance_m, 2),
+            count(input.session.robot.cable_count(), "pulley")
+        ));
+    }
+    section
+}

@@ -1,0 +1,290 @@
+//! Drawings of the displacements of pulleys: three views of the frame, and their coordinates with intervals.
+
+use ecolor::Color32;
+use emath::{Align2, Pos2, Rect, Vec2, vec2};
+use nalgebra::{Matrix3, Vector3};
+
+use super::colours::{ACCENT, FAINT, MUTED, PLOT, WARNING};
+use super::plots::{SCALE, SIZE};
+use super::tolerance::COVERAGE;
+use crate::plot::Drawing;
+use crate::plot::canvas::{Canvas, Stroke};
+use crate::plot::draw::drawing;
+use crate::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
+use crate::wording::units::significant;
+
+/// Size of a view (pt): three stand side by side.
+const VIEW: [f32; 2] = [153.0, 150.0];
+/// Space around the frame in a view (pt).
+const MARGIN: f32 = 20.0;
+/// Size of the text in a view (pt).
+const TEXT: f32 = 7.0;
+/// Part of a view that the longest displacement takes.
+const LONGEST: f64 = 0.22;
+/// Distance of a label from its pulley (pt).
+const LABEL: f32 = 11.0;
+/// Numbers closer than this share a label (pt).
+const SAME: f32 = 7.0;
+
+/// A pulley that is drawn.
+pub struct Deviation {
+    /// Where it was expected (m).
+    pub from: Vector3<f64>,
+    /// What is different (m).
+    pub by: Vector3<f64>,
+    /// Its covariance (m^2); `None` where it is not known.
+    pub covariance: Option<Matrix3<f64>>,
+    /// Whether it stands out.
+    pub is_marked: bool,
+}
+
+impl Deviation {
+    /// Expanded uncertainty of its length, whatever its direction (m).
+    pub fn uncertainty_m(&self) -> Option<f64> {
+        let largest = self.covariance?.symmetric_eigenvalues().max();
+        Some(COVERAGE * largest.max(0.0).sqrt())
+    }
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is at most `most`.
+fn round_down(most: f64) -> f64 {
+    if !(most.is_finite() && most > 0.0) {
+        return 1.0;
+    }
+    let power = 10_f64.powf(most.log10().floor());
+    let factors = [5.0, 2.0, 1.0].map(|factor| factor * power);
+    let found = factors.into_iter().find(|one| *one <= most * (1.0 + 1e-9));
+    found.unwrap_or(power)
+}
+
+/// The views from above, from the front and from the side, and how often displacements are magnified in them.
+pub fn views(pulleys: &[Deviation]) -> (Vec<Drawing>, f64) {
+    let spread = |k: usize| {
+        let at = pulleys.iter().map(|pulley| pulley.from[k]);
+        let bounds = at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        });
+        (bounds[1] - bounds[0]).max(0.0)
+    };
+    let extent = (0..3).map(spread).fold(0.0, f64::max);
+    let longest = pulleys.iter().map(|one| one.by.norm()).fold(0.0, f64::max);
+    let magnification = match longest > 0.0 {
+        true => round_down(LONGEST * extent / longest).max(1.0),
+        false => 1.0,
+    };
+    let sides = [
+        ("From above", ["x", "y"], [0, 1]),
+        ("From the front", ["x", "z"], [0, 2]),
+        ("From the side", ["y", "z"], [1, 2]),
+    ];
+    let drawn = sides.map(|(title, names, axes)| {
+        let label = format!(
+            "{title}: pulleys and their displacements, magnified {} times",
+            significant(magnification, 2)
+        );
+        let whole = Rect::from_min_size(Pos2::ZERO, vec2(VIEW[0], VIEW[1]));
+        Drawing::record(label, whole, 1.0, |canvas| {
+            let view = View::new(pulleys, axes, extent, whole);
+            view.draw(canvas, pulleys, magnification, (title, names));
+        })
+    });
+    (drawn.into(), magnification)
+}
+
+/// Where places of the robot are in a view.
+struct View {
+    axes: [usize; 2],
+    /// Middle of the pulleys (m).
+    middle: [f64; 2],
+    /// Points per metre.
+    scale: f64,
+    whole: Rect,
+}
+
+impl View {
+    fn new(pulleys: &[Deviation], axes: [usize; 2], extent: f64, whole: Rect) -> Self {
+        let middle = axes.map(|k| {
+            let at = pulleys.iter().map(|pulley| pulley.from[k]);
+            let [low, high] = at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            });
+            0.5 * (low + high)
+        });
+        let room = whole.width().min(whole.height()) - 2.0 * MARGIN;
+        Self {
+            axes,
+            middle,
+            scale: f64::from(room) / extent.max(1e-6),
+            whole,
+        }
+    }
+
+    fn place(&self, point: &Vector3<f64>) -> Pos2 {
+        let [x, y] = [0, 1].map(|k| self.scale * (point[self.axes[k]] - self.middle[k]));
+        self.whole.center() + vec2(x as f32, -y as f32)
+    }
+
+    fn draw(
+        &self,
+        canvas: &mut dyn Canvas,
+        pulleys: &[Deviation],
+        magnification: f64,
+        (title, [across, up]): (&str, [&str; 2]),
+    ) {
+        let frame = pulleys.iter().map(|pulley| self.place(&pulley.from));
+        let frame = Rect::from_points(&frame.collect::<Vec<_>>());
+        let corners = [
+            frame.left_top(),
+            frame.right_top(),
+            frame.right_bottom(),
+            frame.left_bottom(),
+            frame.left_top(),
+        ];
+        canvas.line(&corners, Stroke::new(0.75, FAINT), false);
+        let mut labels: Vec<(Pos2, String)> = Vec::new();
+        for (index, pulley) in pulleys.iter().enumerate() {
+            let from = self.place(&pulley.from);
+            let to = self.place(&(pulley.from + magnification * pulley.by));
+            let colour = if pulley.is_marked { WARNING } else { ACCENT };
+            canvas.ring(from, 2.2, Stroke::new(0.75, MUTED));
+            arrow(canvas, from, to, colour);
+            // Outwards, where nothing else is.
+            let out = (from - frame.center()).normalized();
+            let at = from + LABEL * if out == Vec2::ZERO { Vec2::DOWN } else { out };
+            let number = (index + 1).to_string();
+            match labels
+                .iter_mut()
+                .find(|(other, _)| other.distance(at) < SAME)
+            {
+                Some((_, text)) => *text = format!("{text}, {number}"),
+                None => labels.push((at, number)),
+            }
+        }
+        for (at, text) in &labels {
+            canvas.text(*at, Align2::CENTER_CENTER, text, TEXT, MUTED);
+        }
+        let corner = self.whole.left_top();
+        canvas.text(corner, Align2::LEFT_TOP, title, TEXT, MUTED);
+        let axes = format!("{across} to the right, {up} upwards");
+        canvas.text(
+            self.whole.left_bottom(),
+            Align2::LEFT_BOTTOM,
+            &axes,
+            0.9 * TEXT,
+            MUTED,
+        );
+    }
+}
+
+/// A line with a head; a head alone where it is too short to be seen.
+fn arrow(canvas: &mut dyn Canvas, from: Pos2, to: Pos2, colour: Color32) {
+    let along = to - from;
+    canvas.line(&[from, to], Stroke::new(1.25, colour), false);
+    if along.length() < 3.0 {
+        canvas.disc(to, 1.2, colour);
+        return;
+    }
+    let (along, across) = (along.normalized(), along.normalized().rot90());
+    let back = to - 4.0 * along;
+    canvas.polygon(vec![to, back + 1.8 * across, back - 1.8 * across], colour);
+}
+
+/// The coordinates of all displacements with intervals of 95 %, and the band of the tolerance (m).
+pub fn coordinates(pulleys: &[Deviation], tolerance_m: Option<f64>) -> Drawing {
+    let inks = [
+        ("dx", Ink::Accent, Marker::Circle),
+        ("dy", Ink::Text, Marker::Square),
+        ("dz", Ink::Muted, Marker::Triangle),
+    ];
+    let series = inks
+        .into_iter()
+        .enumerate()
+        .map(|(axis, (name, ink, marker))| {
+            let point = |(index, pulley): (usize, &Deviation)| {
+                let variance = pulley.covariance.map_or(0.0, |c| c[(axis, axis)]);
+                let shift = 0.18 * (axis as f64 - 1.0);
+                Point {
+                    sd: [0.0, 1e3 * COVERAGE * variance.max(0.0).sqrt()],
+                    ..Point::new(index as f64 + 1.0 + shift, 1e3 * pulley.by[axis])
+                }
+            };
+            let points = pulleys.iter().enumerate().map(point).collect();
+            let mut series = Series::new(name, ink, marker, points);
+            series.short = name.to_owned();
+            series
+        });
+    let numbers = 1..=pulleys.len();
+    let figure = Figure {
+        x: Axis {
+            names: numbers.map(|k| (k as f64, k.to_string())).collect(),
+            ..Axis::new("Pulley", "")
+        },
+        y: Axis::new("Displacement, bars: expanded uncertainty", "mm"),
+        bands: tolerance_m
+            .map(|tolerance| Band {
+                name: "tolerance".to_owned(),
+                y: [-1e3 * tolerance, 1e3 * tolerance],
+            })
+            .into_iter()
+            .collect(),
+        series: series.collect(),
+        has_zero_line: true,
+        ..Figure::default()
+    };
+    let size = [2.0 * SIZE[0] + 12.0, 150.0];
+    let label = "Displacements of the pulleys along x, y and z with their uncertainty";
+    drawing(label, &figure, size, SCALE, &PLOT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pulleys() -> Vec<Deviation> {
+        let corner = |k: usize| {
+            let side = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
+            Vector3::new(2.0 * side(1), 1.5 * side(2), side(4))
+        };
+        (0..8)
+            .map(|k| Deviation {
+                from: corner(k),
+                by: Vector3::new(0.001, 0.0, 0.002 * k as f64),
+                covariance: Some(Matrix3::identity() * 1e-8),
+                is_marked: k == 3,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_pulley_is_named_once_in_each_view_and_all_stays_inside() {
+        let (views, magnification) = views(&pulleys());
+        // The longest of 14 mm takes at most 22 % of 4 m.
+        assert_eq!(magnification, 50.0);
+        for view in views {
+            let svg = view.svg();
+            assert!(!svg.contains("NaN"), "{svg}");
+            for number in 1..=8 {
+                let named = [
+                    format!(">{number}<"),
+                    format!(">{number}, "),
+                    format!(", {number}<"),
+                    format!(", {number}, "),
+                ];
+                let times: usize = named
+                    .iter()
+                    .map(|text| svg.matches(text.as_str()).count())
+                    .sum();
+                assert_eq!(times, 1, "pulley {number} in {}", view.label);
+            }
+        }
+        let plot = coordinates(&pulleys(), Some(0.01)).svg();
+        assert!(plot.contains("tolerance") && !plot.contains("NaN"));
+    }
+
+    #[test]
+    fn magnifications_are_round_numbers() {
+        for (most, expected) in [(62.8, 50.0), (0.3, 0.2), (1000.0, 1000.0), (f64::NAN, 1.0)] {
+            assert!((round_down(most) - expected).abs() < 1e-9 * expected);
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Whether displacements are within a tolerance, by ISO 14253-1: the uncertainty counts against whatever is claimed.
+
+/// Expanded uncertainty in standard deviations: a coverage of about 95 %.
+pub const COVERAGE: f64 = 2.0;
+
+/// Whether something conforms with a tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Conformity {
+    /// Also with its uncertainty added.
+    Within,
+    /// Also with its uncertainty taken off.
+    Outside,
+    /// The tolerance lies within the uncertainty, or that is not known.
+    Undecided,
+}
+
+impl Conformity {
+    /// Of a distance with its expanded uncertainty; all lengths in one unit.
+    pub fn of(distance: f64, uncertainty: Option<f64>, tolerance: f64) -> Self {
+        match uncertainty {
+            Some(uncertainty) if distance + uncertainty <= tolerance => Self::Within,
+            Some(uncertainty) if distance - uncertainty > tolerance => Self::Outside,
+            _ => Self::Undecided,
+        }
+    }
+
+    /// In words, as a cell of a table.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Within => "within",
+            Self::Outside => "outside",
+            Self::Undecided => "not decided",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_uncertainty_is_on_the_safe_side_of_both_verdicts() {
+        for (distance, uncertainty, expected) in [
+            (1.0, Some(0.9), Conformity::Within),
+            (1.0, Some(1.1), Conformity::Undecided),
+            (2.5, Some(0.6), Conformity::Undecided),
+            (2.5, Some(0.4), Conformity::Outside),
+            (0.0, None, Conformity::Undecided),
+        ] {
+            assert_eq!(Conformity::of(distance, uncertainty, 2.0), expected);
+        }
+    }
+}
