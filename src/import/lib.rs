@@ -7,10 +7,13 @@
 mod check;
 mod cutting;
 mod document;
+mod draft;
 mod formats;
 mod importing;
+mod input;
 mod median;
 mod naming;
+mod outline;
 mod proposal;
 mod recipe;
 mod robots;
@@ -24,8 +27,11 @@ pub use check::{Change, Mistake, Suggestion};
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
+pub use draft::{Draft, clock_times, uses};
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
+pub use naming::pattern_of;
+pub use outline::outline;
 pub use proposal::propose;
 pub use recipe::{Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, read_recipe};
 pub use robots::read_robot_description;

@@ -9,6 +9,7 @@ mod demo;
 mod doctor;
 mod gl;
 mod identification;
+mod importing;
 mod layout;
 mod measured;
 mod measuring;

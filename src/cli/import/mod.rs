@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if describes_robot(&arguments.sources)? {
         return robot_description(arguments);
     }
-    let sources = noticed(read_sources(&arguments.sources)?);
+    let sources = noticed(read_sources(&arguments.sources, &|_| true)?);
     let robot = robot(arguments)?;
     let (recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
     if arguments.channels {

@@ -1,5 +1,6 @@
 //! Recipes: which channel is which quantity of the robot.
 
+mod edit;
 mod quantity;
 mod resolve;
 

@@ -5,7 +5,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 use super::state::State;
 use crate::model::command::{
     Command, CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, IdentificationCommand, PoseStep,
-    ReportCommand, RobotCommand, Setup, ViewCommand,
+    RecordingCommand, ReportCommand, RobotCommand, Setup, ViewCommand,
 };
 use crate::model::phase::{Phase, Screen};
 use tautline_workflow::report::ReportFormat;
@@ -113,6 +113,13 @@ fn file(state: &State) -> Vec<Item> {
         ),
         item(
             Menu::File,
+            "Import…",
+            None,
+            true,
+            RecordingCommand::Show,
+        ),
+        item(
+            Menu::File,
             "Compare two sessions",
             None,
             true,
@@ -164,9 +171,7 @@ fn file(state: &State) -> Vec<Item> {
 }
 
 fn edit(state: &State) -> Vec<Item> {
-    let history = state.model.open.as_ref().map(super::OpenSession::history);
-    let undo = history.and_then(crate::model::edit::History::next_undo);
-    let redo = history.and_then(crate::model::edit::History::next_redo);
+    let [undo, redo] = state.model.next_steps();
     let named = |what: &str, name: Option<&str>| {
         name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"))
     };

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use tautline_session::{Import, Loaded, Session, UnsavedSession};
+use tautline_session::{Loaded, Session, UnsavedSession};
+use tautline_workflow::importing::Opened;
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
@@ -64,8 +65,8 @@ pub enum FileOutcome {
     Read {
         /// Its path.
         path: PathBuf,
-        /// What it is, or one sentence.
-        result: Result<Loaded<Import>, String>,
+        /// What it is, or one sentence; `None` where reading was stopped.
+        result: Result<Option<Loaded<Opened>>, String>,
     },
     /// The demonstration is ready, or one sentence.
     Demo(Result<Box<Session>, String>),
