@@ -300,7 +300,10 @@ mod tests {
         };
         let fits = Draft::new(vec![source("next", &["a"])], Some(known.clone()), &robot);
         assert_eq!(fits.recipe().channels, known.channels);
-        assert!(fits.recipe().steps.is_empty(), "the step was in the other file");
+        assert!(
+            fits.recipe().steps.is_empty(),
+            "the step was in the other file"
+        );
         let other = Draft::new(vec![source("next", &["c"])], Some(known), &robot);
         assert!(other.recipe().channels.is_empty());
         assert!(other.origin().contains("proposed"));

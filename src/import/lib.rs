@@ -4,6 +4,7 @@
 //! says which channel is which quantity of the robot, with unit, factor, offset and sign. **Cutting** makes poses of rows:
 //! every row, rows of one label, or rests. What was not understood is told in notices, and nothing is dropped silently.
 
+mod alignment;
 mod check;
 mod cutting;
 mod document;
@@ -23,6 +24,7 @@ mod table;
 mod text;
 mod units;
 
+pub use alignment::{AlignedClock, ClockFit, align_clocks};
 pub use check::{Change, Mistake, Suggestion};
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,

@@ -39,7 +39,10 @@ mod tests {
 
     #[test]
     fn short_channels_are_shown_as_they_are() {
-        assert_eq!(outline(&[1.0, 3.0, 2.0], 100), [(0, 1.0), (1, 3.0), (2, 2.0)]);
+        assert_eq!(
+            outline(&[1.0, 3.0, 2.0], 100),
+            [(0, 1.0), (1, 3.0), (2, 2.0)]
+        );
         assert!(outline(&[], 10).is_empty());
     }
 

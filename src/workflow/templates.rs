@@ -80,7 +80,9 @@ impl Template {
             Self::Spatial => "four cables from above and four from below, fully constrained",
             Self::Suspended => "two cables at each upper corner, gravity keeps them taut",
             Self::Planar => "four cables in a vertical plane, x and y lie in it",
-            Self::Hangprinter => "three lines from the floor, one from above, a point without rotation",
+            Self::Hangprinter => {
+                "three lines from the floor, one from above, a point without rotation"
+            }
             Self::Facade => "eight cables in two layers before a wall",
         }
     }
@@ -256,7 +258,11 @@ fn facade([width, depth, height]: [f64; 3]) -> Parts {
         for [x, z] in CORNERS {
             // Each layer crosses over from top to bottom, which holds the rotation in the plane of the wall.
             cables.push((
-                [0.5 * width * x, 0.5 * depth * layer, 0.5 * height * (1.0 + z)],
+                [
+                    0.5 * width * x,
+                    0.5 * depth * layer,
+                    0.5 * height * (1.0 + z),
+                ],
                 [0.0, 0.0, z],
                 [0.06 * width * x, 0.25 * depth * layer, -0.05 * height * z],
             ));
@@ -386,10 +392,15 @@ mod tests {
                 let size = template.usual_size_m().map(|side| scale * side);
                 let robot = template.robot(size);
                 let name = template.name();
-                robot.check().unwrap_or_else(|error| panic!("{name}: {error}"));
+                robot
+                    .check()
+                    .unwrap_or_else(|error| panic!("{name}: {error}"));
                 let home = robot.home.expect("a home pose").pose();
                 let tensions = TensionRange::of(&robot).tensions(&robot, &home);
-                assert!(tensions.expect("tensions").is_some(), "{name} times {scale}");
+                assert!(
+                    tensions.expect("tensions").is_some(),
+                    "{name} times {scale}"
+                );
                 let simulated = simulate(&robot, &SimulationOptions::new(8, 1));
                 let simulated = simulated.unwrap_or_else(|error| panic!("{name}: {error}"));
                 assert_eq!(simulated.dataset.measurements.len(), 9, "{name}");
@@ -417,7 +428,10 @@ mod tests {
             };
             for axis in 0..3 {
                 let found = range(axis);
-                assert!((found - expected[axis]).abs() < 2e-3, "{template:?}: {found}");
+                assert!(
+                    (found - expected[axis]).abs() < 2e-3,
+                    "{template:?}: {found}"
+                );
             }
         }
     }

@@ -6,18 +6,21 @@ use anyhow::Result;
 use egui::{Key, Modifiers, ThemePreference};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    CompareCommand, FileCommand, ReportCommand, RobotCommand, ViewCommand,
+    Answer, CompareCommand, FileCommand, RecordingCommand, ReportCommand, RobotCommand, ViewCommand,
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::Phase;
 use tautline_workflow::report::ReportFormat;
+use tautline_workflow::templates::Template;
 
 use super::stage::{LARGE, Stage};
 use super::{files, open, phase};
 
 /// Sizes of the window (pixels).
 const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [1920.0, 1080.0]];
+/// A window that is smaller than most screens.
+const LITTLE: [f32; 2] = [1024.0, 640.0];
 
 struct Looks {
     stage: Stage,
@@ -39,14 +42,32 @@ impl Looks {
             self.stage.give(ViewCommand::Theme(theme));
             for size in SIZES {
                 for scale in [1.0, 2.0] {
-                    self.stage.resize(size, scale);
-                    let file = format!("{name}-{}-{:.0}-{of}.png", size[0], 100.0 * scale);
-                    files::write_still(&self.into.join(file), &self.stage.picture()?)?;
+                    self.take(name, of, size, scale)?;
                 }
             }
         }
         self.stage.resize(LARGE, 1.0);
         Ok(())
+    }
+
+    /// The same, and in a window that is smaller than most screens.
+    fn at_every_size(&mut self, name: &str) -> Result<()> {
+        self.at(name)?;
+        if self.only.as_ref().is_some_and(|only| !name.contains(only)) {
+            return Ok(());
+        }
+        self.take(name, "light", LITTLE, 1.0)?;
+        self.stage.give(ViewCommand::Theme(ThemePreference::Dark));
+        self.take(name, "dark", LITTLE, 1.0)?;
+        self.stage.resize(LARGE, 1.0);
+        Ok(())
+    }
+
+    /// One picture in the present theme, whose name is `of`.
+    fn take(&mut self, name: &str, of: &str, size: [f32; 2], scale: f32) -> Result<()> {
+        self.stage.resize(size, scale);
+        let file = format!("{name}-{}-{:.0}-{of}.png", size[0], 100.0 * scale);
+        files::write_still(&self.into.join(file), &self.stage.picture()?)
     }
 }
 
@@ -64,6 +85,7 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
         only: only.map(str::to_owned),
     };
     looks.at("start")?;
+    imports(&mut looks)?;
     looks.stage.give(CompareCommand::Show);
     looks.at("compare-empty")?;
     for (session, name) in [
@@ -90,6 +112,30 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     looks.at("compare-row")
 }
 
+/// Files of other programs: without a robot, a recording, and a log with mistakes.
+fn imports(looks: &mut Looks) -> Result<()> {
+    let file = |name: &str| Path::new("docs/your-data").join(name);
+    looks.stage.give(FileCommand::Open(file("scope.csv")));
+    looks.at_every_size("import-robot")?;
+    looks.stage.press("mini");
+    looks.at_every_size("import-scope")?;
+    looks.stage.give(RecordingCommand::Discard);
+    looks.stage.give(RecordingCommand::Show);
+    looks.at_every_size("import-empty")?;
+    for name in ["mistakes.csv", "points.txt"] {
+        looks.stage.give(RecordingCommand::Read(file(name)));
+    }
+    looks.stage.press_first("rev_3, ");
+    looks.at_every_size("import-mistakes")?;
+    looks.stage.give(FileCommand::Close);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
+    looks.stage.give(FileCommand::New(Template::Suspended));
+    looks.at_every_size("new-robot")?;
+    looks.stage.give(FileCommand::Close);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
+    Ok(())
+}
+
 fn phases(looks: &mut Looks) -> Result<()> {
     for (step, parts) in [
         (
@@ -98,7 +144,7 @@ fn phases(looks: &mut Looks) -> Result<()> {
         ),
         (
             Phase::Modeling,
-            &["Elongation", "Pulleys", "Cable lengths"][..],
+            &["Elongation", "Pulleys", "Cable lengths", "Description"][..],
         ),
         (Phase::Identification, &["Geometry", "Model doctor"][..]),
     ] {

@@ -65,7 +65,9 @@ fn used<'b>(bench: &'b Bench, channel: &str) -> Option<&'b str> {
 
 fn poses(bench: &Bench) -> usize {
     let cut = import(bench).cut.as_ref().expect("a cut");
-    cut.result.as_ref().map_or(0, |done| done.measurements.len())
+    cut.result
+        .as_ref()
+        .map_or(0, |done| done.measurements.len())
 }
 
 /// Chooses in a list: the name of the list with what it shows now, and what is chosen.
@@ -97,8 +99,12 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     assert_eq!(used(&bench, "Slot[3]"), Some("rev_3"));
     assert_eq!(used(&bench, "Slot[8]"), Some("rev_8"));
     press(&mut bench.harness, "Rests are poses");
-    assert_eq!(poses(&bench), 10);
+    assert_eq!(
+        import(&bench).cut.as_ref().map(|cut| cut.poses().len()),
+        Some(10)
+    );
     press(&mut bench.harness, "The first pose is the home pose");
+    assert_eq!(poses(&bench), 10);
     assert!(bench.shows("No mistake is found in the readings."));
 
     // Steps of the recipe are undone one by one, and done again.
@@ -131,7 +137,12 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     assert_eq!(bench.session().measurements.len(), 10);
     assert_eq!(model(&bench).screen, Screen::Phase(Phase::Identification));
     give(&mut bench.harness, IdentificationCommand::Identify);
-    let fit = |bench: &Bench| model(bench).open.as_ref().is_some_and(|open| open.fit().is_some());
+    let fit = |bench: &Bench| {
+        model(bench)
+            .open
+            .as_ref()
+            .is_some_and(|open| open.fit().is_some())
+    };
     assert!(fit(&bench), "{}", bench.said());
 
     // An import is undone as a whole: it is still in its file.
@@ -212,7 +223,11 @@ fn files_wait_for_a_robot() {
     let path = folder.path().join("log.csv");
     std::fs::write(&path, example("scope.csv")).expect("written");
     give(&mut harness, FileCommand::Open(path));
-    assert!(harness.query_by_label("Which robot was measured?").is_some());
+    assert!(
+        harness
+            .query_by_label("Which robot was measured?")
+            .is_some()
+    );
     let mini = tautline_core::robot::presets::find("mini").expect("a preset");
     press(&mut harness, &mini.robot.name);
     let model = &harness.state().state.model;

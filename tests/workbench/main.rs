@@ -6,6 +6,7 @@ mod connect;
 mod controller;
 mod crash;
 mod demo;
+mod describing;
 mod doctor;
 mod gl;
 mod identification;

@@ -64,7 +64,7 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
 }
 
 /// The series that has most of the quantities that move.
-fn main_series(mapping: &Mapping<'_>) -> usize {
+pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
     let mut counts = vec![0_usize; mapping.series.len()];
     for (quantity, mapped) in &mapping.quantities {
         counts[mapped.series] += if quantity.is_per_cable() { 64 } else { 1 };
@@ -87,7 +87,8 @@ pub(crate) fn cut(
     notices: &mut Vec<String>,
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
-        let message = "no channel is a quantity of the robot: expected a recipe that says which are";
+        let message =
+            "no channel is a quantity of the robot: expected a recipe that says which are";
         return Err(ReadError::new(file, Place::File, message));
     }
     let main = main_series(mapping);

@@ -49,23 +49,28 @@ impl Recipe {
     /// The entry that says what a channel is, as it stands in the recipe; `None` where the channel is not used.
     #[must_use]
     pub fn entry_of(&self, series: &str, channel: &str, cables: usize) -> Option<&Assignment> {
-        self.channels.iter().enumerate().rev().find_map(|(k, entry)| {
-            let singles = entry.singles(cables);
-            let own = singles.iter().find(|one| one.is_of(series, channel))?;
-            // What a later entry makes of another channel, this one is no more.
-            let is_replaced = self.channels[k + 1..]
-                .iter()
-                .flat_map(|later| later.singles(cables))
-                .any(|later| later.quantity == own.quantity && later.quantity != "time_s");
-            (!is_replaced).then_some(entry)
-        })
+        self.channels
+            .iter()
+            .enumerate()
+            .rev()
+            .find_map(|(k, entry)| {
+                let singles = entry.singles(cables);
+                let own = singles.iter().find(|one| one.is_of(series, channel))?;
+                // What a later entry makes of another channel, this one is no more.
+                let is_replaced = self.channels[k + 1..]
+                    .iter()
+                    .flat_map(|later| later.singles(cables))
+                    .any(|later| later.quantity == own.quantity && later.quantity != "time_s");
+                (!is_replaced).then_some(entry)
+            })
     }
 
     /// Says what a channel or those of a pattern are; what they and their quantities were before is forgotten.
     pub fn assign(&mut self, series: &str, assignment: Assignment, cables: usize) {
         for one in assignment.singles(cables) {
             self.release(series, &one.channel, cables);
-            if Quantity::parse(&one.quantity).is_some_and(|quantity| quantity.column() != "time_s") {
+            if Quantity::parse(&one.quantity).is_some_and(|quantity| quantity.column() != "time_s")
+            {
                 self.channels.retain(|entry| entry.quantity != one.quantity);
             }
             self.left_empty.retain(|column| *column != one.quantity);
@@ -131,7 +136,11 @@ mod tests {
         assert_eq!(quantity(&recipe, "W3.Pos").as_deref(), Some("rev_3"));
         recipe.release("log", "W2.Pos", 3);
         assert_eq!(quantity(&recipe, "W2.Pos"), None);
-        let columns: Vec<&str> = recipe.channels.iter().map(|one| one.quantity.as_str()).collect();
+        let columns: Vec<&str> = recipe
+            .channels
+            .iter()
+            .map(|one| one.quantity.as_str())
+            .collect();
         assert_eq!(columns, ["rev_1", "rev_3", "force_{i}_n"]);
     }
 

@@ -193,12 +193,13 @@ impl Quantity {
     /// One of each kind, those of cables for the first cable.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let per_cable = PER_CABLE
-            .iter()
-            .map(|(kind, ..)| Self { kind: *kind, index: 0 });
-        let single = SINGLE.iter().flat_map(|(kind, names)| {
-            (0..names.len()).map(|index| Self { kind: *kind, index })
+        let per_cable = PER_CABLE.iter().map(|(kind, ..)| Self {
+            kind: *kind,
+            index: 0,
         });
+        let single = SINGLE
+            .iter()
+            .flat_map(|(kind, names)| (0..names.len()).map(|index| Self { kind: *kind, index }));
         per_cable.chain(single).collect()
     }
 

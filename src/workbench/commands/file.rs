@@ -11,9 +11,10 @@ use super::file_tasks::pick;
 use super::{recording, tables};
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
 use crate::model::phase::{Phase, Screen};
-use crate::model::{Model, OpenSession};
+use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::session_file::recover_unsaved;
+use tautline_workflow::templates::Template;
 use tautline_workflow::{clock, samples};
 
 /// Title of writing a session.
@@ -22,6 +23,7 @@ const SAVING: &str = "Saving";
 pub(super) fn perform(model: &mut Model, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(model),
+        FileCommand::New(template) => new_robot(model, template),
         FileCommand::AskOpen => pick(model, || dialog().pick_file(), FileCommand::Open),
         FileCommand::AskSaveAs => ask_save_as(model),
         FileCommand::PickSaveAs => pick(
@@ -64,6 +66,21 @@ fn try_demo(model: &mut Model) {
         )
         .into()
     });
+}
+
+/// A session with a robot that nobody has described yet: that is what comes next, unless files wait for their robot.
+fn new_robot(model: &mut Model, template: Template) {
+    let robot = template.robot(template.usual_size_m());
+    let waits = !model.importing.waiting.is_empty();
+    begin(
+        model,
+        Session::new(robot.name.clone(), robot, clock::now()),
+        None,
+    );
+    if model.dialogs.leaving.is_none() && !waits {
+        model.screen = Screen::Phase(Phase::Modeling);
+        model.request(UiRequest::ShowDescription);
+    }
 }
 
 fn dialog() -> rfd::FileDialog {

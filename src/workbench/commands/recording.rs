@@ -4,13 +4,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use tautline_core::robot::Robot;
-use tautline_import::{Imported, Recipe, Source, clock_times, read_recipe, read_sources};
+use tautline_import::{
+    AlignedClock, Imported, Recipe, Source, align_clocks, clock_times, read_recipe, read_sources,
+};
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
 use super::file::begin;
 use super::file_tasks::{pick, write};
 use super::{changed, identification};
-use crate::model::command::{CUTTING, READING, RecordingCommand, RecordingOutcome};
+use crate::model::command::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 use crate::model::edit::Edit;
 use crate::model::importing::{Cut, OpenImport};
 use crate::model::phase::{Phase, Screen};
@@ -45,6 +47,7 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
             change(model, |open| open.draft.change(what, *recipe, goes_on));
         }
         RecordingCommand::Apply(place) => apply(model, place),
+        RecordingCommand::AlignClocks => align(model),
         RecordingCommand::ShowChannel(place) => {
             if let Some(open) = &mut model.importing.open {
                 open.shown = place;
@@ -210,6 +213,36 @@ fn cut(model: &mut Model) {
     });
 }
 
+fn align(model: &mut Model) {
+    let (Some(open), Some(robot)) = (&model.importing.open, robot(model)) else {
+        return;
+    };
+    let revision = open.draft.revision();
+    let sources = Arc::clone(open.draft.sources());
+    let mut recipe = open.draft.recipe().clone();
+    model.tasks.start(ALIGNING, move |_| {
+        let found = align_clocks(&sources, &mut recipe, &robot);
+        let found = found.map_err(|error| error.to_string());
+        let result = found.map(|clocks| (Box::new(recipe), clocks));
+        RecordingOutcome::Aligned(revision, result).into()
+    });
+}
+
+fn aligned(model: &mut Model, revision: u64, recipe: Recipe, clocks: &[AlignedClock]) {
+    let open = model.importing.open.as_ref();
+    if open.is_none_or(|open| open.draft.revision() != revision) {
+        let text = "The recipe was changed while the clocks were aligned: align them again.";
+        return model.messages.warning(text);
+    }
+    for clock in clocks {
+        let text = sentence(&format!("{}.", clock.sentence));
+        model.messages.info(text);
+    }
+    change(model, |open| {
+        open.draft.change("align the clocks", recipe, false)
+    });
+}
+
 fn save(model: &mut Model, path: PathBuf) {
     let Some(open) = &model.importing.open else {
         return;
@@ -318,6 +351,10 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
             let name = path.file_name().unwrap_or(path.as_os_str());
             use_recipe(model, &name.to_string_lossy().into_owned(), value);
         }
+        RecordingOutcome::Aligned(revision, Ok((recipe, clocks))) => {
+            aligned(model, revision, *recipe, &clocks);
+        }
+        RecordingOutcome::Aligned(_, Err(error)) => model.messages.error(sentence(&error)),
         RecordingOutcome::Cut(done) => {
             if let Some(open) = &mut model.importing.open {
                 open.cut = Some(Arc::from(done));

@@ -375,7 +375,10 @@ mod tests {
         let poses = Arc::new(std::mem::take(&mut session.measurements));
         let import = || Edit::Import(Arc::clone(&poses), "import log.csv".into());
         let mut history = History::default();
-        assert_eq!(history.perform(import(), &mut session, 1), Some(Inputs::New));
+        assert_eq!(
+            history.perform(import(), &mut session, 1),
+            Some(Inputs::New)
+        );
         assert_eq!(session.measurements, *poses);
         assert!(history.perform(import(), &mut session, 2).is_none());
         assert!(history.is_import(false));

@@ -114,7 +114,10 @@ impl OpenImport {
     /// The first channel of numbers that moves, else the first that is used.
     fn first_used(&self) -> Option<ChannelPlace> {
         let place = |column: &str| {
-            let mut found = self.uses.iter().filter(|(_, used)| used.starts_with(column));
+            let mut found = self
+                .uses
+                .iter()
+                .filter(|(_, used)| used.starts_with(column));
             found.find_map(|((series, name), _)| self.place(*series, name))
         };
         place("rev_").or_else(|| place("length_")).or_else(|| {
@@ -132,7 +135,10 @@ impl OpenImport {
 
     /// The series of all sources.
     pub fn all_series(&self) -> impl Iterator<Item = &tautline_import::Series> {
-        self.draft.sources().iter().flat_map(|source| &source.series)
+        self.draft
+            .sources()
+            .iter()
+            .flat_map(|source| &source.series)
     }
 
     /// Whether the cut is of the recipe as it is now.

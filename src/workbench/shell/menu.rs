@@ -9,6 +9,7 @@ use crate::model::command::{
 };
 use crate::model::phase::{Phase, Screen};
 use tautline_workflow::report::ReportFormat;
+use tautline_workflow::templates::Template;
 
 /// A menu.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,7 +97,7 @@ fn item(
 
 fn file(state: &State) -> Vec<Item> {
     let open = state.model.open.is_some();
-    vec![
+    let mut items = vec![
         item(
             Menu::File,
             "Try the demo robot",
@@ -111,13 +112,7 @@ fn file(state: &State) -> Vec<Item> {
             true,
             FileCommand::AskOpen,
         ),
-        item(
-            Menu::File,
-            "Import…",
-            None,
-            true,
-            RecordingCommand::Show,
-        ),
+        item(Menu::File, "Import…", None, true, RecordingCommand::Show),
         item(
             Menu::File,
             "Compare two sessions",
@@ -167,7 +162,13 @@ fn file(state: &State) -> Vec<Item> {
             true,
             FileCommand::Quit,
         ),
-    ]
+    ];
+    let new = Template::ALL.map(|template| {
+        let title = format!("New robot: {}", template.title().to_lowercase());
+        item(Menu::File, title, None, true, FileCommand::New(template))
+    });
+    items.splice(1..1, new);
+    items
 }
 
 fn edit(state: &State) -> Vec<Item> {

@@ -51,13 +51,18 @@ pub fn channel_figure(
         None => row as f64 + 1.0,
     };
     let label = unit.map_or_else(|| name.to_owned(), |unit| format!("{name} ({unit})"));
-    let spans = poses.iter().filter_map(|pose| match time_s {
-        Some(_) => Some([pose.begin_s?, pose.end_s?]),
-        None => {
-            let first = pose.first_row as f64 + 1.0;
-            Some([first, first + pose.rows.saturating_sub(1) as f64])
-        }
-    });
+    // Where every row is a pose nothing has to be told apart.
+    let are_cut = poses.iter().any(|pose| pose.rows > 1);
+    let spans = poses
+        .iter()
+        .filter(|_| are_cut)
+        .filter_map(|pose| match time_s {
+            Some(_) => Some([pose.begin_s?, pose.end_s?]),
+            None => {
+                let first = pose.first_row as f64 + 1.0;
+                Some([first, first + pose.rows.saturating_sub(1) as f64])
+            }
+        });
     Figure {
         x: match time_s {
             Some(_) => Axis::new("Time", "s"),
@@ -69,7 +74,10 @@ pub fn channel_figure(
             name: String::new(),
             ink: Ink::Accent,
             dashed: false,
-            points: course.iter().map(|(row, value)| [place(*row), *value]).collect(),
+            points: course
+                .iter()
+                .map(|(row, value)| [place(*row), *value])
+                .collect(),
         }],
         ..Figure::default()
     }

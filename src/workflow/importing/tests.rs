@@ -31,7 +31,9 @@ fn what_is_opened_is_known_by_its_content() {
 fn reading_is_stopped_where_it_is_wanted() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("long.csv");
-    let rows: String = (0..300_000).map(|k| format!("{k},{k}.5,{k}.25\n")).collect();
+    let rows: String = (0..300_000)
+        .map(|k| format!("{k},{k}.5,{k}.25\n"))
+        .collect();
     fs::write(&path, format!("t,a,b\n{rows}")).expect("written");
     let asked = std::cell::RefCell::new(Vec::new());
     let stopped = open(&path, None, &|part| {

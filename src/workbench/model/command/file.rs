@@ -4,12 +4,15 @@ use std::path::PathBuf;
 
 use tautline_session::{Loaded, Session, UnsavedSession};
 use tautline_workflow::importing::Opened;
+use tautline_workflow::templates::Template;
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
 pub enum FileCommand {
     /// Opens a session with a simulated robot.
     TryDemo,
+    /// Begins a session with a new robot, which is then described.
+    New(Template),
     /// Asks for a file to open.
     AskOpen,
     /// Opens a session, begins one with a robot or a dataset folder, or imports a table.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use tautline_core::robot::Robot;
-use tautline_import::{Recipe, Source};
+use tautline_import::{AlignedClock, Recipe, Source};
 use tautline_session::Loaded;
 
 use crate::model::importing::{ChannelPlace, Cut};
@@ -13,6 +13,9 @@ pub const READING: &str = "Reading";
 
 /// Title of cutting them into poses.
 pub const CUTTING: &str = "Cutting into poses";
+
+/// Title of finding clocks.
+pub const ALIGNING: &str = "Aligning the clocks";
 
 /// Imports files of other programs.
 #[derive(Debug, Clone)]
@@ -31,6 +34,8 @@ pub enum RecordingCommand {
     Change(Box<Recipe>, String, bool),
     /// Takes up a suggestion, by its index.
     Apply(usize),
+    /// Finds offset and drift of the clocks.
+    AlignClocks,
     /// Shows a channel.
     ShowChannel(ChannelPlace),
     /// Asks for the file of a recipe.
@@ -56,4 +61,6 @@ pub enum RecordingOutcome {
     Recipe(PathBuf, Result<Loaded<Recipe>, String>),
     /// Poses were cut.
     Cut(Box<Cut>),
+    /// Clocks were found, with the revision of the draft they are of and the recipe that has them; or one sentence.
+    Aligned(u64, Result<(Box<Recipe>, Vec<AlignedClock>), String>),
 }

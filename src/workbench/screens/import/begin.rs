@@ -2,6 +2,7 @@
 
 use egui::{ScrollArea, Ui};
 use tautline_core::robot::presets;
+use tautline_workflow::templates::Template;
 
 use super::PanelState;
 use super::files::path_row;
@@ -40,7 +41,11 @@ fn file(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
         "Logs of the controller, motion capture, lists of points, spreadsheets, MATLAB and NumPy files: what a file is shows its content. Drop it on the window, or open it here.",
     );
     ui.add_space(2.0 * GRID);
-    path_row(ui, &mut panel.path, outbox);
+    let size = egui::vec2(ui.available_width(), 7.0 * GRID);
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        path_row(ui, &mut panel.path, size.x, outbox);
+    });
 }
 
 fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -67,6 +72,15 @@ fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox
             if button.on_hover_text(preset.summary).clicked() {
                 let robot = Box::new(preset.robot);
                 outbox.send(RecordingCommand::UseRobot(robot));
+            }
+        }
+    });
+    muted(ui, "Or begin with a new one, and describe it later:");
+    ui.horizontal_wrapped(|ui| {
+        for template in Template::ALL {
+            let button = ui.button(template.title());
+            if button.on_hover_text(template.summary()).clicked() {
+                outbox.send(FileCommand::New(template));
             }
         }
     });

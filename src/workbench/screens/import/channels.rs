@@ -81,11 +81,19 @@ fn row(ui: &mut Ui, bench: &Bench<'_>, series: &Series, place: ChannelPlace) -> 
     let mut right = inner.right();
     let mut column = |width: f32| {
         right -= width;
-        Rect::from_min_max(Pos2::new(right, inner.top()), Pos2::new(right + width, inner.bottom()))
+        Rect::from_min_max(
+            Pos2::new(right, inner.top()),
+            Pos2::new(right + width, inner.bottom()),
+        )
     };
     let words = used.map_or("–", String::as_str);
     let dot = column(USE);
-    text(ui, dot.with_min_x(dot.left() + 4.0 * GRID), words, used.is_none());
+    text(
+        ui,
+        dot.with_min_x(dot.left() + 4.0 * GRID),
+        words,
+        used.is_none(),
+    );
     if used.is_some() {
         let centre = Pos2::new(dot.left() + 2.0 * GRID, dot.center().y);
         ui.painter().circle_filled(centre, GRID, colour);
@@ -108,7 +116,11 @@ fn row(ui: &mut Ui, bench: &Bench<'_>, series: &Series, place: ChannelPlace) -> 
 /// A line of text that ends in dots where it is too long.
 fn text(ui: &Ui, rect: Rect, text: &str, is_muted: bool) {
     let palette = theme::of(ui);
-    let colour = if is_muted { palette.muted } else { palette.text };
+    let colour = if is_muted {
+        palette.muted
+    } else {
+        palette.text
+    };
     let text = WidgetText::from(RichText::new(text));
     let galley: Arc<Galley> = text.into_galley(
         ui,
@@ -117,7 +129,8 @@ fn text(ui: &Ui, rect: Rect, text: &str, is_muted: bool) {
         TextStyle::Body,
     );
     let place = Pos2::new(rect.left(), rect.center().y - 0.5 * galley.size().y);
-    ui.painter().galley_with_override_text_color(place, galley, colour);
+    ui.painter()
+        .galley_with_override_text_color(place, galley, colour);
 }
 
 /// The course of a channel, as wide and as high as the rectangle.
@@ -137,7 +150,11 @@ fn sparkline(ui: &Ui, rect: Rect, course: &[(usize, f64)], colour: egui::Color32
     let rows = (last - first).max(1) as f64;
     let place = |(row, value): &(usize, f64)| {
         let x = (row - first) as f64 / rows;
-        let y = if high > low { (value - low) / span } else { 0.5 };
+        let y = if high > low {
+            (value - low) / span
+        } else {
+            0.5
+        };
         rect.left_bottom() + Vec2::new(x as f32 * rect.width(), -(y as f32) * rect.height())
     };
     // As many points as there are pixels; the rest could not be told apart.

@@ -2,11 +2,11 @@
 
 use egui::{CollapsingHeader, Ui};
 use egui_material_icons::icons;
-use tautline_workflow::wording::sentence;
 
 use super::Bench;
 use crate::model::Model;
 use crate::model::command::{CUTTING, RecordingCommand};
+use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, primary, section, verdict};
 
 /// Draws the part.
@@ -18,8 +18,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     };
     let suggestions = bench.open.suggestions();
     for (k, suggestion) in suggestions.iter().enumerate() {
-        let text = sentence(&format!("{}.", suggestion.sentence));
-        verdict(ui, Verdict::Doubtful, &text);
+        verdict(ui, Verdict::Doubtful, &format!("{}.", suggestion.sentence));
         let name = format!("Correct {}", suggestion.columns.join(", "));
         if icon_button(ui, icons::ICON_BUILD, &name, true).clicked() {
             bench.outbox.send(RecordingCommand::Apply(k));
@@ -27,14 +26,20 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     }
     match &cut.result {
         Err(error) => {
-            verdict(ui, Verdict::Bad, &sentence(&format!("{}.", error.error)));
+            verdict(ui, Verdict::Bad, &format!("{}.", error.error));
         }
         Ok(_) if suggestions.is_empty() => {
             verdict(ui, Verdict::Good, "No mistake is found in the readings.");
         }
         Ok(_) => {}
     }
-    let mut notices: Vec<&str> = bench.open.draft.assumptions().iter().map(String::as_str).collect();
+    let mut notices: Vec<&str> = bench
+        .open
+        .draft
+        .assumptions()
+        .iter()
+        .map(String::as_str)
+        .collect();
     if let Ok(imported) = &cut.result {
         notices.extend(imported.document.notices.iter().map(String::as_str));
     }
@@ -46,7 +51,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         .default_open(true)
         .show(ui, |ui| {
             for notice in notices {
-                muted(ui, &sentence(&format!("{notice}.")));
+                muted(ui, &format!("{notice}."));
             }
         });
 }
@@ -75,8 +80,18 @@ pub fn last_step(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>) {
         if primary(ui, &title, is_ready).clicked() {
             bench.outbox.send(RecordingCommand::Finish);
         }
+        let found = open.suggestions().len();
         if model.tasks.runs(CUTTING) {
             ui.spinner();
+        } else if poses.is_none() || found > 0 {
+            let colour = theme::of(ui).warning;
+            let icon = icons::ICON_WARNING.rich_text().size(18.0);
+            ui.label(icon.color(colour));
+            ui.label(match (poses, found) {
+                (None, _) => "See Check".to_owned(),
+                (_, 1) => "A mistake is found: see Check".to_owned(),
+                _ => format!("{found} mistakes are found: see Check"),
+            });
         }
     });
 }

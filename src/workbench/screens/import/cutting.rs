@@ -1,6 +1,6 @@
 //! How rows become poses.
 
-use egui::{Grid, Slider, Ui, WidgetInfo};
+use egui::{Grid, Slider, SliderClamping, Ui, WidgetInfo};
 use tautline_import::{Cutting, Rest};
 
 use super::Bench;
@@ -97,7 +97,10 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         let all = all.unwrap_or_default();
         muted(
             ui,
-            &format!("{} poses of {used} rows; the longest series has {all}.", poses.len()),
+            &format!(
+                "{} poses of {used} rows; the longest series has {all}.",
+                poses.len()
+            ),
         );
     }
 }
@@ -115,7 +118,8 @@ fn thresholds(ui: &mut Ui, bench: &mut Bench<'_>, rest: Rest) {
                 ui.spacing_mut().slider_width = (ui.available_width() - 104.0).clamp(80.0, 200.0);
                 let slider = Slider::new(&mut shown, threshold.range.clone())
                     .logarithmic(threshold.is_logarithmic)
-                    .max_decimals(3)
+                    .clamping(SliderClamping::Never)
+                    .custom_formatter(|value, _| format!("{value:.2}"))
                     .suffix(format!(" {}", threshold.unit));
                 let response = ui.add(slider);
                 response.widget_info(|| WidgetInfo::slider(true, shown, threshold.name));

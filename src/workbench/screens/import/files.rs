@@ -17,12 +17,9 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
             if icon_button(ui, icons::ICON_CLOSE, "Do not import", true).clicked() {
                 outbox.send(RecordingCommand::Discard);
             }
+            ui.add_space(2.0 * GRID);
             let width = (ui.available_width() - 3.0 * GRID).min(480.0);
-            ui.allocate_ui_with_layout(
-                egui::vec2(width, 7.0 * GRID),
-                Layout::left_to_right(Align::Center),
-                |ui| path_row(ui, &mut panel.path, outbox),
-            );
+            path_row(ui, &mut panel.path, width, outbox);
         });
     });
     for (k, source) in import.draft.sources().iter().enumerate() {
@@ -50,23 +47,23 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
     }
 }
 
-/// A field for the path of a file, with a dialog.
-pub fn path_row(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
-    ui.horizontal(|ui| {
-        let field = TextEdit::singleline(path)
-            .hint_text("Path of a file or folder, or drop it here")
-            .desired_width((ui.available_width() - 200.0).max(120.0));
-        let field = ui.add(field);
-        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of a file to import"));
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let typed = !path.trim().is_empty();
-        let pressed = icon_button(ui, icons::ICON_ADD, "Add", typed).clicked();
-        if typed && (pressed || entered) {
-            outbox.send(RecordingCommand::Read(path.trim().into()));
-            path.clear();
-        }
-        if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
-            outbox.send(RecordingCommand::Ask);
-        }
-    });
+/// A field for the path of a file, with a dialog, so wide; in a layout from right to left.
+pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox) {
+    let right = ui.available_width();
+    if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
+        outbox.send(RecordingCommand::Ask);
+    }
+    let typed = !path.trim().is_empty();
+    let pressed = icon_button(ui, icons::ICON_ADD, "Add", typed).clicked();
+    let used = right - ui.available_width();
+    let field = TextEdit::singleline(path)
+        .hint_text("Path of a file or folder, or drop it here")
+        .desired_width((width - used).max(120.0));
+    let field = ui.add(field);
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of a file to import"));
+    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if typed && (pressed || entered) {
+        outbox.send(RecordingCommand::Read(path.trim().into()));
+        path.clear();
+    }
 }

@@ -5,7 +5,7 @@ use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
 
 use super::{Bench, PanelState};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, Verdict, heading, muted, number, section, verdict};
+use crate::widgets::{Entered, Number, heading, muted, number};
 
 /// What is not used.
 const UNUSED: &str = "Not used";
@@ -61,8 +61,6 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     scope(ui, &shown, panel, cables);
     let for_all = panel.for_all && shown.pattern.is_some();
     meaning(ui, bench, &shown, for_all);
-    section(ui, "All that is used");
-    entries(ui, bench);
 }
 
 fn words(shown: &Shown<'_>, channel: usize) -> String {
@@ -102,10 +100,10 @@ fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) 
 /// What the channel is: quantity, cable, unit, sign, factor and offset.
 fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool) {
     let cables = bench.robot.cable_count();
-    let own = shown.entry.map(|entry| of_channel(entry, shown.name, cables));
-    let quantity = own
-        .as_ref()
-        .and_then(|own| Quantity::parse(&own.quantity));
+    let own = shown
+        .entry
+        .map(|entry| of_channel(entry, shown.name, cables));
+    let quantity = own.as_ref().and_then(|own| Quantity::parse(&own.quantity));
     Grid::new("meaning of the channel")
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID])
@@ -147,44 +145,46 @@ fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool)
                 return;
             }
             ui.label("Sign");
-            let mut reversed = own.reversed;
-            if ui.checkbox(&mut reversed, "Reversed").changed() {
-                edit(bench, "sign", &|own| own.reversed = reversed);
-            }
-            ui.end_row();
-            for (name, value, what) in [
-                ("Factor", own.factor, "factor"),
-                ("Offset", own.offset, "offset"),
-            ] {
-                ui.label(name);
-                let field = Number {
-                    name,
-                    value: Some(value),
-                    decimals: 6,
-                    unit: "",
-                    optional: false,
-                    width: 96.0,
-                };
-                if let Some(Entered::Value(value)) = ui.horizontal(|ui| number(ui, &field)).inner
-                    && (value != 0.0 || what == "offset")
-                {
-                    edit(bench, what, &|own| match what {
-                        "factor" => own.factor = value,
-                        _ => own.offset = value,
-                    });
+            ui.horizontal(|ui| {
+                let mut reversed = own.reversed;
+                if ui.checkbox(&mut reversed, "Reversed").changed() {
+                    edit(bench, "sign", &|own| own.reversed = reversed);
                 }
-                ui.end_row();
-            }
-            if quantity.moves() {
-                ui.label("Zero");
                 let mut from_first = own.from_first_pose;
-                let text = "At the first pose";
-                if ui.checkbox(&mut from_first, text).changed() {
+                let text = "Zero at the first pose";
+                if quantity.moves() && ui.checkbox(&mut from_first, text).changed() {
                     edit(bench, "zero", &|own| own.from_first_pose = from_first);
                 }
-                ui.end_row();
-            }
+            });
+            ui.end_row();
+            ui.label("Factor");
+            ui.horizontal(|ui| {
+                let typed = number(ui, &plain("Factor", own.factor));
+                if let Some(Entered::Value(value)) = typed
+                    && value != 0.0
+                {
+                    edit(bench, "factor", &|own| own.factor = value);
+                }
+                ui.label("Offset");
+                let typed = number(ui, &plain("Offset", own.offset));
+                if let Some(Entered::Value(value)) = typed {
+                    edit(bench, "offset", &|own| own.offset = value);
+                }
+            });
+            ui.end_row();
         });
+}
+
+/// A field for a number without a unit.
+fn plain(name: &str, value: f64) -> Number<'_> {
+    Number {
+        name,
+        value: Some(value),
+        decimals: 6,
+        unit: "",
+        optional: false,
+        width: 88.0,
+    }
 }
 
 /// The entry as it is for a channel.
@@ -279,7 +279,12 @@ fn choose_unit(
 /// The unit of the column.
 fn unit_of(quantity: Quantity) -> &'static str {
     let native = |unit: &&&str| quantity.conversion(unit) == Some((1.0, 0.0));
-    quantity.usual_units().iter().find(native).copied().unwrap_or("")
+    quantity
+        .usual_units()
+        .iter()
+        .find(native)
+        .copied()
+        .unwrap_or("")
 }
 
 /// Makes the channel, or those of the pattern, a quantity.
@@ -312,7 +317,9 @@ fn assign(
         && let Some((pattern, first)) = &shown.pattern
     {
         let name = |cable: usize| pattern.replacen("{i}", &(cable + first).to_string(), 1);
-        quantity.index = (0..cables).find(|cable| name(*cable) == shown.name).unwrap_or(0);
+        quantity.index = (0..cables)
+            .find(|cable| name(*cable) == shown.name)
+            .unwrap_or(0);
     }
     let fits = |own: &Assignment| {
         Quantity::parse(&own.quantity).is_some_and(|old| old.dimension() == quantity.dimension())
@@ -357,37 +364,4 @@ fn put(
     };
     let of = shown.series.name.clone();
     bench.change(what, |recipe| recipe.assign(&of, entry, cables));
-}
-
-/// The entries of the recipe, each to be taken out.
-fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
-    let recipe = bench.open.draft.recipe();
-    if recipe.channels.is_empty() {
-        return verdict(
-            ui,
-            Verdict::Doubtful,
-            "No channel is used yet. Choose a channel at the left and say what it is.",
-        );
-    }
-    let mut removed = None;
-    for (k, entry) in recipe.channels.iter().enumerate() {
-        ui.horizontal(|ui| {
-            let name = format!("Do not use {}", entry.channel);
-            let icon = egui_material_icons::icons::ICON_CLOSE;
-            if crate::widgets::icon_only(ui, icon, &name, true).clicked() {
-                removed = Some(k);
-            }
-            let sign = if entry.reversed { "−" } else { "" };
-            let unit = entry.unit.as_ref();
-            let unit = unit.map_or_else(String::new, |unit| format!(" in {unit}"));
-            let text = format!("{} is {sign}{}{unit}", entry.quantity, entry.channel);
-            ui.add(egui::Label::new(text).truncate());
-        });
-    }
-    if let Some(k) = removed {
-        let what = format!("do not use {}", recipe.channels[k].channel);
-        bench.change(what, |recipe| {
-            recipe.channels.remove(k);
-        });
-    }
 }

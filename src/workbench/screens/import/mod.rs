@@ -117,17 +117,19 @@ fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelStat
 /// One part at a time, where the window has no room for all of them.
 fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
     let side = side(ui);
-    Panel::top("parts of the import").frame(side).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            for (one, title) in [
-                (Part::Robot, "Channels"),
-                (Part::Panel, "Recipe"),
-                (Part::Plots, "Over time"),
-            ] {
-                ui.selectable_value(&mut panel.part, one, title);
-            }
+    Panel::top("parts of the import")
+        .frame(side)
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (one, title) in [
+                    (Part::Robot, "Channels"),
+                    (Part::Panel, "Recipe"),
+                    (Part::Plots, "Over time"),
+                ] {
+                    ui.selectable_value(&mut panel.part, one, title);
+                }
+            });
         });
-    });
     CentralPanel::no_frame()
         .frame(side)
         .show(ui, |ui| match panel.part {
