@@ -74,7 +74,7 @@ pub fn import(
         Err(error) => Err(ImportError {
             error,
             suggestions: document.suggestions,
-            poses: document.poses,
+            poses: document.poses.into(),
         }),
     }
 }
@@ -179,7 +179,7 @@ pub struct ImportError {
     /// Mistakes that the readings seem to have.
     pub suggestions: Vec<Suggestion>,
     /// The poses that were cut, if it came so far.
-    pub poses: Vec<PoseReport>,
+    pub poses: Box<[PoseReport]>,
 }
 
 impl From<ReadError> for ImportError {
@@ -187,7 +187,7 @@ impl From<ReadError> for ImportError {
         Self {
             error,
             suggestions: Vec::new(),
-            poses: Vec::new(),
+            poses: Box::default(),
         }
     }
 }

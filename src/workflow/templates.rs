@@ -24,10 +24,13 @@ pub enum Template {
     Facade,
 }
 
+/// Entry point, swivel axis and platform anchor of a cable.
+type Placed = ([f64; 3], [f64; 3], [f64; 3]);
+
 /// What a template says of a machine of its size.
 struct Parts {
     /// Entry points, swivel axes and platform anchors (m), cable by cable.
-    cables: Vec<([f64; 3], [f64; 3], [f64; 3])>,
+    cables: Vec<Placed>,
     free: Vec<Coordinate>,
     home_m: [f64; 3],
     /// Half the extent of the workspace (m).
@@ -114,7 +117,7 @@ impl Template {
         let mut robot = Robot {
             name: self.title().to_owned(),
             home: Some(Home {
-                position_m: parts.home_m,
+                position_m: millimetres(parts.home_m),
                 orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
                 position_sd_m: tidy(1e-4 * size),
                 orientation_sd_rad: 1e-3,
@@ -284,7 +287,7 @@ fn limits(parts: &Parts, weight_n: f64) -> Limits {
     Limits {
         workspace: Some(WorkspaceLimits {
             center: FrameTransform {
-                position_m: parts.home_m,
+                position_m: millimetres(parts.home_m),
                 orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
             },
             half_extent_m: millimetres(parts.half_extent_m),
@@ -317,7 +320,7 @@ fn cables(parts: &Parts, size: f64, weight_n: f64) -> Vec<Cable> {
         bias_n: 0.0,
         tension_sd_n: tidy((0.01 * weight_n).max(0.5)),
     };
-    let cable = |(k, (entry, axis, anchor)): (usize, &([f64; 3], [f64; 3], [f64; 3]))| Cable {
+    let cable = |(k, (entry, axis, anchor)): (usize, &Placed)| Cable {
         name: format!("cable-{}", k + 1),
         pulley: Pulley {
             entry_point_m: millimetres(*entry),

@@ -15,10 +15,8 @@ fn new(template: Template) -> Bench {
     let mut bench = Bench::new();
     give(&mut bench.harness, FileCommand::New(template));
     // The session before it was not saved.
-    press(&mut bench.harness, "Discard");
-    if !bench.shows("Every number is checked as it is typed") {
-        bench.open("Description");
-    }
+    press(&mut bench.harness, "Do not save");
+    assert!(bench.shows("Every number is checked as it is typed"));
     bench
 }
 
@@ -31,17 +29,15 @@ fn a_template_opens_with_its_description() {
     let mut harness = workbench();
     for template in Template::ALL {
         give(&mut harness, FileCommand::New(template));
-        if harness.query_by_label("Discard").is_some() {
-            press(&mut harness, "Discard");
+        if harness.query_by_label("Do not save").is_some() {
+            press(&mut harness, "Do not save");
         }
         let model = &harness.state().state.model;
         let session = model.open.as_ref().expect("a session").session();
         assert_eq!(session.robot, template.robot(template.usual_size_m()));
-        if template == Template::Spatial {
-            assert_eq!(model.screen, Screen::Phase(Phase::Modeling));
-            let field = "Every number is checked as it is typed";
-            assert!(harness.query_all_by_label_contains(field).next().is_some());
-        }
+        assert_eq!(model.screen, Screen::Phase(Phase::Modeling));
+        let field = "Every number is checked as it is typed";
+        assert!(harness.query_all_by_label_contains(field).next().is_some());
     }
 }
 

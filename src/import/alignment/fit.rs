@@ -1,5 +1,7 @@
 //! Offset and drift by least squares, with the polynomial that leads from one recording to the other.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
 
 use super::coarse::Sampler;
@@ -12,7 +14,7 @@ const DIRECTIONS: usize = 6;
 /// A direction counts where its variance is this part of the largest.
 const VARIANCE: f64 = 1e-5;
 /// Parts of the recording that the jackknife leaves out one by one.
-const PARTS: usize = 24;
+const PARTS: usize = 12;
 /// Most steps of the fit.
 const STEPS: usize = 30;
 /// Least part of the variance that has to be explained.
@@ -182,6 +184,42 @@ fn rows(
     })
 }
 
+/// What a part of the recording contributes to the normal equations of a channel: the polynomial's terms, the slopes of
+/// offset and drift, and what the polynomial leaves of the values.
+struct Products {
+    mixed: DMatrix<f64>,
+    slopes: Matrix2<f64>,
+    terms_left: DVector<f64>,
+    slopes_left: Vector2<f64>,
+}
+
+/// Change of offset and drift by all parts but one, the polynomial of each channel adjusted with them.
+fn solve(
+    grams: &[DMatrix<f64>],
+    channels: &[(f64, Vec<Products>)],
+    without: Option<usize>,
+) -> Option<Vector2<f64>> {
+    let kept = || (0..grams.len()).filter(|part| Some(*part) != without);
+    let width = grams.first()?.nrows();
+    let gram = kept().fold(DMatrix::zeros(width, width), |sum, part| sum + &grams[part]);
+    let inverse = gram.cholesky()?;
+    let (mut matrix, mut vector) = (Matrix2::zeros(), Vector2::zeros());
+    for (noise, parts) in channels {
+        let mut mixed = DMatrix::zeros(width, 2);
+        let mut terms_left = DVector::zeros(width);
+        for products in kept().map(|part| &parts[part]) {
+            mixed += &products.mixed;
+            terms_left += &products.terms_left;
+            matrix += products.slopes / *noise;
+            vector += products.slopes_left / *noise;
+        }
+        let reduced = inverse.solve(&mixed);
+        matrix -= mixed.tr_mul(&reduced).fixed_view::<2, 2>(0, 0).into_owned() / *noise;
+        vector -= reduced.tr_mul(&terms_left).fixed_rows::<2>(0).into_owned() / *noise;
+    }
+    matrix.try_inverse().map(|inverse| inverse * vector)
+}
+
 /// A step of the fit, with what each part of the recording contributes to it.
 struct Step {
     /// Change of offset and drift.
@@ -194,19 +232,24 @@ struct Step {
 impl Step {
     fn of(rows: &Rows) -> Option<Self> {
         let (q, r) = rows.terms.clone().qr().unpack();
-        let project = |column: &DVector<f64>| column - &q * (q.transpose() * column);
         let coefficients = r.solve_upper_triangular(&(q.transpose() * &rows.values))?;
         let count = rows.time_s.len();
-        let mut normal = [(Matrix2::<f64>::zeros(), Vector2::<f64>::zeros()); PARTS];
+        let parts: Vec<Range<usize>> = (0..PARTS)
+            .map(|part| part * count / PARTS..(part + 1) * count / PARTS)
+            .collect();
+        let grams: Vec<DMatrix<f64>> = parts
+            .iter()
+            .map(|part| {
+                q.rows_range(part.clone())
+                    .tr_mul(&q.rows_range(part.clone()))
+            })
+            .collect();
+        let mut channels = Vec::new();
         let (mut left, mut whole) = (0.0, 0.0);
         for k in 0..rows.values.ncols() {
             let values = rows.values.column(k).into_owned();
-            let residual = project(&values);
-            let mean = values.mean();
-            let variance = values
-                .iter()
-                .map(|value| (value - mean).powi(2))
-                .sum::<f64>();
+            let residual = &values - &q * q.tr_mul(&values);
+            let variance = values.add_scalar(-values.mean()).norm_squared();
             let noise = residual.norm_squared() / (count - rows.terms.ncols()) as f64;
             if !(variance > 0.0 && noise > 0.0) {
                 continue;
@@ -215,25 +258,25 @@ impl Step {
             whole += 1.0;
             let rate = &rows.rates * coefficients.column(k);
             let timed = rate.component_mul(&DVector::from_column_slice(&rows.time_s));
-            let (rate, timed) = (project(&rate), project(&timed));
-            for row in 0..count {
-                let slope = Vector2::new(rate[row], timed[row]);
-                let (matrix, vector) = &mut normal[row * PARTS / count];
-                *matrix += slope * slope.transpose() / noise;
-                *vector += slope * residual[row] / noise;
-            }
+            let slopes = DMatrix::from_columns(&[rate, timed]);
+            let of_part = |part: &Range<usize>| {
+                let q = q.rows_range(part.clone());
+                let slopes = slopes.rows_range(part.clone());
+                let residual = residual.rows_range(part.clone());
+                Products {
+                    mixed: q.tr_mul(&slopes),
+                    slopes: slopes.tr_mul(&slopes).fixed_view::<2, 2>(0, 0).into_owned(),
+                    terms_left: q.tr_mul(&residual),
+                    slopes_left: slopes.tr_mul(&residual).fixed_rows::<2>(0).into_owned(),
+                }
+            };
+            channels.push((noise, parts.iter().map(of_part).collect::<Vec<_>>()));
         }
-        let sum = |without: Option<usize>| {
-            let kept = (0..PARTS).filter(|part| Some(*part) != without);
-            let total = kept.fold((Matrix2::zeros(), Vector2::zeros()), |(a, b), part| {
-                (a + normal[part].0, b + normal[part].1)
-            });
-            total.0.try_inverse().map(|inverse| inverse * total.1)
-        };
+        let solve = |without: Option<usize>| solve(&grams, &channels, without);
         Some(Self {
-            change: sum(None)?,
+            change: solve(None)?,
             without: (0..PARTS)
-                .map(|part| sum(Some(part)))
+                .map(|part| solve(Some(part)))
                 .collect::<Option<_>>()?,
             explained: 1.0 - left / f64::max(whole, 1.0),
         })

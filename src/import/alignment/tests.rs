@@ -1,5 +1,7 @@
 //! A point on eight cables whose motion is a sum of sines, recorded twice: nothing of the program is used to make it.
 
+use std::f64::consts::TAU;
+
 use super::*;
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -24,7 +26,7 @@ fn recordings(truth: Truth, seed: u64) -> (Recording, Recording) {
         .map(|_| {
             [0, 1, 2].map(|k| {
                 let period = 5.0 + 6.0 * f64::from(k) + random.random_range(0.0..4.0);
-                let phase = random.random_range(0.0..6.28);
+                let phase = random.random_range(0.0..TAU);
                 [0.12 + 0.05 * f64::from(k), period, phase]
             })
         })
@@ -33,7 +35,7 @@ fn recordings(truth: Truth, seed: u64) -> (Recording, Recording) {
         let along = |axis: usize| {
             let parts = sines[axis].iter();
             parts
-                .map(|[size, period, phase]| size * (6.283_185_307 * time / period + phase).sin())
+                .map(|[size, period, phase]| size * (TAU * time / period + phase).sin())
                 .sum()
         };
         [along(0), along(1), along(2)]
@@ -70,7 +72,7 @@ fn recordings(truth: Truth, seed: u64) -> (Recording, Recording) {
 }
 
 #[test]
-fn offset_and_drift_are_found_with_honest_standard_deviations() {
+fn offset_and_drift_are_found_within_their_standard_deviations() {
     let mut within = [0, 0];
     let runs = 60;
     for seed in 0..runs {
@@ -85,10 +87,11 @@ fn offset_and_drift_are_found_with_honest_standard_deviations() {
             (fit.offset_s - offset).abs() < 1e-3,
             "{seed}: {fit:?}, {offset}"
         );
-        assert!(fit.offset_sd_s < 3e-4, "{seed}: {fit:?}");
-        // 95 % of Student's t with 23 degrees of freedom.
-        within[0] += u32::from((fit.offset_s - offset).abs() < 2.07 * fit.offset_sd_s);
-        within[1] += u32::from((fit.drift - truth.drift).abs() < 2.07 * fit.drift_sd);
+        // Leaving out a part of the recording costs the polynomial some of its hold, so that these are rather too large.
+        assert!(fit.offset_sd_s < 1.5e-3, "{seed}: {fit:?}");
+        // 95 % of Student's t with 11 degrees of freedom.
+        within[0] += u32::from((fit.offset_s - offset).abs() < 2.20 * fit.offset_sd_s);
+        within[1] += u32::from((fit.drift - truth.drift).abs() < 2.20 * fit.drift_sd);
     }
     // 51 of 60 or more, of 95 %: by chance less often than once in 500.
     assert!(

@@ -68,19 +68,18 @@ fn try_demo(model: &mut Model) {
     });
 }
 
-/// A session with a robot that nobody has described yet: that is what comes next, unless files wait for their robot.
+/// A session with a robot that nobody has described yet.
 fn new_robot(model: &mut Model, template: Template) {
     let robot = template.robot(template.usual_size_m());
-    let waits = !model.importing.waiting.is_empty();
-    begin(
+    leave(
         model,
-        Session::new(robot.name.clone(), robot, clock::now()),
-        None,
+        Leaving::Open(Box::new(Opening {
+            session: Session::new(robot.name.clone(), robot, clock::now()),
+            path: None,
+            is_recovered: false,
+            is_new: true,
+        })),
     );
-    if model.dialogs.leaving.is_none() && !waits {
-        model.screen = Screen::Phase(Phase::Modeling);
-        model.request(UiRequest::ShowDescription);
-    }
 }
 
 fn dialog() -> rfd::FileDialog {
@@ -221,6 +220,7 @@ fn recover(model: &mut Model, place: usize) {
                     session: value.session,
                     path: value.origin,
                     is_recovered: true,
+                    is_new: false,
                 },
             );
             // It is saved again before the unsaved session is discarded.
@@ -341,6 +341,7 @@ pub(super) fn begin(model: &mut Model, session: Session, path: Option<PathBuf>) 
             session,
             path,
             is_recovered: false,
+            is_new: false,
         })),
     );
 }
@@ -350,6 +351,7 @@ fn open(model: &mut Model, opening: Opening) {
         session,
         path,
         is_recovered,
+        is_new,
     } = opening;
     let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
     model.messages.info(format!("Opened {name}."));
@@ -365,11 +367,14 @@ fn open(model: &mut Model, opening: Opening) {
     model.open = Some(open(session, path));
     model.selection = Default::default();
     model.inspected = None;
-    model.screen = Screen::Phase(if measured {
-        Phase::Identification
-    } else {
-        Phase::Precalibration
+    model.screen = Screen::Phase(match (measured, is_new) {
+        (true, _) => Phase::Identification,
+        (false, true) => Phase::Modeling,
+        (false, false) => Phase::Precalibration,
     });
+    if is_new {
+        model.request(UiRequest::ShowDescription);
+    }
     if let Some(text) = model.unsettled() {
         model.messages.warning(text);
     }

@@ -349,7 +349,7 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
                 .into_iter()
                 .for_each(|notice| model.messages.warning(notice));
             let name = path.file_name().unwrap_or(path.as_os_str());
-            use_recipe(model, &name.to_string_lossy().into_owned(), value);
+            use_recipe(model, &name.to_string_lossy(), value);
         }
         RecordingOutcome::Aligned(revision, Ok((recipe, clocks))) => {
             aligned(model, revision, *recipe, &clocks);

@@ -59,6 +59,8 @@ pub struct Opening {
     pub path: Option<PathBuf>,
     /// Whether its changes were recovered and are in no file yet.
     pub is_recovered: bool,
+    /// Whether its robot is new and has to be described.
+    pub is_new: bool,
 }
 
 /// What a task with files came to.

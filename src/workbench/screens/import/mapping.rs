@@ -3,7 +3,7 @@
 use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
 
-use super::{Bench, PanelState};
+use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;
 use crate::widgets::{Entered, Number, heading, muted, number};
 
@@ -39,13 +39,14 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     };
     let cables = bench.robot.cable_count();
     let files = open.draft.sources().len();
-    if panel
-        .pattern
-        .as_ref()
-        .is_none_or(|(known, count, _)| *known != place || *count != files)
-    {
+    let is_known = |known: &KnownPattern| known.of == place && known.files == files;
+    if !panel.pattern.as_ref().is_some_and(is_known) {
         let names = series.channels.iter().map(|channel| channel.name.as_str());
-        panel.pattern = Some((place, files, pattern_of(names, name, cables)));
+        panel.pattern = Some(KnownPattern {
+            of: place,
+            files,
+            found: pattern_of(names, name, cables),
+        });
         panel.for_all = true;
     }
     let shown = Shown {
@@ -53,7 +54,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
         name,
         unit,
         entry: open.draft.recipe().entry_of(&series.name, name, cables),
-        pattern: panel.pattern.as_ref().and_then(|(.., found)| found.clone()),
+        pattern: panel.pattern.as_ref().and_then(|known| known.found.clone()),
     };
     heading(ui, name);
     muted(ui, &words(&shown, place.channel));

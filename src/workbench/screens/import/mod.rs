@@ -29,10 +29,21 @@ pub struct PanelState {
     recipe: String,
     /// What a small window shows.
     part: Part,
-    /// The channels that belong to the one that is shown: its place, the number of files, pattern and first number.
-    pattern: Option<(ChannelPlace, usize, Option<(String, usize)>)>,
+    /// The channels that belong to the one that is shown.
+    pattern: Option<KnownPattern>,
     /// Whether the choice is for all channels of the pattern, where the operator said so.
     for_all: bool,
+}
+
+/// The pattern of the channels that belong to one.
+#[derive(Debug)]
+struct KnownPattern {
+    /// The one.
+    of: ChannelPlace,
+    /// Number of files when it was found.
+    files: usize,
+    /// Pattern and number of the first channel; `None` if it is alone.
+    found: Option<(String, usize)>,
 }
 
 /// Width of the window (points) below which one part is shown at a time.

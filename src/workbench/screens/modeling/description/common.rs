@@ -4,7 +4,7 @@ use egui::Ui;
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{Cable, Home, Robot};
 
-use super::field::{Field, change, grid, one, optional, three};
+use super::field::{Field, OfEvery, change, grid, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{muted, section};
 
@@ -69,7 +69,7 @@ pub fn winches(ui: &mut Ui, bench: &mut Bench<'_>) {
         );
     }
     grid(ui, "fields of all winches", |ui| {
-        let fields: [(Field<'_>, f64, fn(&mut Cable, f64)); 5] = [
+        let fields: [OfEvery<'_, Cable>; 5] = [
             (
                 Field::millimetres("Drum diameter", 2),
                 first.winch.drum_diameter_m,

@@ -5,7 +5,7 @@ use tautline_core::robot::{
     ForceSensor, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker,
 };
 
-use super::field::{Field, change, grid, one, optional, three};
+use super::field::{Field, OfEvery, change, grid, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::section;
 
@@ -60,7 +60,7 @@ fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(sensor) = sensor else {
         return;
     };
-    let fields: [(Field<'_>, f64, fn(&mut ForceSensor, f64)); 2] = [
+    let fields: [OfEvery<'_, ForceSensor>; 2] = [
         (
             Field::new("Reading per tension", "", 4),
             sensor.tension_gain,
