@@ -17,6 +17,7 @@ mod isolability;
 mod live;
 mod measure;
 mod method;
+mod new;
 mod not_converged;
 mod output;
 mod plan;
@@ -72,6 +73,8 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Write the robot.json of a common machine, to correct its numbers
+    New(new::Arguments),
     /// Simulate a calibration run: make a dataset of a virtual robot
     Simulate(simulate::Arguments),
     /// Choose the poses to measure and predict the standard deviations
@@ -147,6 +150,7 @@ pub fn run(window: &Window) -> ExitCode {
         ));
     };
     finish(match command {
+        Command::New(arguments) => new::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),

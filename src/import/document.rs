@@ -85,6 +85,8 @@ pub struct PoseReport {
     pub begin_s: Option<f64>,
     /// End (s).
     pub end_s: Option<f64>,
+    /// First row, from 0.
+    pub first_row: usize,
     /// Number of rows.
     pub rows: usize,
     /// Means by column of poses.csv.

@@ -74,6 +74,7 @@ pub fn import(
         Err(error) => Err(ImportError {
             error,
             suggestions: document.suggestions,
+            poses: document.poses.into(),
         }),
     }
 }
@@ -177,6 +178,8 @@ pub struct ImportError {
     pub error: ReadError,
     /// Mistakes that the readings seem to have.
     pub suggestions: Vec<Suggestion>,
+    /// The poses that were cut, if it came so far.
+    pub poses: Box<[PoseReport]>,
 }
 
 impl From<ReadError> for ImportError {
@@ -184,6 +187,7 @@ impl From<ReadError> for ImportError {
         Self {
             error,
             suggestions: Vec::new(),
+            poses: Box::default(),
         }
     }
 }
@@ -436,6 +440,7 @@ fn report(pose: &CutPose, label: i64, recipe: &Recipe) -> PoseReport {
             .time_s
             .map(|time| time[1])
             .filter(|time| time.is_finite()),
+        first_row: pose.first_row,
         rows: pose.rows,
         // Of single rows the table says it all.
         readings: if recipe.cutting == Cutting::Rows {

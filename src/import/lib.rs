@@ -4,13 +4,17 @@
 //! says which channel is which quantity of the robot, with unit, factor, offset and sign. **Cutting** makes poses of rows:
 //! every row, rows of one label, or rests. What was not understood is told in notices, and nothing is dropped silently.
 
+mod alignment;
 mod check;
 mod cutting;
 mod document;
+mod draft;
 mod formats;
 mod importing;
+mod input;
 mod median;
 mod naming;
+mod outline;
 mod proposal;
 mod recipe;
 mod robots;
@@ -20,12 +24,16 @@ mod table;
 mod text;
 mod units;
 
+pub use alignment::{AlignedClock, ClockFit, align_clocks};
 pub use check::{Change, Mistake, Suggestion};
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
+pub use draft::{Draft, clock_times, uses};
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
+pub use naming::pattern_of;
+pub use outline::outline;
 pub use proposal::propose;
 pub use recipe::{Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, read_recipe};
 pub use robots::read_robot_description;

@@ -6,21 +6,27 @@ use std::path::{Path, PathBuf};
 
 use tautline_session::{Loaded, Place, ReadError};
 
-use crate::formats::read_source;
+use crate::formats::read_watched;
+use crate::input::Watch;
 use crate::source::Source;
 
 /// Reads files, and those of folders that are read as tables of some kind; others in a folder are named in a notice.
+/// Meanwhile `goes_on` is told which part is read, and says whether to read on.
 ///
 /// # Errors
-/// If a file that was named is not read, or a folder has none that is.
-pub fn read_sources(paths: &[PathBuf]) -> Result<Loaded<Vec<Source>>, ReadError> {
+/// If a file that was named is not read, a folder has none that is, or reading was stopped.
+pub fn read_sources(
+    paths: &[PathBuf],
+    goes_on: &dyn Fn(f64) -> bool,
+) -> Result<Loaded<Vec<Source>>, ReadError> {
+    let watch = Watch::new(bytes(paths), goes_on);
     let mut sources = Vec::new();
     let mut notices = Vec::new();
     for path in paths {
         if path.is_dir() {
-            read_folder(path, &mut sources, &mut notices)?;
+            read_folder(path, &watch, &mut sources, &mut notices)?;
         } else {
-            sources.push(read_source(path)?);
+            sources.push(read_watched(path, &watch)?);
         }
     }
     make_names_unique(&mut sources);
@@ -32,6 +38,7 @@ pub fn read_sources(paths: &[PathBuf]) -> Result<Loaded<Vec<Source>>, ReadError>
 
 fn read_folder(
     folder: &Path,
+    watch: &Watch<'_>,
     sources: &mut Vec<Source>,
     notices: &mut Vec<String>,
 ) -> Result<(), ReadError> {
@@ -48,8 +55,9 @@ fn read_folder(
             notices.push(format!("{}: folder in a folder, not read", path.display()));
             continue;
         }
-        match read_source(&path) {
+        match read_watched(&path, watch) {
             Ok(source) => sources.push(source),
+            Err(error) if watch.is_stopped() => return Err(error),
             Err(error) => notices.push(format!("{error}: not read")),
         }
     }
@@ -63,8 +71,24 @@ fn read_folder(
     Ok(())
 }
 
+/// Size of files, and of those in folders.
+fn bytes(paths: &[PathBuf]) -> u64 {
+    let of_file = |path: &Path| fs::metadata(path).map_or(0, |data| data.len());
+    let of_folder = |folder: &Path| {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| of_file(&entry.path())).sum()
+    };
+    paths
+        .iter()
+        .map(|path| match path.is_dir() {
+            true => of_folder(path),
+            false => of_file(path),
+        })
+        .sum()
+}
+
 /// Recipes name series, so that no two may have one name.
-fn make_names_unique(sources: &mut [Source]) {
+pub(crate) fn make_names_unique(sources: &mut [Source]) {
     let mut seen = HashSet::new();
     for series in sources.iter_mut().flat_map(|source| &mut source.series) {
         let name = series.name.clone();

@@ -266,7 +266,7 @@ fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
             path
         })
         .collect();
-    let sources = read_sources(&paths).expect("read").value;
+    let sources = read_sources(&paths, &|_| true).expect("read").value;
     let (recipe, notices) = propose(&sources, &dataset.robot);
     match import(&sources, &recipe, "the proposed recipe", &dataset.robot) {
         Ok(imported) => imported,
@@ -535,7 +535,7 @@ fn a_recipe_is_used_as_it_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.csv");
     std::fs::write(&path, text).expect("written");
-    let sources = read_sources(&[path]).expect("read").value;
+    let sources = read_sources(&[path], &|_| true).expect("read").value;
     let json = r#"{"format": "tautline-import-recipe", "version": 1, "channels": [
         {"channel": "Winch{i}.Pos", "quantity": "rev_{i}"},
         {"channel": "Winch4.Pos", "quantity": "rev_3", "reversed": true, "factor": 2, "offset": 0.5},

@@ -29,7 +29,7 @@ pub use dataset::{
 };
 pub use error::{Loaded, Place, ReadError, WriteError, quoted};
 pub use folders::Folders;
-pub use import::{Import, import};
+pub use import::{Import, import, is_own};
 pub use input_file::open_input;
 pub use json::{
     Migration, Schema, VersionedFile, parse_versioned, read_versioned, schema_for, versioned,

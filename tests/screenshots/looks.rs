@@ -6,13 +6,14 @@ use anyhow::Result;
 use egui::{Key, Modifiers, ThemePreference};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    CompareCommand, FileCommand, ReportCommand, RobotCommand, ViewCommand,
+    Answer, CompareCommand, FileCommand, RecordingCommand, ReportCommand, RobotCommand, ViewCommand,
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::manual::Page;
 use tautline_workbench::model::phase::Phase;
 use tautline_workflow::report::ReportFormat;
+use tautline_workflow::templates::Template;
 
 use super::stage::{LARGE, Stage};
 use super::{files, open, phase};
@@ -40,14 +41,19 @@ impl Looks {
             self.stage.give(ViewCommand::Theme(theme));
             for size in SIZES {
                 for scale in [1.0, 2.0] {
-                    self.stage.resize(size, scale);
-                    let file = format!("{name}-{}-{:.0}-{of}.png", size[0], 100.0 * scale);
-                    files::write_still(&self.into.join(file), &self.stage.picture()?)?;
+                    self.take(name, of, size, scale)?;
                 }
             }
         }
         self.stage.resize(LARGE, 1.0);
         Ok(())
+    }
+
+    /// One picture in the present theme, whose name is `of`.
+    fn take(&mut self, name: &str, of: &str, size: [f32; 2], scale: f32) -> Result<()> {
+        self.stage.resize(size, scale);
+        let file = format!("{name}-{}-{:.0}-{of}.png", size[0], 100.0 * scale);
+        files::write_still(&self.into.join(file), &self.stage.picture()?)
     }
 }
 
@@ -65,6 +71,7 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
         only: only.map(str::to_owned),
     };
     looks.at("start")?;
+    imports(&mut looks)?;
     looks.stage.give(CompareCommand::Show);
     looks.at("compare-empty")?;
     for (session, name) in [
@@ -91,6 +98,30 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     looks.at("compare-row")
 }
 
+/// Files of other programs: without a robot, a recording, and a log with mistakes.
+fn imports(looks: &mut Looks) -> Result<()> {
+    let file = |name: &str| Path::new("docs/your-data").join(name);
+    looks.stage.give(FileCommand::Open(file("scope.csv")));
+    looks.at("import-robot")?;
+    looks.stage.press("mini");
+    looks.at("import-scope")?;
+    looks.stage.give(RecordingCommand::Discard);
+    looks.stage.give(RecordingCommand::Show);
+    looks.at("import-empty")?;
+    for name in ["mistakes.csv", "points.txt"] {
+        looks.stage.give(RecordingCommand::Read(file(name)));
+    }
+    looks.stage.press_first("rev_3, ");
+    looks.at("import-mistakes")?;
+    looks.stage.give(FileCommand::Close);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
+    looks.stage.give(FileCommand::New(Template::Suspended));
+    looks.at("new-robot")?;
+    looks.stage.give(FileCommand::Close);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
+    Ok(())
+}
+
 fn phases(looks: &mut Looks) -> Result<()> {
     for (step, parts) in [
         (
@@ -99,7 +130,7 @@ fn phases(looks: &mut Looks) -> Result<()> {
         ),
         (
             Phase::Modeling,
-            &["Elongation", "Pulleys", "Cable lengths"][..],
+            &["Elongation", "Pulleys", "Cable lengths", "Description"][..],
         ),
         (Phase::Identification, &["Geometry", "Model doctor"][..]),
     ] {

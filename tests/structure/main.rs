@@ -54,7 +54,12 @@ const CRATES: [Rules; 7] = [
     },
     Rules {
         folder: "src/workflow",
-        crates: &["tautline_core", "tautline_session", "tautline_link"],
+        crates: &[
+            "tautline_core",
+            "tautline_session",
+            "tautline_import",
+            "tautline_link",
+        ],
         order: &[],
     },
     Rules {
@@ -73,6 +78,7 @@ const CRATES: [Rules; 7] = [
         crates: &[
             "tautline_core",
             "tautline_session",
+            "tautline_import",
             "tautline_link",
             "tautline_workflow",
         ],

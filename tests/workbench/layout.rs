@@ -7,13 +7,15 @@ use tautline_session::{Arrangement, Plots};
 use tautline_workbench::model::command::Answer;
 use tautline_workbench::model::command::Setup;
 use tautline_workbench::model::command::{
-    CompareCommand, FileCommand, IdentificationCommand, ReportCommand, RobotCommand, ViewCommand,
+    CompareCommand, FileCommand, IdentificationCommand, RecordingCommand, ReportCommand,
+    RobotCommand, ViewCommand,
 };
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 use tautline_workbench::views::plots::Panes;
 use tautline_workflow::report::ReportFormat;
+use tautline_workflow::templates::Template;
 
 use crate::measured::{Measured, give};
 use crate::support::settle;
@@ -214,6 +216,31 @@ fn every_phase_fits() {
     harness.state_mut().state.outbox.send(CompareCommand::Show);
     settle(&mut harness);
     check(&mut harness, "compare");
+}
+
+#[test]
+fn the_import_fits() {
+    let mut harness = Measured::mini(6, &[]).opened();
+    harness
+        .state_mut()
+        .state
+        .outbox
+        .send(RecordingCommand::Show);
+    settle(&mut harness);
+    check(&mut harness, "import without a file");
+    let folder = tautline_validation::your_data::page().with_file_name("your-data");
+    for name in ["mistakes.csv", "points.txt"] {
+        let path = folder.join(name);
+        give(&mut harness, RecordingCommand::Read(path));
+    }
+    check(&mut harness, "import");
+}
+
+#[test]
+fn the_description_of_a_new_robot_fits() {
+    let mut harness = crate::support::workbench();
+    give(&mut harness, FileCommand::New(Template::Facade));
+    check(&mut harness, "description");
 }
 
 /// A command that opens a window, and one that closes it.

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    ImportDocument, Imported, Recipe, Source, import, import_corrected, is_robot_description,
-    propose, read_recipe, read_robot_description, read_sources,
+    ImportDocument, Imported, Recipe, Source, align_clocks, import, import_corrected,
+    is_robot_description, propose, read_recipe, read_robot_description, read_sources,
 };
 use tautline_session::{read_robot, write_robot, write_text, write_versioned};
 
@@ -50,6 +50,9 @@ pub struct Arguments {
     /// Change the recipe as the check of the data suggests: units, signs, exchanged channels, steps, jumps, dead channels
     #[arg(long)]
     apply_suggestions: bool,
+    /// Find offset and drift of the clocks of further recorders from the motion that both have recorded
+    #[arg(long)]
+    align_clocks: bool,
     /// Replace poses that are in the folder already
     #[arg(long)]
     replace: bool,
@@ -61,9 +64,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if describes_robot(&arguments.sources)? {
         return robot_description(arguments);
     }
-    let sources = noticed(read_sources(&arguments.sources)?);
+    let sources = noticed(read_sources(&arguments.sources, &|_| true)?);
     let robot = robot(arguments)?;
-    let (recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
+    let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
+    if arguments.align_clocks {
+        let clocks = align_clocks(&sources, &mut recipe, &robot.robot)?;
+        for clock in &clocks {
+            note!("{}", clock.sentence);
+        }
+    }
     if arguments.channels {
         let document = tautline_import::found(&sources, &recipe, &name, &robot.robot)?;
         return deliver(arguments, document, assumptions);

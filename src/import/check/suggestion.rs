@@ -145,8 +145,8 @@ impl Suggestion {
                 Some(clock) => clock.close_jumps = true,
                 None => recipe.clocks.push(Clock {
                     series: series.clone(),
-                    offset_s: 0.0,
                     close_jumps: true,
+                    ..Clock::default()
                 }),
             },
         }

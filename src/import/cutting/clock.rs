@@ -44,7 +44,9 @@ impl Times {
             .find(|clock| is_series(one, &clock.series));
         times.look(clock.is_some_and(|clock| clock.close_jumps));
         if let (Some(clock), Some(time_s)) = (clock, &mut times.time_s) {
-            time_s.iter_mut().for_each(|time| *time += clock.offset_s);
+            for time in time_s {
+                *time += clock.offset_s + clock.drift * (*time - clock.drift_from_s);
+            }
         }
         times
     }

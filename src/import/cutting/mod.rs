@@ -26,7 +26,9 @@ pub(crate) struct CutPose {
     pub group: Option<String>,
     /// Begin and end (s).
     pub time_s: Option<[f64; 2]>,
-    /// Rows of the first series.
+    /// First row of the series that is cut.
+    pub first_row: usize,
+    /// Number of its rows.
     pub rows: usize,
     /// Means of the quantities.
     pub readings: BTreeMap<Quantity, Averaged>,
@@ -62,7 +64,7 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
 }
 
 /// The series that has most of the quantities that move.
-fn main_series(mapping: &Mapping<'_>) -> usize {
+pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
     let mut counts = vec![0_usize; mapping.series.len()];
     for (quantity, mapped) in &mapping.quantities {
         counts[mapped.series] += if quantity.is_per_cable() { 64 } else { 1 };
@@ -85,7 +87,8 @@ pub(crate) fn cut(
     notices: &mut Vec<String>,
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
-        let message = "no channel is a quantity of the robot: expected a recipe that names them (--recipe), see --channels";
+        let message =
+            "no channel is a quantity of the robot: expected a recipe that says which are";
         return Err(ReadError::new(file, Place::File, message));
     }
     let main = main_series(mapping);
@@ -180,6 +183,7 @@ fn pose(
         label: None,
         group: None,
         time_s,
+        first_row: range.start,
         rows: range.len(),
         readings: BTreeMap::new(),
     };

@@ -3,14 +3,13 @@
 //! Cell values, shared texts and the number formats of dates are read here; the crates that read workbooks switch the whole
 //! program to another compressor. Source: ECMA-376, part 1, chapter 18.
 
-use std::fs::File;
-
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use tautline_session::{Place, ReadError, quoted};
 
 use super::archive::Archive;
 use super::{stem, whole};
+use crate::input::Input;
 use crate::source::{Format, Source};
 use crate::table::read_rows;
 use crate::text::Cells;
@@ -20,7 +19,7 @@ const MAX_COLUMNS: usize = 16_384;
 /// Most cells, with the empty ones between them.
 const MAX_CELLS: usize = 50_000_000;
 
-pub(super) fn read(mut input: File, file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let fail = |message: String| ReadError::new(file, Place::File, message);
     let bytes = whole(&mut input, file)?;
     let archive = Archive::open(&bytes).map_err(fail)?;

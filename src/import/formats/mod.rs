@@ -15,6 +15,7 @@ use std::path::Path;
 
 use tautline_session::{Place, ReadError, open_input};
 
+use crate::input::{Input, Watch};
 use crate::source::{Format, Source};
 use crate::text::decoded;
 
@@ -37,9 +38,18 @@ enum Kind {
 /// # Errors
 /// If its format is not known or its content is wrong, in one sentence with the place.
 pub fn read_source(path: &Path) -> Result<Source, ReadError> {
+    read_watched(path, &Watch::new(0, &|_| true))
+}
+
+/// Reads a file while `watch` follows.
+///
+/// # Errors
+/// As [`read_source`], and if it was stopped.
+pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let file = path.display().to_string();
     let refuse = |message: &str| Err(ReadError::new(&file, Place::File, message));
-    let (head, mut input) = open(path, &file)?;
+    let (head, input) = open(path, &file)?;
+    let mut input = Input::new(input, watch);
     let format = match recognise(&head, path) {
         Kind::Readable(format) => format,
         Kind::RobotDescription => {
@@ -83,7 +93,7 @@ fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
 }
 
 /// The content of a file.
-fn whole(input: &mut File, file: &str) -> Result<Vec<u8>, ReadError> {
+fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     let read = input.take(MAX_WHOLE + 1).read_to_end(&mut bytes);
     read.map_err(|error| ReadError::io(file, Place::File, &error))?;

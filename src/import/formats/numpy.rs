@@ -3,16 +3,15 @@
 //! The crates that read `.npy` bring a parser generator for the Python dictionary of the header; its three keys are read
 //! here. Source: NumPy Enhancement Proposal 1, format versions 1 to 3.
 
-use std::fs::File;
-
 use tautline_session::{Place, ReadError, quoted};
 
 use super::archive::Archive;
 use super::{stem, whole};
+use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source, TextChannel};
 use crate::units::split_heading;
 
-pub(super) fn read(mut input: File, head: &[u8], file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Source, ReadError> {
     let mut source = Source {
         file: file.into(),
         format: Format::NumPy,

@@ -3,6 +3,7 @@
 mod names;
 pub(crate) mod words;
 
+pub use names::pattern_of;
 pub(crate) use names::{Family, families, words as words_of};
 
 /// Whether a column is called as labels of poses are.

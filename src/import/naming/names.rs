@@ -41,6 +41,26 @@ pub(crate) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> 
     families
 }
 
+/// The pattern of the channels to which a name belongs, of which there is one for each of so many cables, and the number
+/// of the first; where a name has several numbers, that with as many channels as cables.
+pub fn pattern_of<'a>(
+    names: impl Iterator<Item = &'a str>,
+    name: &str,
+    cables: usize,
+) -> Option<(String, usize)> {
+    let own = patterns_of(name);
+    let is_own = |family: &Family| {
+        let numbers = family.first..family.first + family.count.min(cables);
+        own.iter()
+            .any(|(pattern, number)| *pattern == family.pattern && numbers.contains(number))
+    };
+    let found = families(names)
+        .into_iter()
+        .filter(|family| family.count >= cables && is_own(family));
+    let best = found.min_by_key(|family| family.count)?;
+    Some((best.pattern, best.first))
+}
+
 /// The name with each of its numbers in turn replaced by `{i}`.
 fn patterns_of(name: &str) -> Vec<(String, usize)> {
     let bytes = name.as_bytes();
@@ -111,6 +131,15 @@ mod tests {
             found,
             [family("Winch{i}.Pos", 1, 3), family("x[{i}]", 0, 2)]
         );
+    }
+
+    #[test]
+    fn the_pattern_of_a_channel_has_one_for_each_cable() {
+        let names = ["A1.W1", "A1.W2", "A1.W3", "A2.W1", "t"];
+        let of = |name| pattern_of(names.into_iter(), name, 3);
+        assert_eq!(of("A1.W2"), Some(("A1.W{i}".into(), 1)));
+        assert_eq!(of("A2.W1"), None);
+        assert_eq!(of("t"), None);
     }
 
     #[test]

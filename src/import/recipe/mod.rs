@@ -1,5 +1,6 @@
 //! Recipes: which channel is which quantity of the robot.
 
+mod edit;
 mod quantity;
 mod resolve;
 
@@ -123,13 +124,19 @@ impl Default for Rest {
 }
 
 /// Clock of a series.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Clock {
     /// Name of the series, or the end of the name.
     pub series: String,
     /// What is added to its times (s).
     #[serde(default)]
     pub offset_s: f64,
+    /// How much slower it runs than the common clock (s/s): `drift (t - drift_from_s)` is added as well.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub drift: f64,
+    /// Time on its own clock from which the drift counts (s).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub drift_from_s: f64,
     /// Whether jumps of the clock are closed: the step to the next row is then that of the other rows.
     #[serde(default)]
     pub close_jumps: bool,
@@ -237,6 +244,21 @@ impl VersionedFile for Recipe {
                     "/cutting/settle_s".into(),
                     format!("found {}, expected 0 or more", rest.settle_s),
                 );
+            }
+        }
+        for (k, clock) in self.clocks.iter().enumerate() {
+            let values = [
+                ("offset_s", clock.offset_s, f64::MAX),
+                ("drift", clock.drift, 0.1),
+                ("drift_from_s", clock.drift_from_s, f64::MAX),
+            ];
+            for (key, value, most) in values {
+                if value.is_nan() || value.abs() > most {
+                    return fail(
+                        format!("/clocks/{k}/{key}"),
+                        format!("found {value}, expected a number of a clock"),
+                    );
+                }
             }
         }
         let columns = self

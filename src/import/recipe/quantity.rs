@@ -177,6 +177,56 @@ impl Quantity {
         }
     }
 
+    /// Units that are usual for it.
+    #[must_use]
+    pub fn usual_units(self) -> &'static [&'static str] {
+        match self.dimension().0 {
+            Dimension::Length => &["m", "cm", "mm", "in"],
+            Dimension::Angle => &["rev", "rad", "deg"],
+            Dimension::Force => &["N", "kN", "kg"],
+            Dimension::Temperature => &["°C", "K"],
+            Dimension::Time => &["s", "ms"],
+            Dimension::Number => &[],
+        }
+    }
+
+    /// One of each kind, those of cables for the first cable.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let per_cable = PER_CABLE.iter().map(|(kind, ..)| Self {
+            kind: *kind,
+            index: 0,
+        });
+        let single = SINGLE
+            .iter()
+            .flat_map(|(kind, names)| (0..names.len()).map(|index| Self { kind: *kind, index }));
+        per_cable.chain(single).collect()
+    }
+
+    /// What people call it, without the number of the cable.
+    #[must_use]
+    pub fn title(self) -> String {
+        let axis = |of: &str| {
+            let component = ["x", "y", "z", "qw", "qx", "qy", "qz"][self.index.min(6)];
+            format!("{of} {component}")
+        };
+        match self.kind {
+            Kind::Label => "Label of the pose".into(),
+            Kind::Time => "Time".into(),
+            Kind::Temperature => "Temperature".into(),
+            Kind::Commanded => axis("Commanded"),
+            Kind::Revolutions => "Winch revolutions".into(),
+            Kind::Length => "Cable length".into(),
+            Kind::Force => "Cable force".into(),
+            Kind::Swivel => "Swivel angle".into(),
+            Kind::Laser => "Laser distance".into(),
+            Kind::Inclination => ["Roll", "Pitch", "Yaw"][self.index.min(2)].into(),
+            Kind::Tracked => axis("Measured"),
+            Kind::TrackedSd => axis("Standard deviation of measured"),
+            Kind::Group => "Group of poses".into(),
+        }
+    }
+
     /// Whether it changes when the platform moves.
     #[must_use]
     pub fn moves(self) -> bool {

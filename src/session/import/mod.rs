@@ -1,6 +1,7 @@
 //! Import of any file or folder, recognised by its content.
 
 use std::fs;
+use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
 use serde_json::Value;
@@ -9,6 +10,7 @@ use tautline_core::robot::Robot;
 
 use crate::dataset::{DatasetFolder, POSES, ROBOT, read_calibration_tables, read_dataset};
 use crate::error::{Loaded, Place, ReadError, quoted};
+use crate::input_file::open_input;
 use crate::json::{VersionedFile, check_size, kind, parse_object, read_limited, versioned_from};
 use crate::phases::{
     self, CheckRow, ElongationPoint, ForcePair, HomeReading, WinchPair, read_check,
@@ -97,6 +99,27 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
         Some(b'{' | b'[') => import_json(&bytes, &file),
         Some(_) => import_table(&bytes, &file, into),
     }
+}
+
+/// Whether a file or folder is one of Tautline's, right or wrong, rather than one of another program: [`import`] says
+/// what is wrong with it then.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn is_own(path: &Path) -> Result<bool, ReadError> {
+    let file = path.display().to_string();
+    let fail = |error| ReadError::io(&file, Place::File, &error);
+    if fs::metadata(path).map_err(fail)?.is_dir() {
+        return Ok(path.join(ROBOT).exists());
+    }
+    let mut reader = BufReader::with_capacity(1 << 16, open_input(path, &file)?);
+    let head = reader.fill_buf().map_err(fail)?;
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
+    Ok(match text.trim_ascii_start().first() {
+        None | Some(b'{' | b'[') => true,
+        Some(_) if is_binary(head) => false,
+        Some(_) => Table::open(head, &file).is_ok_and(|table| recognise(table.names()).is_some()),
+    })
 }
 
 fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError> {

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
 use tautline_session::{
-    Import, Loaded, Session, find_unsaved_sessions, import, link_target, write_session,
+    Import, Loaded, Session, find_unsaved_sessions, link_target, write_session,
 };
 
 use super::file_tasks::pick;
-use super::tables;
+use super::{recording, tables};
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
 use crate::model::phase::{Phase, Screen};
-use crate::model::{Model, OpenSession};
+use crate::model::{Model, OpenSession, UiRequest};
+use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::session_file::recover_unsaved;
+use tautline_workflow::templates::Template;
 use tautline_workflow::{clock, samples};
 
 /// Title of writing a session.
@@ -21,6 +23,7 @@ const SAVING: &str = "Saving";
 pub(super) fn perform(model: &mut Model, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(model),
+        FileCommand::New(template) => new_robot(model, template),
         FileCommand::AskOpen => pick(model, || dialog().pick_file(), FileCommand::Open),
         FileCommand::AskSaveAs => ask_save_as(model),
         FileCommand::PickSaveAs => pick(
@@ -65,8 +68,24 @@ fn try_demo(model: &mut Model) {
     });
 }
 
+/// A session with a robot that nobody has described yet.
+fn new_robot(model: &mut Model, template: Template) {
+    let robot = template.robot(template.usual_size_m());
+    leave(
+        model,
+        Leaving::Open(Box::new(Opening {
+            session: Session::new(robot.name.clone(), robot, clock::now()),
+            path: None,
+            is_recovered: false,
+            is_new: true,
+        })),
+    );
+}
+
 fn dialog() -> rfd::FileDialog {
-    rfd::FileDialog::new().add_filter("Tautline", &["json", "csv"])
+    rfd::FileDialog::new()
+        .add_filter("Tautline", &["json", "csv"])
+        .add_filter("All files", &["*"])
 }
 
 /// Asks where to save; its own file is suggested, or one beside the session that was open last.
@@ -103,14 +122,18 @@ fn file_name(name: &str) -> String {
 fn read(model: &mut Model, path: PathBuf) {
     let into = model.open.as_ref().map(|open| open.session().clone());
     let is_own = model.session_lock.holds(&path);
-    model.tasks.start("Opening", move |_| {
+    model.tasks.start("Opening", move |task| {
         let recovered = if is_own {
             Vec::new()
         } else {
             recover_unsaved(&path)
         };
-        let mut result = import(&path, into.as_ref()).map_err(|error| error.to_string());
-        if let Ok(loaded) = &mut result {
+        let mut result = match open_any(&path, into.as_ref(), &recording::watch(task)) {
+            Err(_) if task.cancelled() => Ok(None),
+            Err(error) => Err(error.to_string()),
+            Ok(loaded) => Ok(Some(loaded)),
+        };
+        if let Ok(Some(loaded)) = &mut result {
             loaded.notices.extend(recovered);
         }
         FileOutcome::Read { path, result }.into()
@@ -152,6 +175,7 @@ fn leave(model: &mut Model, leaving: Leaving) {
         Leaving::Open(opening) => open(model, *opening),
         Leaving::Close => {
             model.open = None;
+            model.importing.open = None;
             model.screen = Screen::Start;
         }
         Leaving::Quit => {
@@ -196,6 +220,7 @@ fn recover(model: &mut Model, place: usize) {
                     session: value.session,
                     path: value.origin,
                     is_recovered: true,
+                    is_new: false,
                 },
             );
             // It is saved again before the unsaved session is discarded.
@@ -240,8 +265,11 @@ pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
     match outcome {
         FileOutcome::Read {
             path,
-            result: Ok(loaded),
+            result: Ok(Some(loaded)),
         } => imported(model, path, loaded),
+        FileOutcome::Read {
+            result: Ok(None), ..
+        } => model.messages.info("Opening was stopped."),
         FileOutcome::Demo(Ok(session)) => begin(model, *session, None),
         FileOutcome::Read {
             result: Err(error), ..
@@ -278,13 +306,19 @@ fn saved(
     go_on(model);
 }
 
-fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Import>) {
+fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
     tell(model, loaded.notices);
     let named = |path: &Path| {
         path.file_name()
             .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
     };
-    match loaded.value {
+    let own = match loaded.value {
+        Opened::Own(own) => *own,
+        Opened::Robot(robot) => Import::Robot(robot),
+        Opened::Recipe(recipe) => return recording::use_recipe(model, &named(&path), *recipe),
+        Opened::Sources(sources) => return recording::take(model, sources),
+    };
+    match own {
         Import::Session(session) => begin(model, *session, Some(path)),
         Import::Robot(robot) => begin(
             model,
@@ -300,13 +334,14 @@ fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Import>) {
     }
 }
 
-fn begin(model: &mut Model, session: Session, path: Option<PathBuf>) {
+pub(super) fn begin(model: &mut Model, session: Session, path: Option<PathBuf>) {
     leave(
         model,
         Leaving::Open(Box::new(Opening {
             session,
             path,
             is_recovered: false,
+            is_new: false,
         })),
     );
 }
@@ -316,6 +351,7 @@ fn open(model: &mut Model, opening: Opening) {
         session,
         path,
         is_recovered,
+        is_new,
     } = opening;
     let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
     model.messages.info(format!("Opened {name}."));
@@ -331,15 +367,19 @@ fn open(model: &mut Model, opening: Opening) {
     model.open = Some(open(session, path));
     model.selection = Default::default();
     model.inspected = None;
-    model.screen = Screen::Phase(if measured {
-        Phase::Identification
-    } else {
-        Phase::Precalibration
+    model.screen = Screen::Phase(match (measured, is_new) {
+        (true, _) => Phase::Identification,
+        (false, true) => Phase::Modeling,
+        (false, false) => Phase::Precalibration,
     });
+    if is_new {
+        model.request(UiRequest::ShowDescription);
+    }
     if let Some(text) = model.unsettled() {
         model.messages.warning(text);
     }
     super::identification::reopened(model);
+    recording::opened(model);
 }
 
 #[cfg(test)]

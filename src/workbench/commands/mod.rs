@@ -6,6 +6,7 @@ mod file_tasks;
 mod identification;
 mod import;
 mod plots;
+mod recording;
 mod report;
 pub mod robot;
 mod setup;
@@ -24,6 +25,7 @@ pub fn perform(model: &mut Model, command: Command) {
     match command {
         Command::File(command) => file::perform(model, command),
         Command::Import(command) => import::perform(model, command),
+        Command::Recording(command) => recording::perform(model, command),
         Command::View(command) => view::perform(model, command),
         Command::Identification(command) => identification::perform(model, command),
         Command::Robot(command) => robot::perform(model, command),
@@ -36,6 +38,8 @@ pub fn perform(model: &mut Model, command: Command) {
         }),
         Command::CancelTask(title) => model.tasks.cancel(title),
         Command::Notify(severity, text) => model.messages.add(severity, text),
+        Command::Undo if recording::undoes(model, false) => recording::undo(model),
+        Command::Redo if recording::undoes(model, true) => recording::redo(model),
         Command::Undo => changed(model, Some("Undone"), OpenSession::undo),
         Command::Redo => changed(model, Some("Redone"), OpenSession::redo),
     }
@@ -75,6 +79,7 @@ pub fn receive(model: &mut Model, outcome: Outcome) {
     match outcome {
         Outcome::File(outcome) => file::receive(model, outcome),
         Outcome::Import(outcome) => import::receive(model, outcome),
+        Outcome::Recording(outcome) => recording::receive(model, outcome),
         Outcome::Identification(outcome) => identification::receive(model, outcome),
         Outcome::Prepared(prepared) => model.request(UiRequest::TakePreparation(prepared)),
         Outcome::Plan(outcome) => robot::planned(model, outcome),

@@ -1,8 +1,11 @@
-//! What the operator edits, and how it is undone. Measured data are never undone: poses that were measured stay.
+//! What the operator edits, and how it is undone. What was measured here is never undone: those poses stay. What was
+//! imported can be, as long as nothing was measured after it: it is still in its file.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use tautline_core::effect::{EffectSetting, find};
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{
     Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings,
@@ -33,6 +36,8 @@ pub enum Edit {
     SetConnection(Box<(Connection, LaserSettings)>),
     /// Replaces raw data of the phases around the poses; the text says which, for the undo menu.
     SetPhases(Box<PhaseData>, String),
+    /// Takes poses of a foreign file into a session without poses; the text says which file, for the undo menu.
+    Import(Arc<Measurements>, String),
 }
 
 /// Whether two settings are of the same effect on the same cables at the same pose, whatever its size.
@@ -61,7 +66,8 @@ impl Edit {
             | Self::RemoveEffects(_, what)
             | Self::SetPlan(_, what)
             | Self::SetRobot(_, what)
-            | Self::SetPhases(_, what) => what.clone(),
+            | Self::SetPhases(_, what)
+            | Self::Import(_, what) => what.clone(),
         }
     }
 
@@ -88,6 +94,7 @@ impl Edit {
             Self::SetAlpha(alpha) => session.settings.diagnosis.alpha = alpha,
             Self::SetRobot(robot, _) => session.robot = *robot,
             Self::SetPhases(phases, _) => session.phases = *phases,
+            Self::Import(poses, _) => session.measurements = Arc::unwrap_or_clone(poses),
             Self::SetConnection(settings) => {
                 (session.connection, session.laser_source) = *settings;
             }
@@ -157,6 +164,8 @@ struct Phase {
     state: Editable,
     /// Which inputs of results it has; `None` once something was measured since.
     inputs: Option<u64>,
+    /// The poses of that state, where an import replaced them.
+    poses: Option<Measurements>,
 }
 
 /// What an edit, or undoing it, came to.
@@ -183,16 +192,21 @@ const MOST: usize = 200;
 impl History {
     /// Does an edit and remembers what was before, with the number of its inputs; `None` if nothing changed.
     pub fn perform(&mut self, edit: Edit, session: &mut Session, inputs: u64) -> Option<Inputs> {
+        let is_import = matches!(edit, Edit::Import(..));
+        if is_import && !session.measurements.is_empty() {
+            return None;
+        }
         let step = Phase {
             name: edit.name(),
             state: Editable::of(session),
             inputs: Some(inputs),
+            poses: is_import.then(|| std::mem::take(&mut session.measurements)),
         };
         edit.apply(session);
-        if step.state == Editable::of(session) {
+        if step.state == Editable::of(session) && !is_import {
             return None;
         }
-        let same = step.state.has_inputs_of(session);
+        let same = step.state.has_inputs_of(session) && !is_import;
         self.redo.clear();
         if self.undo.len() == MOST {
             self.undo.remove(0);
@@ -211,11 +225,19 @@ impl History {
         step(&mut self.redo, &mut self.undo, session, inputs)
     }
 
-    /// Something was measured: no state before has the inputs that it had.
+    /// Something was measured: no state before has the inputs that it had, and what was imported stays with it.
     pub fn forget_inputs(&mut self) {
-        for step in self.undo.iter_mut().chain(&mut self.redo) {
-            step.inputs = None;
+        for steps in [&mut self.undo, &mut self.redo] {
+            steps.retain(|step| step.poses.is_none());
+            steps.iter_mut().for_each(|step| step.inputs = None);
         }
+    }
+
+    /// Whether the last edit, or the last one that was undone, is an import.
+    #[must_use]
+    pub fn is_import(&self, undone: bool) -> bool {
+        let steps = if undone { &self.redo } else { &self.undo };
+        steps.last().is_some_and(|step| step.poses.is_some())
     }
 
     /// Name of the edit that undo would undo.
@@ -238,12 +260,17 @@ fn step(
     inputs: u64,
 ) -> Option<(String, Inputs)> {
     let left = from.pop()?;
+    let state = Editable::of(session);
+    let same = left.state.has_inputs_of(session) && left.poses.is_none();
+    let poses = left
+        .poses
+        .map(|poses| std::mem::replace(&mut session.measurements, poses));
     to.push(Phase {
         name: left.name.clone(),
-        state: Editable::of(session),
+        state,
         inputs: Some(inputs),
+        poses,
     });
-    let same = left.state.has_inputs_of(session);
     left.state.restore(session);
     let inputs = match left.inputs {
         _ if same => Inputs::Same,
@@ -339,6 +366,28 @@ mod tests {
         );
         let remove = Edit::RemoveEffects(vec![effect()], "remove winch scale".into());
         assert!(history.perform(remove, &mut session, 0).is_none());
+        assert_eq!(history.next_undo(), None);
+    }
+
+    #[test]
+    fn an_import_is_undone_until_something_is_measured() {
+        let mut session = session();
+        let poses = Arc::new(std::mem::take(&mut session.measurements));
+        let import = || Edit::Import(Arc::clone(&poses), "import log.csv".into());
+        let mut history = History::default();
+        assert_eq!(
+            history.perform(import(), &mut session, 1),
+            Some(Inputs::New)
+        );
+        assert_eq!(session.measurements, *poses);
+        assert!(history.perform(import(), &mut session, 2).is_none());
+        assert!(history.is_import(false));
+        let undone = history.undo(&mut session, 2).expect("a step");
+        assert_eq!(undone, ("import log.csv".into(), Inputs::Again(1)));
+        assert!(session.measurements.is_empty() && history.is_import(true));
+        history.redo(&mut session, 1).expect("a step");
+        assert_eq!(session.measurements, *poses);
+        history.forget_inputs();
         assert_eq!(history.next_undo(), None);
     }
 

@@ -6,6 +6,7 @@ pub mod command;
 pub mod comparison;
 pub mod edit;
 pub mod fit_progress;
+pub mod importing;
 pub mod link;
 pub mod manual;
 mod memo;
@@ -35,6 +36,7 @@ use caught_panic::CaughtPanic;
 use command::{Leaving, PlanOutlook, ReportDraft};
 use comparison::ComparisonState;
 use fit_progress::IdentificationState;
+use importing::ImportState;
 use link::{Link, LivePlatform};
 use messages::Messages;
 use phase::Screen;
@@ -127,6 +129,8 @@ pub struct Model {
     outlook_checked: Option<(u64, u64)>,
     /// Two sessions side by side.
     pub comparison: ComparisonState,
+    /// Files of other programs on their way into the session.
+    pub importing: ImportState,
     /// Keeps commands from the file of the open session while it has unsaved changes.
     pub session_lock: SessionLock,
     /// Writes unsaved changes to the recovery folder.
@@ -190,6 +194,7 @@ impl Model {
             outlook: None,
             outlook_checked: None,
             comparison: ComparisonState::default(),
+            importing: ImportState::default(),
             tasks: Tasks::new(context.clone()),
             messages,
             dialogs: Dialogs::default(),
@@ -251,6 +256,18 @@ impl Model {
     pub fn is_true_to_session(&self) -> bool {
         let connected = self.link.connected.as_ref();
         connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
+    }
+
+    /// Names of what undo would undo and redo would do again: changes of the recipe while files are imported, else edits.
+    #[must_use]
+    pub fn next_steps(&self) -> [Option<&str>; 2] {
+        let importing = self.importing.open.as_ref();
+        let draft = importing.filter(|_| self.screen == Screen::Import);
+        let history = self.open.as_ref().map(OpenSession::history);
+        let draft = draft.map(|open| [open.draft.next_undo(), open.draft.next_redo()]);
+        let edits = history.map(|history| [history.next_undo(), history.next_redo()]);
+        let [draft, edits] = [draft, edits].map(Option::unwrap_or_default);
+        [draft[0].or(edits[0]), draft[1].or(edits[1])]
     }
 
     /// Changes the choices of the user and writes them down.

@@ -173,12 +173,16 @@ impl OpenSession {
 
     /// Does an edit; says whether anything changed.
     pub fn edit(&mut self, edit: Edit) -> bool {
+        let is_import = matches!(edit, Edit::Import(..));
         let inputs = self.history.perform(edit, &mut self.session, self.inputs);
-        inputs.map(|inputs| self.touch(&inputs)).is_some()
+        let is_done = inputs.map(|inputs| self.touch(&inputs)).is_some();
+        self.replaced += u64::from(is_import && is_done);
+        is_done
     }
 
     /// Undoes the last edit and gives its name.
     pub fn undo(&mut self) -> Option<String> {
+        self.replaced += u64::from(self.history.is_import(false));
         let (name, inputs) = self.history.undo(&mut self.session, self.inputs)?;
         self.touch(&inputs);
         Some(name)
@@ -186,6 +190,7 @@ impl OpenSession {
 
     /// Does the last undone edit again and gives its name.
     pub fn redo(&mut self) -> Option<String> {
+        self.replaced += u64::from(self.history.is_import(true));
         let (name, inputs) = self.history.redo(&mut self.session, self.inputs)?;
         self.touch(&inputs);
         Some(name)

@@ -12,6 +12,8 @@ pub enum Screen {
     Phase(Phase),
     /// Two sessions side by side.
     Compare,
+    /// Files of other programs on their way into the session.
+    Import,
 }
 
 /// The five phases.

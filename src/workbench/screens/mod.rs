@@ -5,6 +5,7 @@ mod bench_panel;
 pub mod compare;
 pub mod connect;
 pub mod identification;
+pub mod import;
 pub mod measuring;
 pub mod modeling;
 pub mod part;
@@ -39,6 +40,8 @@ pub struct PanelStates {
     pub connect: Option<Box<connect::Draft>>,
     /// Of the comparison.
     pub compare: compare::PanelState,
+    /// Of the import.
+    pub import: import::PanelState,
 }
 
 /// Draws the panel of a phase.

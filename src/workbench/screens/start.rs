@@ -6,11 +6,12 @@ use egui::{Align, Button, Key, Layout, RichText, ScrollArea, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
-use crate::model::command::{CompareCommand, FileCommand, Outbox};
+use crate::model::command::{CompareCommand, FileCommand, Outbox, RecordingCommand};
 
 use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted, primary, section};
 use tautline_workflow::samples::{self, Sample};
+use tautline_workflow::templates::Template;
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
@@ -42,6 +43,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
                 begin(ui, outbox);
                 section(ui, "Open a session, a robot.json or a dataset folder");
                 open(ui, panel, outbox);
+                new_robot(ui, outbox);
                 compare(ui, outbox);
                 recent(ui, model, outbox);
                 sample_sessions(ui, panel, outbox);
@@ -86,6 +88,18 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     });
 }
 
+fn new_robot(ui: &mut Ui, outbox: &mut Outbox) {
+    section(ui, "New robot");
+    ui.horizontal_wrapped(|ui| {
+        for template in Template::ALL {
+            let button = ui.button(template.title());
+            if button.on_hover_text(template.summary()).clicked() {
+                outbox.send(FileCommand::New(template));
+            }
+        }
+    });
+}
+
 fn compare(ui: &mut Ui, outbox: &mut Outbox) {
     ui.add_space(2.0 * GRID);
     ui.horizontal(|ui| {
@@ -94,6 +108,14 @@ fn compare(ui: &mut Ui, outbox: &mut Outbox) {
             outbox.send(CompareCommand::Show);
         }
         muted(ui, "Has a pulley moved, or is it noise?");
+    });
+    ui.add_space(GRID);
+    ui.horizontal(|ui| {
+        let title = "Import files of other programs";
+        if icon_button(ui, icons::ICON_UPLOAD_FILE, title, true).clicked() {
+            outbox.send(RecordingCommand::Show);
+        }
+        muted(ui, "Logs, motion capture, spreadsheets.");
     });
 }
 

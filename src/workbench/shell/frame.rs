@@ -54,6 +54,17 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             let memory = (&mut panels.compare, views);
             centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
         }
+        Screen::Import => {
+            let State {
+                model,
+                outbox,
+                panels,
+                ..
+            } = state;
+            centre().show(ui, |ui| {
+                screens::import::show(ui, model, &mut panels.import, outbox);
+            });
+        }
         Screen::Phase(current) if ui.available_width() < COMPACT => compact(ui, state, current),
         Screen::Phase(current) => phase(ui, state, current),
     }

@@ -5,11 +5,12 @@ use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 use super::state::State;
 use crate::model::command::{
     Command, CompareCommand, DIAGNOSING, FileCommand, IDENTIFYING, IdentificationCommand, PoseStep,
-    ReportCommand, RobotCommand, Setup, ViewCommand,
+    RecordingCommand, ReportCommand, RobotCommand, Setup, ViewCommand,
 };
 use crate::model::manual::Page;
 use crate::model::phase::{Phase, Screen};
 use tautline_workflow::report::ReportFormat;
+use tautline_workflow::templates::Template;
 
 /// A menu.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -181,6 +182,7 @@ fn file(state: &State) -> Vec<Item> {
             true,
             FileCommand::AskOpen,
         ),
+        item(Menu::File, "Import…", None, true, RecordingCommand::Show),
     ];
     items.extend(recent(state));
     items.extend([
@@ -234,13 +236,16 @@ fn file(state: &State) -> Vec<Item> {
             FileCommand::Quit,
         ),
     ]);
+    let new = Template::ALL.map(|template| {
+        let title = format!("New robot: {}", template.title().to_lowercase());
+        item(Menu::File, title, None, true, FileCommand::New(template))
+    });
+    items.splice(1..1, new);
     items
 }
 
 fn edit(state: &State) -> Vec<Item> {
-    let history = state.model.open.as_ref().map(super::OpenSession::history);
-    let undo = history.and_then(crate::model::edit::History::next_undo);
-    let redo = history.and_then(crate::model::edit::History::next_redo);
+    let [undo, redo] = state.model.next_steps();
     let named = |what: &str, name: Option<&str>| {
         name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"))
     };

@@ -24,6 +24,7 @@ pub fn apply(state: &mut State) {
                 Table::Elongation => panels.modeling.show_elongation(),
             },
             UiRequest::ShowRobot => panels.part = Part::Robot,
+            UiRequest::ShowDescription => panels.modeling.show_description(),
             UiRequest::ShowGeometry => panels.identification.half = Half::Geometry,
             UiRequest::ShowDoctor => panels.identification.half = Half::Doctor,
             UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),

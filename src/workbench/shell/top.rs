@@ -105,17 +105,9 @@ fn right(ui: &mut Ui, state: &mut State) {
     if icon_only(ui, icon, name, true).clicked() {
         state.outbox.send(ViewCommand::Theme(theme));
     }
-    let history = state
-        .model
-        .open
-        .as_ref()
-        .map(crate::model::OpenSession::history);
-    let redo = history
-        .and_then(|history| history.next_redo())
-        .map(|name| format!("Redo: {name}"));
-    let undo = history
-        .and_then(|history| history.next_undo())
-        .map(|name| format!("Undo: {name}"));
+    let [undo, redo] = state.model.next_steps();
+    let redo = redo.map(|name| format!("Redo: {name}"));
+    let undo = undo.map(|name| format!("Undo: {name}"));
     if icon_only(
         ui,
         icons::ICON_REDO,

@@ -15,7 +15,7 @@ mod text;
 pub use button::{icon_button, icon_only, primary};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
-pub use number::{Entered, Number, number, parse as parse_number};
+pub use number::{Entered, Number, number, number_checked, parse as parse_number};
 pub use parts::parts;
 pub use pose_fields::PoseFields;
 pub use probability::probability;

@@ -35,6 +35,15 @@ pub struct Number<'a> {
 
 /// Draws a field; the answer comes when it is left or the enter key is pressed, if its text was changed.
 pub fn number(ui: &mut Ui, field: &Number<'_>) -> Option<Entered> {
+    number_checked(ui, field, &|_| Ok(()))
+}
+
+/// The same for a number that has to pass a check, already while it is typed.
+pub fn number_checked(
+    ui: &mut Ui,
+    field: &Number<'_>,
+    check: &dyn Fn(f64) -> Result<(), String>,
+) -> Option<Entered> {
     let id = ui.make_persistent_id(("number", field.name));
     let shown = || {
         let value = field.value?;
@@ -43,8 +52,12 @@ pub fn number(ui: &mut Ui, field: &Number<'_>) -> Option<Entered> {
     let typed: Option<String> = ui.data(|data| data.get_temp(id));
     let was_typed = typed.is_some();
     let mut text = typed.unwrap_or_else(|| shown().unwrap_or_default());
-    let wrong = was_typed && matches!(entered(&text, field), Entered::Wrong(_));
-    let response = edit(ui, id, &mut text, field, wrong);
+    let now = entered(&text, field, check);
+    let wrong = was_typed && matches!(now, Entered::Wrong(_));
+    let mut response = edit(ui, id, &mut text, field, wrong);
+    if let Entered::Wrong(message) = now {
+        response = response.on_hover_text(message);
+    }
     if !field.unit.is_empty() {
         muted(ui, field.unit);
     }
@@ -55,7 +68,7 @@ pub fn number(ui: &mut Ui, field: &Number<'_>) -> Option<Entered> {
     if !response.lost_focus() || !(was_typed || response.changed()) {
         return None;
     }
-    let answer = entered(&text, field);
+    let answer = entered(&text, field, check);
     if escaped || !matches!(answer, Entered::Wrong(_)) {
         ui.data_mut(|data| data.remove::<String>(id));
     }
@@ -85,17 +98,14 @@ fn edit(ui: &mut Ui, id: Id, text: &mut String, field: &Number<'_>, wrong: bool)
         ui.painter()
             .rect_stroke(response.rect, 4.0, stroke, egui::StrokeKind::Inside);
     }
-    match entered(text, field) {
-        Entered::Wrong(message) => response.on_hover_text(message),
-        _ => response,
-    }
+    response
 }
 
-fn entered(text: &str, field: &Number<'_>) -> Entered {
+fn entered(text: &str, field: &Number<'_>, check: &dyn Fn(f64) -> Result<(), String>) -> Entered {
     if text.trim().is_empty() && field.optional {
         return Entered::Nothing;
     }
-    match parse(text) {
+    match parse(text).and_then(|value| check(value).map(|()| value)) {
         Ok(value) => Entered::Value(value),
         Err(message) => Entered::Wrong(format!("{}: {message}.", field.name)),
     }

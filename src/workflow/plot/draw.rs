@@ -261,8 +261,21 @@ impl Plot<'_> {
             Some(heat) => cells(canvas, heat, scale, self.colours),
             None => self.grid(canvas),
         }
+        self.spans(canvas);
         for columns in &self.figure.columns {
             self.histogram(canvas, columns);
+        }
+    }
+
+    /// Marks ranges of x; a short one is a line at least.
+    fn spans(&self, canvas: &mut dyn Canvas) {
+        let scale = &self.layout.scale;
+        let colour = self.colours.good.gamma_multiply(0.22);
+        for [from, to] in &self.figure.spans {
+            let [low, high] = scale.view[1];
+            let (first, last) = (scale.place(*from, low), scale.place(*to, high));
+            let x = Rangef::new(first.x, last.x.max(first.x + 1.0));
+            canvas.fill(Rect::from_x_y_ranges(x, scale.rect.y_range()), colour);
         }
     }
 

@@ -310,6 +310,8 @@ pub struct Figure {
     pub y: Axis,
     /// Behind everything.
     pub heat: Option<Heat>,
+    /// Ranges of x that are marked, behind everything but a heat map, such as the parts of a recording that are used.
+    pub spans: Vec<[f64; 2]>,
     /// Behind the points.
     pub bands: Vec<Band>,
     /// Histograms.
@@ -347,6 +349,9 @@ impl Figure {
             columns.edges.iter().for_each(|x| include(0, *x));
             columns.heights.iter().for_each(|y| include(1, *y));
             include(1, 0.0);
+        }
+        for span in &self.spans {
+            span.iter().for_each(|x| include(0, *x));
         }
         for band in &self.bands {
             band.y.iter().for_each(|y| include(1, *y));

@@ -2,13 +2,17 @@
 
 use std::path::PathBuf;
 
-use tautline_session::{Import, Loaded, Session, UnsavedSession};
+use tautline_session::{Loaded, Session, UnsavedSession};
+use tautline_workflow::importing::Opened;
+use tautline_workflow::templates::Template;
 
 /// Opens, saves, closes.
 #[derive(Debug, Clone)]
 pub enum FileCommand {
     /// Opens a session with a simulated robot.
     TryDemo,
+    /// Begins a session with a new robot, which is then described.
+    New(Template),
     /// Asks for a file to open.
     AskOpen,
     /// Opens a session, begins one with a robot or a dataset folder, or imports a table.
@@ -55,6 +59,8 @@ pub struct Opening {
     pub path: Option<PathBuf>,
     /// Whether its changes were recovered and are in no file yet.
     pub is_recovered: bool,
+    /// Whether its robot is new and has to be described.
+    pub is_new: bool,
 }
 
 /// What a task with files came to.
@@ -64,8 +70,8 @@ pub enum FileOutcome {
     Read {
         /// Its path.
         path: PathBuf,
-        /// What it is, or one sentence.
-        result: Result<Loaded<Import>, String>,
+        /// What it is, or one sentence; `None` where reading was stopped.
+        result: Result<Option<Loaded<Opened>>, String>,
     },
     /// The demonstration is ready, or one sentence.
     Demo(Result<Box<Session>, String>),

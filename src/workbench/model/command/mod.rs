@@ -6,6 +6,7 @@ mod file;
 mod identification;
 mod import;
 mod plot;
+mod recording;
 mod report;
 mod robot;
 mod setup;
@@ -19,6 +20,7 @@ pub use identification::{
 };
 pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand};
+pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand};
 pub use setup::{CHECKING, Setup, SetupOutcome};
@@ -38,6 +40,8 @@ pub enum Command {
     File(FileCommand),
     /// Tables of phases 1 and 2.
     Import(ImportCommand),
+    /// Files of other programs.
+    Recording(RecordingCommand),
     /// A change that can be undone.
     Edit(Edit),
     /// Undoes the last edit.
@@ -69,6 +73,8 @@ pub enum Outcome {
     File(FileOutcome),
     /// Of reading a table.
     Import(ImportOutcome),
+    /// Of files of other programs.
+    Recording(RecordingOutcome),
     /// Of identification or diagnosis.
     Identification(IdentificationOutcome),
     /// Of computing what plots show.
@@ -105,6 +111,7 @@ macro_rules! from {
 from!(
     FileCommand => Command::File,
     ImportCommand => Command::Import,
+    RecordingCommand => Command::Recording,
     Edit => Command::Edit,
     ViewCommand => Command::View,
     IdentificationCommand => Command::Identification,
@@ -113,6 +120,7 @@ from!(
     CompareCommand => Command::Compare,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
+    RecordingOutcome => Outcome::Recording,
     IdentificationOutcome => Outcome::Identification,
     RobotCommand => Command::Robot,
     PlanOutcome => Outcome::Plan,

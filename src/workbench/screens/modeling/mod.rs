@@ -1,5 +1,6 @@
-//! The panel of the phase Modeling: elongation of the cables, pulleys, where their length goes.
+//! The panel of the phase Modeling: the description of the robot, elongation of the cables, pulleys, where their length goes.
 
+mod description;
 mod elongation;
 mod lengths;
 mod pose;
@@ -21,6 +22,7 @@ enum Part {
     Elongation,
     Pulleys,
     Lengths,
+    Description,
 }
 
 /// State of the panel between frames.
@@ -35,6 +37,11 @@ impl PanelState {
     pub fn show_elongation(&mut self) {
         self.part = Part::Elongation;
     }
+
+    /// Opens the description of the robot.
+    pub fn show_description(&mut self) {
+        self.part = Part::Description;
+    }
 }
 
 /// Draws the panel.
@@ -44,6 +51,11 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         return;
     };
     let lengths = PhaseStatus::new(Progress::Done, "span, wrap, elongation, sag");
+    let cables = bench.robot().cable_count();
+    let description = PhaseStatus::new(
+        Progress::Done,
+        format!("{cables} cables, platform, instruments"),
+    );
     let open = bench.open;
     let rows = [
         (
@@ -53,11 +65,13 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         ),
         (Part::Pulleys, "Pulleys", phase_status::pulleys(open)),
         (Part::Lengths, "Cable lengths", lengths),
+        (Part::Description, "Description", description),
     ];
     parts(ui, rows, &mut panel.part);
     match panel.part {
         Part::Elongation => elongation::show(ui, &mut bench, &mut panel.elongation),
         Part::Pulleys => pulleys::show(ui, &mut bench),
         Part::Lengths => lengths::show(ui, &mut bench),
+        Part::Description => description::show(ui, &mut bench),
     }
 }

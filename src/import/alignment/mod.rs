@@ -1,0 +1,189 @@
+//! Offset and drift of the clock of a second recorder, from what both recorded of one motion.
+//!
+//! What an instrument measures of the platform is a smooth function of what the cables do, whatever its frame and its place
+//! on the platform: `y(t) = f(x(t + offset + drift (t - t0)))` with the channels `x` of the one recorder and `y` of the
+//! other. `f` is a polynomial of the second degree that is estimated as well, so that no geometry has to be known. Where the
+//! recordings lie at all is found by correlating how fast each of them changes; then offset, drift and `f` are fitted by
+//! least squares. The standard deviations are those of a jackknife over parts of the recording that are longer than its
+//! errors are alike (Künsch 1989, The jackknife and the bootstrap for general stationary observations), because neighbouring
+//! samples are not independent.
+
+mod coarse;
+mod fit;
+#[cfg(test)]
+mod tests;
+
+use tautline_core::robot::Robot;
+use tautline_session::{Place, ReadError, quoted};
+
+use crate::cutting::{Times, main_series};
+use crate::recipe::{Clock, Mapping, Recipe, resolve};
+use crate::source::Source;
+
+/// Fewest samples of a recording that can be aligned.
+const FEWEST: usize = 100;
+
+/// Channels that were sampled together.
+#[derive(Debug, Clone, Default)]
+struct Recording {
+    /// Ascending (s).
+    time_s: Vec<f64>,
+    /// One list for each channel; no value is NaN.
+    channels: Vec<Vec<f64>>,
+}
+
+/// The clock of a recorder against that of another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClockFit {
+    /// What is added to its times in the middle of what both recorded (s).
+    pub offset_s: f64,
+    /// Standard deviation of that (s).
+    pub offset_sd_s: f64,
+    /// How much slower it runs (s/s).
+    pub drift: f64,
+    /// Standard deviation of that (s/s).
+    pub drift_sd: f64,
+    /// The middle of what both recorded, on its own clock (s).
+    pub middle_s: f64,
+    /// Part of the variance of its channels that the other recording explains.
+    pub explained: f64,
+}
+
+/// A clock that was found, and what to say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AlignedClock {
+    /// The series.
+    pub series: String,
+    /// Its clock against that of the series of the cables.
+    pub fit: ClockFit,
+    /// One sentence.
+    pub sentence: String,
+}
+
+/// Finds the clocks of all series that are used, against that of the cables; the recipe then has them.
+///
+/// # Errors
+/// If a channel of the recipe is not there, there is no second clock, or the recordings have no motion in common.
+pub fn align_clocks(
+    sources: &[Source],
+    recipe: &mut Recipe,
+    robot: &Robot,
+) -> Result<Vec<AlignedClock>, ReadError> {
+    let file = sources.first().map_or("", |source| source.file.as_str());
+    let fail = |message: String| ReadError::new(file, Place::File, message);
+    let mapping = resolve(sources, recipe, "the recipe", robot.cable_count())?;
+    let main = main_series(&mapping);
+    let reference = recording(&mapping, main, recipe).ok_or_else(|| {
+        let name = quoted(&mapping.series[main].name);
+        fail(format!("the series {name} has no times or is too short, expected a recording of the cables to align clocks to"))
+    })?;
+    let mut found = Vec::new();
+    for (k, series) in mapping.series.iter().enumerate() {
+        if k == main {
+            continue;
+        }
+        let Some(other) = recording(&mapping, k, &without_clock(recipe, &series.name)) else {
+            continue;
+        };
+        let fit = align(&reference, &other).ok_or_else(|| {
+            let (one, other) = (&mapping.series[main].name, &series.name);
+            fail(format!("the clocks of {one} and {other} cannot be aligned: expected a motion that both have recorded"))
+        })?;
+        found.push(AlignedClock {
+            sentence: sentence(&series.name, &mapping.series[main].name, &fit),
+            series: series.name.clone(),
+            fit,
+        });
+    }
+    if found.is_empty() {
+        return Err(fail(
+            "found one clock only, expected a second recording whose channels are used".into(),
+        ));
+    }
+    for clock in &found {
+        let close_jumps = recipe
+            .clocks
+            .iter()
+            .any(|known| known.close_jumps && clock.series.ends_with(&known.series));
+        recipe
+            .clocks
+            .retain(|known| !clock.series.ends_with(&known.series));
+        recipe.clocks.push(Clock {
+            series: clock.series.clone(),
+            offset_s: clock.fit.offset_s,
+            drift: clock.fit.drift,
+            drift_from_s: clock.fit.middle_s,
+            close_jumps,
+        });
+    }
+    Ok(found)
+}
+
+fn sentence(series: &str, main: &str, fit: &ClockFit) -> String {
+    let direction = if fit.offset_s < 0.0 {
+        "ahead of"
+    } else {
+        "behind"
+    };
+    let rate = if fit.drift < 0.0 { "fast" } else { "slow" };
+    format!(
+        "the clock of {series} is {:.4} s (± {:.4} s) {direction} that of {main} and {:.0} ppm (± {:.0} ppm) {rate}; \
+         {:.1} % of its channels follow from the cables",
+        fit.offset_s.abs(),
+        fit.offset_sd_s,
+        1e6 * fit.drift.abs(),
+        1e6 * fit.drift_sd,
+        100.0 * fit.explained
+    )
+}
+
+/// A recipe whose times of a series are those of its recorder.
+fn without_clock(recipe: &Recipe, series: &str) -> Recipe {
+    let mut recipe = recipe.clone();
+    for clock in &mut recipe.clocks {
+        if series.ends_with(&clock.series) {
+            (clock.offset_s, clock.drift) = (0.0, 0.0);
+        }
+    }
+    recipe
+}
+
+/// The channels of numbers that are used of a series, at the rows where all have values.
+fn recording(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Option<Recording> {
+    let times = Times::of(mapping, series, recipe).time_s?;
+    let one = mapping.series[series];
+    let own = mapping.quantities.iter().filter(|(quantity, mapped)| {
+        mapped.series == series && !mapped.is_text && !quantity.is_text()
+    });
+    // What moves with the platform says most; forces, for example, say something where there is nothing else.
+    let any_moves = own.clone().any(|(quantity, _)| quantity.moves());
+    let used: Vec<&[f64]> = own
+        .filter(|(quantity, _)| quantity.moves() || !any_moves)
+        .map(|(_, mapped)| one.channels[mapped.channel].values.as_slice())
+        .collect();
+    let mut found = Recording {
+        time_s: Vec::new(),
+        channels: vec![Vec::new(); used.len()],
+    };
+    for (row, time) in times.iter().enumerate() {
+        let is_later = found.time_s.last().is_none_or(|last| time > last);
+        if time.is_finite() && is_later && used.iter().all(|values| values[row].is_finite()) {
+            found.time_s.push(*time);
+            for (channel, values) in found.channels.iter_mut().zip(&used) {
+                channel.push(values[row]);
+            }
+        }
+    }
+    // A channel that stays as it is says nothing of time.
+    found.channels.retain(|channel| {
+        let first = channel.first().copied().unwrap_or(0.0);
+        channel.iter().any(|value| *value != first)
+    });
+    (found.time_s.len() >= FEWEST && !found.channels.is_empty()).then_some(found)
+}
+
+/// The clock of `other` against that of `reference`.
+fn align(reference: &Recording, other: &Recording) -> Option<ClockFit> {
+    let lag_s = coarse::lag(reference, other)?;
+    fit::refine(reference, other, lag_s)
+}

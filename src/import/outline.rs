@@ -1,0 +1,62 @@
+//! The course of a channel, with as many points as a plot can show.
+
+/// Rows and values of a channel, at most two for each of `columns` parts of the rows: the least and the largest value, so
+/// that no peak is lost. Where values are missing there is one row that is NaN.
+#[must_use]
+pub fn outline(values: &[f64], columns: usize) -> Vec<(usize, f64)> {
+    let columns = columns.clamp(1, values.len().max(1));
+    let mut points: Vec<(usize, f64)> = Vec::with_capacity(2 * columns);
+    for column in 0..columns {
+        let from = column * values.len() / columns;
+        let to = (column + 1) * values.len() / columns;
+        let mut rows = (from..to).filter(|row| !values[*row].is_nan());
+        let Some(first) = rows.next() else {
+            if to > from && points.last().is_some_and(|(_, value)| !value.is_nan()) {
+                points.push((from, f64::NAN));
+            }
+            continue;
+        };
+        let (mut least, mut largest) = (first, first);
+        for row in rows {
+            if values[row] < values[least] {
+                least = row;
+            }
+            if values[row] > values[largest] {
+                largest = row;
+            }
+        }
+        points.push((least.min(largest), values[least.min(largest)]));
+        if least != largest {
+            points.push((least.max(largest), values[least.max(largest)]));
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::outline;
+
+    #[test]
+    fn short_channels_are_shown_as_they_are() {
+        assert_eq!(
+            outline(&[1.0, 3.0, 2.0], 100),
+            [(0, 1.0), (1, 3.0), (2, 2.0)]
+        );
+        assert!(outline(&[], 10).is_empty());
+    }
+
+    #[test]
+    fn no_peak_and_no_gap_is_lost() {
+        let mut values = vec![0.0; 10_000];
+        values[7123] = 5.0;
+        values[7124] = -5.0;
+        values[2000..3000].fill(f64::NAN);
+        let points = outline(&values, 50);
+        assert!(points.len() <= 100);
+        assert!(points.contains(&(7123, 5.0)) && points.contains(&(7124, -5.0)));
+        let gaps = points.iter().filter(|(_, value)| value.is_nan());
+        assert_eq!(gaps.count(), 1);
+        assert!(points.is_sorted_by_key(|(row, _)| *row));
+    }
+}

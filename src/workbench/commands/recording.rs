@@ -1,0 +1,365 @@
+//! Importing files of other programs.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use tautline_core::robot::Robot;
+use tautline_import::{
+    AlignedClock, Imported, Recipe, Source, align_clocks, clock_times, read_recipe, read_sources,
+};
+use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
+
+use super::file::begin;
+use super::file_tasks::{pick, write};
+use super::{changed, identification};
+use crate::model::command::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
+use crate::model::edit::Edit;
+use crate::model::importing::{Cut, OpenImport};
+use crate::model::phase::{Phase, Screen};
+use crate::model::tasks::TaskHandle;
+use crate::model::{Model, OpenSession};
+use tautline_workflow::wording::sentence;
+use tautline_workflow::{clock, importing};
+
+/// Endings of the files that are read, for dialogs; what a file is shows its content.
+const ENDINGS: [&str; 9] = [
+    "csv", "txt", "tsv", "mat", "npy", "npz", "xlsx", "asc", "dat",
+];
+
+pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
+    match command {
+        RecordingCommand::Show => model.screen = Screen::Import,
+        RecordingCommand::Ask => pick(
+            model,
+            || {
+                let dialog = rfd::FileDialog::new();
+                dialog.add_filter("Readings", &ENDINGS).pick_file()
+            },
+            RecordingCommand::Read,
+        ),
+        RecordingCommand::Read(path) => read(model, path),
+        RecordingCommand::UseRobot(robot) => {
+            let name = robot.name.clone();
+            begin(model, Session::new(name, *robot, clock::now()), None);
+        }
+        RecordingCommand::Remove(source) => remove(model, source),
+        RecordingCommand::Change(recipe, what, goes_on) => {
+            change(model, |open| open.draft.change(what, *recipe, goes_on));
+        }
+        RecordingCommand::Apply(place) => apply(model, place),
+        RecordingCommand::AlignClocks => align(model),
+        RecordingCommand::ShowChannel(place) => {
+            if let Some(open) = &mut model.importing.open {
+                open.shown = place;
+            }
+        }
+        RecordingCommand::AskRecipe => pick(
+            model,
+            || {
+                let dialog = rfd::FileDialog::new().add_filter("Recipe", &["json"]);
+                dialog.pick_file()
+            },
+            RecordingCommand::UseRecipe,
+        ),
+        RecordingCommand::UseRecipe(path) => model.tasks.start(READING, move |_| {
+            let result = read_recipe(&path).map_err(|error| error.to_string());
+            RecordingOutcome::Recipe(path, result).into()
+        }),
+        RecordingCommand::AskSaveRecipe => pick(
+            model,
+            || {
+                let dialog = rfd::FileDialog::new().set_file_name("recipe.json");
+                dialog.save_file()
+            },
+            RecordingCommand::SaveRecipe,
+        ),
+        RecordingCommand::SaveRecipe(path) => save(model, path),
+        RecordingCommand::Finish => finish(model),
+        RecordingCommand::Discard => {
+            model.importing.open = None;
+            model.importing.waiting.clear();
+            model.screen = match &model.open {
+                Some(open) if open.session().measurements.is_empty() => {
+                    Screen::Phase(Phase::Measuring)
+                }
+                Some(_) => Screen::Phase(Phase::Identification),
+                None => Screen::Start,
+            };
+        }
+    }
+}
+
+/// Says how far reading is, and whether it goes on.
+pub(super) fn watch(task: &TaskHandle) -> impl Fn(f64) -> bool + '_ {
+    |part| {
+        task.tell(Some(part as f32), "");
+        !task.cancelled()
+    }
+}
+
+fn read(model: &mut Model, path: PathBuf) {
+    model.tasks.start(READING, move |task| {
+        let result = match read_sources(&[path], &watch(task)) {
+            Err(_) if task.cancelled() => Ok(None),
+            Err(error) => Err(error.to_string()),
+            Ok(sources) => Ok(Some(sources)),
+        };
+        RecordingOutcome::Read(result).into()
+    });
+}
+
+/// Takes sources into the import: with those that are there, or as the next ones where these are in a session already.
+pub(super) fn take(model: &mut Model, sources: Vec<Source>) {
+    model.screen = Screen::Import;
+    let Some(open) = &model.open else {
+        model.importing.waiting.extend(sources);
+        return;
+    };
+    let robot = open.session().robot.clone();
+    let known = importing::last_recipe(open.session()).or(model.importing.last_recipe.clone());
+    match &mut model.importing.open {
+        Some(import) if !import.is_taken => import.add(sources, &robot),
+        _ => model.importing.open = Some(OpenImport::new(sources, known, &robot)),
+    }
+    cut(model);
+}
+
+/// Goes on with the files that wait for a robot, now that a session is open; the recipe of another robot is not used.
+pub(super) fn opened(model: &mut Model) {
+    model.importing.open = None;
+    let waiting = std::mem::take(&mut model.importing.waiting);
+    if !waiting.is_empty() {
+        take(model, waiting);
+    }
+}
+
+/// Begins with a recipe, or changes the one that is there to it.
+pub(super) fn use_recipe(model: &mut Model, name: &str, recipe: Recipe) {
+    if model.importing.open.is_some() {
+        let what = format!("use {name}");
+        change(model, |open| open.draft.change(what, recipe, false));
+        model.screen = Screen::Import;
+    } else {
+        model.importing.last_recipe = Some(recipe);
+        let text = format!("{name}: is used for the next file that is imported.");
+        model.messages.info(text);
+    }
+}
+
+fn robot(model: &Model) -> Option<Robot> {
+    model.open.as_ref().map(|open| open.session().robot.clone())
+}
+
+/// Changes the draft; what comes of it follows.
+fn change(model: &mut Model, change: impl FnOnce(&mut OpenImport) -> bool) {
+    let Some(robot) = robot(model) else {
+        return;
+    };
+    if let Some(open) = &mut model.importing.open
+        && change(open)
+    {
+        open.follow(&robot);
+        cut(model);
+    }
+}
+
+fn remove(model: &mut Model, source: usize) {
+    let Some(robot) = robot(model) else {
+        return;
+    };
+    let Some(open) = &mut model.importing.open else {
+        return;
+    };
+    if open.draft.sources().len() < 2 {
+        return perform(model, RecordingCommand::Discard);
+    }
+    open.remove(source, &robot);
+    cut(model);
+}
+
+fn apply(model: &mut Model, place: usize) {
+    change(model, |open| {
+        let Some(suggestion) = open.suggestions().into_iter().nth(place) else {
+            return false;
+        };
+        let mut recipe = open.draft.recipe().clone();
+        suggestion.apply(&mut recipe);
+        let what = format!("correct {}", suggestion.columns.join(", "));
+        open.draft.change(what, recipe, false)
+    });
+}
+
+/// Cuts poses in the background, unless that is going on: then again once it is done.
+fn cut(model: &mut Model) {
+    let Some(robot) = robot(model) else {
+        return;
+    };
+    let Some(open) = &model.importing.open else {
+        return;
+    };
+    if open.is_current() || model.tasks.runs(CUTTING) {
+        return;
+    }
+    let revision = open.draft.revision();
+    let sources = Arc::clone(open.draft.sources());
+    let recipe = open.draft.recipe().clone();
+    model.tasks.start(CUTTING, move |_| {
+        RecordingOutcome::Cut(Box::new(Cut {
+            revision,
+            result: importing::cut(&sources, &recipe, &robot),
+            times: clock_times(&sources, &recipe, &robot),
+        }))
+        .into()
+    });
+}
+
+fn align(model: &mut Model) {
+    let (Some(open), Some(robot)) = (&model.importing.open, robot(model)) else {
+        return;
+    };
+    let revision = open.draft.revision();
+    let sources = Arc::clone(open.draft.sources());
+    let mut recipe = open.draft.recipe().clone();
+    model.tasks.start(ALIGNING, move |_| {
+        let found = align_clocks(&sources, &mut recipe, &robot);
+        let found = found.map_err(|error| error.to_string());
+        let result = found.map(|clocks| (Box::new(recipe), clocks));
+        RecordingOutcome::Aligned(revision, result).into()
+    });
+}
+
+fn aligned(model: &mut Model, revision: u64, recipe: Recipe, clocks: &[AlignedClock]) {
+    let open = model.importing.open.as_ref();
+    if open.is_none_or(|open| open.draft.revision() != revision) {
+        let text = "The recipe was changed while the clocks were aligned: align them again.";
+        return model.messages.warning(text);
+    }
+    for clock in clocks {
+        let text = sentence(&format!("{}.", clock.sentence));
+        model.messages.info(text);
+    }
+    change(model, |open| {
+        open.draft.change("align the clocks", recipe, false)
+    });
+}
+
+fn save(model: &mut Model, path: PathBuf) {
+    let Some(open) = &model.importing.open else {
+        return;
+    };
+    let recipe = open.draft.recipe().clone();
+    write(model, "Saving the recipe", path, move |path| {
+        let written = write_versioned(path, &recipe);
+        written.map(|()| None).map_err(|error| error.to_string())
+    });
+}
+
+fn finish(model: &mut Model) {
+    let (Some(import), Some(open)) = (&mut model.importing.open, &mut model.open) else {
+        return;
+    };
+    let cut = import.cut.clone().filter(|_| import.is_current());
+    let Some(Ok(imported)) = cut.as_ref().map(|cut| &cut.result) else {
+        return;
+    };
+    import.is_taken = true;
+    let recipe = import.draft.recipe().clone();
+    let files: Vec<String> = import.draft.sources().iter().map(file_name).collect();
+    let name = files.join(", ");
+    model.importing.last_recipe = Some(recipe.clone());
+    if open.session().measurements.is_empty() {
+        let poses = Arc::new(imported.measurements.clone());
+        let count = poses.len();
+        let done = format!("Imported {count} poses from {name}");
+        changed(model, None, |open| {
+            let what = format!("import {name}");
+            open.edit(Edit::Import(poses, what.clone())).then_some(what)
+        });
+        if let Some(open) = &mut model.open {
+            keep(open, &recipe, &done);
+        }
+        model.messages.info(format!("{done}."));
+        model.screen = Screen::Phase(Phase::Identification);
+        identification::reopened(model);
+    } else {
+        let robot = open.session().robot.clone();
+        let mut session = importing::session_of(&name, robot, imported, clock::now());
+        note(&mut session, &recipe, imported, &name);
+        begin(model, session, None);
+    }
+}
+
+/// Keeps the recipe in the open session.
+fn keep(open: &mut OpenSession, recipe: &Recipe, done: &str) {
+    open.log(LogPhase::Poses, format!("{done}."));
+    let record = importing::recipe_record(open.session(), recipe, clock::now());
+    open.add_result(record);
+}
+
+/// Keeps the recipe in a session that begins with an import.
+fn note(session: &mut Session, recipe: &Recipe, imported: &Imported, name: &str) {
+    let count = imported.measurements.len();
+    session.record(tautline_session::LogEntry {
+        time: clock::now(),
+        phase: LogPhase::Poses,
+        text: format!("Imported {count} poses from {name}."),
+    });
+    let record = importing::recipe_record(session, recipe, clock::now());
+    session.add_result(record);
+}
+
+fn file_name(source: &Source) -> String {
+    let path = std::path::Path::new(&source.file);
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// Whether undo, or redo, concerns the recipe.
+pub(super) fn undoes(model: &Model, again: bool) -> bool {
+    let open = model.importing.open.as_ref();
+    let draft = open.filter(|_| model.screen == Screen::Import);
+    draft.is_some_and(|open| match again {
+        true => open.draft.next_redo().is_some(),
+        false => open.draft.next_undo().is_some(),
+    })
+}
+
+pub(super) fn undo(model: &mut Model) {
+    change(model, |open| open.draft.undo().is_some());
+}
+
+pub(super) fn redo(model: &mut Model) {
+    change(model, |open| open.draft.redo().is_some());
+}
+
+pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
+    match outcome {
+        RecordingOutcome::Read(Ok(Some(Loaded { value, notices }))) => {
+            notices
+                .into_iter()
+                .for_each(|notice| model.messages.warning(notice));
+            take(model, value);
+        }
+        RecordingOutcome::Read(Ok(None)) => model.messages.info("Reading was stopped."),
+        RecordingOutcome::Read(Err(error)) | RecordingOutcome::Recipe(_, Err(error)) => {
+            model.messages.error(sentence(&error));
+        }
+        RecordingOutcome::Recipe(path, Ok(Loaded { value, notices })) => {
+            notices
+                .into_iter()
+                .for_each(|notice| model.messages.warning(notice));
+            let name = path.file_name().unwrap_or(path.as_os_str());
+            use_recipe(model, &name.to_string_lossy(), value);
+        }
+        RecordingOutcome::Aligned(revision, Ok((recipe, clocks))) => {
+            aligned(model, revision, *recipe, &clocks);
+        }
+        RecordingOutcome::Aligned(_, Err(error)) => model.messages.error(sentence(&error)),
+        RecordingOutcome::Cut(done) => {
+            if let Some(open) = &mut model.importing.open {
+                open.cut = Some(Arc::from(done));
+            }
+            cut(model);
+        }
+    }
+}

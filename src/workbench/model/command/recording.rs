@@ -1,0 +1,66 @@
+//! Importing files of other programs.
+
+use std::path::PathBuf;
+
+use tautline_core::robot::Robot;
+use tautline_import::{AlignedClock, Recipe, Source};
+use tautline_session::Loaded;
+
+use crate::model::importing::{ChannelPlace, Cut};
+
+/// Title of reading files of other programs.
+pub const READING: &str = "Reading";
+
+/// Title of cutting them into poses.
+pub const CUTTING: &str = "Cutting into poses";
+
+/// Title of finding clocks.
+pub const ALIGNING: &str = "Aligning the clocks";
+
+/// Imports files of other programs.
+#[derive(Debug, Clone)]
+pub enum RecordingCommand {
+    /// Goes to where files are imported.
+    Show,
+    /// Asks for a file.
+    Ask,
+    /// Reads a file or folder as one of another program, whatever it seems to be.
+    Read(PathBuf),
+    /// Takes a source out, by its index.
+    Remove(usize),
+    /// Begins with a robot, for files that wait for one.
+    UseRobot(Box<Robot>),
+    /// Takes a recipe; the text says what changed, and whether it goes on changing, as by a slider.
+    Change(Box<Recipe>, String, bool),
+    /// Takes up a suggestion, by its index.
+    Apply(usize),
+    /// Finds offset and drift of the clocks.
+    AlignClocks,
+    /// Shows a channel.
+    ShowChannel(ChannelPlace),
+    /// Asks for the file of a recipe.
+    AskRecipe,
+    /// Uses a recipe from a file.
+    UseRecipe(PathBuf),
+    /// Asks where to save the recipe.
+    AskSaveRecipe,
+    /// Saves the recipe.
+    SaveRecipe(PathBuf),
+    /// Puts the poses into the session, or into a new one where it has poses already.
+    Finish,
+    /// Forgets the files.
+    Discard,
+}
+
+/// What a task for an import came to.
+#[derive(Debug)]
+pub enum RecordingOutcome {
+    /// Files were read; `None` where that was stopped.
+    Read(Result<Option<Loaded<Vec<Source>>>, String>),
+    /// A recipe was read.
+    Recipe(PathBuf, Result<Loaded<Recipe>, String>),
+    /// Poses were cut.
+    Cut(Box<Cut>),
+    /// Clocks were found, with the revision of the draft they are of and the recipe that has them; or one sentence.
+    Aligned(u64, Result<(Box<Recipe>, Vec<AlignedClock>), String>),
+}

@@ -1,0 +1,98 @@
+//! Before there is anything to import: a file, or the robot that was measured.
+
+use egui::{ScrollArea, Ui};
+use tautline_core::robot::presets;
+use tautline_workflow::templates::Template;
+
+use super::PanelState;
+use super::files::path_row;
+use crate::model::Model;
+use crate::model::command::{FileCommand, Outbox, RecordingCommand};
+use crate::theme::GRID;
+use crate::widgets::{heading, icon_button, muted, section};
+use egui_material_icons::icons;
+
+/// Greatest width of the text (points).
+const WIDTH: f32 = 640.0;
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let margin = ((ui.available_width() - WIDTH) / 2.0).max(4.0 * GRID);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.add_space(margin);
+            ui.vertical(|ui| {
+                ui.set_width(WIDTH.min(ui.available_width() - margin));
+                ui.add_space(8.0 * GRID);
+                heading(ui, "Import files of other programs");
+                if model.open.is_some() {
+                    file(ui, panel, outbox);
+                } else {
+                    robot(ui, model, panel, outbox);
+                }
+            });
+        });
+    });
+}
+
+fn file(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
+    muted(
+        ui,
+        "Logs of the controller, motion capture, lists of points, spreadsheets, MATLAB and NumPy files: what a file is shows its content. Drop it on the window, or open it here.",
+    );
+    ui.add_space(2.0 * GRID);
+    let size = egui::vec2(ui.available_width(), 7.0 * GRID);
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
+        path_row(ui, &mut panel.path, size.x, outbox);
+    });
+}
+
+fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let files: Vec<&str> = model
+        .importing
+        .waiting
+        .iter()
+        .map(|source| source.file.as_str())
+        .collect();
+    if files.is_empty() {
+        file(ui, panel, outbox);
+    } else {
+        muted(ui, &files.join(", "));
+    }
+    section(ui, "Which robot was measured?");
+    muted(
+        ui,
+        "Its description says how many cables there are and what their readings should be. Drop a session or a robot.json on the window, or begin with a robot that is known:",
+    );
+    ui.add_space(GRID);
+    ui.horizontal_wrapped(|ui| {
+        for preset in presets::NAMES.into_iter().filter_map(presets::find) {
+            let button = ui.button(&preset.robot.name);
+            if button.on_hover_text(preset.summary).clicked() {
+                let robot = Box::new(preset.robot);
+                outbox.send(RecordingCommand::UseRobot(robot));
+            }
+        }
+    });
+    muted(ui, "Or begin with a new one, and describe it later:");
+    ui.horizontal_wrapped(|ui| {
+        for template in Template::ALL {
+            let button = ui.button(template.title());
+            if button.on_hover_text(template.summary()).clicked() {
+                outbox.send(FileCommand::New(template));
+            }
+        }
+    });
+    ui.add_space(GRID);
+    if icon_button(
+        ui,
+        icons::ICON_FOLDER_OPEN,
+        "Open a session or a robot…",
+        true,
+    )
+    .clicked()
+    {
+        outbox.send(FileCommand::AskOpen);
+    }
+}

@@ -1,0 +1,69 @@
+//! The files at the top.
+
+use egui::{Align, Key, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
+
+use super::PanelState;
+use crate::model::command::{Outbox, RecordingCommand};
+use crate::model::importing::OpenImport;
+use crate::theme::{self, GRID};
+use crate::widgets::{heading, icon_button, icon_only, muted};
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &mut Outbox) {
+    ui.horizontal(|ui| {
+        heading(ui, "Import");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, icons::ICON_CLOSE, "Do not import", true).clicked() {
+                outbox.send(RecordingCommand::Discard);
+            }
+            ui.add_space(2.0 * GRID);
+            let width = (ui.available_width() - 3.0 * GRID).min(480.0);
+            path_row(ui, &mut panel.path, width, outbox);
+        });
+    });
+    for (k, source) in import.draft.sources().iter().enumerate() {
+        ui.horizontal(|ui| {
+            let path = std::path::Path::new(&source.file);
+            let name = path.file_name().unwrap_or(path.as_os_str());
+            let name = name.to_string_lossy();
+            let remove = format!("Take out {name}");
+            if icon_only(ui, icons::ICON_CLOSE, &remove, true).clicked() {
+                outbox.send(RecordingCommand::Remove(k));
+            }
+            ui.label(RichText::new(&*name).font(theme::strong(13.0)))
+                .on_hover_text(&source.file);
+            let series = source.series.iter();
+            let channels: usize = series
+                .clone()
+                .map(|one| one.channels.len() + one.texts.len())
+                .sum();
+            let rows: usize = series.map(|one| one.rows).sum();
+            muted(
+                ui,
+                &format!("{}, {rows} rows, {channels} channels", source.format.name()),
+            );
+        });
+    }
+}
+
+/// A field for the path of a file, with a dialog, so wide; in a layout from right to left.
+pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox) {
+    let right = ui.available_width();
+    if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
+        outbox.send(RecordingCommand::Ask);
+    }
+    let typed = !path.trim().is_empty();
+    let pressed = icon_button(ui, icons::ICON_ADD, "Add", typed).clicked();
+    let used = right - ui.available_width();
+    let field = TextEdit::singleline(path)
+        .hint_text("Path of a file or folder, or drop it here")
+        .desired_width((width - used).max(120.0));
+    let field = ui.add(field);
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of a file to import"));
+    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if typed && (pressed || entered) {
+        outbox.send(RecordingCommand::Read(path.trim().into()));
+        path.clear();
+    }
+}

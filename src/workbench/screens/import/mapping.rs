@@ -1,0 +1,368 @@
+//! What the channel that is shown is: by hand for it alone, or by pattern for that of every cable.
+
+use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
+use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
+
+use super::{Bench, KnownPattern, PanelState};
+use crate::theme::GRID;
+use crate::widgets::{Entered, Number, heading, muted, number};
+
+/// What is not used.
+const UNUSED: &str = "Not used";
+
+/// The channel that is shown.
+struct Shown<'a> {
+    series: &'a Series,
+    name: &'a str,
+    unit: Option<&'a str>,
+    /// Its entry in the recipe.
+    entry: Option<&'a Assignment>,
+    /// Pattern of the channels of all cables, and the number of the first.
+    pattern: Option<(String, usize)>,
+}
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
+    let open = bench.open;
+    let place = open.shown;
+    let Some(series) = open.all_series().nth(place.series) else {
+        return;
+    };
+    let text = place.channel.checked_sub(series.channels.len());
+    let (name, unit) = match (series.channels.get(place.channel), text) {
+        (Some(channel), _) => (channel.name.as_str(), channel.unit.as_deref()),
+        (None, Some(text)) => match series.texts.get(text) {
+            Some(text) => (text.name.as_str(), None),
+            None => return,
+        },
+        (None, None) => return,
+    };
+    let cables = bench.robot.cable_count();
+    let files = open.draft.sources().len();
+    let is_known = |known: &KnownPattern| known.of == place && known.files == files;
+    if !panel.pattern.as_ref().is_some_and(is_known) {
+        let names = series.channels.iter().map(|channel| channel.name.as_str());
+        panel.pattern = Some(KnownPattern {
+            of: place,
+            files,
+            found: pattern_of(names, name, cables),
+        });
+        panel.for_all = true;
+    }
+    let shown = Shown {
+        series,
+        name,
+        unit,
+        entry: open.draft.recipe().entry_of(&series.name, name, cables),
+        pattern: panel.pattern.as_ref().and_then(|known| known.found.clone()),
+    };
+    heading(ui, name);
+    muted(ui, &words(&shown, place.channel));
+    ui.add_space(GRID);
+    scope(ui, &shown, panel, cables);
+    let for_all = panel.for_all && shown.pattern.is_some();
+    meaning(ui, bench, &shown, for_all);
+}
+
+fn words(shown: &Shown<'_>, channel: usize) -> String {
+    let unit = match shown.unit {
+        Some(unit) => format!("in {unit}, as the file states"),
+        None => "without a unit".to_owned(),
+    };
+    let Some(channel) = shown.series.channels.get(channel) else {
+        return format!("Text, {} rows", shown.series.rows);
+    };
+    let summary = channel.summary();
+    let gaps = match summary.gaps {
+        0 => String::new(),
+        gaps => format!(", {gaps} without a value"),
+    };
+    let [low, high] = summary.range.map(short);
+    format!("{} rows{gaps}, {low} to {high}, {unit}", shown.series.rows)
+}
+
+/// A number with five digits at most.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+/// Whether the choice is for this channel or for that of every cable.
+fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) {
+    let Some((pattern, _)) = &shown.pattern else {
+        return;
+    };
+    let all = format!("All {cables} channels {pattern}");
+    ui.radio_value(&mut panel.for_all, true, all);
+    ui.radio_value(&mut panel.for_all, false, "This channel alone");
+    ui.add_space(GRID);
+}
+
+/// What the channel is: quantity, cable, unit, sign, factor and offset.
+fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool) {
+    let cables = bench.robot.cable_count();
+    let own = shown
+        .entry
+        .map(|entry| of_channel(entry, shown.name, cables));
+    let quantity = own.as_ref().and_then(|own| Quantity::parse(&own.quantity));
+    Grid::new("meaning of the channel")
+        .num_columns(2)
+        .spacing([3.0 * GRID, 1.5 * GRID])
+        .show(ui, |ui| {
+            ui.label("Is");
+            let chosen = choose_quantity(ui, shown, quantity);
+            ui.end_row();
+            if let Some(chosen) = chosen {
+                assign(bench, shown, own.clone(), chosen, for_all);
+            }
+            let (Some(own), Some(quantity)) = (own, quantity) else {
+                return;
+            };
+            if quantity.is_per_cable() && !for_all {
+                ui.label("Of cable");
+                if let Some(cable) = choose_cable(ui, bench, quantity.index) {
+                    let moved = Quantity {
+                        index: cable,
+                        ..quantity
+                    };
+                    assign(bench, shown, Some(own.clone()), Some(moved), false);
+                }
+                ui.end_row();
+            }
+            let edit = |bench: &mut Bench<'_>, what: &str, change: &dyn Fn(&mut Assignment)| {
+                let mut changed = own.clone();
+                change(&mut changed);
+                let what = format!("change {what} of {}", shown.name);
+                put(bench, shown, changed, quantity, for_all, what);
+            };
+            if !quantity.is_text() && !quantity.usual_units().is_empty() {
+                ui.label("In");
+                if let Some(unit) = choose_unit(ui, shown, quantity, own.unit.as_deref()) {
+                    edit(bench, "unit", &|own| own.unit.clone_from(&unit));
+                }
+                ui.end_row();
+            }
+            if quantity.is_text() {
+                return;
+            }
+            ui.label("Sign");
+            ui.horizontal(|ui| {
+                let mut reversed = own.reversed;
+                if ui.checkbox(&mut reversed, "Reversed").changed() {
+                    edit(bench, "sign", &|own| own.reversed = reversed);
+                }
+                let mut from_first = own.from_first_pose;
+                let text = "Zero at the first pose";
+                if quantity.moves() && ui.checkbox(&mut from_first, text).changed() {
+                    edit(bench, "zero", &|own| own.from_first_pose = from_first);
+                }
+            });
+            ui.end_row();
+            ui.label("Factor");
+            ui.horizontal(|ui| {
+                let typed = number(ui, &plain("Factor", own.factor));
+                if let Some(Entered::Value(value)) = typed
+                    && value != 0.0
+                {
+                    edit(bench, "factor", &|own| own.factor = value);
+                }
+                ui.label("Offset");
+                let typed = number(ui, &plain("Offset", own.offset));
+                if let Some(Entered::Value(value)) = typed {
+                    edit(bench, "offset", &|own| own.offset = value);
+                }
+            });
+            ui.end_row();
+        });
+}
+
+/// A field for a number without a unit.
+fn plain(name: &str, value: f64) -> Number<'_> {
+    Number {
+        name,
+        value: Some(value),
+        decimals: 6,
+        unit: "",
+        optional: false,
+        width: 88.0,
+    }
+}
+
+/// The entry as it is for a channel.
+fn of_channel(entry: &Assignment, channel: &str, cables: usize) -> Assignment {
+    let mut singles = (0..cables).map(|cable| entry.of_cable(cable));
+    singles
+        .find(|one| one.channel == channel)
+        .unwrap_or_else(|| entry.clone())
+}
+
+fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
+    let shown = ComboBox::from_id_salt(name)
+        .selected_text(selected)
+        .width(168.0)
+        .height(360.0)
+        .show_ui(ui, add);
+    let text = format!("{name}: {selected}");
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
+}
+
+/// A new quantity, if one was chosen; `Some(None)` is that the channel is not used.
+fn choose_quantity(
+    ui: &mut Ui,
+    shown: &Shown<'_>,
+    now: Option<Quantity>,
+) -> Option<Option<Quantity>> {
+    let mut chosen = None;
+    let is_text = shown.series.channel(shown.name).is_none();
+    let title = now.map_or_else(|| UNUSED.to_owned(), Quantity::title);
+    combo(ui, "Quantity", &title, |ui| {
+        if ui.selectable_label(now.is_none(), UNUSED).clicked() {
+            chosen = Some(None);
+        }
+        for quantity in Quantity::all() {
+            if is_text && !quantity.is_text() {
+                continue;
+            }
+            let is_now = now.is_some_and(|now| now.title() == quantity.title());
+            if ui.selectable_label(is_now, quantity.title()).clicked() && !is_now {
+                chosen = Some(Some(quantity));
+            }
+        }
+    });
+    chosen
+}
+
+fn choose_cable(ui: &mut Ui, bench: &Bench<'_>, now: usize) -> Option<usize> {
+    let mut chosen = None;
+    let name = |cable: usize| {
+        let found = bench.robot.cables.get(cable);
+        found.map_or_else(|| (cable + 1).to_string(), |cable| cable.name.clone())
+    };
+    combo(ui, "Cable", &name(now), |ui| {
+        for cable in 0..bench.robot.cable_count() {
+            let label = ui.selectable_label(cable == now, name(cable));
+            if label.clicked() && cable != now {
+                chosen = Some(cable);
+            }
+        }
+    });
+    chosen
+}
+
+/// A new unit, if one was chosen; `Some(None)` is that of the file.
+fn choose_unit(
+    ui: &mut Ui,
+    shown: &Shown<'_>,
+    quantity: Quantity,
+    now: Option<&str>,
+) -> Option<Option<String>> {
+    let mut chosen = None;
+    let stated = shown.unit.filter(|unit| parse_unit(unit).is_some());
+    let of_file = match stated {
+        Some(unit) => format!("{unit}, as the file states"),
+        None => format!("{}, as nothing is stated", unit_of(quantity)),
+    };
+    combo(ui, "Unit", now.unwrap_or(&of_file), |ui| {
+        if ui.selectable_label(now.is_none(), &of_file).clicked() {
+            chosen = Some(None);
+        }
+        for unit in quantity.usual_units() {
+            if ui.selectable_label(now == Some(*unit), *unit).clicked() {
+                chosen = Some(Some((*unit).to_owned()));
+            }
+        }
+    });
+    chosen
+}
+
+/// The unit of the column.
+fn unit_of(quantity: Quantity) -> &'static str {
+    let native = |unit: &&&str| quantity.conversion(unit) == Some((1.0, 0.0));
+    quantity
+        .usual_units()
+        .iter()
+        .find(native)
+        .copied()
+        .unwrap_or("")
+}
+
+/// Makes the channel, or those of the pattern, a quantity.
+fn assign(
+    bench: &mut Bench<'_>,
+    shown: &Shown<'_>,
+    own: Option<Assignment>,
+    quantity: Option<Quantity>,
+    for_all: bool,
+) {
+    let cables = bench.robot.cable_count();
+    let series = shown.series.name.clone();
+    let Some(mut quantity) = quantity else {
+        let names: Vec<String> = match (&shown.pattern, for_all) {
+            (Some((pattern, first)), true) => (0..cables)
+                .map(|cable| pattern.replacen("{i}", &(cable + first).to_string(), 1))
+                .collect(),
+            _ => vec![shown.name.to_owned()],
+        };
+        let what = format!("do not use {}", shown.name);
+        return bench.change(what, |recipe| {
+            for name in &names {
+                recipe.release(&series, name, cables);
+            }
+        });
+    };
+    // A channel with a number is that cable's, until the operator says otherwise.
+    if quantity.is_per_cable()
+        && own.is_none()
+        && let Some((pattern, first)) = &shown.pattern
+    {
+        let name = |cable: usize| pattern.replacen("{i}", &(cable + first).to_string(), 1);
+        quantity.index = (0..cables)
+            .find(|cable| name(*cable) == shown.name)
+            .unwrap_or(0);
+    }
+    let fits = |own: &Assignment| {
+        Quantity::parse(&own.quantity).is_some_and(|old| old.dimension() == quantity.dimension())
+    };
+    let kept = own.filter(fits);
+    let base = kept.unwrap_or_else(|| Assignment::new(shown.name, ""));
+    let what = format!("{} is {}", shown.name, quantity.title().to_lowercase());
+    put(bench, shown, base, quantity, for_all, what);
+}
+
+/// Puts an entry of a channel into the recipe, for it alone or for its pattern.
+fn put(
+    bench: &mut Bench<'_>,
+    shown: &Shown<'_>,
+    own: Assignment,
+    quantity: Quantity,
+    for_all: bool,
+    what: String,
+) {
+    let cables = bench.robot.cable_count();
+    let several = bench
+        .open
+        .all_series()
+        .filter(|series| series.channel(shown.name).is_some() || series.text(shown.name).is_some())
+        .count();
+    let series = (several > 1).then(|| shown.series.name.clone());
+    let entry = match (&shown.pattern, for_all && quantity.is_per_cable()) {
+        (Some((pattern, first)), true) => Assignment {
+            channel: pattern.clone(),
+            quantity: quantity.kind.column_of("{i}"),
+            first: *first,
+            series,
+            ..own
+        },
+        _ => Assignment {
+            channel: shown.name.to_owned(),
+            quantity: quantity.column(),
+            first: 1,
+            series,
+            ..own
+        },
+    };
+    let of = shown.series.name.clone();
+    bench.change(what, |recipe| recipe.assign(&of, entry, cables));
+}

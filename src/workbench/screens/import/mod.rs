@@ -1,0 +1,171 @@
+//! Files of other programs: their channels, what they are, the poses that are cut out of them, and what is wrong with them.
+
+mod begin;
+mod channels;
+mod check;
+mod clocks;
+mod course;
+mod cutting;
+mod files;
+mod mapping;
+mod recipe;
+
+use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Ui};
+use tautline_core::robot::Robot;
+use tautline_import::Recipe;
+
+use crate::model::Model;
+use crate::model::command::{Outbox, RecordingCommand};
+use crate::model::importing::{ChannelPlace, OpenImport};
+use crate::screens::part::Part;
+use crate::theme::{self, GRID};
+
+/// State of the import.
+#[derive(Debug, Default)]
+pub struct PanelState {
+    /// Path of a file to add.
+    path: String,
+    /// Path of the recipe.
+    recipe: String,
+    /// What a small window shows.
+    part: Part,
+    /// The channels that belong to the one that is shown.
+    pattern: Option<KnownPattern>,
+    /// Whether the choice is for all channels of the pattern, where the operator said so.
+    for_all: bool,
+}
+
+/// The pattern of the channels that belong to one.
+#[derive(Debug)]
+struct KnownPattern {
+    /// The one.
+    of: ChannelPlace,
+    /// Number of files when it was found.
+    files: usize,
+    /// Pattern and number of the first channel; `None` if it is alone.
+    found: Option<(String, usize)>,
+}
+
+/// Width of the window (points) below which one part is shown at a time.
+const COMPACT: f32 = 900.0;
+
+/// What the parts of the screen need.
+struct Bench<'a> {
+    /// The robot whose readings these are.
+    robot: &'a Robot,
+    /// Sources, recipe and poses.
+    open: &'a OpenImport,
+    /// Commands of this frame.
+    outbox: &'a mut Outbox,
+}
+
+impl Bench<'_> {
+    /// Changes the recipe; `what` names the change for undoing it.
+    fn change(&mut self, what: impl Into<String>, change: impl FnOnce(&mut Recipe)) {
+        self.change_on(what, false, change);
+    }
+
+    /// Changes the recipe; a change that goes on is one with those before it.
+    fn change_on(
+        &mut self,
+        what: impl Into<String>,
+        goes_on: bool,
+        change: impl FnOnce(&mut Recipe),
+    ) {
+        let mut recipe = self.open.draft.recipe().clone();
+        change(&mut recipe);
+        let command = RecordingCommand::Change(Box::new(recipe), what.into(), goes_on);
+        self.outbox.send(command);
+    }
+}
+
+/// Draws the screen.
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let (Some(import), Some(session)) = (&model.importing.open, &model.open) else {
+        return begin::show(ui, model, panel, outbox);
+    };
+    Panel::top("imported files")
+        .frame(side(ui))
+        .show(ui, |ui| files::show(ui, import, panel, outbox));
+    let mut bench = Bench {
+        robot: &session.session().robot,
+        open: import,
+        outbox,
+    };
+    if ui.available_width() < COMPACT {
+        compact(ui, model, &mut bench, panel);
+    } else {
+        wide(ui, model, &mut bench, panel);
+    }
+}
+
+fn side(ui: &Ui) -> Frame {
+    Frame::new()
+        .fill(theme::of(ui).panel)
+        .inner_margin(Margin::same(3 * GRID as i8))
+}
+
+/// Everything beside each other.
+fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
+    let side = side(ui);
+    let width = (0.36 * ui.available_width()).clamp(360.0, 520.0);
+    Panel::right("recipe of the import")
+        .frame(side)
+        .resizable(false)
+        .exact_size(width)
+        .show(ui, |ui| steps(ui, model, bench, panel));
+    let height = (0.42 * ui.available_height()).max(180.0);
+    Panel::bottom("course of the channel")
+        .frame(side)
+        .resizable(false)
+        .exact_size(height)
+        .show(ui, |ui| course::show(ui, bench));
+    CentralPanel::no_frame()
+        .frame(side)
+        .show(ui, |ui| channels::show(ui, bench));
+}
+
+/// One part at a time, where the window has no room for all of them.
+fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
+    let side = side(ui);
+    Panel::top("parts of the import")
+        .frame(side)
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (one, title) in [
+                    (Part::Robot, "Channels"),
+                    (Part::Panel, "Recipe"),
+                    (Part::Plots, "Over time"),
+                ] {
+                    ui.selectable_value(&mut panel.part, one, title);
+                }
+            });
+        });
+    CentralPanel::no_frame()
+        .frame(side)
+        .show(ui, |ui| match panel.part {
+            Part::Panel => steps(ui, model, bench, panel),
+            Part::Robot => channels::show(ui, bench),
+            Part::Plots => course::show(ui, bench),
+        });
+}
+
+/// The steps from channels to poses; the last one stays at the bottom.
+fn steps(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
+    Panel::bottom("last step of the import")
+        .frame(Frame::new().inner_margin(Margin {
+            top: 2 * GRID as i8,
+            ..Margin::ZERO
+        }))
+        .resizable(false)
+        .show_separator_line(false)
+        .show(ui, |ui| check::last_step(ui, model, bench));
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        mapping::show(ui, bench, panel);
+        clocks::show(ui, bench);
+        cutting::show(ui, bench);
+        check::show(ui, bench);
+        recipe::show(ui, bench, panel);
+        ui.add_space(2.0 * GRID);
+    });
+}

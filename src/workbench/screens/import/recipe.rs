@@ -1,0 +1,76 @@
+//! The recipe: what is used, and as a file.
+
+use egui::{Align, Label, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use egui_material_icons::icons;
+
+use super::{Bench, PanelState};
+use crate::model::command::RecordingCommand;
+use crate::theme::GRID;
+use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
+    section(ui, "Recipe");
+    muted(ui, bench.open.draft.origin());
+    entries(ui, bench);
+    muted(
+        ui,
+        "The session keeps it for the next file. As a file it serves other sessions and `tautline import --recipe`.",
+    );
+    let path = &mut panel.recipe;
+    let size = Vec2::new(ui.available_width(), 7.0 * GRID);
+    ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
+        if icon_only(ui, icons::ICON_SAVE_AS, "Save the recipe as…", true).clicked() {
+            bench.outbox.send(RecordingCommand::AskSaveRecipe);
+        }
+        if icon_only(ui, icons::ICON_FOLDER_OPEN, "Browse for a recipe", true).clicked() {
+            bench.outbox.send(RecordingCommand::AskRecipe);
+        }
+        let typed = !path.trim().is_empty();
+        if icon_button(ui, icons::ICON_SAVE, "Save recipe", typed).clicked() {
+            let path = path.trim().into();
+            bench.outbox.send(RecordingCommand::SaveRecipe(path));
+        }
+        if icon_button(ui, icons::ICON_UPLOAD_FILE, "Use", typed).clicked() {
+            let path = path.trim().into();
+            bench.outbox.send(RecordingCommand::UseRecipe(path));
+        }
+        let field = TextEdit::singleline(path)
+            .hint_text("Path of a recipe")
+            .desired_width(ui.available_width());
+        let field = ui.add(field);
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the recipe"));
+    });
+}
+
+/// The entries of the recipe, each to be taken out.
+fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let recipe = bench.open.draft.recipe();
+    if recipe.channels.is_empty() {
+        return verdict(
+            ui,
+            Verdict::Doubtful,
+            "No channel is used yet. Choose a channel at the left and say what it is.",
+        );
+    }
+    let mut removed = None;
+    for (k, entry) in recipe.channels.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let name = format!("Do not use {}", entry.channel);
+            if icon_only(ui, icons::ICON_CLOSE, &name, true).clicked() {
+                removed = Some(k);
+            }
+            let sign = if entry.reversed { "−" } else { "" };
+            let unit = entry.unit.as_ref();
+            let unit = unit.map_or_else(String::new, |unit| format!(" in {unit}"));
+            let text = format!("{} is {sign}{}{unit}", entry.quantity, entry.channel);
+            ui.add(Label::new(text).truncate());
+        });
+    }
+    if let Some(k) = removed {
+        let what = format!("do not use {}", recipe.channels[k].channel);
+        bench.change(what, |recipe| {
+            recipe.channels.remove(k);
+        });
+    }
+}

@@ -1,0 +1,190 @@
+//! The platform, the home pose, and what all winches and cables have in common.
+
+use egui::Ui;
+use tautline_core::geometry::Coordinate;
+use tautline_core::robot::{Cable, Home, Robot};
+
+use super::field::{Field, OfEvery, change, grid, one, optional, three};
+use crate::screens::bench_panel::Bench;
+use crate::widgets::{muted, section};
+
+/// Draws the part about the platform.
+pub fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
+    section(ui, "Platform");
+    let platform = &bench.robot().platform;
+    grid(ui, "fields of the platform", |ui| {
+        let mass = (platform.mass_kg, true);
+        optional(
+            ui,
+            bench,
+            &Field::new("Mass", "kg", 3),
+            mass,
+            |robot, value| {
+                robot.platform.mass_kg = value;
+            },
+        );
+        three(
+            ui,
+            bench,
+            &Field::millimetres("Centre of mass", 1),
+            platform.center_of_mass_m,
+            |robot, value| robot.platform.center_of_mass_m = value,
+        );
+    });
+    ui.horizontal_wrapped(|ui| {
+        muted(ui, "Moves along and about");
+        for coordinate in Coordinate::ALL {
+            let mut is_free = platform.free.contains(&coordinate);
+            let name = ["x", "y", "z", "rx", "ry", "rz"][coordinate.index()];
+            let response = ui.checkbox(&mut is_free, name);
+            if response.on_hover_text(coordinate.describe()).changed() {
+                let what = format!("change {}", coordinate.describe());
+                change(bench, &what, |robot| {
+                    let wanted = |one: &Coordinate| match *one == coordinate {
+                        true => is_free,
+                        false => platform.free.contains(one),
+                    };
+                    let free = Coordinate::ALL.into_iter().filter(wanted);
+                    robot.platform.free = free.collect();
+                });
+            }
+        }
+    });
+}
+
+/// Draws the part about what is the same for all winches and cables.
+pub fn winches(ui: &mut Ui, bench: &mut Bench<'_>) {
+    section(ui, "All winches and cables");
+    let Some(first) = bench.robot().cables.first() else {
+        return;
+    };
+    let cables = &bench.robot().cables;
+    let differ = cables
+        .iter()
+        .any(|cable| cable.winch != first.winch || cable.cable != first.cable);
+    if differ {
+        muted(
+            ui,
+            "They differ; shown are those of the first. A number that is typed holds for all.",
+        );
+    }
+    grid(ui, "fields of all winches", |ui| {
+        let fields: [OfEvery<'_, Cable>; 5] = [
+            (
+                Field::millimetres("Drum diameter", 2),
+                first.winch.drum_diameter_m,
+                |cable, value| cable.winch.drum_diameter_m = value,
+            ),
+            (
+                Field::millimetres("Drum pitch", 2),
+                first.winch.drum_pitch_m,
+                |cable, value| cable.winch.drum_pitch_m = value,
+            ),
+            (
+                Field::new("Gear ratio", "", 4),
+                first.winch.gear_ratio,
+                |cable, value| cable.winch.gear_ratio = value,
+            ),
+            (
+                Field::millimetres("Cable to the pulley", 0),
+                first.winch.length_to_pulley_m,
+                |cable, value| cable.winch.length_to_pulley_m = value,
+            ),
+            (
+                Field::new("Weight of the cable", "N/m", 3),
+                first.cable.weight_n_per_m,
+                |cable, value| cable.cable.weight_n_per_m = value,
+            ),
+        ];
+        for (field, value, set) in fields {
+            one(ui, bench, &field, value, |robot, value| {
+                robot.cables.iter_mut().for_each(|cable| set(cable, value));
+            });
+        }
+        let field = Field {
+            per_si: 1e-3,
+            ..Field::new("Axial stiffness", "kN", 1)
+        };
+        let stiffness = (first.cable.axial_stiffness_n, true);
+        optional(ui, bench, &field, stiffness, |robot, value| {
+            for cable in &mut robot.cables {
+                cable.cable.axial_stiffness_n = value;
+            }
+        });
+        let field = Field::millimetres("Noise of a length", 3);
+        let sd_m = first.winch.length_sd_m;
+        one(ui, bench, &field, sd_m, |robot, value| {
+            for cable in &mut robot.cables {
+                cable.winch.length_sd_m = value;
+            }
+        });
+    });
+}
+
+/// Draws the part about the home pose.
+pub fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
+    section(ui, "Home pose");
+    let home = bench.robot().home;
+    let mut has_home = home.is_some();
+    if ui
+        .checkbox(&mut has_home, "Encoders read zero at a home pose")
+        .changed()
+    {
+        change(bench, "choose a home pose", |robot| {
+            robot.home = has_home.then(|| default_home(robot));
+        });
+    }
+    let Some(home) = home else {
+        return;
+    };
+    grid(ui, "fields of the home pose", |ui| {
+        three(
+            ui,
+            bench,
+            &Field::millimetres("Position", 1),
+            home.position_m,
+            |robot, value| {
+                if let Some(home) = &mut robot.home {
+                    home.position_m = value;
+                }
+            },
+        );
+        let known = Field::millimetres("Position known to", 3);
+        one(ui, bench, &known, home.position_sd_m, |robot, value| {
+            if let Some(home) = &mut robot.home {
+                (home.position_sd_m, home.covariance) = (value, None);
+            }
+        });
+        let known = Field {
+            per_si: 1f64.to_degrees(),
+            ..Field::new("Orientation known to", "°", 4)
+        };
+        one(
+            ui,
+            bench,
+            &known,
+            home.orientation_sd_rad,
+            |robot, value| {
+                if let Some(home) = &mut robot.home {
+                    (home.orientation_sd_rad, home.covariance) = (value, None);
+                }
+            },
+        );
+    });
+}
+
+/// A home pose in the middle of the pulleys.
+fn default_home(robot: &Robot) -> Home {
+    let count = robot.cables.len().max(1) as f64;
+    let mean = |axis: usize| {
+        let entries = robot.cables.iter().map(|c| c.pulley.entry_point_m[axis]);
+        entries.sum::<f64>() / count
+    };
+    Home {
+        position_m: [mean(0), mean(1), mean(2)],
+        orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+        position_sd_m: 1e-3,
+        orientation_sd_rad: 1e-3,
+        covariance: None,
+    }
+}

@@ -1,0 +1,182 @@
+//! Fields of the description, each checked with the whole robot while it is typed.
+
+use egui::{Grid, Ui};
+use tautline_core::robot::Robot;
+
+use crate::model::edit::Edit;
+use crate::screens::bench_panel::Bench;
+use crate::theme::GRID;
+use crate::widgets::{Entered, Number, number_checked};
+
+/// Width of a field, and of one of three (points).
+const WIDTH: f32 = 84.0;
+const OF_THREE: f32 = 62.0;
+
+/// A number of the description.
+pub struct Field<'a> {
+    /// What the operator reads.
+    pub name: &'a str,
+    /// Unit that the operator reads and types.
+    pub unit: &'a str,
+    /// This many of that unit are one SI unit.
+    pub per_si: f64,
+    /// Decimals that are shown.
+    pub decimals: usize,
+}
+
+impl<'a> Field<'a> {
+    /// A length in millimetres.
+    pub const fn millimetres(name: &'a str, decimals: usize) -> Self {
+        Self {
+            per_si: 1e3,
+            ..Self::new(name, "mm", decimals)
+        }
+    }
+
+    /// A number in an SI unit.
+    pub const fn new(name: &'a str, unit: &'a str, decimals: usize) -> Self {
+        Self {
+            name,
+            unit,
+            per_si: 1.0,
+            decimals,
+        }
+    }
+}
+
+/// A number that every cable, or part of a cable, has: field, value, and how it is set.
+pub type OfEvery<'a, T> = (Field<'a>, f64, fn(&mut T, f64));
+
+/// A grid of fields.
+pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    Grid::new(name)
+        .num_columns(2)
+        .spacing([3.0 * GRID, GRID])
+        .show(ui, add);
+}
+
+/// A line of a grid with one number. An empty field is `None`, where that is possible.
+pub fn optional(
+    ui: &mut Ui,
+    bench: &mut Bench<'_>,
+    field: &Field<'_>,
+    (value, is_optional): (Option<f64>, bool),
+    set: impl Fn(&mut Robot, Option<f64>),
+) {
+    ui.label(field.name);
+    ui.horizontal(|ui| {
+        cell(
+            ui,
+            bench,
+            (field, field.name, WIDTH),
+            (value, is_optional),
+            &set,
+        );
+    });
+    ui.end_row();
+}
+
+/// A line of a grid with one number.
+pub fn one(
+    ui: &mut Ui,
+    bench: &mut Bench<'_>,
+    field: &Field<'_>,
+    value: f64,
+    set: impl Fn(&mut Robot, f64),
+) {
+    optional(ui, bench, field, (Some(value), false), |robot, value| {
+        set(robot, value.unwrap_or_default());
+    });
+}
+
+/// A line of a grid with x, y and z.
+pub fn three(
+    ui: &mut Ui,
+    bench: &mut Bench<'_>,
+    field: &Field<'_>,
+    value: [f64; 3],
+    set: impl Fn(&mut Robot, [f64; 3]),
+) {
+    ui.label(field.name);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = GRID;
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let name = format!("{} {axis}", field.name);
+            // The unit stands once, behind the last one.
+            let of_axis = Field {
+                unit: if k == 2 { field.unit } else { "" },
+                ..*field
+            };
+            let shown = (Some(value[k]), false);
+            cell(
+                ui,
+                bench,
+                (&of_axis, &name, OF_THREE),
+                shown,
+                &|robot, typed| {
+                    let mut changed = value;
+                    changed[k] = typed.unwrap_or_default();
+                    set(robot, changed);
+                },
+            );
+        }
+    });
+    ui.end_row();
+}
+
+fn cell(
+    ui: &mut Ui,
+    bench: &mut Bench<'_>,
+    (field, name, width): (&Field<'_>, &str, f32),
+    (value, is_optional): (Option<f64>, bool),
+    set: &dyn Fn(&mut Robot, Option<f64>),
+) {
+    let robot = bench.robot();
+    let with = |typed: Option<f64>| {
+        let mut changed = robot.clone();
+        set(&mut changed, typed.map(|typed| typed / field.per_si));
+        changed
+    };
+    let check = |typed: f64| {
+        let checked = with(Some(typed)).check();
+        checked.map_err(|error| error.to_string())
+    };
+    let shown = Number {
+        name,
+        value: value.map(|value| value * field.per_si),
+        decimals: field.decimals,
+        unit: field.unit,
+        optional: is_optional,
+        width,
+    };
+    let typed = match number_checked(ui, &shown, &check) {
+        Some(Entered::Value(typed)) => Some(typed),
+        Some(Entered::Nothing) => None,
+        Some(Entered::Wrong(message)) => return bench.refuse(message),
+        None => return,
+    };
+    put(
+        bench,
+        with(typed),
+        &format!("change {}", name.to_lowercase()),
+    );
+}
+
+/// Puts a changed robot into the session, or tells why it is none.
+pub fn put(bench: &mut Bench<'_>, robot: Robot, what: &str) {
+    match robot.check() {
+        Ok(()) if robot == *bench.robot() => {}
+        Ok(()) => {
+            let edit = Edit::SetRobot(Box::new(robot), what.to_owned());
+            bench.outbox.send(edit);
+        }
+        Err(error) => bench.refuse(format!("This makes the robot invalid: {error}.")),
+    }
+}
+
+/// Changes the robot, if it stays one.
+pub fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Robot)) {
+    let mut robot = bench.robot().clone();
+    change(&mut robot);
+    put(bench, robot, what);
+}

@@ -1,0 +1,217 @@
+//! The instruments: force sensors, laser, inclinometer, external instrument.
+
+use egui::Ui;
+use tautline_core::robot::{
+    ForceSensor, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker,
+};
+
+use super::field::{Field, OfEvery, change, grid, one, optional, three};
+use crate::screens::bench_panel::Bench;
+use crate::widgets::section;
+
+/// Degrees in a radian.
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+/// Draws the part.
+pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
+    section(ui, "Instruments");
+    forces(ui, bench);
+    laser(ui, bench);
+    inclinometer(ui, bench);
+    tracker(ui, bench);
+}
+
+/// A box that says whether the robot has an instrument.
+fn has(
+    ui: &mut Ui,
+    bench: &mut Bench<'_>,
+    name: &str,
+    mut now: bool,
+    set: impl FnOnce(&mut Robot, bool),
+) {
+    if ui.checkbox(&mut now, name).changed() {
+        let verb = if now { "add" } else { "remove" };
+        let what = format!("{verb} {}", name.to_lowercase());
+        change(bench, &what, |robot| set(robot, now));
+    }
+}
+
+fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let sensor = bench
+        .robot()
+        .cables
+        .first()
+        .and_then(|cable| cable.force_sensor);
+    has(
+        ui,
+        bench,
+        "Force sensors",
+        sensor.is_some(),
+        |robot, is_there| {
+            for cable in &mut robot.cables {
+                cable.force_sensor = is_there.then_some(ForceSensor {
+                    tension_gain: 1.0,
+                    bias_n: 0.0,
+                    tension_sd_n: 1.0,
+                });
+            }
+        },
+    );
+    let Some(sensor) = sensor else {
+        return;
+    };
+    let fields: [OfEvery<'_, ForceSensor>; 2] = [
+        (
+            Field::new("Reading per tension", "", 4),
+            sensor.tension_gain,
+            |sensor, value| sensor.tension_gain = value,
+        ),
+        (
+            Field::new("Noise of a tension", "N", 2),
+            sensor.tension_sd_n,
+            |sensor, value| sensor.tension_sd_n = value,
+        ),
+    ];
+    grid(ui, "fields of the force sensors", |ui| {
+        for (field, value, set) in fields {
+            one(ui, bench, &field, value, |robot, value| {
+                let sensors = robot.cables.iter_mut();
+                sensors
+                    .filter_map(|cable| cable.force_sensor.as_mut())
+                    .for_each(|sensor| set(sensor, value));
+            });
+        }
+    });
+}
+
+fn laser(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let laser = bench.robot().laser;
+    has(ui, bench, "Laser", laser.is_some(), |robot, is_there| {
+        robot.laser = is_there.then(|| downward(robot));
+    });
+    let Some(laser) = laser else {
+        return;
+    };
+    let set = |change: fn(&mut Laser, [f64; 3])| {
+        move |robot: &mut Robot, value: [f64; 3]| {
+            if let Some(laser) = &mut robot.laser {
+                change(laser, value);
+            }
+        }
+    };
+    grid(ui, "fields of the laser", |ui| {
+        three(
+            ui,
+            bench,
+            &Field::millimetres("Origin of the beam", 1),
+            laser.origin_m,
+            set(|laser, value| laser.origin_m = value),
+        );
+        let field = Field::millimetres("Noise of a distance", 3);
+        one(ui, bench, &field, laser.sd_m, |robot, value| {
+            if let Some(laser) = &mut robot.laser {
+                laser.sd_m = value;
+            }
+        });
+        let field = Field::millimetres("Target plane at", 1);
+        let offset_m = laser.target_plane.offset_m;
+        one(ui, bench, &field, offset_m, |robot, value| {
+            if let Some(laser) = &mut robot.laser {
+                laser.target_plane.offset_m = value;
+            }
+        });
+        let field = Field::millimetres("Plane known to", 1);
+        let sd_m = (laser.target_plane.offset_sd_m, true);
+        optional(ui, bench, &field, sd_m, |robot, value| {
+            if let Some(laser) = &mut robot.laser {
+                laser.target_plane.offset_sd_m = value;
+            }
+        });
+    });
+}
+
+/// A laser that looks along gravity at a plane below all pulleys.
+fn downward(robot: &Robot) -> Laser {
+    let gravity = robot.gravity();
+    let down = gravity
+        .try_normalize(1e-9)
+        .map_or([0.0, 0.0, -1.0], Into::into);
+    let normal = down.map(|coordinate: f64| -coordinate);
+    let height = |point: [f64; 3]| (0..3).map(|axis| point[axis] * normal[axis]).sum::<f64>();
+    let heights = robot.cables.iter().map(|c| height(c.pulley.entry_point_m));
+    let home = robot.home.map_or(0.0, |home| height(home.position_m));
+    let lowest = heights.fold(f64::INFINITY, f64::min).min(home - 0.5);
+    Laser {
+        origin_m: [0.0; 3],
+        direction: down,
+        sd_m: 5e-4,
+        target_plane: TargetPlane {
+            normal,
+            offset_m: lowest,
+            offset_sd_m: Some(0.01),
+        },
+    }
+}
+
+fn inclinometer(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let inclinometer = bench.robot().inclinometer;
+    has(
+        ui,
+        bench,
+        "Inclinometer",
+        inclinometer.is_some(),
+        |robot, is_there| {
+            robot.inclinometer = is_there.then_some(Inclinometer { sd_rad: 1e-3 });
+        },
+    );
+    if let Some(inclinometer) = inclinometer {
+        grid(ui, "fields of the inclinometer", |ui| {
+            let field = Field {
+                per_si: DEGREES,
+                ..Field::new("Noise of an angle", "°", 4)
+            };
+            one(ui, bench, &field, inclinometer.sd_rad, |robot, value| {
+                robot.inclinometer = Some(Inclinometer { sd_rad: value });
+            });
+        });
+    }
+}
+
+fn tracker(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let tracker = bench.robot().tracker;
+    has(
+        ui,
+        bench,
+        "External instrument",
+        tracker.is_some(),
+        |robot, is_there| {
+            robot.tracker = is_there.then_some(Tracker {
+                position_sd_m: PerAxis::Same(5e-4),
+                orientation_sd_rad: None,
+            });
+        },
+    );
+    let Some(tracker) = tracker else {
+        return;
+    };
+    grid(ui, "fields of the external instrument", |ui| {
+        if let PerAxis::Same(sd_m) = tracker.position_sd_m {
+            let field = Field::millimetres("Noise of a position", 3);
+            one(ui, bench, &field, sd_m, |robot, value| {
+                if let Some(tracker) = &mut robot.tracker {
+                    tracker.position_sd_m = PerAxis::Same(value);
+                }
+            });
+        }
+        let field = Field {
+            per_si: DEGREES,
+            ..Field::new("Noise of an orientation", "°", 4)
+        };
+        let sd_rad = (tracker.orientation_sd_rad, true);
+        optional(ui, bench, &field, sd_rad, |robot, value| {
+            if let Some(tracker) = &mut robot.tracker {
+                tracker.orientation_sd_rad = value;
+            }
+        });
+    });
+}
