@@ -107,6 +107,8 @@ fn adjusted(film: &mut Film) -> Result<()> {
     film.shot(SHORT)?;
     verified(film, "Measure before", 1);
     film.stage.press("Write to the controller");
+    film.shot(SHORT)?;
+    film.stage.press("Write");
     film.stage
         .wait("the values", |state| !state.model.link.writing);
     verified(film, "Measure after", 2);

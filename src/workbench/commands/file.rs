@@ -12,6 +12,7 @@ use super::tables;
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession};
+use tautline_workflow::planning::missing;
 use tautline_workflow::session_file::recover_unsaved;
 use tautline_workflow::{clock, samples};
 
@@ -317,7 +318,7 @@ fn open(model: &mut Model, opening: Opening) {
         path,
         is_recovered,
     } = opening;
-    let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
+    let (name, first) = (session.name.clone(), first_phase(&session));
     model.messages.info(format!("Opened {name}."));
     if let Some(path) = &path {
         let when = clock::now();
@@ -331,15 +332,20 @@ fn open(model: &mut Model, opening: Opening) {
     model.open = Some(open(session, path));
     model.selection = Default::default();
     model.inspected = None;
-    model.screen = Screen::Phase(if measured {
-        Phase::Identification
-    } else {
-        Phase::Precalibration
-    });
+    model.screen = Screen::Phase(first);
     if let Some(text) = model.unsettled() {
         model.messages.warning(text);
     }
     super::identification::reopened(model);
+}
+
+/// Where to go on: at a measuring run that was interrupted, with what was measured, or at the beginning.
+fn first_phase(session: &Session) -> Phase {
+    match (session.measurements.is_empty(), missing(session)) {
+        (true, _) => Phase::Precalibration,
+        (false, 0) => Phase::Identification,
+        (false, _) => Phase::Measuring,
+    }
 }
 
 #[cfg(test)]

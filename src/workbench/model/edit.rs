@@ -153,6 +153,8 @@ impl Editable {
 /// A state to go back to, with the name of what left it.
 #[derive(Debug, Clone)]
 struct Phase {
+    /// Number of the edit, never used twice.
+    number: u64,
     name: String,
     state: Editable,
     /// Which inputs of results it has; `None` once something was measured since.
@@ -175,6 +177,8 @@ pub enum Inputs {
 pub struct History {
     undo: Vec<Phase>,
     redo: Vec<Phase>,
+    /// Edits so far.
+    edits: u64,
 }
 
 /// Steps that are kept.
@@ -184,6 +188,7 @@ impl History {
     /// Does an edit and remembers what was before, with the number of its inputs; `None` if nothing changed.
     pub fn perform(&mut self, edit: Edit, session: &mut Session, inputs: u64) -> Option<Inputs> {
         let step = Phase {
+            number: self.edits + 1,
             name: edit.name(),
             state: Editable::of(session),
             inputs: Some(inputs),
@@ -198,6 +203,7 @@ impl History {
             self.undo.remove(0);
         }
         self.undo.push(step);
+        self.edits += 1;
         Some(if same { Inputs::Same } else { Inputs::New })
     }
 
@@ -216,6 +222,12 @@ impl History {
         for step in self.undo.iter_mut().chain(&mut self.redo) {
             step.inputs = None;
         }
+    }
+
+    /// Number of the edit that undo would undo, 0 before the first: with it the state comes back.
+    #[must_use]
+    pub fn place(&self) -> u64 {
+        self.undo.last().map_or(0, |step| step.number)
     }
 
     /// Name of the edit that undo would undo.
@@ -239,6 +251,7 @@ fn step(
 ) -> Option<(String, Inputs)> {
     let left = from.pop()?;
     to.push(Phase {
+        number: left.number,
         name: left.name.clone(),
         state: Editable::of(session),
         inputs: Some(inputs),

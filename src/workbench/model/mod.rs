@@ -1,5 +1,6 @@
 //! Everything the window knows. It knows nothing of the screens and views that show it: they read it and send commands.
 
+pub mod accuracy_figures;
 pub mod autosave;
 pub mod caught_panic;
 pub mod command;
@@ -11,6 +12,7 @@ pub mod link;
 mod memo;
 mod memory;
 pub mod messages;
+pub mod next_step;
 pub mod open_session;
 pub mod phase;
 pub mod phase_status;
@@ -32,7 +34,7 @@ pub use tautline_workflow::plot::Selection;
 
 use autosave::Autosave;
 use caught_panic::CaughtPanic;
-use command::{Leaving, PlanOutlook, ReportDraft};
+use command::{Leaving, PlanOutlook, ReportDraft, WriteDraft};
 use comparison::ComparisonState;
 use fit_progress::IdentificationState;
 use link::{Link, LivePlatform};
@@ -40,7 +42,7 @@ use messages::Messages;
 use phase::Screen;
 use session_lock::SessionLock;
 use tasks::Tasks;
-use tautline_workflow::adjusting::{self, Doubt};
+use tautline_workflow::adjusting;
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::sentence;
@@ -69,8 +71,8 @@ pub struct Dialogs {
     pub save_as: Option<String>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
-    /// Why writing the identified values has to be confirmed; nothing while that is not asked.
-    pub doubts: Vec<Doubt>,
+    /// Values that are to be written, while that is to be confirmed.
+    pub writing: Option<WriteDraft>,
     /// The report that is to be saved, while that dialog is open.
     pub report: Option<ReportDraft>,
     /// Whether the log is open.

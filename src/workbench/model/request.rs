@@ -20,6 +20,8 @@ pub enum UiRequest {
     ShowDependence(Quantity, Option<usize>, Variable),
     /// Shows the robot where the window has room for one part only.
     ShowRobot,
+    /// Shows the live scope among the plots.
+    ShowScope,
     /// Shows the geometry in the panel of the identification.
     ShowGeometry,
     /// Shows the model doctor in the panel of the identification.

@@ -3,7 +3,7 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Rangef, Ui};
 
 use super::sized::{Size, sized};
-use super::{State, dialogs, log, palette, rail, save_as, status, top};
+use super::{State, alert, dialogs, log, palette, rail, save_as, status, top};
 use crate::model::phase::{Phase, Screen};
 use crate::screens;
 use crate::screens::part::Part;
@@ -29,6 +29,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     Panel::top("top")
         .frame(bar)
         .show(ui, |ui| top::show(ui, state));
+    alert::show(ui, state);
     Panel::bottom("status")
         .frame(bar)
         .show(ui, |ui| status::show(ui, state));

@@ -61,6 +61,9 @@ fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, key))
 }
 
+/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
+pub const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
+
 const CONTROL: Modifiers = Modifiers::COMMAND;
 const CONTROL_SHIFT: Modifiers = Modifiers {
     shift: true,
@@ -351,6 +354,12 @@ fn robot(state: &State) -> Vec<Item> {
         ),
         robot("Arm the robot", connected && !armed, RobotCommand::Arm),
         robot("Disarm the robot", armed, RobotCommand::Disarm),
-        robot("Stop the robot", connected, RobotCommand::Stop),
+        item(
+            Menu::Robot,
+            "Stop the robot",
+            Some(STOP),
+            connected,
+            RobotCommand::Stop,
+        ),
     ]
 }

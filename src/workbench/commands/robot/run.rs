@@ -1,12 +1,14 @@
 //! The measuring run: a pose is kept on disk before it is in the session, and in the session before the next one begins.
 
+use std::sync::Arc;
+
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::{MeasuredPose, Phase as LogPhase};
 
 use super::adjust::{not_recorded, refuses};
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
-use crate::model::{Model, OpenSession};
+use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::planning::missing;
 use tautline_workflow::wording::count;
 
@@ -43,6 +45,7 @@ pub(super) fn start(model: &mut Model) {
     open.log(LogPhase::Poses, text);
     let reference = reference(open);
     model.link.measure(plan, measured, reference);
+    model.request(UiRequest::ShowScope);
 }
 
 pub(super) fn repeat(model: &mut Model, label: i64) {
@@ -66,6 +69,7 @@ pub(super) fn repeat(model: &mut Model, label: i64) {
         model
             .link
             .measure(vec![(label, pose)], Vec::new(), reference);
+        model.requests.push(UiRequest::ShowScope);
     }
     open.log(LogPhase::Poses, format!("Pose {label} is measured again."));
 }
@@ -117,7 +121,10 @@ fn ended(model: &mut Model, result: Result<(), String>) {
     run.paused = None;
     match result {
         Ok(()) => model.messages.info(&text),
-        Err(_) => model.messages.warning(&text),
+        Err(_) => {
+            model.link.is_stopped = true;
+            model.messages.warning(&text);
+        }
     }
     run.ended = Some(result);
     log(model, text);
@@ -170,7 +177,7 @@ pub fn autosaved(model: &mut Model, label: i64) {
             "Pose {} cannot be used: {error}.",
             pending.pose.label()
         ));
-        model.link.send(DriverCommand::Abort);
+        model.link.stop();
         return;
     }
     model.link.send(DriverCommand::Stored(pending.label));
@@ -197,8 +204,9 @@ pub(super) fn follow_platform(model: &mut Model) {
         return;
     }
     let is_idle = !model.link.is_busy() && !model.link.watches;
-    model.playback.follows |= is_idle;
-    if is_idle || !model.playback.follows {
+    let is_stopped = is_idle && model.link.is_stopped;
+    model.playback.follows |= is_idle && !is_stopped;
+    if (is_idle && !is_stopped) || !model.playback.follows {
         model.live_platform = None;
         return;
     }
@@ -212,8 +220,11 @@ pub(super) fn follow_platform(model: &mut Model) {
         let sensor = cable.force_sensor;
         sensor.map_or(f64::NAN, |sensor| sensor.tension_n(force))
     });
+    model.link.trail.follow(pose.position);
     model.live_platform = Some(LivePlatform {
         pose,
+        trail: Arc::clone(model.link.trail.places()),
+        is_stopped,
         tensions_n: tensions_n.collect(),
     });
 }

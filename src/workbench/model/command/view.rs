@@ -35,6 +35,8 @@ pub enum ViewCommand {
     Palette(bool),
     /// Shows or hides the log.
     Log(bool),
+    /// The last error was seen.
+    Dismiss,
     /// Keeps which plots are shown, and how they are arranged.
     SetPlots(Plots),
 }

@@ -91,8 +91,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 }
 
 /// Rates of change against their limits.
-pub(super) fn settling(ui: &mut Ui, place: &str, rates: Option<Rates>, limits: Rates) {
-    muted(ui, &format!("At {place}, waiting for the robot to settle."));
+pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
     let Some(rates) = rates else {
         return;
     };

@@ -5,6 +5,7 @@ mod dense;
 mod hit;
 mod panel;
 mod panes;
+mod scope;
 mod screen;
 pub mod small;
 mod sources;
@@ -53,6 +54,9 @@ pub struct PlotState {
     pub preparation: Option<Preparation>,
     saving: Option<Saving>,
     is_hovered: bool,
+    scope: scope::ScopeState,
+    /// The plot that stood here before the scope came by itself.
+    before_scope: Option<Tab>,
 }
 
 /// What a figure depends on.
@@ -86,6 +90,9 @@ fn pane(
     let Some(open) = &model.open else {
         return;
     };
+    if plots.tab == Tab::Scope {
+        return scope::show(ui, model, &mut plots.scope, outbox);
+    }
     match plots.figure(open) {
         Ok(figure) => plot(ui, model, plots, &figure, hovered, outbox),
         Err(Unavailable::Empty(why)) => empty(ui, why),
@@ -237,6 +244,7 @@ impl PlotState {
                 sources::variable::figure(prepared, diagnosed, choice, excluded)
             }
             Tab::BeforeAfter => sources::before_after::figure(prepared()?),
+            Tab::Scope => return Err(nothing),
             Tab::Elongation => sources::elongation::figure(open.session(), self.elongation),
             Tab::Residuals => {
                 sources::residuals::lengths(open.fit().ok_or(nothing)?, self.unit, excluded)

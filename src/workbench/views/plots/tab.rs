@@ -22,11 +22,13 @@ pub enum Tab {
     Elongation,
     /// Residuals before and after what a diagnosis found.
     BeforeAfter,
+    /// What the controller reads, as it comes.
+    Scope,
 }
 
 impl Tab {
     /// All, from the left.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Residuals,
         Self::Variable,
         Self::Laser,
@@ -35,6 +37,7 @@ impl Tab {
         Self::Correlation,
         Self::Elongation,
         Self::BeforeAfter,
+        Self::Scope,
     ];
 
     /// What preferences call it.
@@ -49,6 +52,7 @@ impl Tab {
             Self::Correlation => "correlation",
             Self::Elongation => "elongation",
             Self::BeforeAfter => "before-after",
+            Self::Scope => "scope",
         }
     }
 
@@ -70,6 +74,7 @@ impl Tab {
             Self::Correlation => "Correlation",
             Self::Elongation => "Elongation",
             Self::BeforeAfter => "Before and after",
+            Self::Scope => "Live scope",
         }
     }
 
@@ -118,6 +123,8 @@ impl Tab {
                 open.diagnosis().is_some(),
                 "Residuals before and after appear here after a diagnosis.",
             ),
+            // It says itself what it waits for.
+            Self::Scope => (true, ""),
         };
         (!present).then_some(why)
     }

@@ -32,6 +32,7 @@ fn pose_shown(scene: &Scene) -> String {
         Shown::Fitted(label) => format!("Pose {label}, identified"),
         Shown::Given(label) => format!("Pose {label}, commanded"),
         Shown::Live => "Current pose".to_owned(),
+        Shown::Stopped => "Stopped here".to_owned(),
     }
 }
 
