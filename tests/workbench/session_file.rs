@@ -196,6 +196,7 @@ fn writing_values_that_did_not_converge_needs_confirmation() {
     };
     bench.give(RobotCommand::Write);
     assert_eq!(doubts(&bench), Some(0), "only the name is asked for");
+    question(&mut bench);
     bench.press("Cancel");
     let document = bench.harness.state_mut().state.model.open.as_mut();
     let document = document.expect("a session");

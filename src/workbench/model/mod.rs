@@ -56,7 +56,7 @@ pub struct Options {
     pub folders: Option<Folders>,
     /// Seed of the demonstration, to have the same one again; by default the time.
     pub demo_seed: Option<u64>,
-    /// How many times faster than real the simulated robot moves; by default 1.
+    /// How many times faster than real the simulated robot moves; by default [`link::SIMULATED_SPEED`].
     pub robot_speed: Option<f64>,
     /// Where to describe what the window shows, for programs that drive it from the outside.
     pub observed: Option<PathBuf>,
@@ -171,7 +171,10 @@ impl Model {
             preferences: preferences.value,
             unsaved_sessions: Vec::new(),
             caught_panic: None,
-            link: Link::new(context.clone(), options.robot_speed.unwrap_or(1.0)),
+            link: Link::new(
+                context.clone(),
+                options.robot_speed.unwrap_or(link::SIMULATED_SPEED),
+            ),
             options,
             context: context.clone(),
             open: None,

@@ -15,8 +15,12 @@ const NARROW: f32 = 1120.0;
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
 
-/// Width of the panel of a phase (points), if nobody chose another.
-const PANEL: f32 = 440.0;
+/// Width of the panel of a phase, if nobody chose another: a share of the window within limits (points).
+const PANEL: f32 = 0.335;
+const PANEL_RANGE: Rangef = Rangef {
+    min: 440.0,
+    max: 520.0,
+};
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -79,8 +83,9 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     rail.exact_size(if narrow { rail::NARROW } else { 208.0 })
         .show(ui, |ui| rail::show(ui, state, narrow));
     let layout = state.model.preferences.layout;
+    let usual = PANEL_RANGE.clamp(PANEL * ui.ctx().content_rect().width());
     let width = Size {
-        wanted: layout.panel_width.map_or(PANEL, |width| width as f32),
+        wanted: layout.panel_width.map_or(usual, |width| width as f32),
         range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
     };
     let panel = Panel::right("phase").frame(side);

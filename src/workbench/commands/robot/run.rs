@@ -9,8 +9,7 @@ use tautline_session::{MeasuredPose, Phase as LogPhase};
 use super::adjust::{not_recorded, refuses};
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
 use crate::model::{Model, OpenSession, UiRequest};
-use tautline_workflow::planning::missing;
-use tautline_workflow::wording::count;
+use tautline_workflow::planning::{missing, missing_labels, poses_in_words};
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
 fn reference(open: &OpenSession) -> Robot {
@@ -31,16 +30,16 @@ pub(super) fn start(model: &mut Model) {
         return;
     }
     let session = open.session();
-    let missing = missing(session);
-    if missing == 0 {
+    if missing(session) == 0 {
         return;
     }
+    let missing = poses_in_words(missing_labels(session));
     let planned = session.plan.iter();
     let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
     let measured = session.measurements.labels.clone();
     let text = match measured.len() {
-        0 => format!("Measuring of {} started.", count(missing, "pose")),
-        _ => format!("Measuring continued with {}.", count(missing, "pose")),
+        0 => format!("Measuring of {missing} started."),
+        _ => format!("Measuring continued with {missing}."),
     };
     open.log(LogPhase::Poses, text);
     let reference = reference(open);
@@ -109,7 +108,7 @@ fn ended(model: &mut Model, result: Result<(), String>) {
     let Some(run) = &mut model.link.run else {
         return;
     };
-    let done = count(run.done(), "pose");
+    let done = run.measured_in_words();
     let text = match &result {
         Ok(()) => format!("Measured {done}."),
         Err(why) => format!(

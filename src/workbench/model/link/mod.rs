@@ -36,6 +36,10 @@ pub use self::run::{Pending, RunLog};
 pub use self::trail::Trail;
 use tautline_workflow::adjusting::Purpose;
 
+/// How many times faster than real a simulated robot moves, if nobody chose otherwise: the whole demonstration takes some
+/// five minutes.
+pub const SIMULATED_SPEED: f64 = 5.0;
+
 /// The connection as the window knows it.
 #[derive(Debug, Clone)]
 pub struct Connected {

@@ -102,6 +102,11 @@ impl Scope {
         self.robot.cable_count()
     }
 
+    /// Names of the cables.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.robot.cables.iter().map(|cable| cable.name.as_str())
+    }
+
     /// Counts the readings.
     #[must_use]
     pub fn readings(&self) -> u64 {

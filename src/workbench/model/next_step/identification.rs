@@ -6,11 +6,11 @@ use tautline_core::effect::EffectSetting;
 use super::{Action, NextStep, identify};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, IdentificationCommand};
 use crate::model::edit::{Edit, same_effect};
-use crate::model::phase::Phase;
+use crate::model::phase::{Phase, PhaseStatus};
 use crate::model::{Model, OpenSession, phase_status};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::FitVerdict;
-use tautline_workflow::wording::sentence;
+use tautline_workflow::wording::{count, sentence};
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let status = phase_status::of(open, Phase::Identification);
@@ -40,6 +40,11 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         let then = "Then: check whether the model explains the readings.";
         return NextStep::new(status, Some(identify()), then);
     };
+    let poses = count(fit.dataset.measurements.len(), "pose");
+    let status = PhaseStatus {
+        line: format!("identified from {poses}: {}", status.line),
+        ..status
+    };
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
     let explains = FitVerdict::of(fit.solution.p_value());
     if let Some(diagnosed) = diagnosed
@@ -66,11 +71,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
 }
 
 /// What a diagnosis proposes that is not in the model yet.
-fn proposed(
-    open: &OpenSession,
-    diagnosed: &Diagnosed,
-    status: crate::model::phase::PhaseStatus,
-) -> Option<NextStep> {
+fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> Option<NextStep> {
     let findings = &diagnosed.diagnosis.findings;
     let is_new = |finding: &&Finding| {
         let added = &open.session().settings.identification.effects;

@@ -13,7 +13,7 @@ use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::planning::missing;
-use tautline_workflow::wording::{count, count_are};
+use tautline_workflow::wording::count_are;
 
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;
@@ -153,7 +153,7 @@ fn outcome(ui: &mut Ui, run: &RunLog) {
     if let Some(Err(why)) = &run.ended {
         let text = format!(
             "The run ended after {}: {} Measured poses are saved; the run can be continued.",
-            count(run.done(), "pose"),
+            run.measured_in_words(),
             full_sentence(why)
         );
         verdict(ui, Verdict::Doubtful, &text);

@@ -3,6 +3,7 @@
 use egui::{Align, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, vec2};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Series};
 use tautline_workflow::plot::{Layout, Plot, Seen};
+use tautline_workflow::wording::cable_label;
 
 use super::screen::{Screen, colours, text_width};
 use crate::model::command::{Outbox, ViewCommand};
@@ -225,7 +226,8 @@ fn cables(
         figure.curves.push(curve("", ink, points));
     }
     // Without points, for the legend.
-    let series = (0..scope.cables()).map(|k| Series::of_cable(k, (k + 1).to_string(), Vec::new()));
+    let names = scope.names().enumerate();
+    let series = names.map(|(k, name)| Series::of_cable(k, cable_label(k, name), Vec::new()));
     figure.series.extend(series);
 }
 

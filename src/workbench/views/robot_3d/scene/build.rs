@@ -16,6 +16,7 @@ use crate::model::Selection;
 use crate::model::link::LivePlatform;
 use crate::views::robot_3d::camera;
 use tautline_workflow::identification::{Identification, entry_point_covariance};
+use tautline_workflow::wording::cable_label;
 
 /// What a scene is built from.
 #[derive(Debug, Clone, Copy)]
@@ -164,6 +165,7 @@ impl<'a> Subject<'a> {
         let cables = own.zip(&self.robot.cables).enumerate();
         cables
             .map(|(index, (own, drawn))| CableView {
+                label: cable_label(index, &drawn.name),
                 path: own.path,
                 wheel: own.wheel,
                 nominal: nominal_wheel(index),

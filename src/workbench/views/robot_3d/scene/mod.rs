@@ -95,6 +95,8 @@ impl Residual {
 /// A cable at the pose shown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CableView {
+    /// What it is called.
+    pub label: String,
     /// From the winch's side over the pulley to the platform (m).
     pub path: Vec<Vec3>,
     /// Its pulley, identified if there is an identification.
