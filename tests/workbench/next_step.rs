@@ -22,10 +22,13 @@ struct Operator {
 }
 
 fn find<'a>(harness: &'a Harness<'_, App>, beginning: &'a str) -> Option<Node<'a>> {
+    let exactly = harness.query_all_by_label(beginning).next();
     let mut found = harness.query_all_by_label_contains(beginning);
-    found.find(|node| {
-        let name = node.accesskit_node().label().unwrap_or_default();
-        name.starts_with(beginning)
+    exactly.or_else(|| {
+        found.find(|node| {
+            let name = node.accesskit_node().label().unwrap_or_default();
+            name.starts_with(beginning)
+        })
     })
 }
 

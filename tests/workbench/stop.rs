@@ -11,15 +11,22 @@ use tautline_workbench::views::robot_3d::scene::Shown;
 
 use crate::demo::Bench;
 
+/// A few frames: while the robot moves there is always another one.
+fn step(bench: &mut Bench) {
+    for _ in 0..3 {
+        bench.harness.step();
+    }
+}
+
 /// Where the button is, and whether it can be pressed.
 fn button(bench: &mut Bench) -> (Rect, bool) {
-    bench.harness.run_ok();
+    step(bench);
     let node = bench.harness.get_by_label("Stop the robot");
     (node.rect(), !node.accesskit_node().is_disabled())
 }
 
 fn shown(bench: &mut Bench) -> Shown {
-    bench.harness.run_ok();
+    step(bench);
     let scene = bench.state().views.robot_3d.scene();
     scene.expect("it is drawn").shown
 }
@@ -49,6 +56,8 @@ fn stop_has_one_place_and_a_key_and_shows_where_the_robot_is() {
     let (place, enabled) = button(&mut bench);
     assert!(!enabled, "nothing can move");
     moving(&mut bench);
+    // Slower than real, so that it is on its way until it is stopped.
+    bench.give(RobotCommand::Speed(0.05));
     for phase in Phase::ALL {
         bench.go(phase);
         assert_eq!(button(&mut bench), (place, true), "{phase:?}");
@@ -87,7 +96,7 @@ fn the_scope_comes_with_a_run_and_goes_with_its_result() {
     let mut bench = Bench::demo(3);
     let has = |bench: &Bench, name: &str| bench.harness.query_by_label(name).is_some();
     moving(&mut bench);
-    bench.harness.run_ok();
+    step(&mut bench);
     for name in ["Tensions", "Speed", "Laser", "Revolutions"] {
         let name = format!("Live: {name}");
         assert!(has(&bench, &name), "{name}");

@@ -14,8 +14,8 @@ use crate::widgets::empty;
 
 /// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
 const DECADES: [f64; 2] = [-2.0, 3.0];
-/// Least size of one of four graphs beside and above each other (points).
-const LEAST: egui::Vec2 = egui::Vec2::new(220.0, 84.0);
+/// Least size of one of several graphs beside and above each other (points).
+const LEAST: egui::Vec2 = egui::Vec2::new(220.0, 112.0);
 /// Longest time between two readings that a line connects (s).
 const CONNECTED_S: f64 = 0.45;
 
@@ -74,20 +74,26 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Out
     let cell = vec2(room.x / 2.0, room.y / rows);
     let fits_all = cell.x >= LEAST.x && cell.y >= LEAST.y;
     head(ui, model, (fits_all, figures), &mut state.chosen);
+    let shown = match (fits_all, cell.x >= LEAST.x) {
+        (true, _) => Graph::ALL.to_vec(),
+        // How fast readings change is always seen if there is room for two.
+        (false, true) if state.chosen != Graph::Speed => vec![state.chosen, Graph::Speed],
+        (false, true) => vec![Graph::Tensions, Graph::Speed],
+        (false, false) => vec![state.chosen],
+    };
+    let shown: Vec<_> = figures
+        .iter()
+        .filter(|(graph, _)| shown.contains(graph))
+        .collect();
     let whole = ui.available_rect_before_wrap();
+    let columns = shown.len().clamp(1, 2);
+    let lines = shown.len().div_ceil(columns).max(1);
+    let size = whole.size() / vec2(columns as f32, lines as f32);
     let mut clicked = None;
-    if fits_all {
-        for (place, (graph, figure)) in figures.iter().enumerate() {
-            let size = vec2(whole.width() / 2.0, whole.height() / rows);
-            let at = vec2((place % 2) as f32, (place / 2) as f32) * size;
-            let rect = Rect::from_min_size(whole.min + at, size);
-            clicked = one(ui, rect, (*graph, figure), model.selection).or(clicked);
-        }
-    } else {
-        let chosen = figures.iter().find(|(graph, _)| *graph == state.chosen);
-        if let Some((graph, figure)) = chosen.or(figures.first()) {
-            clicked = one(ui, whole, (*graph, figure), model.selection);
-        }
+    for (place, (graph, figure)) in shown.into_iter().enumerate() {
+        let at = vec2((place % columns) as f32, (place / columns) as f32) * size;
+        let rect = Rect::from_min_size(whole.min + at, size);
+        clicked = one(ui, rect, (*graph, figure), model.selection).or(clicked);
     }
     ui.advance_cursor_after_rect(whole);
     if let Some(cable) = clicked {
@@ -169,7 +175,7 @@ fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
         Graph::Revolutions => Axis::new("Revolutions", ""),
         Graph::Speed => Axis {
             is_logarithmic: true,
-            ..Axis::new("Speed of readings", "limit = 1")
+            ..Axis::new("Speed", "limit = 1")
         },
     };
     let mut figure = Figure {
@@ -199,7 +205,7 @@ fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
                 }
             }
             figure.bands.push(Band {
-                name: "counts as still".into(),
+                name: "still".into(),
                 y: [DECADES[0], 0.0],
             });
         }
