@@ -209,6 +209,7 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
         targets.extend(line(robot, workspace, POINTS.1));
     }
     model.link.verify(targets, stage);
+    model.playback.follows = true;
     model.request(UiRequest::ShowScope);
 }
 

@@ -44,6 +44,7 @@ pub(super) fn start(model: &mut Model) {
     open.log(LogPhase::Poses, text);
     let reference = reference(open);
     model.link.measure(plan, measured, reference);
+    model.playback.follows = true;
     model.request(UiRequest::ShowScope);
 }
 
@@ -68,6 +69,7 @@ pub(super) fn repeat(model: &mut Model, label: i64) {
         model
             .link
             .measure(vec![(label, pose)], Vec::new(), reference);
+        model.playback.follows = true;
         model.requests.push(UiRequest::ShowScope);
     }
     open.log(LogPhase::Poses, format!("Pose {label} is measured again."));

@@ -15,7 +15,7 @@ use crate::widgets::empty;
 /// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
 const DECADES: [f64; 2] = [-2.0, 3.0];
 /// Least size of one of several graphs beside and above each other (points).
-const LEAST: egui::Vec2 = egui::Vec2::new(220.0, 112.0);
+const LEAST: egui::Vec2 = egui::Vec2::new(220.0, 104.0);
 /// Longest time between two readings that a line connects (s).
 const CONNECTED_S: f64 = 0.45;
 
@@ -46,13 +46,16 @@ impl Graph {
     }
 }
 
+/// Graphs with what they are of.
+type Graphs = Vec<(Graph, Figure)>;
+
 /// State of the scope between frames.
 #[derive(Debug, Default)]
 pub struct ScopeState {
     /// What is shown where there is no room for all.
     chosen: Graph,
     /// The graphs, by what they depend on: readings and the selected cable.
-    figures: Memo<(u64, Option<usize>), Vec<(Graph, Figure)>>,
+    figures: Memo<(u64, Option<usize>), Graphs>,
 }
 
 /// Draws the scope.
@@ -159,7 +162,7 @@ fn one(
 }
 
 /// The graphs that a robot has readings for.
-fn figures(scope: &Scope, cable: Option<usize>) -> Vec<(Graph, Figure)> {
+fn figures(scope: &Scope, cable: Option<usize>) -> Graphs {
     let figures = Graph::ALL.map(|graph| (graph, figure(scope, graph, cable)));
     let has_readings = |figure: &Figure| figure.curves.iter().any(|c| !c.points.is_empty());
     figures
