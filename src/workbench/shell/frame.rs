@@ -18,7 +18,7 @@ const COMPACT: f32 = 900.0;
 /// Width of the panel of a phase, if nobody chose another: a share of the window within limits (points).
 const PANEL: f32 = 0.335;
 const PANEL_RANGE: Rangef = Rangef {
-    min: 460.0,
+    min: 440.0,
     max: 520.0,
 };
 
