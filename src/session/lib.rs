@@ -51,12 +51,12 @@ pub use recovery::{
 };
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
-    Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose, AdsReadings,
-    AdsRotation, AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind, DiagnosisSettings,
-    IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
-    LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, Outcome, Phase, PlannedPose,
-    RecordingPlace, ResultDocument, ResultRecord, Session, Settings, Simulator, Stage, Timestamp,
-    ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
+    Acceptance, Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose,
+    AdsReadings, AdsRotation, AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind,
+    DiagnosisSettings, IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit,
+    LineLaserSettings, LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, Outcome, Phase,
+    PlannedPose, RecordingPlace, ResultDocument, ResultRecord, Session, Settings, Simulator, Stage,
+    Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
     write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};

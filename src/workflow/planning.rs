@@ -10,7 +10,7 @@ use tautline_session::{PlannedPose, Session};
 
 use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable};
 use crate::identification::IdentificationRequest;
-use crate::wording::units;
+use crate::wording::{count, units};
 
 /// Seed of the poses among which is chosen.
 pub const SEED: u64 = 1;
@@ -180,15 +180,32 @@ fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
         .collect()
 }
 
+/// Poses in words, the home pose, of label 0, counted apart: `25 poses and the home pose`.
+#[must_use]
+pub fn poses_in_words(labels: impl IntoIterator<Item = i64>) -> String {
+    let (mut poses, mut has_home) = (0, false);
+    for label in labels {
+        match label {
+            0 => has_home = true,
+            _ => poses += 1,
+        }
+    }
+    match (poses, has_home) {
+        (0, true) => "the home pose".to_owned(),
+        (poses, true) => format!("{} and the home pose", count(poses, "pose")),
+        (poses, false) => count(poses, "pose"),
+    }
+}
+
+/// Labels of the plan that are not measured yet.
+pub fn missing_labels(session: &Session) -> impl Iterator<Item = i64> + '_ {
+    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
+    let planned = session.plan.iter().map(|pose| pose.label);
+    planned.filter(move |label| !measured.contains(label))
+}
+
 /// Number of poses of the plan that are not measured yet.
 #[must_use]
 pub fn missing(session: &Session) -> usize {
-    if session.plan.is_empty() {
-        return 0;
-    }
-    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
-    let planned = session.plan.iter();
-    planned
-        .filter(|pose| !measured.contains(&pose.label))
-        .count()
+    missing_labels(session).count()
 }

@@ -6,12 +6,15 @@ use anyhow::Result;
 use egui::{Key, Modifiers, ThemePreference};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    Answer, CompareCommand, FileCommand, RecordingCommand, ReportCommand, RobotCommand, ViewCommand,
+    Answer, Command, CompareCommand, FileCommand, RecordingCommand, ReportCommand, RobotCommand,
+    ViewCommand,
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::manual::Page;
+use tautline_workbench::model::messages::Severity;
 use tautline_workbench::model::phase::Phase;
+use tautline_workbench::shell::State;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 
@@ -70,6 +73,12 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
         into,
         only: only.map(str::to_owned),
     };
+    demo(&mut looks)?;
+    if only.is_some_and(|only| only.starts_with("demo")) {
+        return Ok(());
+    }
+    looks.stage.give(FileCommand::Close);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
     looks.at("start")?;
     imports(&mut looks)?;
     looks.stage.give(CompareCommand::Show);
@@ -119,6 +128,70 @@ fn imports(looks: &mut Looks) -> Result<()> {
     looks.at("new-robot")?;
     looks.stage.give(FileCommand::Close);
     looks.stage.give(FileCommand::Answer(Answer::Discard));
+    Ok(())
+}
+
+/// A run of the demonstration: what moves, stops and is verified.
+fn demo(looks: &mut Looks) -> Result<()> {
+    looks.stage.press("Try the demo robot");
+    looks.at("demo-phase-1")?;
+    phase(&mut looks.stage, Phase::Measuring);
+    looks.stage.give(RobotCommand::Plan(25));
+    looks.stage.connect_and_arm();
+    looks.at("demo-armed")?;
+    looks.stage.press("Start measuring");
+    let measured = |state: &State| state.model.link.run.as_ref().map_or(0, |run| run.done());
+    looks
+        .stage
+        .wait("twelve poses", |state| measured(state) >= 12);
+    looks.stage.give(RobotCommand::Speed(1.0));
+    looks.at("demo-measuring")?;
+    looks.stage.give(RobotCommand::Stop);
+    looks
+        .stage
+        .wait("the end", |state| !state.model.link.is_measuring());
+    looks.at("demo-stopped")?;
+    looks.stage.give(RobotCommand::Speed(60.0));
+    looks.stage.press("Continue measuring");
+    looks
+        .stage
+        .wait("all poses", |state| !state.model.link.is_measuring());
+    looks.stage.press("Next: Identify the pulleys");
+    looks.at("demo-identified")?;
+    looks.stage.press("Next: Diagnose model");
+    looks.at("demo-diagnosed")?;
+    looks.stage.press_first("Next: Add to model: ");
+    phase(&mut looks.stage, Phase::Adjustment);
+    looks.stage.give_parameters();
+    looks.at("demo-phase-5")?;
+    let verified = |state: &State| {
+        let open = state.model.open.as_ref();
+        open.map_or(0, |open| open.session().verifications().len())
+    };
+    looks.stage.press("Measure before");
+    looks
+        .stage
+        .wait("a verification", |state| verified(state) == 1);
+    looks.stage.press("Write to the controller");
+    looks.at("demo-write")?;
+    looks
+        .stage
+        .give(RobotCommand::ConfirmWrite(Some("Ada".into())));
+    looks
+        .stage
+        .wait("the values", |state| !state.model.link.writing);
+    looks.stage.press("Measure after");
+    looks
+        .stage
+        .wait("a verification", |state| verified(state) == 2);
+    looks.at("demo-verified")?;
+    looks.stage.give(Command::Notify(
+        Severity::Error,
+        "winch.csv, line 7: found \"x\", expected a number.".into(),
+    ));
+    looks.at("demo-error")?;
+    looks.stage.give(ViewCommand::Dismiss);
+    looks.stage.give(RobotCommand::Disconnect);
     Ok(())
 }
 

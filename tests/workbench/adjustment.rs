@@ -80,8 +80,7 @@ fn writing_identified_values_improves_the_accuracy() {
     bench.settle("an identification");
     give_parameters(&mut bench.harness);
     effect_is_readable(&bench);
-    bench.press("Write to the controller");
-    bench.wait("the values", |state| !state.model.link.writing);
+    bench.write_values();
     let written = bench
         .session()
         .adjustments()

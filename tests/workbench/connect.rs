@@ -428,7 +428,7 @@ fn verification_poses_are_typed_without_an_instrument() {
         bench.press("Enter pose");
     }
     bench.wait("the third target", |state| asked(state) == Some(3));
-    bench.press("Abort");
+    bench.press("Stop the robot");
     bench.wait("the end", |state| state.model.link.verifying.is_none());
     assert!(told(bench.state(), "stopped by the operator"));
 }

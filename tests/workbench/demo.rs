@@ -94,6 +94,28 @@ impl Bench {
         self.wait(what, |state| state.model.tasks.running().is_empty());
     }
 
+    /// Enters the name of the operator in the question that is open.
+    pub fn name_operator(&mut self, name: &str) {
+        let draft = self
+            .harness
+            .state_mut()
+            .state
+            .model
+            .dialogs
+            .writing
+            .as_mut();
+        name.clone_into(&mut draft.expect("a question").operator);
+        self.harness.step();
+    }
+
+    /// Writes the identified values in the name of an operator.
+    pub fn write_values(&mut self) {
+        self.press("Write to the controller");
+        self.name_operator("Ada");
+        self.press("Write");
+        self.wait("the values", |state| !state.model.link.writing);
+    }
+
     /// Connects and arms by the buttons.
     pub fn connect_and_arm(&mut self) {
         connect_and_arm(&mut self.harness);

@@ -58,7 +58,7 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
         let document = state.model.open.as_ref().expect("a session");
         !document.session().excluded().is_empty()
     });
-    bench.press("Abort");
+    bench.press("Stop the robot");
     bench.wait("the end", |state| !state.model.link.is_measuring());
     let ended = bench.session().measurements.len();
     bench
@@ -77,16 +77,19 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     bench.settle("an identification");
     let document = bench.state().model.open.as_ref().expect("a session");
     assert!(document.fit_is_current());
-    bench.press("Go to identification");
+    bench.press("Next: Go to identification");
     assert!(
         bench
             .harness
-            .query_by_label("Go to identification")
+            .query_by_label("Next: Go to identification")
             .is_none()
     );
     let log = bench.session().log().iter();
     let told: Vec<&str> = log.map(|entry| entry.text.as_str()).collect();
-    for text in ["Planned 25 poses.", "Measuring of 26 poses started."] {
+    for text in [
+        "Planned 25 poses.",
+        "Measuring of 25 poses and the home pose started.",
+    ] {
         assert!(told.contains(&text), "{told:?}");
     }
 }
@@ -152,7 +155,7 @@ fn a_laser_without_a_reading_is_reported_with_advice() {
     bench.wait("a pause", paused);
     bench.harness.get_by_label_contains("Clear the beam path");
     assert_eq!(bench.session().measurements.len(), 0);
-    bench.press("Abort");
+    bench.press("Stop the robot");
     bench.wait("the end", |state| !state.model.link.is_measuring());
 
     let mut bench = Bench::of_session(&without_beam(false));

@@ -181,6 +181,8 @@ fn a_live_pose_comes_before_everything_else_and_another_session_is_fitted() {
     let pose = Pose::from_parts([0.05, 0.0, 0.1], [1.0, 0.0, 0.0, 0.0]);
     let state = &mut harness.state_mut().state;
     state.model.live_platform = Some(LivePlatform {
+        trail: std::sync::Arc::default(),
+        is_stopped: false,
         pose,
         tensions_n: vec![25.0; 8],
     });

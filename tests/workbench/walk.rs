@@ -40,8 +40,7 @@ fn a_newcomer_walks_through_all_phases() {
         "25 poses and the home pose"
     );
 
-    bench.press("Go to identification");
-    bench.press("Identify");
+    bench.press("Next: Identify the pulleys");
     bench.settle("an identification");
     bench
         .harness
@@ -77,8 +76,7 @@ fn a_newcomer_walks_through_all_phases() {
     bench.press("Phase 5: Adjustment");
     bench.press("Measure before");
     bench.wait("a verification", |state| verified(state) == 1);
-    bench.press("Write to the controller");
-    bench.wait("the values", |state| !state.model.link.writing);
+    bench.write_values();
     bench.press("Measure after");
     bench.wait("another verification", |state| verified(state) == 2);
     let stages: Vec<Stage> = bench

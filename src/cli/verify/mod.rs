@@ -217,6 +217,7 @@ fn keep(file: &mut SessionFile, stage: Stage, rows: Vec<CheckRow>, source: &str)
         title: title(stage).to_owned(),
         stage,
         rows,
+        accepted: None,
     });
     file.log(Phase::Accuracy, text);
     Ok(file.save()?)

@@ -24,13 +24,13 @@ use tautline_session::MeasuredPose;
 pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
+pub use settling::{Settled, SettlingWindow};
 
 use crate::controller::{Activity, Controller, Sample};
 use crate::error::LinkError;
 use crate::laser::ManualLaser;
 use channels::Channels;
 use checks::MotionRecord;
-use settling::Window;
 
 /// Consecutive missing answers after which the run fails.
 const LOST_ANSWERS: usize = 5;
@@ -122,7 +122,7 @@ pub struct MeasuringRun {
     current: Option<(i64, Pose)>,
     stage: Stage,
     paused: bool,
-    window: Window,
+    window: SettlingWindow,
     samples: Vec<Sample>,
     motion: Option<MotionRecord>,
     /// Cables whose encoders jumped on the way to the present pose; `None` is the laser.
@@ -153,7 +153,7 @@ impl MeasuringRun {
             current: None,
             stage: Stage::Ready,
             paused: false,
-            window: Window::default(),
+            window: SettlingWindow::default(),
             samples: Vec::new(),
             motion: None,
             jumped: Vec::new(),

@@ -12,14 +12,16 @@ const FEWEST: usize = 5;
 
 /// The latest samples of a platform that may still settle.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Window {
+pub struct SettlingWindow {
     samples: VecDeque<Sample>,
 }
 
 /// Rates of change, and the reading that exceeds its limit most.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Settled {
+pub struct Settled {
+    /// Rates of change over the window.
     pub rates: Rates,
+    /// Whether none exceeds its limit.
     pub still: bool,
     /// What changes too fast, as a sentence.
     pub restless: Option<String>,
@@ -41,12 +43,14 @@ impl Worst {
     }
 }
 
-impl Window {
+impl SettlingWindow {
+    /// Forgets all samples.
     pub fn clear(&mut self) {
         self.samples.clear();
     }
 
     /// The latest sample.
+    #[must_use]
     pub fn last(&self) -> Option<&Sample> {
         self.samples.back()
     }
@@ -72,11 +76,13 @@ impl Window {
     }
 
     /// Time until the window is long enough (s).
+    #[must_use]
     pub fn missing_s(&self, span_s: f64) -> f64 {
         (span_s - self.span_s()).max(0.0)
     }
 
     /// Rates over the window against limits; `None` until it spans `span_s` with enough samples.
+    #[must_use]
     pub fn settled(&self, robot: &Robot, limits: &Rates, span_s: f64) -> Option<Settled> {
         if self.samples.len() < FEWEST || self.missing_s(span_s) > 0.0 {
             return None;

@@ -45,7 +45,7 @@ pub use result_document::ResultDocument;
 pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings};
 pub use simulator::Simulator;
 pub use timestamp::{NotATimestamp, Timestamp};
-pub use verification::{Stage, Verification};
+pub use verification::{Acceptance, Stage, Verification};
 
 /// One calibration of one robot.
 ///
@@ -288,6 +288,14 @@ impl Session {
     pub fn add_verification(&mut self, verification: Verification) {
         self.modified = self.modified.max(verification.time);
         self.verifications.push(verification);
+    }
+
+    /// The robot is accepted on the result of its last verification, if there is one.
+    pub fn accept(&mut self, acceptance: Acceptance) {
+        if let Some(last) = self.verifications.last_mut() {
+            self.modified = self.modified.max(acceptance.time);
+            last.accepted = Some(acceptance);
+        }
     }
 
     /// Adds an operator step; the log is never changed afterwards.

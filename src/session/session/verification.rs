@@ -27,4 +27,16 @@ pub struct Verification {
     pub stage: Stage,
     /// Commanded and attained poses.
     pub rows: Vec<CheckRow>,
+    /// Who has accepted the robot on this result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accepted: Option<Acceptance>,
+}
+
+/// Somebody has accepted the robot as it is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Acceptance {
+    /// When.
+    pub time: Timestamp,
+    /// Who.
+    pub operator: String,
 }

@@ -13,6 +13,7 @@ use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, 
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
+use tautline_workflow::planning::missing;
 use tautline_workflow::session_file::recover_unsaved;
 use tautline_workflow::templates::Template;
 use tautline_workflow::{clock, samples};
@@ -353,7 +354,7 @@ fn open(model: &mut Model, opening: Opening) {
         is_recovered,
         is_new,
     } = opening;
-    let (name, measured) = (session.name.clone(), !session.measurements.is_empty());
+    let (name, first) = (session.name.clone(), first_phase(&session));
     model.messages.info(format!("Opened {name}."));
     if let Some(path) = &path {
         let when = clock::now();
@@ -367,10 +368,10 @@ fn open(model: &mut Model, opening: Opening) {
     model.open = Some(open(session, path));
     model.selection = Default::default();
     model.inspected = None;
-    model.screen = Screen::Phase(match (measured, is_new) {
-        (true, _) => Phase::Identification,
-        (false, true) => Phase::Modeling,
-        (false, false) => Phase::Precalibration,
+    model.screen = Screen::Phase(if is_new && first == Phase::Precalibration {
+        Phase::Modeling
+    } else {
+        first
     });
     if is_new {
         model.request(UiRequest::ShowDescription);
@@ -380,6 +381,15 @@ fn open(model: &mut Model, opening: Opening) {
     }
     super::identification::reopened(model);
     recording::opened(model);
+}
+
+/// Where to go on: at a measuring run that was interrupted, with what was measured, or at the beginning.
+fn first_phase(session: &Session) -> Phase {
+    match (session.measurements.is_empty(), missing(session)) {
+        (true, _) => Phase::Precalibration,
+        (false, 0) => Phase::Identification,
+        (false, _) => Phase::Measuring,
+    }
 }
 
 #[cfg(test)]

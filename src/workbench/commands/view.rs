@@ -18,6 +18,9 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
             model.screen = screen;
         }
         ViewCommand::Select(selection) => {
+            // A pose that is chosen is shown, also where the robot was stopped elsewhere.
+            let is_other = selection.pose.is_some() && selection.pose != model.selection.pose;
+            model.playback.follows &= !(is_other && model.link.is_stopped);
             model.selection = selection;
             // The inspector goes where the selection goes.
             if model.inspected.is_some() && selection.cable.is_some() {
@@ -62,6 +65,7 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         ViewCommand::Log(open) => model.dialogs.log = open,
         ViewCommand::Manual(page) => model.dialogs.manual = page,
         ViewCommand::About(open) => model.dialogs.about = open,
+        ViewCommand::Dismiss => model.messages.dismiss(),
         ViewCommand::SetPlots(plots) => model.change_preferences(|p| p.plots = plots),
     }
 }

@@ -160,6 +160,8 @@ impl Editable {
 /// A state to go back to, with the name of what left it.
 #[derive(Debug, Clone)]
 struct Phase {
+    /// Number of the edit, never used twice.
+    number: u64,
     name: String,
     state: Editable,
     /// Which inputs of results it has; `None` once something was measured since.
@@ -184,6 +186,8 @@ pub enum Inputs {
 pub struct History {
     undo: Vec<Phase>,
     redo: Vec<Phase>,
+    /// Edits so far.
+    edits: u64,
 }
 
 /// Steps that are kept.
@@ -197,6 +201,7 @@ impl History {
             return None;
         }
         let step = Phase {
+            number: self.edits + 1,
             name: edit.name(),
             state: Editable::of(session),
             inputs: Some(inputs),
@@ -212,6 +217,7 @@ impl History {
             self.undo.remove(0);
         }
         self.undo.push(step);
+        self.edits += 1;
         Some(if same { Inputs::Same } else { Inputs::New })
     }
 
@@ -240,6 +246,12 @@ impl History {
         steps.last().is_some_and(|step| step.poses.is_some())
     }
 
+    /// Number of the edit that undo would undo, 0 before the first: with it the state comes back.
+    #[must_use]
+    pub fn place(&self) -> u64 {
+        self.undo.last().map_or(0, |step| step.number)
+    }
+
     /// Name of the edit that undo would undo.
     #[must_use]
     pub fn next_undo(&self) -> Option<&str> {
@@ -266,6 +278,7 @@ fn step(
         .poses
         .map(|poses| std::mem::replace(&mut session.measurements, poses));
     to.push(Phase {
+        number: left.number,
         name: left.name.clone(),
         state,
         inputs: Some(inputs),

@@ -7,6 +7,8 @@ use super::phase::{Phase, Screen};
 pub enum Page {
     /// How to begin, and what is where.
     Start,
+    /// Files of other programs.
+    Import,
     /// Phase 1.
     Precalibration,
     /// Phase 2.
@@ -54,8 +56,9 @@ pub const PICTURES: [(&str, &[u8]); 8] = [
 
 impl Page {
     /// All, in the order of reading.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Start,
+        Self::Import,
         Self::Precalibration,
         Self::Modeling,
         Self::Measuring,
@@ -69,6 +72,7 @@ impl Page {
     fn file(self) -> (&'static str, &'static str) {
         match self {
             Self::Start => page!("start.md"),
+            Self::Import => page!("import.md"),
             Self::Precalibration => page!("phase-1.md"),
             Self::Modeling => page!("phase-2.md"),
             Self::Measuring => page!("phase-3.md"),
@@ -104,6 +108,7 @@ impl Page {
     pub fn of(screen: Screen) -> Self {
         match screen {
             Screen::Start => Self::Start,
+            Screen::Import => Self::Import,
             Screen::Compare => Self::Report,
             Screen::Phase(phase) => match phase {
                 Phase::Precalibration => Self::Precalibration,

@@ -31,6 +31,8 @@ pub struct Message {
 #[derive(Debug, Default)]
 pub struct Messages {
     all: Vec<Message>,
+    /// The last error, until the operator has seen it.
+    alert: Option<Message>,
 }
 
 /// Older messages are dropped beyond this number.
@@ -42,12 +44,15 @@ impl Messages {
         if self.all.len() == MOST {
             self.all.remove(0);
         }
-        let text = text.into();
-        self.all.push(Message {
+        let message = Message {
             time: clock::now(),
             severity,
-            text,
-        });
+            text: text.into(),
+        };
+        if severity == Severity::Error {
+            self.alert = Some(message.clone());
+        }
+        self.all.push(message);
     }
 
     /// Adds a message of severity info.
@@ -63,6 +68,17 @@ impl Messages {
     /// Adds an error.
     pub fn error(&mut self, text: impl Into<String>) {
         self.add(Severity::Error, text);
+    }
+
+    /// The last error, until [`Self::dismiss`].
+    #[must_use]
+    pub fn alert(&self) -> Option<&Message> {
+        self.alert.as_ref()
+    }
+
+    /// The operator has seen the last error.
+    pub fn dismiss(&mut self) {
+        self.alert = None;
     }
 
     /// All messages, the oldest first.

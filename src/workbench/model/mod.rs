@@ -1,5 +1,6 @@
 //! Everything the window knows. It knows nothing of the screens and views that show it: they read it and send commands.
 
+pub mod accuracy_figures;
 pub mod autosave;
 pub mod caught_panic;
 pub mod command;
@@ -12,6 +13,7 @@ pub mod manual;
 mod memo;
 mod memory;
 pub mod messages;
+pub mod next_step;
 pub mod open_session;
 pub mod phase;
 pub mod phase_status;
@@ -33,7 +35,7 @@ pub use tautline_workflow::plot::Selection;
 
 use autosave::Autosave;
 use caught_panic::CaughtPanic;
-use command::{Leaving, PlanOutlook, ReportDraft};
+use command::{Leaving, PlanOutlook, ReportDraft, WriteDraft};
 use comparison::ComparisonState;
 use fit_progress::IdentificationState;
 use importing::ImportState;
@@ -42,7 +44,7 @@ use messages::Messages;
 use phase::Screen;
 use session_lock::SessionLock;
 use tasks::Tasks;
-use tautline_workflow::adjusting::{self, Doubt};
+use tautline_workflow::adjusting;
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::sentence;
@@ -56,7 +58,7 @@ pub struct Options {
     pub folders: Option<Folders>,
     /// Seed of the demonstration, to have the same one again; by default the time.
     pub demo_seed: Option<u64>,
-    /// How many times faster than real the simulated robot moves; by default 1.
+    /// How many times faster than real the simulated robot moves; by default [`link::SIMULATED_SPEED`].
     pub robot_speed: Option<f64>,
     /// Where to describe what the window shows, for programs that drive it from the outside.
     pub observed: Option<PathBuf>,
@@ -71,8 +73,8 @@ pub struct Dialogs {
     pub save_as: Option<String>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
-    /// Why writing the identified values has to be confirmed; nothing while that is not asked.
-    pub doubts: Vec<Doubt>,
+    /// Values that are to be written, while that is to be confirmed.
+    pub writing: Option<WriteDraft>,
     /// The report that is to be saved, while that dialog is open.
     pub report: Option<ReportDraft>,
     /// Whether the log is open.
@@ -177,7 +179,10 @@ impl Model {
             preferences: preferences.value,
             unsaved_sessions: Vec::new(),
             caught_panic: None,
-            link: Link::new(context.clone(), options.robot_speed.unwrap_or(1.0)),
+            link: Link::new(
+                context.clone(),
+                options.robot_speed.unwrap_or(link::SIMULATED_SPEED),
+            ),
             options,
             context: context.clone(),
             open: None,

@@ -38,6 +38,15 @@ pub enum Stored {
     OutOfDate,
 }
 
+/// What a session contains, by the edits and other changes that led to it: undoing brings it back.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Content {
+    /// The last edit that is not undone.
+    edit: u64,
+    /// Changes that cannot be undone.
+    lasting: u64,
+}
+
 impl Stored {
     fn of(session: &Session) -> Self {
         let of_identification =
@@ -66,7 +75,9 @@ pub struct OpenSession {
     measured: u64,
     replaced: u64,
     inputs: u64,
-    saved: Option<u64>,
+    /// Changes that cannot be undone.
+    lasting: u64,
+    saved: Option<Content>,
     stored: Stored,
     fit: Option<Computed<Identification>>,
     diagnosis: Option<Computed<Diagnosed>>,
@@ -77,7 +88,7 @@ impl OpenSession {
     /// A session; `path` is the file it came from, if it did.
     #[must_use]
     pub fn new(session: Session, path: Option<PathBuf>) -> Self {
-        let saved = path.as_ref().map(|_| 0);
+        let saved = path.as_ref().map(|_| Content::default());
         let inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
         Self {
             id: inputs,
@@ -89,6 +100,7 @@ impl OpenSession {
             measured: 0,
             replaced: 0,
             inputs,
+            lasting: 0,
             saved,
             fit: None,
             diagnosis: None,
@@ -156,13 +168,21 @@ impl OpenSession {
     /// Whether there are changes that the file does not have.
     #[must_use]
     pub fn is_unsaved(&self) -> bool {
-        self.saved != Some(self.revision)
+        self.saved != Some(self.content())
     }
 
     /// The file has the state of `revision` now.
     pub fn saved_as(&mut self, path: PathBuf, revision: u64) {
         self.path = Some(path);
-        self.saved = Some(revision);
+        // What was changed while the file was written is not in it.
+        self.saved = (revision == self.revision).then(|| self.content());
+    }
+
+    fn content(&self) -> Content {
+        Content {
+            edit: self.history.place(),
+            lasting: self.lasting,
+        }
     }
 
     /// Edits that can be undone and redone.
@@ -203,6 +223,7 @@ impl OpenSession {
     pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), FieldError> {
         self.session.append_pose(pose)?;
         self.measured += 1;
+        self.lasting += 1;
         self.history.forget_inputs();
         self.touch(&Inputs::New);
         Ok(())
@@ -212,6 +233,7 @@ impl OpenSession {
     pub fn append(&mut self, change: impl FnOnce(&mut Session)) {
         change(&mut self.session);
         self.replaced += 1;
+        self.lasting += 1;
         self.history.forget_inputs();
         self.touch(&Inputs::New);
     }
@@ -220,6 +242,7 @@ impl OpenSession {
     pub fn record(&mut self, change: impl FnOnce(&mut Session)) {
         change(&mut self.session);
         self.revision += 1;
+        self.lasting += 1;
     }
 
     /// Adds to the session's log.
@@ -230,12 +253,14 @@ impl OpenSession {
             text: text.into(),
         });
         self.revision += 1;
+        self.lasting += 1;
     }
 
     /// Adds a result to the session.
     pub fn add_result(&mut self, result: ResultRecord) {
         self.session.add_result(result);
         self.revision += 1;
+        self.lasting += 1;
     }
 
     fn touch(&mut self, inputs: &Inputs) {

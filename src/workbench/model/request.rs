@@ -22,6 +22,8 @@ pub enum UiRequest {
     ShowRobot,
     /// Shows the description of the robot in the panel of the phase Modeling.
     ShowDescription,
+    /// Shows the live scope among the plots.
+    ShowScope,
     /// Shows the geometry in the panel of the identification.
     ShowGeometry,
     /// Shows the model doctor in the panel of the identification.

@@ -4,6 +4,7 @@ pub mod adjustment;
 mod bench_panel;
 pub mod compare;
 pub mod connect;
+mod footer;
 pub mod identification;
 pub mod import;
 pub mod measuring;
@@ -12,12 +13,13 @@ pub mod part;
 pub mod precalibration;
 pub mod start;
 
-use egui::{ScrollArea, Ui};
+use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use self::part::Part;
-use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::phase::Phase;
+use crate::model::{Model, next_step};
+use crate::theme::GRID;
 
 /// State of all panels between frames.
 #[derive(Debug, Default)]
@@ -44,7 +46,7 @@ pub struct PanelStates {
     pub import: import::PanelState,
 }
 
-/// Draws the panel of a phase.
+/// Draws the panel of a phase, with its foot, which stays where it is while the panel scrolls.
 pub fn phase(
     ui: &mut Ui,
     model: &Model,
@@ -52,6 +54,16 @@ pub fn phase(
     outbox: &mut Outbox,
     phase: Phase,
 ) {
+    if let Some(step) = next_step::of(model, phase, panels.measuring.poses()) {
+        let frame = Frame::new().inner_margin(Margin {
+            top: 2 * GRID as i8,
+            ..Margin::ZERO
+        });
+        Panel::bottom("foot of the phase")
+            .frame(frame)
+            .resizable(false)
+            .show(ui, |ui| footer::show(ui, step, outbox));
+    }
     let area = ScrollArea::vertical().id_salt(phase).auto_shrink(false);
     area.show(ui, |ui| match phase {
         Phase::Precalibration => {

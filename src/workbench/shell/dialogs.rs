@@ -7,11 +7,16 @@ use egui_material_icons::icons;
 
 use super::State;
 use crate::model::Model;
-use crate::model::command::{Answer, FileCommand, ReportCommand, ReportDraft, RobotCommand};
+use crate::model::command::{
+    Answer, FileCommand, ReportCommand, ReportDraft, RobotCommand, WriteDraft,
+};
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{Entered, Number, heading, icon_button, muted, number, primary, section};
+use crate::widgets::{
+    Entered, Number, Verdict, heading, icon_button, muted, number, primary, section, verdict,
+};
 use tautline_workflow::report::{Part, ReportChoice};
+use tautline_workflow::wording::count;
 
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -19,8 +24,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     if state.model.dialogs.leaving.is_some() && state.model.dialogs.save_as.is_none() {
         unsaved(ui, state);
     }
-    if !state.model.dialogs.doubts.is_empty() {
-        doubts(ui, state);
+    if let Some(draft) = state.model.dialogs.writing.take() {
+        writing(ui, state, draft);
     }
     if let Some(draft) = state.model.dialogs.report.take() {
         report(ui, state, draft);
@@ -165,28 +170,67 @@ fn unsaved(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Write values that there is reason to doubt?
-fn doubts(ui: &mut Ui, state: &mut State) {
-    let modal = Modal::new(Id::unique("doubtful values")).show(ui.ctx(), |ui| {
+/// Write the identified values, and in whose name?
+fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
+    let mut answer = None;
+    let modal = Modal::new(Id::unique("write values")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
         heading(ui, "Write these values?");
-        for doubt in &state.model.dialogs.doubts {
-            ui.label(format!("{}.", doubt.sentence));
+        let controller = &state.model.link.identity;
+        let values = count(draft.values, "value");
+        ui.label(format!(
+            "{values} in {controller} are replaced by the identified ones. They can be rolled back."
+        ));
+        for doubt in &draft.doubts {
+            verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
         }
-        ui.label("Such values can make the robot less accurate.");
-        ui.add_space(2.0 * GRID);
+        if !draft.doubts.is_empty() {
+            ui.label("Such values can make the robot less accurate.");
+        }
+        ui.add_space(GRID);
         ui.horizontal(|ui| {
-            if primary(ui, "Do not write", true).clicked() {
-                state.outbox.send(RobotCommand::WriteDoubtful(false));
+            let label = ui.label("Operator");
+            let field =
+                TextEdit::singleline(&mut draft.operator).hint_text("Your name, for the record");
+            let field = ui.add(field.desired_width(240.0)).labelled_by(label.id);
+            if draft.operator.is_empty() && ui.memory(|memory| memory.focused().is_none()) {
+                field.request_focus();
             }
-            if ui.button("Write anyway").clicked() {
-                state.outbox.send(RobotCommand::WriteDoubtful(true));
+        });
+        ui.add_space(2.0 * GRID);
+        let operator = draft.operator.trim().to_owned();
+        let is_named = !operator.is_empty();
+        let hint = "Enter your name: who writes is kept in the record";
+        ui.horizontal(|ui| {
+            let wanted = match draft.doubts.is_empty() {
+                true => {
+                    let button = primary(ui, "Write", is_named);
+                    let wanted = button.on_disabled_hover_text(hint).clicked();
+                    if ui.button("Cancel").clicked() {
+                        answer = Some(None);
+                    }
+                    wanted
+                }
+                false => {
+                    if primary(ui, "Do not write", true).clicked() {
+                        answer = Some(None);
+                    }
+                    let button = ui.add_enabled(is_named, egui::Button::new("Write anyway"));
+                    button.on_disabled_hover_text(hint).clicked()
+                }
+            };
+            if wanted {
+                answer = Some(Some(operator));
             }
         });
     });
     if modal.should_close() {
-        state.outbox.send(RobotCommand::WriteDoubtful(false));
+        answer = Some(None);
     }
+    if let Some(answer) = answer {
+        state.outbox.send(RobotCommand::ConfirmWrite(answer));
+    }
+    state.model.dialogs.writing = Some(draft);
 }
 
 /// Draws what is left of the window after an internal error.

@@ -3,7 +3,7 @@
 use egui::{CentralPanel, Frame, Margin, Panel, Rangef, Ui};
 
 use super::sized::{Size, sized};
-use super::{State, dialogs, log, palette, rail, save_as, status, top};
+use super::{State, alert, dialogs, log, palette, rail, save_as, status, top};
 use crate::model::phase::{Phase, Screen};
 use crate::screens;
 use crate::screens::part::Part;
@@ -15,8 +15,12 @@ const NARROW: f32 = 1120.0;
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
 
-/// Width of the panel of a phase (points), if nobody chose another.
-const PANEL: f32 = 440.0;
+/// Width of the panel of a phase, if nobody chose another: a share of the window within limits (points).
+const PANEL: f32 = 0.335;
+const PANEL_RANGE: Rangef = Rangef {
+    min: 440.0,
+    max: 520.0,
+};
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -29,6 +33,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     Panel::top("top")
         .frame(bar)
         .show(ui, |ui| top::show(ui, state));
+    alert::show(ui, state);
     Panel::bottom("status")
         .frame(bar)
         .show(ui, |ui| status::show(ui, state));
@@ -90,8 +95,9 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     rail.exact_size(if narrow { rail::NARROW } else { 208.0 })
         .show(ui, |ui| rail::show(ui, state, narrow));
     let layout = state.model.preferences.layout;
+    let usual = PANEL_RANGE.clamp(PANEL * ui.ctx().content_rect().width());
     let width = Size {
-        wanted: layout.panel_width.map_or(PANEL, |width| width as f32),
+        wanted: layout.panel_width.map_or(usual, |width| width as f32),
         range: Rangef::new(340.0, (0.6 * ui.available_width()).clamp(340.0, 760.0)),
     };
     let panel = Panel::right("phase").frame(side);

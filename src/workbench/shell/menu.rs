@@ -75,6 +75,9 @@ fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
 
 /// Most sessions that the menu offers to open again.
 const RECENT: usize = 5;
+/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
+pub const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
+
 const CONTROL: Modifiers = Modifiers::COMMAND;
 const CONTROL_SHIFT: Modifiers = Modifiers {
     shift: true,
@@ -430,6 +433,12 @@ fn robot(state: &State) -> Vec<Item> {
         ),
         robot("Arm the robot", connected && !armed, RobotCommand::Arm),
         robot("Disarm the robot", armed, RobotCommand::Disarm),
-        robot("Stop the robot", connected, RobotCommand::Stop),
+        item(
+            Menu::Robot,
+            "Stop the robot",
+            Some(STOP),
+            connected,
+            RobotCommand::Stop,
+        ),
     ]
 }

@@ -1,5 +1,6 @@
 //! The window: menus, phase rail, panels, views, dialogs and status bar around the model, and the loop that runs them.
 
+mod alert;
 mod dialogs;
 mod frame;
 mod log;

@@ -25,8 +25,15 @@ pub fn apply(state: &mut State) {
             },
             UiRequest::ShowRobot => panels.part = Part::Robot,
             UiRequest::ShowDescription => panels.modeling.show_description(),
-            UiRequest::ShowGeometry => panels.identification.half = Half::Geometry,
-            UiRequest::ShowDoctor => panels.identification.half = Half::Doctor,
+            UiRequest::ShowScope => plots.show_scope(),
+            UiRequest::ShowGeometry => {
+                plots.leave_scope();
+                panels.identification.half = Half::Geometry;
+            }
+            UiRequest::ShowDoctor => {
+                plots.leave_scope();
+                panels.identification.half = Half::Doctor;
+            }
             UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),
             UiRequest::TakePreparation(preparation) => plots.prepared(&preparation),
             UiRequest::SetPlotPath(path) => plots.picked(&path),

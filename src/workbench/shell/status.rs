@@ -28,7 +28,12 @@ fn last_message(ui: &mut Ui, state: &mut State) {
         state.outbox.send(ViewCommand::Log(true));
     }
     let palette = theme::of(ui);
-    let Some(message) = state.model.messages.last() else {
+    // An error stands above.
+    let messages = &state.model.messages;
+    let shown = messages
+        .last()
+        .filter(|last| messages.alert() != Some(last));
+    let Some(message) = shown else {
         muted(ui, "Ready");
         return;
     };
@@ -46,7 +51,7 @@ fn last_message(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// The controller in words; a robot that moves can be stopped from everywhere.
+/// The controller in words.
 fn controller(ui: &mut Ui, state: &mut State) {
     let live = state.model.link.live();
     let palette = theme::of(ui);
@@ -64,12 +69,6 @@ fn controller(ui: &mut Ui, state: &mut State) {
         }
         return;
     };
-    let moving = controller.activity == Activity::Moving;
-    if (moving || state.model.link.is_busy())
-        && icon_only(ui, icons::ICON_STOP_CIRCLE, "Stop the robot", true).clicked()
-    {
-        state.outbox.send(RobotCommand::Stop);
-    }
     let (words, colour) = match (&controller.activity, controller.armed) {
         (Activity::Fault(_), _) => ("fault", palette.bad),
         (Activity::Moving, _) => ("moving", palette.warning),

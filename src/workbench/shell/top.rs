@@ -1,12 +1,12 @@
 //! The bar at the top: menus, name of the session, undo and redo.
 
-use egui::{MenuBar, Ui};
+use egui::{Button, MenuBar, RichText, Role, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::menu::{self, Item, Menu};
 use super::state::State;
-use crate::model::command::{Command, ViewCommand};
-use crate::theme;
+use crate::model::command::{Command, RobotCommand, ViewCommand};
+use crate::theme::{self, GRID};
 use crate::widgets::{icon_only, muted};
 
 /// Height of a line of a menu with the space below it (points).
@@ -64,7 +64,7 @@ fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
 }
 
 fn line(ui: &mut Ui, state: &mut State, item: &Item) {
-    let mut button = egui::Button::new(&item.title);
+    let mut button = Button::new(&item.title);
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
     }
@@ -78,13 +78,41 @@ fn title(ui: &mut Ui, state: &State) {
     let Some(open) = &state.model.open else {
         return;
     };
-    ui.label(egui::RichText::new(&open.session().name).font(theme::strong(13.0)));
+    ui.label(RichText::new(&open.session().name).font(theme::strong(13.0)));
     if open.is_unsaved() {
         muted(ui, "not saved");
     }
 }
 
+/// Stops the robot; always at the same place, in the corner, while a session is open.
+fn stop(ui: &mut Ui, state: &mut State) {
+    if state.model.open.is_none() {
+        return;
+    }
+    let palette = theme::of(ui);
+    let can_move = state.model.link.can_move();
+    let (fill, ink) = match can_move {
+        true => (palette.bad, palette.on_accent),
+        false => (palette.raised, palette.muted),
+    };
+    let text = |text: &str| RichText::new(text).font(theme::strong(13.0)).color(ink);
+    let icon = icons::ICON_STOP_CIRCLE.rich_text().size(16.0).color(ink);
+    let keys = ui.ctx().format_shortcut(&menu::STOP);
+    let button = Button::new((icon, text("Stop"), text(&keys)))
+        .fill(fill)
+        .min_size(egui::vec2(26.0 * GRID, 0.0));
+    let response = ui.add_enabled(can_move, button);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, can_move, "Stop the robot"));
+    let response = response
+        .on_hover_text("Stops the robot at once, whatever goes on")
+        .on_disabled_hover_text("Nothing can move: the controller is not armed");
+    if response.clicked() {
+        state.outbox.send(RobotCommand::Stop);
+    }
+}
+
 fn right(ui: &mut Ui, state: &mut State) {
+    stop(ui, state);
     if icon_only(ui, icons::ICON_SEARCH, "Command palette", true).clicked() {
         state.outbox.send(ViewCommand::Palette(true));
     }

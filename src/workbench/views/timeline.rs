@@ -64,10 +64,11 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
                 commands.push(command);
             }
         }
-        let is_live = model.link.is_connected() && (model.link.is_busy() || model.link.watches);
-        if is_live {
+        let is_moving = model.link.is_busy() || model.link.watches;
+        if model.link.is_connected() && (is_moving || model.link.is_stopped) {
             let follows = model.playback.follows;
-            let live = ui.selectable_label(follows, "Live");
+            let name = if is_moving { "Live" } else { "Stopped" };
+            let live = ui.selectable_label(follows, name);
             if live
                 .on_hover_text("Show the current pose of the robot")
                 .clicked()

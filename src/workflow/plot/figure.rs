@@ -3,6 +3,7 @@
 use ecolor::Color32;
 
 use super::colours::Colours;
+use crate::wording::cable_label;
 
 /// A colour by its role; [`Colours`] say which it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -198,8 +199,9 @@ impl Series {
     /// Points of a cable, in its colour and marker, with its number.
     #[must_use]
     pub fn of_cable(index: usize, name: impl Into<String>, points: Vec<Point>) -> Self {
+        let name = name.into();
         Self {
-            short: (index + 1).to_string(),
+            short: cable_label(index, &name),
             cable: Some(index),
             ..Self::new(name, Ink::Cable(index), Marker::cable(index), points)
         }

@@ -110,7 +110,11 @@ pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .map(|k| {
             // Not `-0`.
             let value = (first + k as f64) * step + 0.0;
-            (value, text(value, step, axis.is_logarithmic))
+            let text = match axis.is_whole {
+                true => format!("{value:.0}"),
+                false => text(value, step, axis.is_logarithmic),
+            };
+            (value, text)
         })
         .collect()
 }

@@ -45,6 +45,23 @@ pub fn odds(p_value: f64) -> String {
     format!("about once in {:.0} times", 1.0 / p_value)
 }
 
+/// What a cable is called where space is scarce: by its name if that is as short as a number, else by its number.
+pub fn cable_label(index: usize, name: &str) -> String {
+    match name.chars().count() {
+        1 | 2 => name.to_owned(),
+        _ => (index + 1).to_string(),
+    }
+}
+
+/// A probability as in a table of tests: `p = 0.034`, `p < 1e-6`.
+pub fn p_value(p_value: f64) -> String {
+    match p_value {
+        p if p < 1e-6 => "p < 1e-6".to_owned(),
+        p if p < 1e-3 => format!("p = {p:.0e}"),
+        p => format!("p = {p:.3}"),
+    }
+}
+
 /// A ratio with three digits, or all before the point.
 pub fn ratio(times: f64) -> String {
     let decimals = match times {

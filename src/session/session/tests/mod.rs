@@ -97,6 +97,11 @@ fn with_the_later_steps(mut session: Session) -> Session {
             commanded: at_origin,
             attained: at_origin,
         }],
+        accepted: None,
+    });
+    session.accept(Acceptance {
+        time: Timestamp::from_unix_seconds(1_532_336_900),
+        operator: "Ada".into(),
     });
     session
 }

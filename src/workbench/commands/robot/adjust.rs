@@ -2,10 +2,13 @@
 
 use tautline_link::adjusting::{Adjustment as Written, Holds};
 use tautline_link::verifying::{circle, cube_poses, line};
-use tautline_session::{CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification};
+use tautline_session::{
+    Acceptance, CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification,
+};
 
-use crate::model::Model;
+use crate::model::command::WriteDraft;
 use crate::model::link::{DriverCommand, ValuesToWrite};
+use crate::model::{Model, UiRequest};
 use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::clock;
@@ -16,25 +19,50 @@ const POINTS: (usize, usize) = (16, 9);
 
 pub(super) fn write(model: &mut Model) {
     let open = model.open.as_ref();
-    let fit = open.and_then(|open| Some((open.session(), open.fit()?)));
-    let doubts = fit.map_or_else(Vec::new, |(session, fit)| adjusting::doubts(session, fit));
-    if doubts.is_empty() {
-        write_identified(model);
-    }
-    model.dialogs.doubts = doubts;
+    let Some((session, fit)) = open.and_then(|open| Some((open.session(), open.fit()?))) else {
+        return;
+    };
+    let doubts = adjusting::doubts(session, fit);
+    let values = adjusting::values_to_write(model.differences()).len();
+    model.dialogs.writing = (values > 0).then(|| WriteDraft {
+        values,
+        operator: model.preferences.operator.clone(),
+        doubts,
+    });
 }
 
-pub(super) fn write_doubtful(model: &mut Model, wanted: bool) {
-    let doubts = std::mem::take(&mut model.dialogs.doubts);
-    if wanted {
-        if let Some(open) = &mut model.open {
-            for doubt in doubts {
-                let text = format!("Written all the same: {}.", doubt.sentence);
-                open.log(LogPhase::Accuracy, text);
-            }
+pub(super) fn confirm_write(model: &mut Model, operator: Option<String>) {
+    let draft = model.dialogs.writing.take();
+    let (Some(draft), Some(operator)) = (draft, operator) else {
+        return;
+    };
+    model.change_preferences(|preferences| preferences.operator = operator);
+    if let Some(open) = &mut model.open {
+        for doubt in draft.doubts {
+            let text = format!("Written all the same: {}.", doubt.sentence);
+            open.log(LogPhase::Accuracy, text);
         }
-        write_identified(model);
     }
+    write_identified(model);
+}
+
+/// The robot is accepted in the name of the operator who wrote the values.
+pub(super) fn accept(model: &mut Model) {
+    let operator = model.preferences.operator.clone();
+    let Some(open) = &mut model.open else {
+        return;
+    };
+    let acceptance = Acceptance {
+        time: clock::now(),
+        operator: operator.clone(),
+    };
+    open.record(|session| session.accept(acceptance));
+    let text = match operator.as_str() {
+        "" => "The robot was accepted.".to_owned(),
+        name => format!("The robot was accepted by {name}."),
+    };
+    open.log(LogPhase::Accuracy, &text);
+    model.messages.info(text);
 }
 
 fn write_identified(model: &mut Model) {
@@ -181,6 +209,8 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
         targets.extend(line(robot, workspace, POINTS.1));
     }
     model.link.verify(targets, stage);
+    model.playback.follows = true;
+    model.request(UiRequest::ShowScope);
 }
 
 pub(super) fn verified(model: &mut Model, stage: Stage, result: Result<Vec<CheckRow>, String>) {
@@ -195,10 +225,13 @@ pub(super) fn verified(model: &mut Model, stage: Stage, result: Result<Vec<Check
             };
             add(model, stage, rows, instrument);
         }
-        Err(error) => model.messages.warning(format!(
-            "The verification has no result: {}.",
-            error.trim_end_matches('.')
-        )),
+        Err(error) => {
+            model.link.is_stopped = model.link.is_connected();
+            model.messages.warning(format!(
+                "The verification has no result: {}.",
+                error.trim_end_matches('.')
+            ));
+        }
     }
 }
 
@@ -221,6 +254,7 @@ fn add(model: &mut Model, stage: Stage, rows: Vec<CheckRow>, source: &str) {
             title: title(stage).to_owned(),
             stage,
             rows,
+            accepted: None,
         });
     });
     open.log(LogPhase::Accuracy, &text);

@@ -27,6 +27,10 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::AddCurrent => plan::add_current(model),
         RobotCommand::Setup(setup) => setup::perform(model, setup),
         RobotCommand::Connect => connect(model),
+        RobotCommand::ConnectAndArm => {
+            connect(model);
+            model.link.arms_when_connected = model.link.connecting;
+        }
         RobotCommand::TryNow => model.link.send(DriverCommand::TryNow),
         RobotCommand::LaserDistance(label, distance_m) => {
             model
@@ -42,14 +46,22 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
             adjust::settle(model);
         }
         RobotCommand::Disarm => model.link.send(DriverCommand::Disarm),
-        RobotCommand::Watch(watches) => model.link.watch(watches),
+        RobotCommand::Watch(watches) => {
+            model.link.watch(watches);
+            if watches {
+                model.request(UiRequest::ShowScope);
+            }
+        }
         RobotCommand::Speed(speed) => model.link.set_speed(speed),
         RobotCommand::Start => run::start(model),
         RobotCommand::Pause => model.link.send(DriverCommand::Pause),
         RobotCommand::Resume => model.link.send(DriverCommand::Resume),
         RobotCommand::Skip => model.link.send(DriverCommand::Skip),
         RobotCommand::Repeat(label) => run::repeat(model, label),
-        RobotCommand::Stop => model.link.send(DriverCommand::Abort),
+        RobotCommand::Stop => {
+            model.link.stop();
+            model.playback.follows = true;
+        }
         RobotCommand::RetrySave => run::retry_save(model),
         RobotCommand::Verify(stage) => adjust::verify(model, stage),
         RobotCommand::TakeCheck(stage) => adjust::take_check(model, stage),
@@ -57,7 +69,8 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::ReadBack => model.link.send(DriverCommand::ReadParameters),
         RobotCommand::Write => adjust::write(model),
         RobotCommand::WriteValues(values, purpose) => adjust::give(model, values, purpose),
-        RobotCommand::WriteDoubtful(wanted) => adjust::write_doubtful(model, wanted),
+        RobotCommand::ConfirmWrite(operator) => adjust::confirm_write(model, operator),
+        RobotCommand::Accept => adjust::accept(model),
         RobotCommand::RollBack => adjust::roll_back(model),
         RobotCommand::AskExport(export) => files::ask(model, export),
         RobotCommand::Export(export, path) => files::write(model, export, path),
@@ -95,8 +108,13 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             model.request(UiRequest::Connection(ConnectionRequest::Connected));
             model.messages.info(format!("Connected: {identity}."));
             model.link.identity = identity;
+            let is_own = rig.kind == Kind::OfSession;
+            let arms = std::mem::take(&mut model.link.arms_when_connected) && is_own;
             model.link.connected = Some(Connected { session_id, rig });
             model.link.take_parameters(parameters);
+            if arms {
+                model.link.send(DriverCommand::Arm);
+            }
             adjust::settle(model);
         }
         DriverEvent::Disconnected(why) => disconnected(model, why),

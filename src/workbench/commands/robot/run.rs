@@ -1,14 +1,15 @@
 //! The measuring run: a pose is kept on disk before it is in the session, and in the session before the next one begins.
 
+use std::sync::Arc;
+
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::{MeasuredPose, Phase as LogPhase};
 
 use super::adjust::{not_recorded, refuses};
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
-use crate::model::{Model, OpenSession};
-use tautline_workflow::planning::missing;
-use tautline_workflow::wording::count;
+use crate::model::{Model, OpenSession, UiRequest};
+use tautline_workflow::planning::{missing, missing_labels, poses_in_words};
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
 fn reference(open: &OpenSession) -> Robot {
@@ -29,20 +30,22 @@ pub(super) fn start(model: &mut Model) {
         return;
     }
     let session = open.session();
-    let missing = missing(session);
-    if missing == 0 {
+    if missing(session) == 0 {
         return;
     }
+    let missing = poses_in_words(missing_labels(session));
     let planned = session.plan.iter();
     let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
     let measured = session.measurements.labels.clone();
     let text = match measured.len() {
-        0 => format!("Measuring of {} started.", count(missing, "pose")),
-        _ => format!("Measuring continued with {}.", count(missing, "pose")),
+        0 => format!("Measuring of {missing} started."),
+        _ => format!("Measuring continued with {missing}."),
     };
     open.log(LogPhase::Poses, text);
     let reference = reference(open);
     model.link.measure(plan, measured, reference);
+    model.playback.follows = true;
+    model.request(UiRequest::ShowScope);
 }
 
 pub(super) fn repeat(model: &mut Model, label: i64) {
@@ -66,6 +69,8 @@ pub(super) fn repeat(model: &mut Model, label: i64) {
         model
             .link
             .measure(vec![(label, pose)], Vec::new(), reference);
+        model.playback.follows = true;
+        model.requests.push(UiRequest::ShowScope);
     }
     open.log(LogPhase::Poses, format!("Pose {label} is measured again."));
 }
@@ -105,7 +110,7 @@ fn ended(model: &mut Model, result: Result<(), String>) {
     let Some(run) = &mut model.link.run else {
         return;
     };
-    let done = count(run.done(), "pose");
+    let done = run.measured_in_words();
     let text = match &result {
         Ok(()) => format!("Measured {done}."),
         Err(why) => format!(
@@ -117,7 +122,10 @@ fn ended(model: &mut Model, result: Result<(), String>) {
     run.paused = None;
     match result {
         Ok(()) => model.messages.info(&text),
-        Err(_) => model.messages.warning(&text),
+        Err(_) => {
+            model.link.is_stopped = true;
+            model.messages.warning(&text);
+        }
     }
     run.ended = Some(result);
     log(model, text);
@@ -170,7 +178,7 @@ pub fn autosaved(model: &mut Model, label: i64) {
             "Pose {} cannot be used: {error}.",
             pending.pose.label()
         ));
-        model.link.send(DriverCommand::Abort);
+        model.link.stop();
         return;
     }
     model.link.send(DriverCommand::Stored(pending.label));
@@ -197,8 +205,9 @@ pub(super) fn follow_platform(model: &mut Model) {
         return;
     }
     let is_idle = !model.link.is_busy() && !model.link.watches;
-    model.playback.follows |= is_idle;
-    if is_idle || !model.playback.follows {
+    let is_stopped = is_idle && model.link.is_stopped;
+    model.playback.follows |= is_idle && !is_stopped;
+    if (is_idle && !is_stopped) || !model.playback.follows {
         model.live_platform = None;
         return;
     }
@@ -212,8 +221,11 @@ pub(super) fn follow_platform(model: &mut Model) {
         let sensor = cable.force_sensor;
         sensor.map_or(f64::NAN, |sensor| sensor.tension_n(force))
     });
+    model.link.trail.follow(pose.position);
     model.live_platform = Some(LivePlatform {
         pose,
+        trail: Arc::clone(model.link.trail.places()),
+        is_stopped,
         tensions_n: tensions_n.collect(),
     });
 }

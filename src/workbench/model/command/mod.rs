@@ -22,7 +22,7 @@ pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
-pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand};
+pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
 pub use setup::{CHECKING, Setup, SetupOutcome};
 pub use view::{PoseStep, ViewCommand};
 

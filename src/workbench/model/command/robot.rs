@@ -6,7 +6,7 @@ use tautline_session::{CheckPose, PlannedPose, Stage};
 
 use super::Setup;
 use crate::model::OpenSession;
-use tautline_workflow::adjusting::Purpose;
+use tautline_workflow::adjusting::{Doubt, Purpose};
 use tautline_workflow::planning::PlanSummary;
 
 /// Title of the task that plans.
@@ -30,6 +30,8 @@ pub enum RobotCommand {
     Setup(Setup),
     /// Connects to the controller of the session's settings.
     Connect,
+    /// Connects to the simulated robot of the session and arms it; any other controller is only connected.
+    ConnectAndArm,
     /// Tries at once to reconnect.
     TryNow,
     /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
@@ -68,12 +70,14 @@ pub enum RobotCommand {
     SetOperator(String),
     /// Reads what the controller holds.
     ReadBack,
-    /// Writes the identified values to the controller; asks first where there is reason to doubt them.
+    /// Asks whether the identified values are to be written to the controller, and who writes them.
     Write,
     /// Writes these values to the controller.
     WriteValues(Vec<(String, f64)>, Purpose),
-    /// Answers whether values that there is reason to doubt are written.
-    WriteDoubtful(bool),
+    /// Writes them in the name of this operator; `None` does not.
+    ConfirmWrite(Option<String>),
+    /// Accepts the robot on the result of the last verification.
+    Accept,
     /// Writes the values that were there before the last adjustment.
     RollBack,
     /// Writes a file; asks for its place.
@@ -82,6 +86,17 @@ pub enum RobotCommand {
     Export(Export, PathBuf),
     /// Shows what the demonstration has hidden.
     Reveal,
+}
+
+/// Values that are to be written, while that is to be confirmed.
+#[derive(Debug, Clone, Default)]
+pub struct WriteDraft {
+    /// Number of values.
+    pub values: usize,
+    /// Who writes them.
+    pub operator: String,
+    /// What speaks against it.
+    pub doubts: Vec<Doubt>,
 }
 
 /// What to expect of planned poses.

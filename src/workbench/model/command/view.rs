@@ -40,6 +40,8 @@ pub enum ViewCommand {
     Manual(Option<Page>),
     /// Shows or hides what the program is made of.
     About(bool),
+    /// The last error was seen.
+    Dismiss,
     /// Keeps which plots are shown, and how they are arranged.
     SetPlots(Plots),
 }

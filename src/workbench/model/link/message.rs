@@ -1,8 +1,9 @@
 //! Commands, events and status between the window and the thread that owns the controller.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use tautline_core::geometry::Pose;
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 use tautline_link::adjusting::{Adjustment, Holds};
 use tautline_link::measuring::{Rates, Warning};
@@ -224,13 +225,19 @@ pub struct Live {
     pub doing: Doing,
     /// Poses that are still to be measured.
     pub remaining: usize,
+    /// Time until a verification is over (s), by the controller's clock, once targets tell.
+    pub remaining_s: Option<f64>,
 }
 
-/// Where the platform is now and what its sensors say, while it is measured.
+/// Where the platform is now and what its sensors say, while it is measured and after it was stopped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LivePlatform {
-    /// Pose of the platform, as commanded or predicted.
+    /// Pose of the platform, by its readings.
     pub pose: Pose,
+    /// Where it has been since this began (m).
+    pub trail: Arc<Vec<Vec3>>,
+    /// Whether it rests there because it was stopped.
+    pub is_stopped: bool,
     /// Tension of each cable (N); empty or NaN where it is not known.
     pub tensions_n: Vec<f64>,
 }

@@ -5,8 +5,11 @@
 mod connection;
 mod message;
 mod pose_tracker;
+mod progress;
 mod publisher;
 mod run;
+pub mod scope;
+mod trail;
 mod work;
 mod worker;
 
@@ -16,19 +19,26 @@ use std::thread::{self, JoinHandle};
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
-use tautline_link::ParameterInfo;
 use tautline_link::verifying::CheckTarget;
+use tautline_link::{Activity, ControllerState, ParameterInfo};
 use tautline_session::Stage;
 
 use self::publisher::StatusPublisher;
+use self::scope::Scope;
 use self::worker::serve;
 use tautline_workflow::controllers::ConnectionSetup;
 
 pub use self::message::{
     Doing, DriverCommand, DriverEvent, Live, LivePlatform, Lost, MeasuringRequest, Surprise,
 };
+pub use self::progress::duration;
 pub use self::run::{Pending, RunLog};
+pub use self::trail::Trail;
 use tautline_workflow::adjusting::Purpose;
+
+/// How many times faster than real a simulated robot moves, if nobody chose otherwise: the whole demonstration takes some
+/// five minutes.
+pub const SIMULATED_SPEED: f64 = 5.0;
 
 /// The connection as the window knows it.
 #[derive(Debug, Clone)]
@@ -56,6 +66,7 @@ pub struct Link {
     commands: Option<Sender<DriverCommand>>,
     events: Option<Receiver<DriverEvent>>,
     live: Arc<Mutex<Live>>,
+    scope: Arc<Mutex<Option<Scope>>>,
     thread: Option<JoinHandle<()>>,
     speed: f64,
     /// The connection.
@@ -76,12 +87,18 @@ pub struct Link {
     pub targets: Vec<CheckTarget>,
     /// Whether the answer to a command to connect is waited for.
     pub connecting: bool,
+    /// Whether what is being connected is armed at once, which only a simulated robot is.
+    pub arms_when_connected: bool,
     /// Whether values are being written.
     pub writing: bool,
     /// Values that are written once their record is on disk.
     pub to_write: Option<ValuesToWrite>,
     /// Whether readings are wanted while nothing goes on.
     pub watches: bool,
+    /// Where the platform has been since what goes on, or went on last, began.
+    pub trail: Trail,
+    /// Whether the platform rests where it was stopped.
+    pub is_stopped: bool,
 }
 
 impl Link {
@@ -93,6 +110,7 @@ impl Link {
             commands: None,
             events: None,
             live: Arc::default(),
+            scope: Arc::default(),
             thread: None,
             speed: if speed.is_finite() && speed > 0.0 {
                 speed
@@ -108,9 +126,12 @@ impl Link {
             verifying: None,
             targets: Vec::new(),
             connecting: false,
+            arms_when_connected: false,
             writing: false,
             to_write: None,
             watches: false,
+            trail: Trail::default(),
+            is_stopped: false,
         }
     }
 
@@ -127,6 +148,12 @@ impl Link {
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
+    }
+
+    /// The latest readings, once there was a connection.
+    pub fn scope<T>(&self, of: impl FnOnce(&Scope) -> T) -> Option<T> {
+        let scope = self.scope.lock().unwrap_or_else(PoisonError::into_inner);
+        scope.as_ref().map(of)
     }
 
     /// Whether there is a connection.
@@ -151,6 +178,13 @@ impl Link {
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.is_measuring() || self.verifying.is_some() || self.writing
+    }
+
+    /// Whether there is something that could move: what is connected may, or does.
+    #[must_use]
+    pub fn can_move(&self) -> bool {
+        let moves = |state: &ControllerState| state.activity == Activity::Moving || state.armed;
+        self.with_live(|live| live.state.as_ref().is_some_and(moves)) || self.is_busy()
     }
 
     fn with_live<T>(&self, of: impl FnOnce(&Live) -> T) -> T {
@@ -192,6 +226,7 @@ impl Link {
         self.connected = None;
         self.parameters.clear();
         self.parameters_version += 1;
+        self.begin();
         self.verifying = None;
         self.writing = false;
         self.to_write = None;
@@ -211,6 +246,7 @@ impl Link {
 
     /// Measures the poses of a plan that are not measured yet; readings are compared with `model`.
     pub fn measure(&mut self, plan: Vec<(i64, Pose)>, measured: Vec<i64>, model: Robot) {
+        self.begin();
         let labels = plan.iter().map(|(label, _)| *label);
         let to_measure = labels.filter(|label| !measured.contains(label));
         // What was seen in a run before is still to be looked at.
@@ -225,6 +261,18 @@ impl Link {
         })));
     }
 
+    /// Stops the platform, whatever goes on.
+    pub fn stop(&mut self) {
+        self.is_stopped = self.is_connected();
+        self.send(DriverCommand::Abort);
+    }
+
+    /// Something begins in which the platform moves.
+    fn begin(&mut self) {
+        self.trail = Trail::default();
+        self.is_stopped = false;
+    }
+
     /// The run measures a pose again, next.
     pub fn repeat(&mut self, label: i64) {
         if let Some(run) = &mut self.run {
@@ -235,6 +283,7 @@ impl Link {
 
     /// Verifies.
     pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
+        self.begin();
         self.verifying = Some(stage);
         self.targets.clone_from(&targets);
         self.send(DriverCommand::Verify(targets, stage));
@@ -263,6 +312,7 @@ impl Link {
         let publisher = StatusPublisher {
             events,
             live: Arc::clone(&self.live),
+            scope: Arc::clone(&self.scope),
             context: self.context.clone(),
             woken: None,
         };

@@ -4,7 +4,11 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use tautline_core::robot::Robot;
+use tautline_link::Sample;
+
 use super::message::{DriverEvent, Live};
+use super::scope::Scope;
 
 /// Between two pictures of the window.
 pub(super) const PICTURE: Duration = Duration::from_millis(50);
@@ -13,6 +17,7 @@ pub(super) const PICTURE: Duration = Duration::from_millis(50);
 pub(super) struct StatusPublisher {
     pub events: Sender<DriverEvent>,
     pub live: Arc<Mutex<Live>>,
+    pub scope: Arc<Mutex<Option<Scope>>>,
     pub context: egui::Context,
     pub woken: Option<Instant>,
 }
@@ -38,6 +43,20 @@ impl StatusPublisher {
     pub fn put(&mut self, live: Live) {
         *self.live.lock().unwrap_or_else(PoisonError::into_inner) = live;
         self.wake();
+    }
+
+    /// Begins to record the readings of a robot.
+    pub fn begin_scope(&self, robot: &Robot) {
+        let scope = Scope::new(robot);
+        *self.scope.lock().unwrap_or_else(PoisonError::into_inner) = Some(scope);
+    }
+
+    /// Records a reading.
+    pub fn record(&self, sample: &Sample) {
+        let mut scope = self.scope.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(scope) = scope.as_mut() {
+            scope.record(sample);
+        }
     }
 
     /// Whether what the window finds is so.

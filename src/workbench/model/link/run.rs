@@ -6,6 +6,7 @@ use tautline_link::measuring::Warning;
 use tautline_session::MeasuredPose;
 
 use super::message::Surprise;
+use tautline_workflow::planning::poses_in_words;
 
 /// A measured pose that waits to be on disk.
 #[derive(Debug, Clone)]
@@ -59,16 +60,23 @@ impl RunLog {
         self.ended.is_some()
     }
 
-    /// Poses that are measured.
+    /// Poses that are measured, the home pose not counted.
     #[must_use]
     pub fn done(&self) -> usize {
-        self.measured.len()
+        self.measured.iter().filter(|label| **label != 0).count()
     }
 
-    /// Poses in all, those left out not counted.
+    /// Poses in all, those left out and the home pose not counted.
     #[must_use]
     pub fn of(&self) -> usize {
-        self.to_measure.difference(&self.skipped).count()
+        let wanted = self.to_measure.difference(&self.skipped);
+        wanted.filter(|label| **label != 0).count()
+    }
+
+    /// The poses that are measured, in words.
+    #[must_use]
+    pub fn measured_in_words(&self) -> String {
+        poses_in_words(self.measured.iter().copied())
     }
 
     /// A pose is measured.
@@ -114,9 +122,10 @@ mod tests {
         run.measured(1, 14.0);
         assert_eq!(run.remaining_s(), Some(16.0));
         run.skipped.insert(5);
-        assert_eq!((run.done(), run.of()), (2, 5));
+        assert_eq!((run.done(), run.of()), (1, 4), "home is not counted");
+        assert_eq!(run.measured_in_words(), "1 pose and the home pose");
         assert_eq!(run.remaining_s(), Some(12.0));
         run.again(1);
-        assert_eq!(run.done(), 1);
+        assert_eq!(run.done(), 0);
     }
 }

@@ -62,6 +62,14 @@ impl Work {
         }
     }
 
+    /// Time until a verification is over (s).
+    pub fn remaining_s(&self) -> Option<f64> {
+        match self {
+            Self::Verifying(v) => v.remaining_s(),
+            Self::None | Self::Measuring(_) => None,
+        }
+    }
+
     pub fn remaining(&self) -> usize {
         match self {
             Self::Measuring(m) => m.remaining,
@@ -163,6 +171,8 @@ pub(super) struct Verifying {
     /// Where the operator types the poses.
     pub typed: Option<TypedInstrument>,
     is_home: bool,
+    /// When the first and the last target were commanded (s), by the controller's clock.
+    commanded_s: Option<[f64; 2]>,
 }
 
 impl Verifying {
@@ -179,12 +189,23 @@ impl Verifying {
             rows: Vec::new(),
             doing: Doing::Moving,
             is_home: false,
+            commanded_s: None,
         }
+    }
+
+    /// Time until the last target is measured (s), from the targets so far.
+    pub fn remaining_s(&self) -> Option<f64> {
+        let [first_s, last_s] = self.commanded_s?;
+        let (Doing::Verifying { done, of } | Doing::Locating { number: done, of }) = self.doing
+        else {
+            return None;
+        };
+        (done > 1).then(|| (last_s - first_s) / (done - 1) as f64 * (of + 1 - done) as f64)
     }
 
     pub fn tick(
         &mut self,
-        controller: &mut dyn Controller,
+        (controller, now_s): (&mut dyn Controller, Option<f64>),
         instrument: Option<&mut (dyn Instrument + 'static)>,
     ) -> Vec<DriverEvent> {
         if !self.is_home && controller.state().activity == Activity::Moving {
@@ -208,6 +229,10 @@ impl Verifying {
             }
             Some(VerifyingEvent::Commanded { done, of }) => {
                 self.doing = Doing::Verifying { done, of };
+                if let Some(now_s) = now_s {
+                    let first_s = self.commanded_s.map_or(now_s, |[first_s, _]| first_s);
+                    self.commanded_s = Some([first_s, now_s]);
+                }
                 Vec::new()
             }
             Some(VerifyingEvent::Attained(row)) => {

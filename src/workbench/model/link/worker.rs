@@ -217,6 +217,8 @@ impl Worker {
             DriverCommand::Disarm => controller.disarm(),
             DriverCommand::Abort => {
                 let stopped = controller.stop();
+                // What is shown afterwards is where it is now; what is wrong with a reading shows in the state.
+                let _ = controller.sample();
                 let report = self.work.abort(BY_OPERATOR);
                 report.into_iter().for_each(|r| self.publisher.report(r));
                 stopped?;
@@ -284,6 +286,7 @@ impl Worker {
         connection.controller.connect()?;
         let parameters = connection.controller.parameters()?;
         let identity = connection.controller.identity();
+        self.publisher.begin_scope(connection.rig.robot());
         self.connection = Some(connection);
         self.publisher.report(DriverEvent::Connected {
             identity,
@@ -367,7 +370,8 @@ impl Worker {
         // What is wrong with a reading nobody waits for shows in the state.
         let reports = match &mut self.work {
             Work::None => {
-                if listens || self.watches && self.publisher.is_due() {
+                let moves = controller.state().activity == Activity::Moving;
+                if listens || moves || self.watches && self.publisher.is_due() {
                     let _ = controller.sample();
                 }
                 Vec::new()
@@ -379,9 +383,14 @@ impl Worker {
                 measuring.tick(controller, connection.clock.now_s())
             }
             Work::Verifying(verifying) => {
-                verifying.tick(controller, connection.instrument.as_deref_mut())
+                let now_s = controller.last().map(|sample| sample.time_s);
+                let timed = (controller as &mut dyn Controller, now_s);
+                verifying.tick(timed, connection.instrument.as_deref_mut())
             }
         };
+        if let Some(sample) = connection.controller.last() {
+            self.publisher.record(sample);
+        }
         let is_newly_lost = connection.is_newly_lost();
         if self.work.has_ended() {
             self.work = Work::None;
@@ -414,6 +423,7 @@ impl Worker {
                     sample,
                     doing: self.work.doing(),
                     remaining: self.work.remaining(),
+                    remaining_s: self.work.remaining_s(),
                 }
             }
         };

@@ -2,26 +2,29 @@
 
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
-use tautline_workflow::planning::missing;
-use tautline_workflow::wording::count;
+use tautline_workflow::planning::{missing_labels, poses_in_words};
 
 /// How many poses are measured and how many are still planned.
 pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
     let session = open.session();
-    let measured = session.measurements.len();
-    match (measured, missing(session)) {
-        (0, 0) => PhaseStatus::new(Progress::NotStarted, "no poses measured"),
-        (0, missing) => PhaseStatus::new(
-            Progress::NotStarted,
-            format!("{} planned", count(missing, "pose")),
-        ),
-        (_, 0) => PhaseStatus::new(
-            Progress::Done,
-            format!("{} measured", count(measured, "pose")),
-        ),
-        (_, missing) => PhaseStatus::new(
-            Progress::InProgress,
-            format!("{} measured, {missing} to go", count(measured, "pose")),
-        ),
+    let labels = || session.measurements.labels.iter().copied();
+    let missing: Vec<i64> = missing_labels(session).collect();
+    match (labels().next(), &missing[..]) {
+        (None, []) => PhaseStatus::new(Progress::NotStarted, "no poses measured"),
+        (None, missing) => {
+            let poses = poses_in_words(missing.iter().copied());
+            PhaseStatus::new(Progress::NotStarted, format!("{poses} planned"))
+        }
+        (Some(_), []) => {
+            let poses = poses_in_words(labels());
+            PhaseStatus::new(Progress::Done, format!("{poses} measured"))
+        }
+        (Some(_), missing) => {
+            let is_pose = |label: &i64| *label != 0;
+            let measured = labels().filter(is_pose).count();
+            let planned = measured + missing.iter().copied().filter(is_pose).count();
+            let line = format!("{measured} of {planned} poses measured");
+            PhaseStatus::new(Progress::InProgress, line)
+        }
     }
 }

@@ -20,11 +20,11 @@ pub fn elongation(open: &OpenSession) -> PhaseStatus {
             let measured = |c: &&tautline_core::robot::Cable| c.cable.elongation_surface.is_some();
             let elastic = |c: &&tautline_core::robot::Cable| c.cable.axial_stiffness_n.is_some();
             if cables.iter().all(|c| measured(&c)) {
-                PhaseStatus::new(Progress::Done, "measured surface of the robot file")
+                PhaseStatus::new(Progress::Done, "measured surface in the robot description")
             } else if cables.iter().any(|c| elastic(&c)) {
-                PhaseStatus::new(Progress::NotStarted, "constant stiffness is used")
+                PhaseStatus::new(Progress::NotStarted, "constant stiffness")
             } else {
-                PhaseStatus::new(Progress::NotStarted, "cables do not stretch")
+                PhaseStatus::new(Progress::NotStarted, "no stretch modelled")
             }
         }
     }

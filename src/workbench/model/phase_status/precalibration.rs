@@ -22,7 +22,7 @@ pub fn whole(calibration: &Calibration) -> PhaseStatus {
     let worst = parts.into_iter().min_by_key(rank);
     worst
         .filter(|standing| standing.progress != Progress::NotStarted)
-        .unwrap_or_else(|| PhaseStatus::new(Progress::NotStarted, "values of the drawing are used"))
+        .unwrap_or_else(|| PhaseStatus::new(Progress::NotStarted, "nominal values"))
 }
 
 /// The winches.
@@ -49,7 +49,7 @@ pub fn home(calibration: &Calibration) -> PhaseStatus {
     let fit = match &calibration.home {
         None => {
             let Some(average) = &calibration.home_average else {
-                return PhaseStatus::new(Progress::NotStarted, "home pose of the drawing");
+                return PhaseStatus::new(Progress::NotStarted, "nominal home pose");
             };
             return begun(home_line(average), &calibration.with_home);
         }
@@ -86,7 +86,7 @@ fn share(
     proposal: &Proposal,
 ) -> PhaseStatus {
     if count == 0 {
-        return PhaseStatus::new(Progress::NotStarted, "values of the drawing");
+        return PhaseStatus::new(Progress::NotStarted, "nominal values");
     }
     let noun = if count == 1 { one } else { many };
     let line = format!("{passed} of {count} {noun} within {limit}");
@@ -101,6 +101,6 @@ pub(super) fn begun(line: String, proposal: &Proposal) -> PhaseStatus {
     if proposal.is_used {
         PhaseStatus::new(Progress::Done, line)
     } else {
-        PhaseStatus::new(Progress::InProgress, format!("{line}, not used yet"))
+        PhaseStatus::new(Progress::InProgress, format!("{line}, not applied yet"))
     }
 }

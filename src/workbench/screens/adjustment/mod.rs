@@ -1,6 +1,6 @@
 //! The panel of the phase Adjustment: what the controller holds and what was identified, writing, verifying.
 
-mod figures;
+mod checks;
 mod record;
 mod reveal;
 mod table;
@@ -9,14 +9,14 @@ mod verification;
 
 use std::sync::Arc;
 
-use egui::{TextEdit, Ui};
+use egui::{Button, TextEdit, Ui};
 use egui_material_icons::icons;
 use tautline_link::adjusting::Difference;
 
-use self::figures::Figures;
-use super::measuring::{Next, controller, step_button};
+use super::measuring::controller;
 use crate::model::Memo;
 use crate::model::Model;
+use crate::model::accuracy_figures::Figures;
 use crate::model::command::Outbox;
 use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
@@ -52,13 +52,13 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if !current {
         missing(ui, model, outbox);
     }
-    let next = next(model, current);
-    controller::show(ui, model, outbox, next);
     let differences = differences(model, panel);
+    checks::show(ui, model, &differences);
+    controller::show(ui, model, outbox);
     if current {
         doubt(ui, model, outbox);
         compare(ui, model, panel, outbox, &differences);
-        write(ui, model, panel, outbox, next, &differences);
+        write(ui, model, panel, outbox, &differences);
     }
     record::show(ui, model);
     verification::show(ui, model, panel, outbox);
@@ -78,18 +78,6 @@ fn differences(model: &Model, panel: &mut PanelState) -> Arc<Vec<Difference>> {
     );
     let computed = || Arc::new(model.differences());
     Arc::clone(panel.differences.get(key, computed))
-}
-
-fn next(model: &Model, current: bool) -> Next {
-    if !current || model.link.is_busy() {
-        Next::Nothing
-    } else if !model.link.is_connected() {
-        Next::Connect
-    } else if !model.link.is_armed() {
-        Next::Arm
-    } else {
-        Next::Start
-    }
 }
 
 /// Warns of values from a model that misses the readings: they can make the robot worse.
@@ -168,7 +156,7 @@ fn compare(
     if unknown && model.link.is_connected() && simulated {
         let free = !model.link.is_busy();
         let text = "Add these parameters to the simulated controller";
-        let button = ui.add_enabled(free, egui::Button::new(text));
+        let button = ui.add_enabled(free, Button::new(text));
         if button
             .on_hover_text("Reconnects; the controller must be armed again")
             .clicked()
@@ -197,7 +185,6 @@ fn write(
     model: &Model,
     panel: &mut PanelState,
     outbox: &mut Outbox,
-    next: Next,
     differences: &[Difference],
 ) {
     let changes = differences
@@ -210,9 +197,8 @@ fn write(
     let writable = kind != Some(Kind::Recording);
     let ready = model.link.is_armed() && !model.link.is_busy() && writable;
     ui.horizontal_wrapped(|ui| {
-        let is_next = next == Next::Start && changes > 0;
-        let text = "Write to the controller";
-        if step_button(ui, text, is_next, ready && changes > 0) {
+        let text = Button::new("Write to the controller");
+        if ui.add_enabled(ready && changes > 0, text).clicked() {
             outbox.send(RobotCommand::Write);
         }
         let back = model.revertible().is_some();

@@ -5,9 +5,9 @@ use egui_material_icons::icons;
 use tautline_session::Stage;
 
 use super::PanelState;
-use super::figures::{Figure, figures};
 use super::typed;
 use crate::model::Model;
+use crate::model::accuracy_figures::{Figure, figures};
 use crate::model::command::Outbox;
 use crate::model::command::{Export, FileCommand, RobotCommand};
 use crate::model::link::Doing;
@@ -103,9 +103,6 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
             muted(ui, "Moving to the home pose.");
         } else {
             ui.label(format!("Target {done} of {of}"));
-        }
-        if icon_button(ui, icons::ICON_STOP, "Abort", true).clicked() {
-            outbox.send(RobotCommand::Stop);
         }
     });
     match doing {

@@ -10,7 +10,7 @@ use crate::model::command::{DIAGNOSING, IdentificationCommand};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, primary, probability, section, verdict};
 use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
-use tautline_workflow::wording::sentence;
+use tautline_workflow::wording::{p_value, sentence};
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -105,10 +105,10 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     for (index, line) in diagnosed.fit().iter().enumerate() {
         let test = diagnosis.base.global;
         let tip = format!(
-            "Chi-square {:.1} for {:.0} degrees of freedom, p = {:.1e}; a false alarm was allowed {:.1} times in 100.",
+            "Chi-square {:.1} for {:.0} degrees of freedom, {}; a false alarm was allowed {:.1} times in 100.",
             test.chi2,
             test.degrees_of_freedom,
-            test.p_value,
+            p_value(test.p_value),
             100.0 * diagnosed.alpha
         );
         let label = muted(ui, line);

@@ -15,7 +15,7 @@ use crate::views::pulley_inspector;
 use crate::widgets::{Verdict, muted, section, verdict};
 use tautline_workflow::identification::{FitVerdict, Identification, entry_point_sd};
 use tautline_workflow::wording::units::with_sd;
-use tautline_workflow::wording::{ratio, sentence};
+use tautline_workflow::wording::{p_value, ratio, sentence};
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -81,11 +81,11 @@ pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
             "The residuals are {} times the expected noise.",
             ratio(missed)
         );
-        let p_value = solution
+        let test = solution
             .p_value()
-            .map_or_else(String::new, |p| format!(", p = {p:.3}"));
+            .map_or_else(String::new, |p| format!(", {}", p_value(p)));
         let tip = format!(
-            "Chi-square {:.1} for {:.0} degrees of freedom{p_value}; a correct model gives about 1.",
+            "Chi-square {:.1} for {:.0} degrees of freedom{test}; a correct model gives about 1.",
             solution.chi2, solution.degrees_of_freedom
         );
         muted(ui, &text).on_hover_text(tip);
@@ -301,6 +301,12 @@ fn others(ui: &mut Ui, fit: &Identification) {
     if lines.is_empty() {
         return;
     }
-    section(ui, "Home pose and target plane: change");
+    section(
+        ui,
+        match plane {
+            Some(_) => "Home pose and target plane: change",
+            None => "Home pose: change",
+        },
+    );
     identify::pair(ui, "home and plane", &lines);
 }

@@ -2,11 +2,10 @@
 
 use std::time::Instant;
 
-use egui::{ComboBox, Ui};
+use egui::{Button, ComboBox, Ui};
 use egui_material_icons::icons;
 use tautline_link::Activity;
 
-use super::{Next, step_button};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, Setup};
@@ -19,7 +18,7 @@ use tautline_workflow::controllers::Kind;
 const SPEEDS: [f64; 4] = [1.0, 2.0, 5.0, 20.0];
 
 /// Draws connection and arming.
-pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, next: Next) {
+pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     section(ui, "Controller");
     let Some(open) = &model.open else {
         return;
@@ -30,7 +29,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
     }
     let offered = Kind::offered(open.session());
     let Some(controller) = live.state else {
-        return connect(ui, model, outbox, offered, next);
+        return connect(ui, model, outbox, offered);
     };
     let connected = model.link.connected.as_ref();
     let kind = connected.map_or(offered, |connected| connected.rig.kind);
@@ -49,7 +48,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
         (Activity::Fault(text), _) => (format!("fault: {text}"), palette.bad),
         (Activity::Moving, _) => ("armed, moving".to_owned(), palette.warning),
         (_, true) => ("armed, idle".to_owned(), palette.warning),
-        (_, false) => ("disarmed: no motion, no writing".to_owned(), palette.muted),
+        (_, false) => ("not armed: no motion, no writing".to_owned(), palette.muted),
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(&model.link.identity);
@@ -61,7 +60,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
             if icon_button(ui, icons::ICON_LOCK, text, true).clicked() {
                 outbox.send(RobotCommand::Disarm);
             }
-        } else if step_button(ui, "Arm", next == Next::Arm, true) {
+        } else if ui.button("Arm").clicked() {
             outbox.send(RobotCommand::Arm);
         }
         let free = !model.link.is_busy();
@@ -81,7 +80,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox, 
 }
 
 /// Nothing is connected.
-fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind, next: Next) {
+fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind) {
     let text = match offered {
         Kind::OfSession | Kind::OfDescription => "Connect the simulated robot",
         Kind::Recording => "Connect the recording",
@@ -96,13 +95,11 @@ fn connect(ui: &mut Ui, model: &Model, outbox: &mut Outbox, offered: Kind, next:
     }
     let free = !model.link.connecting;
     ui.horizontal_wrapped(|ui| {
-        // A robot that is only simulated from its description is no next step towards the real one.
-        let is_next = next == Next::Connect;
-        let is_chosen = offered != Kind::OfDescription;
-        if step_button(ui, text, is_next && is_chosen, free) {
+        if ui.add_enabled(free, Button::new(text)).clicked() {
             outbox.send(RobotCommand::Connect);
         }
-        if step_button(ui, "Choose controller…", is_next && !is_chosen, free) {
+        let choose = Button::new("Choose controller…");
+        if ui.add_enabled(free, choose).clicked() {
             outbox.send(RobotCommand::Setup(Setup::Open));
         }
         if !free {

@@ -8,18 +8,15 @@ mod readings;
 mod run;
 mod table;
 
-use egui::{DragValue, Ui};
+use egui::{Button, DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_session::PlannedPose;
 
 use crate::model::Memo;
 use crate::model::Model;
 use crate::model::command::Outbox;
-use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand, ViewCommand};
-use crate::model::phase::{Phase, Screen};
-use crate::theme::GRID;
-use crate::widgets::{Verdict, heading, icon_button, muted, primary, section, verdict};
-use tautline_workflow::planning::missing;
+use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand};
+use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 
 /// State of the panel between frames.
 #[derive(Debug)]
@@ -27,7 +24,7 @@ pub struct PanelState {
     /// Number of poses to plan.
     poses: usize,
     /// Standard deviation of the entry points that is good enough (mm).
-    target_mm: f64,
+    goal_mm: f64,
     /// The plan of which it was asked what to expect, and the id of its session.
     asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, of a document and its revision.
@@ -40,64 +37,25 @@ pub struct PanelState {
     shows_faults: bool,
 }
 
+impl PanelState {
+    /// Number of poses to plan.
+    #[must_use]
+    pub fn poses(&self) -> usize {
+        self.poses
+    }
+}
+
 impl Default for PanelState {
     fn default() -> Self {
         Self {
             poses: 25,
-            target_mm: 1.0,
+            goal_mm: 1.0,
             asked: None,
             rows: Memo::default(),
             scrolled_to: None,
             typed: asking::Typed::default(),
             shows_faults: false,
         }
-    }
-}
-
-/// What is to be done next; its button is the primary one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::screens) enum Next {
-    Plan,
-    Connect,
-    Arm,
-    Start,
-    Identify,
-    Nothing,
-}
-
-/// A button that is the primary one if it is the next step.
-pub(in crate::screens) fn step_button(
-    ui: &mut Ui,
-    text: &str,
-    is_next: bool,
-    enabled: bool,
-) -> bool {
-    if is_next {
-        return primary(ui, text, enabled).clicked();
-    }
-    let button = egui::Button::new(text).min_size(egui::vec2(0.0, 28.0));
-    ui.add_enabled(enabled, button).clicked()
-}
-
-fn next(model: &Model) -> Next {
-    let Some(open) = &model.open else {
-        return Next::Nothing;
-    };
-    let session = open.session();
-    if model.link.is_busy() {
-        Next::Nothing
-    } else if session.plan.is_empty() && session.measurements.is_empty() {
-        Next::Plan
-    } else if missing(session) == 0 {
-        Next::Identify
-    } else if model.link.lost().is_some() {
-        Next::Nothing
-    } else if !model.link.is_connected() {
-        Next::Connect
-    } else if !model.link.is_armed() {
-        Next::Arm
-    } else {
-        Next::Start
     }
 }
 
@@ -110,18 +68,10 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     );
     ask(model, panel, outbox);
     instruments(ui, model);
-    let next = next(model);
-    plan(ui, model, panel, outbox, next);
-    controller::show(ui, model, outbox, next);
-    run::show(ui, model, panel, outbox, next);
+    plan(ui, model, panel, outbox);
+    controller::show(ui, model, outbox);
+    run::show(ui, model, panel, outbox);
     table::show(ui, model, panel, outbox);
-    if next == Next::Identify {
-        ui.add_space(2.0 * GRID);
-        if primary(ui, "Go to identification", true).clicked() {
-            let screen = Screen::Phase(Phase::Identification);
-            outbox.send(ViewCommand::Go(screen));
-        }
-    }
 }
 
 /// Requests the prediction for a plan that was stored with the session, once.
@@ -170,7 +120,7 @@ fn instruments(ui: &mut Ui, model: &Model) {
     }
 }
 
-fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox, next: Next) {
+fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     section(ui, "Poses to measure");
     let planning = model.tasks.runs(PLANNING);
     let free = !planning && !model.link.is_busy();
@@ -178,7 +128,7 @@ fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox,
         let label = ui.label("Number");
         let poses = DragValue::new(&mut panel.poses).range(1..=500);
         ui.add(poses).labelled_by(label.id);
-        if step_button(ui, "Plan poses", next == Next::Plan, free) {
+        if ui.add_enabled(free, Button::new("Plan poses")).clicked() {
             let poses = panel.poses;
             outbox.send(RobotCommand::Plan(poses));
         }

@@ -4,11 +4,14 @@ use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::DesignCriteria;
 
 use super::PanelState;
-use crate::model::Model;
 use crate::model::command::EXPECTING;
+use crate::model::{Model, Selection};
+use crate::theme::GRID;
+use crate::views::plots::small;
 use crate::widgets::{Verdict, fault_window, muted, value, verdict};
 use tautline_workflow::documents::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
+use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 
 /// Draws what is expected, and whether enough is measured.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
@@ -49,7 +52,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         .count();
     let words = words(outlook);
     let kind = match outlook.expected.mean_m {
-        Some(sd_m) if sd_m * 1e3 <= remembered.target_mm => Verdict::Good,
+        Some(sd_m) if sd_m * 1e3 <= remembered.goal_mm => Verdict::Good,
         Some(_) => Verdict::Neutral,
         None => Verdict::Doubtful,
     };
@@ -60,8 +63,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
     if let Some(table) = &outlook.isolability {
         faults(ui, table, &mut remembered.shows_faults);
     }
-    target(ui, &mut remembered.target_mm);
-    enough(ui, outlook, remembered.target_mm, done);
+    goal(ui, &mut remembered.goal_mm);
+    course(ui, outlook, (done, remembered.goal_mm));
+    enough(ui, outlook, remembered.goal_mm, done);
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
 }
 
@@ -107,10 +111,10 @@ fn words(outlook: &PlanSummary) -> String {
     )
 }
 
-fn target(ui: &mut Ui, target_mm: &mut f64) {
+fn goal(ui: &mut Ui, goal_mm: &mut f64) {
     ui.horizontal(|ui| {
-        let label = ui.label("Target");
-        let field = DragValue::new(target_mm)
+        let label = ui.label("Goal");
+        let field = DragValue::new(goal_mm)
             .range(0.01..=100.0)
             .speed(0.05)
             .max_decimals(2)
@@ -119,17 +123,62 @@ fn target(ui: &mut Ui, target_mm: &mut f64) {
     });
 }
 
-/// Once the target is reached one may stop.
-fn enough(ui: &mut Ui, outlook: &PlanSummary, target_mm: f64, done: usize) {
+/// How the expected standard deviation falls with the number of poses: of the whole plan, and as far as it is measured.
+fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
+    let figure = course_figure(&outlook.after_m, (done, goal_mm));
+    if figure.curves.iter().all(|curve| curve.points.len() < 2) {
+        return;
+    }
+    let name = "Expected standard deviation over poses";
+    small::show(ui, name, &figure, 34.0 * GRID, Selection::default());
+}
+
+fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figure {
+    let known = after_m.iter().enumerate();
+    let known = known.filter_map(|(poses, sd_m)| Some((poses, sd_m.filter(|sd| *sd > 0.0)?)));
+    let expected: Vec<[f64; 2]> = known
+        .map(|(poses, sd_m)| [poses as f64, (sd_m * 1e3).log10()])
+        .collect();
+    let measured = expected
+        .iter()
+        .filter(|[poses, _]| (1.0..=done as f64).contains(poses));
+    let points = measured
+        .map(|[poses, sd]| Point::new(*poses, *sd))
+        .collect();
+    let ends = [0.0, after_m.len().saturating_sub(1) as f64];
+    let line = |name: &str, ink: Ink, dashed: bool, points: Vec<[f64; 2]>| Curve {
+        name: name.to_owned(),
+        ink,
+        dashed,
+        points,
+    };
+    let goal = ends.map(|poses| [poses, goal_mm.log10()]).to_vec();
+    Figure {
+        x: Axis::whole("Poses"),
+        y: Axis {
+            is_logarithmic: true,
+            ..Axis::new("Standard deviation", "mm")
+        },
+        series: vec![Series::new("measured", Ink::Accent, Marker::Circle, points)],
+        curves: vec![
+            line("expected", Ink::Muted, false, expected),
+            line("goal", Ink::Good, true, goal),
+        ],
+        ..Figure::default()
+    }
+}
+
+/// Once the goal is reached one may stop.
+fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
     let sd_m = outlook.after_m.get(done).copied().flatten();
     let all = outlook.after_m.len().saturating_sub(1);
     if let Some(sd_mm) = sd_m
         .map(|sd_m| sd_m * 1e3)
         .filter(|_| done > 0 && done < all)
     {
-        if sd_mm <= target_mm {
+        if sd_mm <= goal_mm {
             let text = format!(
-                "Target reached: after {done} poses the standard deviation is {sd_mm:.2} mm. You may stop here."
+                "Goal reached: after {done} poses the standard deviation is {sd_mm:.2} mm. You may stop here."
             );
             verdict(ui, Verdict::Good, &text);
         } else {
@@ -180,4 +229,29 @@ fn details(ui: &mut Ui, outlook: &PlanSummary) {
         &numbers,
         "",
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_measured_part_of_the_curve_grows_with_the_poses() {
+        let after_m = [None, Some(8e-3), Some(4e-3), Some(2e-3), Some(1e-3)];
+        for done in 0..=4 {
+            let figure = course_figure(&after_m, (done, 2.0));
+            assert_eq!(figure.series[0].points().len(), done);
+            assert_eq!(figure.curves[0].points.len(), 4);
+            assert_eq!(
+                figure.curves[1].points,
+                [[0.0, 2.0_f64.log10()], [4.0, 2.0_f64.log10()]]
+            );
+        }
+        let all = course_figure(&after_m, (4, 2.0));
+        let last = all.series[0].points()[3];
+        assert!(
+            (last.x - 4.0).abs() + last.y.abs() < 1e-12,
+            "1 mm after 4 poses"
+        );
+    }
 }

@@ -3,17 +3,19 @@
 use egui::{Align, Layout, Sense, Ui, Vec2};
 use tautline_link::measuring::Rates;
 
+use super::run::name_of;
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, muted, table};
+use tautline_workflow::wording::cable_label;
 
 /// A cable by colour and number.
 pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
         dot(ui, index);
-        ui.label((index + 1).to_string()).on_hover_text(name);
+        ui.label(cable_label(index, name)).on_hover_text(name);
     });
 }
 
@@ -29,7 +31,7 @@ fn dot(ui: &mut Ui, cable: usize) {
 pub(super) fn cable_link(ui: &mut Ui, index: usize, name: &str) -> bool {
     ui.horizontal(|ui| {
         dot(ui, index);
-        let link = ui.link((index + 1).to_string());
+        let link = ui.link(cable_label(index, name));
         let text = format!("Select {name}");
         link.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Link, true, &text));
         link.on_hover_text(text).clicked()
@@ -66,7 +68,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         .map(|(index, revolutions)| {
             let force = sample.force_n.get(index);
             vec![
-                Cell::new((index + 1).to_string()).with_dot(palette.cable(index)),
+                Cell::new(cable_label(index, name_of(model, index))).with_dot(palette.cable(index)),
                 Cell::new(format!("{revolutions:.4}")),
                 Cell::new(force.map_or_else(String::new, |force| format!("{force:.1}"))),
             ]
@@ -91,8 +93,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 }
 
 /// Rates of change against their limits.
-pub(super) fn settling(ui: &mut Ui, place: &str, rates: Option<Rates>, limits: Rates) {
-    muted(ui, &format!("At {place}, waiting for the robot to settle."));
+pub(super) fn settling(ui: &mut Ui, rates: Option<Rates>, limits: Rates) {
     let Some(rates) = rates else {
         return;
     };

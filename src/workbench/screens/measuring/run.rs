@@ -1,10 +1,10 @@
 //! The measuring run: buttons, progress, warnings.
 
-use egui::{CollapsingHeader, ProgressBar, ScrollArea, Ui};
+use egui::{Button, CollapsingHeader, ScrollArea, Ui};
 use egui_material_icons::icons;
 
 use super::PanelState;
-use super::{Next, asking, readings, step_button};
+use super::{asking, readings};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
@@ -13,19 +13,13 @@ use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::planning::missing;
-use tautline_workflow::wording::{count, count_are};
+use tautline_workflow::wording::count_are;
 
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;
 
 /// Draws the run.
-pub(super) fn show(
-    ui: &mut Ui,
-    model: &Model,
-    panel: &mut PanelState,
-    outbox: &mut Outbox,
-    next: Next,
-) {
+pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;
     };
@@ -47,7 +41,7 @@ pub(super) fn show(
             "Start measuring"
         };
         if missing > 0 {
-            if step_button(ui, text, next == Next::Start, ready) {
+            if ui.add_enabled(ready, Button::new(text)).clicked() {
                 outbox.send(RobotCommand::Start);
             }
             if !model.link.is_armed() {
@@ -79,7 +73,7 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         if paused {
             let ready = model.link.is_armed();
-            if step_button(ui, "Resume", ready, ready) {
+            if ui.add_enabled(ready, Button::new("Resume")).clicked() {
                 outbox.send(RobotCommand::Resume);
             }
         } else if icon_button(ui, icons::ICON_PAUSE, "Pause", true).clicked() {
@@ -93,9 +87,6 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());
         if let Some(label) = last.filter(|_| repeat.clicked()) {
             outbox.send(RobotCommand::Repeat(label));
-        }
-        if icon_button(ui, icons::ICON_STOP, "Abort", true).clicked() {
-            outbox.send(RobotCommand::Stop);
         }
     });
     if let Some(reason) = model
@@ -125,21 +116,6 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     let Some(run) = &model.link.run else {
         return;
     };
-    let (done, of) = (run.done(), run.of());
-    let text = match run.remaining_s() {
-        Some(left_s) => format!(
-            "{done} of {of} poses, {} left",
-            duration(left_s / model.link.speed())
-        ),
-        None => format!("{done} of {of} poses"),
-    };
-    ui.add(ProgressBar::new(done as f32 / of.max(1) as f32).desired_height(2.0 * GRID));
-    ui.label(text);
-    let place = match run.current {
-        Some(0) => "home".to_owned(),
-        Some(label) => format!("pose {label}"),
-        None => return,
-    };
     let doing = match run.paused {
         Some(_) => Doing::Nothing,
         None => model.link.live().doing,
@@ -147,25 +123,13 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if !matches!(doing, Doing::Asking { .. }) {
         asking::forget(panel);
     }
-    match doing {
-        Doing::Nothing | Doing::Verifying { .. } | Doing::Locating { .. } => {}
-        Doing::Moving => {
-            muted(ui, &format!("Moving to {place}."));
-        }
-        Doing::Settling { rates, limits, .. } => readings::settling(ui, &place, rates, limits),
-        Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
-        Doing::Sampling { taken, of } => {
-            muted(ui, &format!("Reading at {place}: sample {taken} of {of}."));
-        }
+    if let Some(words) = model.link.doing() {
+        muted(ui, &format!("{words}."));
     }
-}
-
-/// Seconds as an operator says them.
-fn duration(seconds: f64) -> String {
-    if seconds < 90.0 {
-        format!("{seconds:.0} s")
-    } else {
-        format!("{:.0} min", seconds / 60.0)
+    match doing {
+        Doing::Settling { rates, limits, .. } => readings::settling(ui, rates, limits),
+        Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
+        _ => {}
     }
 }
 
@@ -189,7 +153,7 @@ fn outcome(ui: &mut Ui, run: &RunLog) {
     if let Some(Err(why)) = &run.ended {
         let text = format!(
             "The run ended after {}: {} Measured poses are saved; the run can be continued.",
-            count(run.done(), "pose"),
+            run.measured_in_words(),
             full_sentence(why)
         );
         verdict(ui, Verdict::Doubtful, &text);

@@ -1,6 +1,6 @@
 //! The table of poses, with actions for the selected one.
 
-use egui::{Align, Layout, RichText, Role, Ui, WidgetInfo};
+use egui::{Align, Layout, RichText, Role, Sense, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons;
 
@@ -71,6 +71,7 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
     }
     table
         .id_salt("poses")
+        .sense(Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
         .auto_shrink([false, true])
         .max_scroll_height(64.0 * GRID)
@@ -118,6 +119,9 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
                     let (words, colour) = words(row, shown, theme::of(ui));
                     ui.label(RichText::new(words).color(colour));
                 });
+                if line.response().clicked() {
+                    clicked = Some(row.label);
+                }
             });
         });
     clicked

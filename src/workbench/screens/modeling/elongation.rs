@@ -75,8 +75,8 @@ fn now(bench: &Bench<'_>) -> String {
     let high = stiffness.iter().copied().fold(0.0, f64::max);
     match stiffness.len() {
         0 => "cables do not stretch in the model".to_owned(),
-        _ if low == high => format!("a constant stiffness of {low:.0} N is used"),
-        _ => format!("constant stiffnesses from {low:.0} to {high:.0} N are used"),
+        _ if low == high => format!("the model has a constant stiffness of {low:.0} N"),
+        _ => format!("the model has constant stiffnesses from {low:.0} to {high:.0} N"),
     }
 }
 

@@ -5,7 +5,7 @@ use egui_material_icons::icons;
 use tautline_core::instrument::HomeAverage;
 use tautline_core::robot::Home;
 use tautline_session::HomePose;
-use tautline_workflow::wording::count;
+use tautline_workflow::wording::{count, p_value};
 
 use crate::model::edit::Edit;
 use crate::screens::bench_panel::{Bench, decimals_for, or_dash};
@@ -161,7 +161,8 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
     match average.p_value() {
         Some(p) if p < DOUBTFUL => {
             let text = format!(
-                "The {number} of the home pose differ more than their standard deviations say (p = {p:.1e})."
+                "The {number} of the home pose differ more than their standard deviations say ({}).",
+                p_value(p)
             );
             verdict(ui, Verdict::Doubtful, &text);
         }

@@ -107,7 +107,7 @@ fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
                 });
             }
         }
-        Tab::Convergence | Tab::Correlation | Tab::BeforeAfter | Tab::Statistics => {}
+        Tab::Convergence | Tab::Correlation | Tab::BeforeAfter | Tab::Statistics | Tab::Scope => {}
     }
 }
 

@@ -84,12 +84,11 @@ fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
     } else {
         String::new()
     };
-    let text = format!(
-        "{}: {}{sd} {}",
-        axis.label,
-        readable(axis.number(value), view),
-        axis.unit
-    );
+    let number = match axis.is_whole {
+        true => format!("{value:.0}"),
+        false => readable(axis.number(value), view),
+    };
+    let text = format!("{}: {number}{sd} {}", axis.label, axis.unit);
     text.trim_end().to_owned()
 }
 

@@ -5,6 +5,7 @@ mod dense;
 mod hit;
 mod panel;
 mod panes;
+mod scope;
 mod screen;
 pub mod small;
 mod sources;
@@ -57,6 +58,9 @@ pub struct PlotState {
     pub preparation: Option<Preparation>,
     saving: Option<Saving>,
     is_hovered: bool,
+    scope: scope::ScopeState,
+    /// The plot that stood here before the scope came by itself.
+    before_scope: Option<Tab>,
 }
 
 /// What a figure depends on.
@@ -96,6 +100,9 @@ fn pane(
         let shared = (model.selection, hovered);
         statistics::show(ui, fit, &mut plots.statistics, shared, outbox);
         return;
+    }
+    if plots.tab == Tab::Scope {
+        return scope::show(ui, model, &mut plots.scope, outbox);
     }
     match plots.figure(open) {
         Ok(figure) => plot(ui, model, plots, &figure, hovered, outbox),
@@ -252,6 +259,7 @@ impl PlotState {
                 sources::variable::figure(prepared, diagnosed, choice, excluded)
             }
             Tab::BeforeAfter => sources::before_after::figure(prepared()?),
+            Tab::Scope => return Err(nothing),
             Tab::Elongation => sources::elongation::figure(open.session(), self.elongation),
             Tab::Residuals => {
                 sources::residuals::lengths(open.fit().ok_or(nothing)?, self.unit, excluded)

@@ -63,7 +63,12 @@ impl Panes {
 
     /// The arrangement to store in the preferences, if it has changed.
     fn changed(&mut self) -> Option<Plots> {
-        let tabs: [Tab; PLACES] = std::array::from_fn(|place| self.places[place].tab);
+        // A scope that came by itself goes by itself.
+        let tabs: [Tab; PLACES] = std::array::from_fn(|place| {
+            let place = &self.places[place];
+            let before = place.before_scope.filter(|_| place.tab == Tab::Scope);
+            before.unwrap_or(place.tab)
+        });
         let now = (self.arrangement, tabs);
         let is_known = self.known == now;
         self.known = now;
@@ -103,6 +108,27 @@ impl Panes {
             cable,
             variable,
         });
+    }
+
+    /// Shows the live scope, in the first place unless it is shown already.
+    pub fn show_scope(&mut self) {
+        let count = count(self.arrangement);
+        let mut shown = self.places[..count].iter();
+        if shown.all(|place| place.tab != Tab::Scope) {
+            let place = &mut self.places[0];
+            place.before_scope = Some(place.tab);
+            place.tab = Tab::Scope;
+        }
+    }
+
+    /// Where the scope came by itself, the plot that was there before comes back.
+    pub fn leave_scope(&mut self) {
+        for place in &mut self.places {
+            let before = place.before_scope.take();
+            if let Some(tab) = before.filter(|_| place.tab == Tab::Scope) {
+                place.tab = tab;
+            }
+        }
     }
 
     /// Sets the file of the plot that is being saved.

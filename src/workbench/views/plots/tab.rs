@@ -24,11 +24,13 @@ pub enum Tab {
     BeforeAfter,
     /// A table of all readings and of all identified values.
     Statistics,
+    /// What the controller reads, as it comes.
+    Scope,
 }
 
 impl Tab {
     /// All, from the left.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Residuals,
         Self::Variable,
         Self::Laser,
@@ -38,6 +40,7 @@ impl Tab {
         Self::Elongation,
         Self::BeforeAfter,
         Self::Statistics,
+        Self::Scope,
     ];
 
     /// What preferences call it.
@@ -53,6 +56,7 @@ impl Tab {
             Self::Elongation => "elongation",
             Self::BeforeAfter => "before-after",
             Self::Statistics => "statistics",
+            Self::Scope => "scope",
         }
     }
 
@@ -75,6 +79,7 @@ impl Tab {
             Self::Elongation => "Elongation",
             Self::BeforeAfter => "Before and after",
             Self::Statistics => "Statistics",
+            Self::Scope => "Live scope",
         }
     }
 
@@ -127,6 +132,8 @@ impl Tab {
                 has_fit,
                 "Redundancies, smallest detectable errors and intervals appear here after identification.",
             ),
+            // It says itself what it waits for.
+            Self::Scope => (true, ""),
         };
         (!present).then_some(why)
     }

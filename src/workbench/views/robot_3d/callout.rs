@@ -33,7 +33,7 @@ pub fn paint(
             continue;
         }
         let font = FontId::proportional(SIZE);
-        let galley = painter.layout_no_wrap(words(*index, cable), font, palette.text);
+        let galley = painter.layout_no_wrap(words(cable), font, palette.text);
         let size = galley.size() + Vec2::splat(2.0 * GRID);
         let place = place(at, size, rect.shrink(GRID), taken);
         let colour = palette.cable(*index);
@@ -68,9 +68,9 @@ fn place(at: Pos2, size: Vec2, inside: Rect, taken: &[Rect]) -> Rect {
 }
 
 /// Where the cable enters, and how far that is from the drawing with its standard deviation (mm).
-fn words(index: usize, cable: &CableView) -> String {
+fn words(cable: &CableView) -> String {
     let moved = cable.moved.as_ref();
-    let mut text = format!("Pulley {}", index + 1);
+    let mut text = format!("Pulley {}", cable.label);
     if moved.is_some() {
         text += ": entry point and displacement, mm";
     } else {
@@ -118,7 +118,7 @@ mod tests {
         let mut cable = Subject::new(&robot, &data).scene().cables[0].clone();
         cable.wheel.entry = Vec3::new(0.5012, -0.378, 0.4415);
         assert_eq!(
-            words(0, &cable),
+            words(&cable),
             "Pulley 1: entry point, mm\nx  501.2\ny  -378.0\nz  441.5"
         );
         cable.moved = Some(Displacement {
@@ -129,7 +129,7 @@ mod tests {
             moved: None,
         });
         assert_eq!(
-            words(0, &cable),
+            words(&cable),
             "Pulley 1: entry point and displacement, mm\nx  501.20   +1.20 ± 0.12\ny  -378.0   -0.4 ± 2.0\nz  441.50   0.00"
         );
     }

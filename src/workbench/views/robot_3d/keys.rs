@@ -22,6 +22,8 @@ pub struct SceneKey {
     pub fit: Option<Arc<Identification>>,
     pub selection: Selection,
     pub live: Option<LivePlatform>,
+    /// Whether errors of position are shown.
+    pub shows_errors: bool,
 }
 
 /// What a drawing depends on, besides its scene.
@@ -56,6 +58,7 @@ impl SceneKey {
         self.session == other.session
             && same(self.fit.as_ref(), other.fit.as_ref())
             && self.selection.cable == other.selection.cable
+            && self.shows_errors == other.shows_errors
     }
 
     pub fn is_same(&self, other: &Self) -> bool {

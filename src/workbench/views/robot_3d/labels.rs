@@ -144,7 +144,7 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
     // Which one is inspected is said elsewhere.
     for (cable, view) in cables.filter(|(cable, _)| picture.options.inspected != Some(*cable)) {
         let placed = picture.placed(cable);
-        let number = (cable + 1).to_string();
+        let number = view.label.clone();
         let has_moved = view.moved.and_then(|moved| moved.moved) == Some(true);
         let other = placed.other.filter(|_| picture.options.nominal);
         let wheels = match other {

@@ -3,13 +3,14 @@
 use egui::{Align2, Color32, Painter, Pos2, Rect, pos2, vec2};
 
 use super::drawing::{
-    ArrowColour, CableColour, length_colour, longest_m, significance_colour, tension_colour,
-    tension_range,
+    ArrowColour, CableColour, error_colour, length_colour, longest_m, significance_colour,
+    tension_colour, tension_range,
 };
 use super::overlay::{SMALL, quiet, text};
 use super::picking::Picture;
 use super::scene::{Besides, Significance};
 use crate::theme::{GRID, Palette};
+use tautline_session::Stage;
 use tautline_workflow::wording::units::significant;
 
 /// Width of a scale of colours (points).
@@ -47,6 +48,7 @@ pub fn paint(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pal
         put(Some(legend), &mut at);
     }
     put(displacements(painter, at, picture, palette), &mut at);
+    put(errors(painter, at, picture, palette), &mut at);
     drawn
 }
 
@@ -99,6 +101,21 @@ fn displacements(
     }
 }
 
+/// A line for each stage whose errors of position are drawn.
+fn errors(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Option<Rect> {
+    let scene = picture.scene;
+    let is_drawn = picture.options.errors && picture.options.inspected.is_none();
+    let has = |stage: Stage| is_drawn && scene.errors.iter().any(|error| error.stage == stage);
+    let stages = [(Stage::After, "after"), (Stage::Before, "before")].into_iter();
+    let lines: Vec<(&str, Color32)> = stages
+        .filter(|(stage, _)| has(*stage))
+        .map(|(stage, words)| (words, error_colour(stage, palette)))
+        .collect();
+    let magnification = picture.options.exaggeration_of(scene);
+    let title = format!("Position errors ({magnification:.0}×)");
+    (!lines.is_empty()).then(|| words(painter, at, (&title, &lines), palette))
+}
+
 /// A line for each significance that occurs.
 fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let scene = picture.scene;
@@ -109,29 +126,39 @@ fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &P
     let all = Significance::KNOWN
         .into_iter()
         .chain([Significance::Unknown]);
+    let lines: Vec<(&str, Color32)> = all
+        .filter(occurs)
+        .map(|one| {
+            let words = match (scene.besides, one) {
+                (Besides::Other, Significance::Noise) => "noise",
+                (Besides::Other, Significance::Clear) => "moved",
+                _ => one.words(),
+            };
+            (words, significance_colour(one, palette))
+        })
+        .collect();
+    words(painter, at, ("Displacements", &lines), palette)
+}
+
+/// Lines of words, each with its colour, below a title; gives where they are.
+fn words(
+    painter: &Painter,
+    at: Pos2,
+    (title, lines): (&str, &[(&str, Color32)]),
+    palette: &Palette,
+) -> Rect {
     let mut at = at + vec2(0.0, SMALL + 3.0);
     let mut drawn = Rect::from_min_max(at, at);
-    for one in all.filter(occurs) {
-        let words = match (scene.besides, one) {
-            (Besides::Other, Significance::Noise) => "noise",
-            (Besides::Other, Significance::Clear) => "moved",
-            _ => one.words(),
-        };
+    for (words, colour) in lines {
         let right = at - vec2(26.0, 0.0);
         let words = text(painter, right, Align2::RIGHT_BOTTOM, words, quiet(palette));
         let middle = words.center().y;
         let line = Rect::from_min_max(pos2(at.x - 20.0, middle - 2.0), pos2(at.x, middle + 2.0));
-        painter.rect_filled(line, 2.0, significance_colour(one, palette));
+        painter.rect_filled(line, 2.0, *colour);
         drawn = drawn.union(words).union(line);
         at.y = words.top() - 1.0;
     }
-    let title = text(
-        painter,
-        at,
-        Align2::RIGHT_BOTTOM,
-        "Displacements",
-        quiet(palette),
-    );
+    let title = text(painter, at, Align2::RIGHT_BOTTOM, title, quiet(palette));
     drawn.union(title)
 }
 

@@ -40,6 +40,7 @@ use scene::{Scene, Shown, Subject};
 pub use toolbar::Aim;
 
 use crate::model::command::{Outbox, ViewCommand};
+use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::GRID;
 use crate::widgets::empty;
@@ -96,6 +97,7 @@ impl Robot3d {
             fit: open.fit().cloned(),
             selection: model.selection,
             live: model.live_platform.clone(),
+            shows_errors: model.screen == Screen::Phase(Phase::Adjustment),
         };
         let known = self.scene.as_ref();
         if let Some((_, scene)) = known.filter(|(known, _)| known.is_same(&key)) {
@@ -105,7 +107,13 @@ impl Robot3d {
         // They stay while the platform moves.
         let poses = known.filter(|(known, _)| known.has_poses_of(&key));
         let planned = poses.map_or_else(|| planned(session), |(_, scene)| scene.planned.clone());
+        let errors = match (key.shows_errors, poses) {
+            (true, Some((_, scene))) => scene.errors.clone(),
+            (true, None) => scene::errors::of_session(session),
+            (false, _) => Vec::new(),
+        };
         let subject = Subject {
+            errors: &errors,
             robot: &session.robot,
             measurements: &session.measurements,
             fit: open.fit().map(AsRef::as_ref),
@@ -355,7 +363,8 @@ impl Robot3d {
     fn rest(&mut self, ui: &Ui, scene: &Scene, drawing: &Drawing, flies: bool) -> Option<f64> {
         let has_more = drawing.poses.coarse < drawing.poses.centres.len();
         let now_s = ui.input(|input| input.time);
-        let has_new_platform = scene.shown == Shown::Live && self.shown != Some(self.drawings);
+        let has_new_platform = matches!(scene.shown, Shown::Live | Shown::Stopped)
+            && self.shown != Some(self.drawings);
         if flies || has_new_platform {
             self.moved_s = Some(now_s);
         }

@@ -110,6 +110,8 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
     {
         options.pinned.clear();
     }
+    ui.checkbox(&mut options.errors, "Position errors")
+        .on_hover_text("Errors of position before and after the adjustment, in phase 5");
     let pulleys = match besides {
         Besides::Other => "Pulleys of B",
         Besides::Drawing | Besides::Nothing => "Nominal pulleys",

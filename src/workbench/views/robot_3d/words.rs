@@ -32,6 +32,7 @@ fn pose_shown(scene: &Scene) -> String {
         Shown::Fitted(label) => format!("Pose {label}, identified"),
         Shown::Given(label) => format!("Pose {label}, commanded"),
         Shown::Live => "Current pose".to_owned(),
+        Shown::Stopped => "Stopped here".to_owned(),
     }
 }
 
@@ -45,7 +46,7 @@ fn cable(scene: &Scene, index: usize) -> String {
     };
     parts.extend(cable.tension_n.map(|tension| format!("{tension:.1} N")));
     parts.extend(cable.residual.map(residual));
-    format!("Cable {}: {}", index + 1, parts.join(", "))
+    format!("Cable {}: {}", cable.label, parts.join(", "))
 }
 
 fn residual(residual: Residual) -> String {
@@ -65,7 +66,7 @@ fn pulley(scene: &Scene, index: usize) -> String {
     let radius = cable.wheel.radius_m * 1e3;
     let mut text = format!(
         "Pulley {}: radius {radius:.1} mm, entry point ({x:.1}, {y:.1}, {z:.1}) mm",
-        index + 1
+        cable.label
     );
     if let Some(moved) = &cable.moved {
         let length = moved.by.norm() * 1e3;

@@ -1,6 +1,7 @@
 //! Colours of cables and displacements.
 
 use egui::Color32;
+use tautline_session::Stage;
 
 use super::options::{ArrowColour, CableColour};
 use crate::theme::Palette;
@@ -89,5 +90,14 @@ pub fn arrow_colour(
             let share = moved.by.norm() / longest_m.unwrap_or(1.0);
             length_colour(share as f32, palette)
         }
+    }
+}
+
+/// Colour of errors of position before or after the adjustment.
+#[must_use]
+pub fn error_colour(stage: Stage, palette: &Palette) -> Color32 {
+    match stage {
+        Stage::Before => palette.warning,
+        Stage::After => palette.good,
     }
 }

@@ -11,8 +11,8 @@ use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
 
 pub use colours::{
-    arrow_colour, cable_colour, length_colour, longest_m, significance_colour, tension_colour,
-    tension_range,
+    arrow_colour, cable_colour, error_colour, length_colour, longest_m, significance_colour,
+    tension_colour, tension_range,
 };
 pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
@@ -118,6 +118,8 @@ impl Drawing {
             drawing.pulley(cable, &placed, look, (scene, options), palette);
         }
         if options.inspected.is_none() {
+            drawing.trail(scene, palette);
+            drawing.errors(scene, options, palette);
             drawing.instruments(scene, palette);
         }
         drawing
@@ -263,6 +265,31 @@ impl Drawing {
         let shaft = [*from, tip - direction * (0.8 * head)];
         self.lines.push(shaft, colour, 2.2);
         self.solids.cone(tip, &direction, head, rgba(colour, 1.0));
+    }
+
+    /// Where the platform has been, the longer ago the fainter.
+    fn trail(&mut self, scene: &Scene, palette: &Palette) {
+        let last = scene.trail.len().saturating_sub(1).max(1) as f32;
+        let now = scene.pose.position;
+        let to_now = scene.trail.last().map(|place| [*place, now]);
+        let ways = scene.trail.windows(2).map(|pair| [pair[0], pair[1]]);
+        for (number, way) in ways.chain(to_now).enumerate() {
+            let age = 1.0 - number as f32 / last;
+            let colour = palette.accent.lerp_to_gamma(palette.ground, 0.75 * age);
+            self.lines.push(way, colour, 1.6);
+        }
+    }
+
+    /// Arrows from where the platform was sent to where it was.
+    fn errors(&mut self, scene: &Scene, options: &Options, palette: &Palette) {
+        let exaggeration = options.exaggeration_of(scene);
+        for error in scene.errors.iter().filter(|_| options.errors) {
+            let colour = error_colour(error.stage, palette);
+            let tip = error.commanded + error.by * exaggeration;
+            self.points.push(&error.commanded, colour, [5.0, 0.0, 0.0]);
+            let most_m = ARROW * scene.frame.size_m;
+            self.arrow(&error.commanded, &tip, most_m, colour);
+        }
     }
 
     fn instruments(&mut self, scene: &Scene, palette: &Palette) {

@@ -100,6 +100,8 @@ pub struct Options {
     pub arrows: bool,
     /// Where pulleys are with 95 % confidence.
     pub ellipsoids: bool,
+    /// Errors of position before and after the adjustment, in the phase that measures them.
+    pub errors: bool,
     /// Measured and planned poses.
     pub poses: bool,
     /// Numbers of the cables.
@@ -122,6 +124,7 @@ impl Default for Options {
             nominal: true,
             arrows: true,
             ellipsoids: true,
+            errors: true,
             poses: true,
             labels: true,
             callouts: true,

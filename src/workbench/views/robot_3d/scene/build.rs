@@ -9,13 +9,14 @@ use tautline_core::robot::Robot;
 
 use super::residuals::Residuals;
 use super::{
-    Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox, Scene,
-    Shown, cable, platform,
+    Besides, CableView, Displacement, FrameBox, MeasuredPose, MeasuredPoses, PlatformBox,
+    PositionError, Scene, Shown, cable, platform,
 };
 use crate::model::Selection;
 use crate::model::link::LivePlatform;
 use crate::views::robot_3d::camera;
 use tautline_workflow::identification::{FitVerdict, Identification, entry_point_covariance};
+use tautline_workflow::wording::cable_label;
 
 /// What a scene is built from.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +33,8 @@ pub struct Subject<'a> {
     pub live: Option<&'a LivePlatform>,
     /// Positions of the poses that are still to be measured (m).
     pub planned: &'a [Vec3],
+    /// How far the platform was from where it was sent.
+    pub errors: &'a [PositionError],
 }
 
 impl<'a> Subject<'a> {
@@ -45,6 +48,7 @@ impl<'a> Subject<'a> {
             selection: Selection::default(),
             live: None,
             planned: &[],
+            errors: &[],
         }
     }
 
@@ -81,7 +85,11 @@ impl<'a> Subject<'a> {
             laser: platform::laser(self.model(), &pose),
             home_beams: platform::home_beams(robot, &pose),
             measured,
+            errors: self.errors.to_vec(),
             planned: self.planned.to_vec(),
+            trail: self
+                .live
+                .map_or_else(Arc::default, |live| Arc::clone(&live.trail)),
             besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
             frame,
         }
@@ -89,7 +97,11 @@ impl<'a> Subject<'a> {
 
     fn shown(&self, fitted: &Fitted) -> (Shown, Pose) {
         if let Some(live) = self.live {
-            return (Shown::Live, live.pose);
+            let shown = match live.is_stopped {
+                true => Shown::Stopped,
+                false => Shown::Live,
+            };
+            return (shown, live.pose);
         }
         if let Some(label) = self.selection.pose {
             if let Some((_, pose)) = fitted.get(&label) {
@@ -115,13 +127,13 @@ impl<'a> Subject<'a> {
 
     fn tensions(&self, shown: Shown) -> Vec<Option<f64>> {
         let cables = self.robot.cable_count();
-        if let (Shown::Live, Some(live)) = (shown, self.live) {
+        if let (Shown::Live | Shown::Stopped, Some(live)) = (shown, self.live) {
             let at = |i: usize| live.tensions_n.get(i).copied().filter(|t| t.is_finite());
             return (0..cables).map(at).collect();
         }
         let label = match shown {
             Shown::Fitted(label) | Shown::Given(label) => label,
-            Shown::Home | Shown::Live => 0,
+            Shown::Home | Shown::Live | Shown::Stopped => 0,
         };
         let row = self.measurements.labels.iter().position(|l| *l == label);
         let tension = |(index, cable): (usize, &tautline_core::robot::Cable)| {
@@ -153,6 +165,7 @@ impl<'a> Subject<'a> {
         let cables = own.zip(&self.robot.cables).enumerate();
         cables
             .map(|(index, (own, drawn))| CableView {
+                label: cable_label(index, &drawn.name),
                 path: own.path,
                 wheel: own.wheel,
                 nominal: nominal_wheel(index),

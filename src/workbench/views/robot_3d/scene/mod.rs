@@ -4,6 +4,7 @@ mod build;
 mod cable;
 mod compared;
 mod displacement;
+pub mod errors;
 mod frame;
 mod measured;
 mod platform;
@@ -17,6 +18,7 @@ use tautline_core::geometry::{Pose, Vec3};
 
 pub use build::Subject;
 pub use displacement::{Displacement, Placed, Significance};
+pub use errors::PositionError;
 pub use frame::{Floor, FrameBox, round_length};
 pub use measured::{MeasuredPose, MeasuredPoses};
 pub use platform::PlatformBox;
@@ -93,6 +95,8 @@ impl Residual {
 /// A cable at the pose shown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CableView {
+    /// What it is called.
+    pub label: String,
     /// From the winch's side over the pulley to the platform (m).
     pub path: Vec<Vec3>,
     /// Its pulley, identified if there is an identification.
@@ -134,6 +138,8 @@ pub enum Shown {
     Given(i64),
     /// Where the platform is now.
     Live,
+    /// Where the platform rests after it was stopped.
+    Stopped,
 }
 
 /// Everything there is to see.
@@ -159,6 +165,10 @@ pub struct Scene {
     pub measured: Arc<MeasuredPoses>,
     /// Planned poses (m).
     pub planned: Vec<Vec3>,
+    /// Where the platform has been since what goes on began (m), the oldest first.
+    pub trail: Arc<Vec<Vec3>>,
+    /// How far the platform was from where it was sent, where that is shown.
+    pub errors: Vec<PositionError>,
     /// What pulleys are shown besides the identified ones.
     pub besides: Besides,
 }
@@ -180,7 +190,11 @@ impl Scene {
     #[must_use]
     pub fn fitting_exaggeration(&self) -> f64 {
         let moved = self.cables.iter().filter_map(|cable| cable.moved.as_ref());
-        let largest_m = moved.map(Displacement::reach_m).fold(0.0, f64::max);
+        let errors = self.errors.iter().map(|error| error.by.norm());
+        let largest_m = moved
+            .map(Displacement::reach_m)
+            .chain(errors)
+            .fold(0.0, f64::max);
         let most = WELL_SEEN * self.frame.size_m / largest_m;
         EXAGGERATIONS
             .into_iter()

@@ -108,6 +108,7 @@ mod tests {
             title: String::new(),
             stage,
             rows: vec![row(1), row(2)],
+            accepted: None,
         }
     }
 

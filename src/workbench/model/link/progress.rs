@@ -1,0 +1,106 @@
+//! What goes on at the controller, in words, and how long it still takes.
+
+use super::{Doing, Link};
+
+impl Link {
+    /// What the robot does at this moment, as a sentence; nothing while nothing goes on.
+    #[must_use]
+    pub fn doing(&self) -> Option<String> {
+        let doing = self.live().doing;
+        let run = self.run.as_ref().filter(|run| !run.has_ended());
+        if let Some(run) = run {
+            return Some(match (&run.paused, run.current) {
+                (Some(_), _) => "Paused".to_owned(),
+                (None, None) => "Starting".to_owned(),
+                (None, Some(label)) => at_pose(doing, label),
+            });
+        }
+        if self.writing {
+            return Some("Writing to the controller".to_owned());
+        }
+        self.verifying.map(|_| match doing {
+            Doing::Verifying { done, of } => format!("Test pose {done} of {of}"),
+            Doing::Locating { number, of } => {
+                format!("At test pose {number} of {of}, waiting for its position")
+            }
+            _ => "Moving to the home pose".to_owned(),
+        })
+    }
+
+    /// How much of what goes on is done, and of how much; nothing while nothing goes on.
+    #[must_use]
+    pub fn done_of(&self) -> Option<[usize; 2]> {
+        if let Some(run) = self.run.as_ref().filter(|run| !run.has_ended()) {
+            return Some([run.done(), run.of()]);
+        }
+        self.verifying?;
+        match self.live().doing {
+            Doing::Verifying { done, of } | Doing::Locating { number: done, of } => {
+                Some([done.saturating_sub(1), of])
+            }
+            _ => None,
+        }
+    }
+
+    /// Time until what goes on is over (s), as the operator's clock tells it.
+    #[must_use]
+    pub fn time_left_s(&self) -> Option<f64> {
+        let run = self.run.as_ref().filter(|run| !run.has_ended());
+        let left_s = match run {
+            Some(run) => run.remaining_s(),
+            None => self.live().remaining_s.filter(|_| self.verifying.is_some()),
+        };
+        Some(left_s? / self.speed())
+    }
+
+    /// The same as an operator says it: "2 min left".
+    #[must_use]
+    pub fn time_left(&self) -> Option<String> {
+        Some(format!("{} left", duration(self.time_left_s()?)))
+    }
+}
+
+fn at_pose(doing: Doing, label: i64) -> String {
+    let (to, at) = match label {
+        0 => ("home".to_owned(), "home".to_owned()),
+        label => (format!("pose {label}"), format!("pose {label}")),
+    };
+    match doing {
+        Doing::Settling { .. } => format!("At {at}, settling"),
+        Doing::Sampling { taken, of } => format!("At {at}, reading sample {taken} of {of}"),
+        Doing::Asking { .. } => format!("At {at}, waiting for the laser distance"),
+        Doing::Nothing | Doing::Moving | Doing::Verifying { .. } | Doing::Locating { .. } => {
+            format!("Moving to {to}")
+        }
+    }
+}
+
+/// Seconds as an operator says them.
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else {
+        format!("{:.0} min", seconds / 60.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_say_where_the_robot_is_and_what_it_does() {
+        let settling = Doing::Settling {
+            rates: None,
+            limits: Default::default(),
+            remaining_s: 1.0,
+        };
+        assert_eq!(at_pose(settling, 7), "At pose 7, settling");
+        assert_eq!(at_pose(Doing::Moving, 0), "Moving to home");
+        let sampling = Doing::Sampling { taken: 3, of: 10 };
+        assert_eq!(at_pose(sampling, 7), "At pose 7, reading sample 3 of 10");
+        assert_eq!(duration(89.0), "89 s");
+        assert_eq!(duration(200.0), "3 min");
+    }
+}

@@ -1,0 +1,252 @@
+//! The checklist of phase 5: measure before, review, write, measure after, accept.
+
+use tautline_link::adjusting::Difference;
+use tautline_session::{Outcome, Session, Stage, Verification};
+
+use crate::model::OpenSession;
+use crate::model::accuracy_figures::{Figure, figures};
+use tautline_workflow::wording::count;
+
+/// A line of the checklist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Item {
+    /// The accuracy with the values that the controller has.
+    MeasureBefore,
+    /// What would change in the controller.
+    Review,
+    /// Writing it.
+    Write,
+    /// The accuracy with the identified values.
+    MeasureAfter,
+    /// Somebody accepts the robot.
+    Accept,
+}
+
+impl Item {
+    /// All, in their order.
+    pub const ALL: [Self; 5] = [
+        Self::MeasureBefore,
+        Self::Review,
+        Self::Write,
+        Self::MeasureAfter,
+        Self::Accept,
+    ];
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::MeasureBefore => "Measure before",
+            Self::Review => "Review differences",
+            Self::Write => "Write",
+            Self::MeasureAfter => "Measure after",
+            Self::Accept => "Accept",
+        }
+    }
+}
+
+/// How far a line is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CheckState {
+    /// Done, and good.
+    Done,
+    /// The one that is next.
+    Next,
+    /// It needs one before it.
+    Later,
+    /// It was not done, and those after it were.
+    LeftOut,
+    /// Done, with a bad result.
+    Bad,
+}
+
+/// A line with its result.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Check {
+    /// Which.
+    pub item: Item,
+    /// How far it is.
+    pub state: CheckState,
+    /// Its result, in a few words.
+    pub result: String,
+}
+
+/// The checklist of a session whose controller differs so from what was identified; `is_known`: the controller is there,
+/// so that its differences are known.
+#[must_use]
+pub fn checklist(open: &OpenSession, differences: &[Difference], is_known: bool) -> [Check; 5] {
+    let session = open.session();
+    let changes = differences.iter().filter(|one| one.is_writable_change());
+    let changes = changes.count();
+    let is_old = open.fit().is_some() && !open.fit_is_current();
+    let written = is_written(session) && changes == 0 && !is_old;
+    let before = last(session, Stage::Before);
+    let after = after(session).filter(|_| written);
+    let main = figures(session)
+        .ok()
+        .and_then(|all| all.lines.into_iter().next());
+    let gain = main
+        .as_ref()
+        .and_then(Figure::gain)
+        .filter(|_| after.is_some());
+    let is_worse = gain.is_some_and(|gain| gain <= 0.0);
+    let accepted = after.and_then(|run| run.accepted.as_ref());
+    let mm =
+        |metres: Option<f64>| metres.map(|metres| format!("{:.2} mm on average", metres * 1e3));
+    let is_done = [
+        before.is_some(),
+        written,
+        written,
+        after.is_some(),
+        accepted.is_some(),
+    ];
+    let last_done = is_done.iter().rposition(|is_done| *is_done);
+    let next = last_done.map_or(0, |last| last + 1);
+    let results = [
+        before.and_then(|_| mm(main.as_ref()?.before_m)),
+        (is_known && changes > 0).then(|| count(changes, "value") + " to write"),
+        written.then(|| {
+            let operator = session
+                .adjustments()
+                .last()
+                .map_or("", |last| &last.operator);
+            match operator {
+                "" => "written".to_owned(),
+                name => format!("by {name}"),
+            }
+        }),
+        after.and_then(|_| {
+            let text = mm(main.as_ref()?.after_m)?;
+            Some(match gain {
+                Some(gain) => format!("{text} ({:+.0} %)", -100.0 * gain),
+                None => text,
+            })
+        }),
+        accepted.map(|accepted| match accepted.operator.as_str() {
+            "" => "accepted".to_owned(),
+            name => format!("by {name}"),
+        }),
+    ];
+    let mut results = results.into_iter();
+    std::array::from_fn(|place| {
+        let state = match is_done[place] {
+            true if Item::ALL[place] == Item::MeasureAfter && is_worse => CheckState::Bad,
+            true => CheckState::Done,
+            false if place < next => CheckState::LeftOut,
+            false if place == next => CheckState::Next,
+            false => CheckState::Later,
+        };
+        Check {
+            item: Item::ALL[place],
+            state,
+            result: results.next().flatten().unwrap_or_default(),
+        }
+    })
+}
+
+/// Whether the last adjustment left the identified values in the controller.
+fn is_written(session: &Session) -> bool {
+    let last = session.adjustments().last();
+    last.is_some_and(|last| last.outcome == Outcome::Written && !last.restores)
+}
+
+/// The last verification of a stage.
+fn last(session: &Session, stage: Stage) -> Option<&Verification> {
+    let mut runs = session.verifications().iter().rev();
+    runs.find(|run| run.stage == stage)
+}
+
+/// The last verification with the values that were written last.
+fn after(session: &Session) -> Option<&Verification> {
+    let written = session.adjustments().last()?;
+    last(session, Stage::After).filter(|run| run.time >= written.time)
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::robot::presets;
+    use tautline_session::{Acceptance, Adjustment, CheckKind, CheckPose, CheckRow, Timestamp};
+
+    use super::*;
+
+    fn at(seconds: i64) -> Timestamp {
+        Timestamp::from_unix_seconds(seconds)
+    }
+
+    fn run(stage: Stage, seconds: i64, off_m: f64) -> Verification {
+        let pose = |x: f64| CheckPose {
+            position_m: [x, 0.0, 0.0],
+            orientation_wxyz: None,
+        };
+        let row = |cycle: i64| CheckRow {
+            kind: CheckKind::Pose,
+            target: "P1".into(),
+            cycle,
+            sample: 0,
+            time_s: None,
+            commanded: pose(0.1),
+            attained: pose(0.1 + off_m),
+        };
+        Verification {
+            time: at(seconds),
+            title: String::new(),
+            stage,
+            rows: vec![row(1), row(2)],
+            accepted: None,
+        }
+    }
+
+    fn written(seconds: i64) -> Adjustment {
+        Adjustment {
+            time: at(seconds),
+            operator: "Ada".into(),
+            controller: String::new(),
+            changes: Vec::new(),
+            outcome: Outcome::Written,
+            restores: false,
+        }
+    }
+
+    fn states(session: &Session) -> [CheckState; 5] {
+        let open = OpenSession::new(session.clone(), None);
+        checklist(&open, &[], true).map(|check| check.state)
+    }
+
+    #[test]
+    fn lines_are_ticked_in_their_order() {
+        use CheckState::{Bad, Done, Later, LeftOut, Next};
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut session = Session::new("test", robot, at(0));
+        assert_eq!(states(&session), [Next, Later, Later, Later, Later]);
+        let mut without_before = session.clone();
+        without_before.add_adjustment(written(2));
+        assert_eq!(
+            states(&without_before),
+            [LeftOut, Done, Done, Next, Later],
+            "what was left out is said"
+        );
+        session.add_verification(run(Stage::Before, 1, 2e-3));
+        assert_eq!(states(&session), [Done, Next, Later, Later, Later]);
+        session.add_adjustment(written(2));
+        assert_eq!(states(&session), [Done, Done, Done, Next, Later]);
+        let mut worse = session.clone();
+        worse.add_verification(run(Stage::After, 3, 4e-3));
+        assert_eq!(states(&worse), [Done, Done, Done, Bad, Next]);
+        session.add_verification(run(Stage::After, 3, 5e-4));
+        assert_eq!(states(&session), [Done, Done, Done, Done, Next]);
+        session.accept(Acceptance {
+            time: at(4),
+            operator: "Ada".into(),
+        });
+        assert_eq!(states(&session), [Done; 5]);
+        let open = OpenSession::new(session.clone(), None);
+        let [before, _, wrote, after, accepted] = checklist(&open, &[], true);
+        assert_eq!(before.result, "2.00 mm on average");
+        assert_eq!(wrote.result, "by Ada");
+        assert_eq!(after.result, "0.50 mm on average (-75 %)");
+        assert_eq!(accepted.result, "by Ada");
+        // Other values need another measurement.
+        session.add_adjustment(written(5));
+        assert_eq!(states(&session), [Done, Done, Done, Next, Later]);
+    }
+}

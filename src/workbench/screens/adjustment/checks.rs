@@ -1,0 +1,58 @@
+//! The checklist of the phase.
+
+use egui::{Align, Label, Layout, RichText, Ui};
+use egui_material_icons::{MaterialIcon, icons};
+use tautline_link::adjusting::Difference;
+
+use crate::model::Model;
+use crate::model::next_step::{Check, CheckState, checklist};
+use crate::theme::{self, GRID, Palette};
+
+/// Draws it.
+pub(super) fn show(ui: &mut Ui, model: &Model, differences: &[Difference]) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    ui.add_space(GRID);
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
+        for (number, check) in checklist(open, differences, model.link.is_connected())
+            .iter()
+            .enumerate()
+        {
+            line(ui, number + 1, check);
+        }
+    });
+}
+
+fn line(ui: &mut Ui, number: usize, check: &Check) {
+    let palette = theme::of(ui);
+    let (icon, colour, words) = look(check.state, palette);
+    ui.horizontal(|ui| {
+        ui.label(icon.rich_text().size(16.0).color(colour));
+        let title = format!("{number}. {}", check.item.title());
+        let title = match check.state {
+            CheckState::Next => RichText::new(title).font(theme::strong(13.0)),
+            CheckState::Later => RichText::new(title).color(palette.muted),
+            _ => RichText::new(title),
+        };
+        ui.label(title);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let result = match check.result.as_str() {
+                "" => words,
+                result => result,
+            };
+            ui.add(Label::new(RichText::new(result).color(palette.muted)).truncate());
+        });
+    });
+}
+
+fn look(state: CheckState, palette: &Palette) -> (MaterialIcon, egui::Color32, &'static str) {
+    match state {
+        CheckState::Done => (icons::ICON_CHECK_CIRCLE, palette.good, "done"),
+        CheckState::Next => (icons::ICON_ARROW_CIRCLE_RIGHT, palette.accent, "next"),
+        CheckState::Later => (icons::ICON_RADIO_BUTTON_UNCHECKED, palette.muted, ""),
+        CheckState::LeftOut => (icons::ICON_REMOVE_CIRCLE, palette.warning, "left out"),
+        CheckState::Bad => (icons::ICON_ERROR, palette.bad, "worse than before"),
+    }
+}

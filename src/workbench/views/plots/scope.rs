@@ -1,0 +1,345 @@
+//! The live scope: what the controller reads, as it comes, and how fast it changes against what counts as still.
+
+use egui::{Align, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, vec2};
+use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Series};
+use tautline_workflow::plot::{Layout, Plot, Seen};
+use tautline_workflow::wording::cable_label;
+
+use super::screen::{Screen, colours, text_width};
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
+use crate::model::{Memo, Model, Selection};
+use crate::theme::{self, GRID};
+use crate::widgets::empty;
+
+/// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
+const DECADES: [f64; 2] = [-2.0, 3.0];
+/// Least size of one of several graphs beside and above each other (points).
+const LEAST: egui::Vec2 = egui::Vec2::new(220.0, 104.0);
+/// Longest time between two readings that a line connects (s).
+const CONNECTED_S: f64 = 0.45;
+
+/// What a graph of the scope shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Graph {
+    /// Tensions of all cables.
+    #[default]
+    Tensions,
+    /// The laser distance.
+    Laser,
+    /// Revolutions of all winches.
+    Revolutions,
+    /// How fast readings change.
+    Speed,
+}
+
+impl Graph {
+    const ALL: [Self; 4] = [Self::Tensions, Self::Speed, Self::Laser, Self::Revolutions];
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Tensions => "Tensions",
+            Self::Laser => "Laser",
+            Self::Revolutions => "Revolutions",
+            Self::Speed => "Speed",
+        }
+    }
+}
+
+/// Graphs with what they are of.
+type Graphs = Vec<(Graph, Figure)>;
+
+/// State of the scope between frames.
+#[derive(Debug, Default)]
+pub struct ScopeState {
+    /// What is shown where there is no room for all.
+    chosen: Graph,
+    /// The graphs, by what they depend on: readings and the selected cable.
+    figures: Memo<(u64, Option<usize>), Graphs>,
+}
+
+/// Draws the scope.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Outbox) {
+    let key = |scope: &Scope| (scope.readings(), model.selection.cable);
+    let Some(key) = model.link.scope(key).filter(|(readings, _)| *readings > 0) else {
+        let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \
+                    they change.";
+        return empty(ui, text);
+    };
+    let cable = model.selection.cable;
+    let link = &model.link;
+    let figures = state.figures.get(key, || {
+        link.scope(|scope| figures(scope, cable))
+            .unwrap_or_default()
+    });
+    let rows = figures.len().div_ceil(2).max(1) as f32;
+    let room = ui.available_size() - vec2(0.0, 6.0 * GRID);
+    let cell = vec2(room.x / 2.0, room.y / rows);
+    let fits_all = cell.x >= LEAST.x && cell.y >= LEAST.y;
+    head(ui, model, (fits_all, figures), &mut state.chosen);
+    let shown = match (fits_all, cell.x >= LEAST.x) {
+        (true, _) => Graph::ALL.to_vec(),
+        // How fast readings change is always seen if there is room for two.
+        (false, true) if state.chosen != Graph::Speed => vec![state.chosen, Graph::Speed],
+        (false, true) => vec![Graph::Tensions, Graph::Speed],
+        (false, false) => vec![state.chosen],
+    };
+    let shown: Vec<_> = figures
+        .iter()
+        .filter(|(graph, _)| shown.contains(graph))
+        .collect();
+    let whole = ui.available_rect_before_wrap();
+    let columns = shown.len().clamp(1, 2);
+    let lines = shown.len().div_ceil(columns).max(1);
+    let size = whole.size() / vec2(columns as f32, lines as f32);
+    let mut clicked = None;
+    for (place, (graph, figure)) in shown.into_iter().enumerate() {
+        let at = vec2((place % columns) as f32, (place / columns) as f32) * size;
+        let rect = Rect::from_min_size(whole.min + at, size);
+        clicked = one(ui, rect, (*graph, figure), model.selection).or(clicked);
+    }
+    ui.advance_cursor_after_rect(whole);
+    if let Some(cable) = clicked {
+        outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
+    }
+}
+
+/// What goes on, and the choice of a graph where there is no room for all.
+fn head(
+    ui: &mut Ui,
+    model: &Model,
+    (fits_all, figures): (bool, &[(Graph, Figure)]),
+    chosen: &mut Graph,
+) {
+    ui.horizontal(|ui| {
+        if !fits_all {
+            for (graph, _) in figures {
+                ui.selectable_value(chosen, *graph, graph.title());
+            }
+        }
+        let doing = model.link.doing().unwrap_or_else(|| {
+            let is_stopped = model.link.is_stopped && model.link.is_connected();
+            if is_stopped { "Stopped" } else { "Idle" }.to_owned()
+        });
+        let words = [Some(doing), model.link.time_left()];
+        let words: Vec<String> = words.into_iter().flatten().collect();
+        ui.with_layout(egui::Layout::right_to_left(Align::Center), |ui| {
+            let words = egui::RichText::new(words.join(", ")).color(theme::of(ui).muted);
+            ui.add(egui::Label::new(words).truncate());
+        });
+    });
+}
+
+/// Draws a graph; gives the cable whose number was clicked.
+fn one(
+    ui: &mut Ui,
+    rect: Rect,
+    (graph, figure): (Graph, &Figure),
+    selection: Selection,
+) -> Option<usize> {
+    let mut inner = ui.new_child(UiBuilder::new().id_salt(graph as u8).max_rect(rect));
+    let (whole, response) = inner.allocate_exact_size(rect.size(), Sense::click());
+    let name = format!("Live: {}", graph.title());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    let painter = inner.painter_at(whole);
+    let view = [[-SPAN_S, 0.0], along_y(graph, figure)];
+    let inside = whole.shrink2(vec2(GRID, 0.5 * GRID));
+    let layout = Layout::new(figure, view, inside, &text_width(&painter));
+    let scale = layout.scale;
+    let plot = Plot {
+        figure,
+        layout: &layout,
+        seen: &Seen::new(figure, &scale, selection, ui.ctx().pixels_per_point()),
+        selection,
+        colours: &colours(theme::of(ui)),
+    };
+    plot.draw(&mut Screen::new(painter));
+    let at = response
+        .interact_pointer_pos()
+        .filter(|_| response.clicked())?;
+    let entry = layout.legend.iter().find(|entry| entry.rect.contains(at))?;
+    entry.cable
+}
+
+/// The graphs that a robot has readings for.
+fn figures(scope: &Scope, cable: Option<usize>) -> Graphs {
+    let figures = Graph::ALL.map(|graph| (graph, figure(scope, graph, cable)));
+    let has_readings = |figure: &Figure| figure.curves.iter().any(|c| !c.points.is_empty());
+    figures
+        .into_iter()
+        .filter(|(_, figure)| has_readings(figure))
+        .collect()
+}
+
+fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
+    let y = match graph {
+        Graph::Tensions => Axis::new("Tension", "N"),
+        Graph::Laser => Axis::new("Laser distance", "mm"),
+        Graph::Revolutions => Axis::new("Revolutions", ""),
+        Graph::Speed => Axis {
+            is_logarithmic: true,
+            ..Axis::new("Speed", "limit = 1")
+        },
+    };
+    let mut figure = Figure {
+        x: Axis::new("Time", "s"),
+        y,
+        ..Figure::default()
+    };
+    match graph {
+        Graph::Tensions => cables(&mut figure, scope, selected, Channel::Tension),
+        Graph::Revolutions => cables(&mut figure, scope, selected, Channel::Revolutions),
+        Graph::Laser => {
+            let points = line(scope.extents(Channel::Laser), |metres| metres * 1e3);
+            figure.curves.push(curve("", Ink::Accent, points));
+        }
+        Graph::Speed => {
+            let inks = [Ink::Accent, Ink::Warning, Ink::Muted];
+            for (reading, ink) in Reading::ALL.into_iter().zip(inks) {
+                let name = match reading {
+                    Reading::Length => "Lengths",
+                    Reading::Tension => "Tensions",
+                    Reading::Laser => "Laser",
+                };
+                let decade = |speed: f64| speed.log10().clamp(DECADES[0], DECADES[1]);
+                let points = line(scope.extents(Channel::Speed(reading)), decade);
+                if !points.is_empty() {
+                    figure.curves.push(curve(name, ink, points));
+                }
+            }
+            figure.bands.push(Band {
+                name: "still".into(),
+                y: [DECADES[0], 0.0],
+            });
+        }
+    }
+    figure
+}
+
+/// A line for each cable, in its colour; where one is selected the others step back.
+fn cables(
+    figure: &mut Figure,
+    scope: &Scope,
+    selected: Option<usize>,
+    channel: fn(usize) -> Channel,
+) {
+    let selected = selected.filter(|index| *index < scope.cables());
+    let others = (0..scope.cables()).filter(|index| Some(*index) != selected);
+    // What is drawn last lies above the others.
+    for index in others.chain(selected) {
+        let ink = match selected {
+            Some(selected) if selected != index => Ink::Muted,
+            _ => Ink::Cable(index),
+        };
+        let points = line(scope.extents(channel(index)), |value| value);
+        figure.curves.push(curve("", ink, points));
+    }
+    // Without points, for the legend.
+    let names = scope.names().enumerate();
+    let series = names.map(|(k, name)| Series::of_cable(k, cable_label(k, name), Vec::new()));
+    figure.series.extend(series);
+}
+
+fn curve(name: &str, ink: Ink, points: Vec<[f64; 2]>) -> Curve {
+    Curve {
+        name: name.to_owned(),
+        ink,
+        dashed: false,
+        points,
+    }
+}
+
+/// A line through least and greatest values, interrupted where nothing was read.
+fn line(extents: impl Iterator<Item = Extent>, shown: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for Extent { time_s, values } in extents {
+        let [mut first, mut second] = values.map(&shown);
+        if let Some([before_s, before]) = points.last().copied() {
+            if time_s - before_s > CONNECTED_S {
+                points.push([f64::NAN, f64::NAN]);
+            } else if (before - second).abs() < (before - first).abs() {
+                (first, second) = (second, first);
+            }
+        }
+        points.push([time_s, first]);
+        if second != first {
+            points.push([time_s, second]);
+        }
+    }
+    points
+}
+
+/// The range along y: fixed for the speed, else round numbers around everything, so that it seldom changes.
+fn along_y(graph: Graph, figure: &Figure) -> [f64; 2] {
+    if graph == Graph::Speed {
+        return DECADES;
+    }
+    let values = figure.curves.iter().flat_map(|curve| &curve.points);
+    let values = values.map(|[_, value]| *value).filter(|v| v.is_finite());
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    });
+    let least = match graph {
+        Graph::Tensions => 4.0,
+        Graph::Laser => 1.0,
+        Graph::Revolutions | Graph::Speed => 0.1,
+    };
+    round_around([low, high], least)
+}
+
+/// A range of round numbers around another, at least so wide.
+fn round_around([low, high]: [f64; 2], least: f64) -> [f64; 2] {
+    if low > high {
+        return [0.0, least];
+    }
+    let rough = (high - low).max(least) / 4.0;
+    let power = 10_f64.powf(rough.log10().floor());
+    let factors = [1.0, 2.0, 5.0, 10.0].into_iter();
+    let step = factors
+        .map(|factor| factor * power)
+        .find(|step| *step >= rough)
+        .unwrap_or(rough);
+    let (low, high) = ((low / step).floor() * step, (high / step).ceil() * step);
+    if high - low < least {
+        return [low - step, high + step];
+    }
+    [low, high]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_round_and_hold_everything() {
+        for range in [[3.1, 97.0], [-0.4, -0.39], [120.0, 120.0], [0.0, 1e-7]] {
+            let [low, high] = round_around(range, 1.0);
+            assert!(low <= range[0] && high >= range[1], "{range:?}");
+            assert!(high - low >= 1.0 && high - low <= 2.0 * (range[1] - range[0]).max(3.0));
+            // A little more does not change it.
+            let inside = [low + 0.2 * (high - low), high - 0.2 * (high - low)];
+            let again = round_around(inside, 1.0);
+            assert!(again[0] >= low && again[1] <= high);
+        }
+        assert_eq!(
+            round_around([f64::INFINITY, f64::NEG_INFINITY], 1.0),
+            [0.0, 1.0]
+        );
+    }
+
+    #[test]
+    fn a_line_keeps_extremes_and_shows_gaps() {
+        let extent = |time_s: f64, values: [f64; 2]| Extent { time_s, values };
+        let extents = [
+            extent(-3.0, [1.0, 1.0]),
+            extent(-2.9, [1.0, 5.0]),
+            extent(-2.8, [4.0, 6.0]),
+            extent(-1.0, [2.0, 2.0]),
+        ];
+        let points = line(extents.into_iter(), |value| value);
+        let y: Vec<f64> = points.iter().map(|[_, y]| *y).collect();
+        assert_eq!(y[..5], [1.0, 1.0, 5.0, 4.0, 6.0]);
+        assert!(y[5].is_nan());
+        assert_eq!(y[6], 2.0);
+    }
+}

@@ -1,0 +1,156 @@
+//! The foot of each phase: one button leads from the start to the verified robot.
+
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, Node};
+use tautline_workbench::model::link::SIMULATED_SPEED;
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::App;
+
+use crate::demo::Bench;
+
+/// A demonstration whose fault is found by name.
+const SEED: u64 = 3;
+/// Clicks from the start to the robot that is accepted.
+const MOST_CLICKS: usize = 15;
+/// What the demonstration may take at its usual speed, besides reading and computing (s).
+const MOST_S: f64 = 240.0;
+
+/// Clicks with the pointer where something is, and counts.
+struct Operator {
+    bench: Bench,
+    clicks: usize,
+}
+
+fn find<'a>(harness: &'a Harness<'_, App>, beginning: &'a str) -> Option<Node<'a>> {
+    let exactly = harness.query_all_by_label(beginning).next();
+    let mut found = harness.query_all_by_label_contains(beginning);
+    exactly.or_else(|| {
+        found.find(|node| {
+            let name = node.accesskit_node().label().unwrap_or_default();
+            name.starts_with(beginning)
+        })
+    })
+}
+
+impl Operator {
+    /// Clicks on what has a name that begins like this; it has to be seen without scrolling.
+    fn click(&mut self, beginning: &str) {
+        for _ in 0..3 {
+            self.bench.harness.step();
+        }
+        let harness = &self.bench.harness;
+        let Some(node) = find(harness, beginning) else {
+            let said = tautline_validation::harness::words(harness);
+            panic!("no {beginning:?}; the screen says {said:?}");
+        };
+        let window = harness.ctx.content_rect();
+        assert!(
+            window.contains_rect(node.rect()),
+            "{beginning}: {:?}",
+            node.rect()
+        );
+        node.click();
+        self.clicks += 1;
+        self.bench.harness.step();
+        self.bench.harness.step();
+    }
+
+    /// The controller's clock (s).
+    fn clock_s(&self) -> f64 {
+        let sample = self.bench.state().model.link.live().sample;
+        sample.map_or(0.0, |sample| sample.time_s)
+    }
+
+    fn verify(&mut self, button: &str, runs: usize) -> f64 {
+        let before_s = self.clock_s();
+        self.click(button);
+        self.bench.wait("a verification", |state| {
+            let open = state.model.open.as_ref().expect("a session");
+            open.session().verifications().len() == runs && state.model.link.verifying.is_none()
+        });
+        self.clock_s() - before_s
+    }
+}
+
+#[test]
+fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
+    let mut bench = Bench::new(Some(SEED));
+    bench.harness.set_size(egui::vec2(1600.0, 1000.0));
+    let mut operator = Operator { bench, clicks: 0 };
+    operator.click("Try the demo robot");
+    operator
+        .bench
+        .wait("the demonstration", |state| state.model.open.is_some());
+    operator.click("Next: Apply measured values");
+    operator.click("Next: Plan 25 poses");
+    operator.bench.settle("a plan");
+    operator.click("Next: Connect and arm the simulated robot");
+    operator
+        .bench
+        .wait("arming", |state| state.model.link.is_armed());
+    operator.click("Next: Start measuring");
+    operator
+        .bench
+        .wait("all poses", |state| !state.model.link.is_measuring());
+    let mut moving_s = operator.clock_s();
+    operator.click("Next: Identify the pulleys");
+    operator.bench.settle("an identification");
+    operator.click("Next: Diagnose model");
+    operator.bench.settle("a diagnosis");
+    operator.click("Next: Add to model: Winch scale (cable-3)");
+    operator.bench.settle("the identification with the cause");
+    operator.click("Next: Go to adjustment");
+    operator.click("Next: Add the parameters to the simulated controller");
+    operator
+        .bench
+        .wait("a controller that corrects effects", |state| {
+            let mut held = state.model.link.parameters.iter();
+            held.any(|p| p.name.starts_with("effect.")) && state.model.link.is_armed()
+        });
+    moving_s += operator.verify("Next: Measure before", 1);
+    operator.click("Next: Write ");
+    operator.bench.name_operator("Ada");
+    operator.click("Write");
+    operator
+        .bench
+        .wait("the values", |state| !state.model.link.writing);
+    moving_s += operator.verify("Next: Measure after", 2);
+    operator.click("Next: Accept the robot");
+    let last = operator.bench.session().verifications().last();
+    let accepted = last.and_then(|run| run.accepted.clone());
+    assert_eq!(accepted.expect("it is accepted").operator, "Ada");
+    assert!(find(&operator.bench.harness, "Next: Save report").is_some());
+    assert!(operator.clicks <= MOST_CLICKS, "{} clicks", operator.clicks);
+    let waited_s = moving_s / SIMULATED_SPEED;
+    assert!(waited_s < MOST_S, "{waited_s} s at the usual speed");
+}
+
+#[test]
+fn the_next_step_follows_results() {
+    let mut bench = Bench::demo(SEED);
+    let next = |bench: &mut Bench| {
+        bench.harness.run_ok();
+        let node = find(&bench.harness, "Next: ");
+        node.and_then(|node| node.accesskit_node().label())
+            .unwrap_or_default()
+    };
+    bench.go(Phase::Adjustment);
+    assert_eq!(next(&mut bench), "Next: Go to measuring");
+    bench.go(Phase::Identification);
+    assert_eq!(next(&mut bench), "Next: Go to measuring");
+    assert_eq!(bench.measure(8), 9);
+    assert_eq!(next(&mut bench), "Next: Identify the pulleys");
+    bench.press("Next: Identify the pulleys");
+    bench.settle("an identification");
+    assert_eq!(
+        bench.state().model.screen,
+        Screen::Phase(Phase::Identification)
+    );
+    let open = bench.state().model.open.as_ref().expect("a session");
+    assert!(open.fit_is_current());
+    assert_ne!(next(&mut bench), "Next: Identify the pulleys");
+    bench.give(tautline_workbench::model::edit::Edit::Exclude(3));
+    bench.settle("another identification");
+    bench.go(Phase::Measuring);
+    assert_eq!(next(&mut bench), "Next: Go to identification");
+}
