@@ -20,7 +20,7 @@ fn modeling() -> Bench {
 #[test]
 fn elongation_is_imported_assessed_applied_and_undone() {
     let mut bench = modeling();
-    assert!(bench.shows("a constant stiffness of 40000 N is used"));
+    assert!(bench.shows("the model has a constant stiffness of 40000 N"));
     let path = bench.write("elongation.csv", &elongation_table());
     bench.import("elongation.csv", &path);
     assert!(bench.shows("A surface of degree 2 fits all 64 points"));

@@ -118,7 +118,7 @@ fn force_sensors_are_assessed_and_applied() {
     let path = bench.write("force.csv", &force_table());
     bench.import("force.csv", &path);
     assert!(bench.shows("All 2 force sensors measured are within 1 N."));
-    assert!(bench.shows("2 of 2 sensors within 1 N, not used yet"));
+    assert!(bench.shows("2 of 2 sensors within 1 N, not applied yet"));
     bench.press("Apply values");
     let sensor = bench.session().robot.cables[1]
         .force_sensor
