@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use tautline_core::diagnosis::{Cause, DiagnosisOptions, Finding, Verdict, diagnose};
-use tautline_core::effect::EffectRequest;
+use tautline_core::effect::{EffectRequest, find};
 use tautline_core::estimation::{
     Analysis, Control, Geometry, Globals, ObservationKind, Options, Poses, Problem, Solution, solve,
 };
@@ -136,10 +136,11 @@ fn row(effects: &'static [&'static str], series2: &Dataset, series1: &Dataset) -
     let mut problem = Problem::new(&other)?;
     problem.geometry = Geometry::Held;
     let other_fit = run(&problem)?;
-    let growth = whole
-        .parameters
-        .iter()
-        .position(|p| p.name.starts_with("drum_growth"));
+    let build_up = find("drum_growth")
+        .context("no build-up of the drum")?
+        .title();
+    let mut parameters = whole.parameters.iter();
+    let growth = parameters.position(|p| p.name.starts_with(build_up));
     let value = |globals: &Globals| globals.effects.last().map_or(f64::NAN, |e| e.values[0]);
     Ok(ModelRow {
         effects,

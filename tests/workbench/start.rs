@@ -37,7 +37,7 @@ fn arrow_keys_choose_in_the_command_palette() {
     let mut harness = workbench();
     settle(&mut harness);
     give(&mut harness, ViewCommand::Palette(true));
-    // The demonstration, opening a file, comparing.
+    // The demonstration, opening a file, importing one.
     harness.key_press(Key::ArrowDown);
     harness.key_press(Key::ArrowDown);
     harness.key_press(Key::ArrowDown);
@@ -45,6 +45,6 @@ fn arrow_keys_choose_in_the_command_palette() {
     harness.run_ok();
     harness.key_press(Key::Enter);
     settle(&mut harness);
-    assert_eq!(harness.state().state.model.screen, Screen::Compare);
+    assert_eq!(harness.state().state.model.screen, Screen::Import);
     assert!(harness.state().state.model.dialogs.palette.is_none());
 }

@@ -243,7 +243,7 @@ fn file(state: &State) -> Vec<Item> {
         let title = format!("New robot: {}", template.title().to_lowercase());
         item(Menu::File, title, None, true, FileCommand::New(template))
     });
-    items.splice(1..1, new);
+    items.splice(3..3, new);
     items
 }
 
