@@ -69,7 +69,7 @@ pub const RECIPES: [Recipe; 6] = [
     MINI,
     Recipe {
         file: "mini-winch-scale/session.json",
-        name: "MINI, a drum of another diameter",
+        name: "MINI, a winch that pays out too much",
         begun: "2026-03-03T08:30:00Z",
         hidden: &[("winch_scale", Some("cable-3"), &[("scale", 0.02)])],
         has_winch_bench: false,
@@ -77,7 +77,7 @@ pub const RECIPES: [Recipe; 6] = [
     },
     Recipe {
         file: "hall-creep-and-slip/session.json",
-        name: "Hall robot, creep and a slip",
+        name: "Hall robot, two faults at once",
         preset: "hall",
         begun: "2026-03-09T13:00:00Z",
         hidden: &[
@@ -105,7 +105,7 @@ pub const RECIPES: [Recipe; 6] = [
     },
     Recipe {
         file: "before-after/before.json",
-        name: "MINI before the repair",
+        name: "One pulley was moved, before",
         begun: "2026-04-13T08:30:00Z",
         robot_seed: 7,
         seed: 7,
@@ -114,7 +114,7 @@ pub const RECIPES: [Recipe; 6] = [
     },
     Recipe {
         file: "before-after/after.json",
-        name: "MINI after the repair",
+        name: "One pulley was moved, after",
         begun: "2026-05-11T08:30:00Z",
         robot_seed: 7,
         seed: 8,
