@@ -83,13 +83,14 @@ fn of_run(run: &Verification) -> Result<Named, String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use tautline_core::robot::presets;
     use tautline_session::{CheckKind, CheckPose, CheckRow, Timestamp};
 
     use super::*;
 
-    fn run(stage: Stage, off_m: f64) -> Verification {
+    /// A verification of one pose, measured twice, off by so much each time.
+    pub fn run(stage: Stage, seconds: i64, off_m: f64) -> Verification {
         let pose = |x: f64| CheckPose {
             position_m: [x, 0.0, 0.0],
             orientation_wxyz: None,
@@ -104,7 +105,7 @@ mod tests {
             attained: pose(0.1 + off_m),
         };
         Verification {
-            time: Timestamp::from_unix_seconds(0),
+            time: Timestamp::from_unix_seconds(seconds),
             title: String::new(),
             stage,
             rows: vec![row(1), row(2)],
@@ -116,11 +117,11 @@ mod tests {
     fn the_last_run_of_each_stage_counts() {
         let robot = presets::find("mini").expect("a preset").robot;
         let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
-        session.add_verification(run(Stage::Before, 5e-3));
-        session.add_verification(run(Stage::Before, 2e-3));
+        session.add_verification(run(Stage::Before, 0, 5e-3));
+        session.add_verification(run(Stage::Before, 0, 2e-3));
         let alone = figures(&session).expect("figures");
         assert_eq!(alone.lines[0].gain(), None);
-        session.add_verification(run(Stage::After, 5e-4));
+        session.add_verification(run(Stage::After, 0, 5e-4));
         let both = figures(&session).expect("figures");
         assert_eq!(both.lines[0].name, "Pose accuracy, mean");
         assert!((both.lines[0].gain().expect("both") - 0.75).abs() < 1e-9);

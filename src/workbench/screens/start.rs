@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Key, Layout, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Align, Button, Key, Layout, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
 use crate::model::command::{CompareCommand, FileCommand, Outbox, RecordingCommand};
-
 use crate::theme::{self, GRID};
-use crate::widgets::{icon_button, icon_only, muted, primary, section};
+use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 
@@ -23,33 +22,28 @@ pub struct PanelState {
     samples: Option<Vec<Sample>>,
 }
 
-const WIDTH: f32 = 640.0;
 /// Number of unsaved sessions that are listed at first.
 const UNSAVED_SHOWN: usize = 3;
 
 /// Draws the start screen.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    let margin = ((ui.available_width() - WIDTH) / 2.0).max(4.0 * GRID);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.add_space(margin);
-            ui.vertical(|ui| {
-                ui.set_width(WIDTH.min(ui.available_width() - margin));
-                ui.add_space((ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID));
-                ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
-                muted(ui, "Find where the pulleys of a cable robot really are, and what its model still gets wrong.");
-                ui.add_space(4.0 * GRID);
-                unsaved_sessions(ui, model, panel, outbox);
-                begin(ui, outbox);
-                section(ui, "Open a session, a robot.json or a dataset folder");
-                open(ui, panel, outbox);
-                new_robot(ui, outbox);
-                compare(ui, outbox);
-                recent(ui, model, outbox);
-                sample_sessions(ui, panel, outbox);
-                ui.add_space(6.0 * GRID);
-            });
-        });
+    let above = (ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID);
+    page(ui, above, |ui| {
+        ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
+        muted(
+            ui,
+            "Find where the pulleys of a cable robot really are, and what its model still gets wrong.",
+        );
+        ui.add_space(4.0 * GRID);
+        unsaved_sessions(ui, model, panel, outbox);
+        begin(ui, outbox);
+        section(ui, "Open a session, a robot.json or a dataset folder");
+        open(ui, panel, outbox);
+        new_robot(ui, outbox);
+        compare(ui, outbox);
+        recent(ui, model, outbox);
+        sample_sessions(ui, panel, outbox);
+        ui.add_space(6.0 * GRID);
     });
 }
 

@@ -260,21 +260,12 @@ impl CoordinateCorrelation {
 
 #[cfg(test)]
 mod tests {
-    use tautline_core::estimation::{Control, Method};
-
     use super::*;
-    use crate::documents::diagnosis::samples::dataset;
-    use crate::identification::{IdentificationRequest, identify};
-
-    fn fit() -> Identification {
-        let request = IdentificationRequest::new(dataset(), Method::Joint, &[]);
-        let request = request.expect("a request");
-        identify(&request, &mut |_| Control::Continue).expect("identified")
-    }
+    use crate::documents::diagnosis::samples::identified;
 
     #[test]
     fn an_inspection_has_the_numbers_of_the_solution() {
-        let fit = fit();
+        let fit = identified();
         let robot = &fit.dataset.robot;
         for cable in 0..robot.cable_count() {
             let seen = PulleyInspection::of(robot, Some(&fit), cable).expect("a cable");
@@ -338,7 +329,7 @@ mod tests {
 
     #[test]
     fn a_sentence_says_how_far_and_whether_that_is_noise() {
-        let fit = fit();
+        let fit = identified();
         let robot = &fit.dataset.robot;
         let nothing = PulleyInspection::of(robot, None, 0).expect("a cable");
         assert!(

@@ -255,21 +255,12 @@ fn quoted(cell: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use tautline_core::estimation::{Control, Method};
-
     use super::*;
-    use crate::documents::diagnosis::samples::dataset;
-    use crate::identification::{IdentificationRequest, identify};
-
-    fn fit() -> Identification {
-        let request = IdentificationRequest::new(dataset(), Method::Joint, &[]);
-        let request = request.expect("a request");
-        identify(&request, &mut |_| Control::Continue).expect("identified")
-    }
+    use crate::documents::diagnosis::samples::identified;
 
     #[test]
     fn every_reading_and_every_value_has_a_line() {
-        let fit = fit();
+        let fit = identified();
         let readings = reading_statistics(&fit);
         assert_eq!(readings.len(), all_readings(&fit.analysis).count());
         assert!(readings.len() > 80);
@@ -292,7 +283,7 @@ mod tests {
 
     #[test]
     fn tables_have_a_row_each_and_as_many_cells_as_headings() {
-        let fit = fit();
+        let fit = identified();
         for (text, rows) in [
             (readings_csv(&fit), reading_statistics(&fit).len()),
             (values_csv(&fit), value_statistics(&fit).len()),

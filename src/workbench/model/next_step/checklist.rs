@@ -165,35 +165,13 @@ fn after(session: &Session) -> Option<&Verification> {
 #[cfg(test)]
 mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::{Acceptance, Adjustment, CheckKind, CheckPose, CheckRow, Timestamp};
+    use tautline_session::{Acceptance, Adjustment, Timestamp};
 
     use super::*;
+    use crate::model::accuracy_figures::tests::run;
 
     fn at(seconds: i64) -> Timestamp {
         Timestamp::from_unix_seconds(seconds)
-    }
-
-    fn run(stage: Stage, seconds: i64, off_m: f64) -> Verification {
-        let pose = |x: f64| CheckPose {
-            position_m: [x, 0.0, 0.0],
-            orientation_wxyz: None,
-        };
-        let row = |cycle: i64| CheckRow {
-            kind: CheckKind::Pose,
-            target: "P1".into(),
-            cycle,
-            sample: 0,
-            time_s: None,
-            commanded: pose(0.1),
-            attained: pose(0.1 + off_m),
-        };
-        Verification {
-            time: at(seconds),
-            title: String::new(),
-            stage,
-            rows: vec![row(1), row(2)],
-            accepted: None,
-        }
     }
 
     fn written(seconds: i64) -> Adjustment {

@@ -1,6 +1,6 @@
 //! Before there is anything to import: a file, or the robot that was measured.
 
-use egui::{ScrollArea, Ui};
+use egui::Ui;
 use tautline_core::robot::presets;
 use tautline_workflow::templates::Template;
 
@@ -9,29 +9,18 @@ use super::files::path_row;
 use crate::model::Model;
 use crate::model::command::{FileCommand, Outbox, RecordingCommand};
 use crate::theme::GRID;
-use crate::widgets::{heading, icon_button, muted, section};
+use crate::widgets::{heading, icon_button, muted, page, section};
 use egui_material_icons::icons;
-
-/// Greatest width of the text (points).
-const WIDTH: f32 = 640.0;
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    let margin = ((ui.available_width() - WIDTH) / 2.0).max(4.0 * GRID);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.add_space(margin);
-            ui.vertical(|ui| {
-                ui.set_width(WIDTH.min(ui.available_width() - margin));
-                ui.add_space(8.0 * GRID);
-                heading(ui, "Import files of other programs");
-                if model.open.is_some() {
-                    file(ui, panel, outbox);
-                } else {
-                    robot(ui, model, panel, outbox);
-                }
-            });
-        });
+    page(ui, 8.0 * GRID, |ui| {
+        heading(ui, "Import files of other programs");
+        if model.open.is_some() {
+            file(ui, panel, outbox);
+        } else {
+            robot(ui, model, panel, outbox);
+        }
     });
 }
 

@@ -8,13 +8,21 @@ use tautline_core::diagnosis::{
     Separation, Variable, Verdict,
 };
 use tautline_core::effect::{BoundEffect, EffectRequest, UNKNOWN};
-use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
+use tautline_core::estimation::{Control, Method, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, simulate};
 
 use super::Diagnosed;
+use crate::identification::{Identification, IdentificationRequest, identify};
+
+/// [`dataset`], identified.
+pub fn identified() -> Identification {
+    let request = IdentificationRequest::new(dataset(), Method::Joint, &[]);
+    let request = request.expect("a request");
+    identify(&request, &mut |_| Control::Continue).expect("identified")
+}
 
 /// A planar robot with four cables at twelve poses.
 pub fn dataset() -> Dataset {
