@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fmt::Write;
 
-use tautline_session::escape_formula;
+use tautline_session::csv_row;
 
 use crate::adjusting::Difference;
 use crate::parameters::ParameterInfo;
@@ -14,21 +14,14 @@ pub fn differences_csv(differences: &[Difference]) -> String {
     let mut text = "name,unit,controller,identified,difference,sd\n".to_owned();
     let cell = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for line in differences {
-        let name = escape_formula(&line.name);
-        let name = match name.contains([',', '"', '\n', '\r']) {
-            true => format!("\"{}\"", name.replace('"', "\"\"")),
-            false => name.into_owned(),
-        };
-        let cells = [
-            name,
+        text += &csv_row(&[
+            line.name.clone(),
             line.unit.to_owned(),
             cell(line.controller),
             line.identified.to_string(),
             cell(line.difference),
             cell(line.sd),
-        ];
-        text.push_str(&cells.join(","));
-        text.push('\n');
+        ]);
     }
     text
 }

@@ -60,7 +60,7 @@ pub use session::{
     write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
-pub use table::escape_formula;
+pub use table::{csv_row, escape_formula};
 
 /// The schemas of all files that are read.
 #[must_use]

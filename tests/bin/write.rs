@@ -21,8 +21,17 @@ const FIRST_SEED: u64 = 1000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, nist, hidden KIND, workbench [write | PART], \
+             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
+             your-data";
+
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let is_option = |argument: &String| argument.starts_with('-');
+    // Only studies have options; for others one is no name of a folder.
+    if arguments.first().is_some_and(|first| first != "hidden") && arguments.iter().any(is_option) {
+        bail!(USAGE);
+    }
     let argument = arguments.get(1).map(String::as_str);
     match arguments.first().map(String::as_str) {
         Some("truth") => println!("{}", truth_table(argument)?),
@@ -44,11 +53,7 @@ fn main() -> Result<()> {
             let folder = argument.context("looks: the folder to write to is missing")?;
             screenshots::looks::write_all(Path::new(folder), arguments.get(2).map(String::as_str))?;
         }
-        _ => bail!(
-            "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, nist, hidden KIND, workbench [write | PART], \
-             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
-             your-data"
-        ),
+        _ => bail!(USAGE),
     }
     Ok(())
 }

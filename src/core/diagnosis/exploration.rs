@@ -61,7 +61,7 @@ pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
     largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
 }
 
-/// From a fit with its own hyperparameters. At the first fit of all whole families are tried together, too.
+/// From a fit with its own hyperparameters. Whole families are tried together, too, at the first fit of a diagnosis.
 pub(super) fn explore(
     at: &LinearFit<'_, '_>,
     own: Hyperparameters,

@@ -64,7 +64,7 @@ pub(super) struct Linear {
     /// Derivatives with respect to what is always estimated.
     pub fixed: DMatrix<f64>,
     pub shapes: Vec<Shape>,
-    /// Variance factors from which they are estimated: from louder noise than there is the estimation would not find a
+    /// Variance factors from which they are estimated, with no background: from louder noise than there is the estimation would not find a
     /// background, and from quieter it would try one in every class.
     pub start: Vec<f64>,
 }
@@ -93,11 +93,6 @@ impl Linear {
     pub fn described(&self) -> Hyperparameters {
         let classes = self.conditions.classes.len();
         self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()])
-    }
-
-    /// Where the estimation starts: no background.
-    pub fn start(&self) -> Hyperparameters {
-        self.with_prior(self.start.clone(), vec![0; self.shapes.len()])
     }
 
     /// The shapes of each kind of reading and group.
@@ -212,12 +207,12 @@ impl Linear {
         y.column(0).into_owned()
     }
 
-    /// The hyperparameters with the largest posterior density given further columns, from some.
+    /// The hyperparameters with the largest posterior density given further columns.
     ///
     /// Readings of several cables may show the same error: where changing all amplitudes at once makes it worse, only that
     /// with the largest gain is changed.
-    pub fn estimate(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Hyperparameters {
-        let mut at = from.clone();
+    pub fn estimate(&self, further: &DMatrix<f64>) -> Hyperparameters {
+        let mut at = self.with_prior(self.start.clone(), vec![0; self.shapes.len()]);
         let mut best: Option<(f64, Hyperparameters, Hyperparameters)> = None;
         for _ in 0..MOST_STEPS {
             let base = self.base(&at, further);

@@ -99,8 +99,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
 
     /// The hyperparameters that suit a set.
     pub fn estimate(&self, members: &[Member]) -> Hyperparameters {
-        self.linear
-            .estimate(&self.linear.start(), &self.columns(members))
+        self.linear.estimate(&self.columns(members))
     }
 
     pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {

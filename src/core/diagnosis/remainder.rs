@@ -27,7 +27,7 @@ const NEARLY_ALL: f64 = 0.9;
 const ALL: f64 = 0.98;
 /// Logarithm of the odds from which such an error is possible all the same, and those that are said of it.
 const OPEN: f64 = 6.0;
-const MOST_OPEN: f64 = 2.2;
+const OPEN_ODDS: f64 = 2.2;
 
 /// An error without a name.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,7 +152,7 @@ fn rival(
     // What a cause explains with no more parameters is not taken from it. If its rival explains more, and is far likelier,
     // which of both it is stays open.
     let log_odds = match has_no_more && share >= NEARLY_ALL {
-        true if share < ALL && log_odds > OPEN => MOST_OPEN,
+        true if share < ALL && log_odds > OPEN => OPEN_ODDS,
         true => return None,
         false => log_odds,
     };

@@ -6,7 +6,7 @@
 //! recordings lie at all is found by correlating how fast each of them changes; then offset, drift and `f` are fitted by
 //! least squares. The standard deviations are those of a jackknife over parts of the recording that are longer than its
 //! errors are alike (Künsch 1989, The jackknife and the bootstrap for general stationary observations), because neighbouring
-//! samples are not independent. Without a part the polynomial has less hold: in simulations they are about twice too large.
+//! samples are not independent. Without a part the polynomial has less hold, so that they are rather too large.
 
 mod coarse;
 mod fit;

@@ -15,6 +15,7 @@ use formula::unescape_formula;
 use lines::Lines;
 pub(crate) use quaternion::quaternion_fault;
 pub(crate) use write::TableWriter;
+pub use write::csv_row;
 
 /// A table that is read row by row.
 pub(crate) struct Table<R> {

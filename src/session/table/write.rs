@@ -72,6 +72,31 @@ impl<W: Write> TableWriter<W> {
     }
 }
 
+/// A row of a table as text, for tables that are shown before they are files: cells with separators are quoted, and none is
+/// a formula.
+pub fn csv_row<S: AsRef<str>>(cells: &[S]) -> String {
+    let quoted = cells.iter().map(|cell| {
+        let cell = escape_formula(cell.as_ref());
+        match cell.contains([',', '"', '\n', '\r']) {
+            true => format!("\"{}\"", cell.replace('"', "\"\"")),
+            false => cell.into_owned(),
+        }
+    });
+    quoted.collect::<Vec<_>>().join(",") + "\n"
+}
+
 fn invalid(message: String) -> Error {
     Error::new(ErrorKind::InvalidInput, message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_quoted_and_are_no_formulas() {
+        assert_eq!(csv_row(&["=1+1"]), "'=1+1\n");
+        assert_eq!(csv_row(&["-1.5"]), "-1.5\n");
+        assert_eq!(csv_row(&["a, \"b\"", ""]), "\"a, \"\"b\"\"\",\n");
+    }
 }

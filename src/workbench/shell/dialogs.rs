@@ -104,7 +104,7 @@ fn head(ui: &mut Ui, choice: &mut ReportChoice) {
 /// By what a report judges, and which sections it has.
 fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
     ui.horizontal(|ui| {
-        ui.label("Tolerance of the pulleys (mm)");
+        ui.label("Tolerance of the pulleys");
         let shown = Number {
             name: "Tolerance of the pulleys (mm)",
             value: choice.tolerance_m.map(|m| 1e3 * m),

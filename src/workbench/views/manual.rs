@@ -195,8 +195,7 @@ fn about(ui: &mut Ui, outbox: &mut Outbox) {
         .open(&mut is_open)
         .collapsible(false)
         .resizable(false)
-        .pivot(egui::Align2::CENTER_CENTER)
-        .default_pos(ui.ctx().content_rect().center())
+        .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
         .default_size(vec2(460.0, 420.0).min(room))
         .max_size(room)
         .show(ui.ctx(), |ui| {

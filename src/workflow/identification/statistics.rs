@@ -5,7 +5,7 @@ use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{DetectionTest, Observation, Parameter, ParameterId};
 use tautline_core::geometry::Coordinate;
 use tautline_core::statistics::normal_quantile;
-use tautline_session::escape_formula;
+use tautline_session::csv_row;
 
 use super::{Identification, all_readings, group_of, reading_name};
 use crate::wording::units::unit_of;
@@ -194,7 +194,7 @@ pub fn readings_csv(fit: &Identification) -> String {
     let mut text = "pose,reading,unit,residual,sd,redundancy,normalised_residual,smallest_detectable_error,influence_m,moves,suspect\n".to_owned();
     for one in reading_statistics(fit) {
         let moves = one.moves.and_then(|cable| cables.get(cable));
-        text += &line(&[
+        text += &csv_row(&[
             one.pose.to_string(),
             one.name,
             one.unit.to_owned(),
@@ -217,7 +217,7 @@ pub fn values_csv(fit: &Identification) -> String {
     let mut text = "parameter,unit,nominal,value,sd,prior_sd,from_95,to_95\n".to_owned();
     for one in value_statistics(fit) {
         let [from, to] = [0, 1].map(|end| one.interval.map(|ends| ends[end]));
-        text += &line(&[
+        text += &csv_row(&[
             one.name,
             one.unit.to_owned(),
             known(one.nominal),
@@ -233,24 +233,6 @@ pub fn values_csv(fit: &Identification) -> String {
 
 fn known(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
-}
-
-fn line(cells: &[String]) -> String {
-    let cells: Vec<String> = cells.iter().map(|cell| quoted(cell)).collect();
-    cells.join(",") + "\n"
-}
-
-/// Names are given by the user: they are no formulas of spreadsheets, and may contain commas.
-fn quoted(cell: &str) -> String {
-    if cell.parse::<f64>().is_ok() {
-        return cell.to_owned();
-    }
-    let cell = escape_formula(cell);
-    if cell.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
-    } else {
-        cell.to_string()
-    }
 }
 
 #[cfg(test)]
@@ -298,8 +280,5 @@ mod tests {
                 assert_eq!(line.split(',').count(), heads, "{line}");
             }
         }
-        assert_eq!(quoted("=1+1"), "'=1+1");
-        assert_eq!(quoted("-1.5"), "-1.5");
-        assert_eq!(quoted("a, \"b\""), "\"a, \"\"b\"\"\"");
     }
 }

@@ -13,6 +13,7 @@ pub mod figure;
 pub mod gaps;
 mod heat;
 pub mod histogram;
+pub mod round;
 pub mod scale;
 pub mod table;
 pub mod thin;

@@ -3,6 +3,7 @@
 use emath::{Pos2, Rect, Vec2};
 
 use super::figure::Axis;
+use super::round::round_up;
 
 /// What a plot shows and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,11 +122,7 @@ pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
 
 /// The smallest of 1, 2, 5 times a power of ten that gives at most `most` ticks; a whole number where asked.
 fn step([low, high]: [f64; 2], most: usize, is_whole: bool) -> f64 {
-    let raw = (high - low) / most.max(1) as f64;
-    let power = 10_f64.powf(raw.log10().floor());
-    let nice = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
-    let step = nice.into_iter().find(|step| *step >= raw * (1.0 - 1e-9));
-    let step = step.unwrap_or(10.0 * power);
+    let step = round_up((high - low) / most.max(1) as f64);
     if is_whole {
         step.max(1.0).round()
     } else {

@@ -1,6 +1,6 @@
 //! The values of a figure as a table (CSV).
 
-use tautline_session::escape_formula;
+use tautline_session::csv_row;
 
 use super::figure::{Figure, Heat, Point};
 
@@ -14,7 +14,7 @@ pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
     if let Some(heat) = &figure.heat {
         return cells(figure, heat, &is_seen);
     }
-    let mut table = row(&[
+    let mut table = csv_row(&[
         "name",
         "pose",
         &figure.x.title(),
@@ -35,7 +35,7 @@ pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
         let excluded = if point.excluded { "yes" } else { "" };
         let x = figure.x.number(point.x).to_string();
         let y = figure.y.number(point.y).to_string();
-        table += &row(&[name, &pose, &x, &y, &sd_x, &sd_y, excluded]);
+        table += &csv_row(&[name, &pose, &x, &y, &sd_x, &sd_y, excluded]);
     }
     table
 }
@@ -61,7 +61,7 @@ fn values(figure: &Figure) -> Vec<(&str, Point)> {
 }
 
 fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
-    let mut table = row(&[&figure.x.title(), &figure.y.title(), &heat.axis.title()]);
+    let mut table = csv_row(&[&figure.x.title(), &figure.y.title(), &heat.axis.title()]);
     let columns = heat.x.len().saturating_sub(1).max(1);
     let [names_x, names_y] = &heat.names;
     for (index, value) in heat.values.iter().enumerate() {
@@ -74,7 +74,7 @@ fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> St
             let name = |names: &[String], k: usize, at: f64| {
                 names.get(k).cloned().unwrap_or_else(|| at.to_string())
             };
-            table += &row(&[
+            table += &csv_row(&[
                 &name(names_x, c, x),
                 &name(names_y, r, y),
                 &value.to_string(),
@@ -82,20 +82,6 @@ fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> St
         }
     }
     table
-}
-
-/// A row of a table; cells with separators are quoted, and none is a formula.
-fn row(cells: &[&str]) -> String {
-    let quoted = cells.iter().map(|cell| {
-        let cell = escape_formula(cell);
-        match cell.contains([',', '"', '\n', '\r']) {
-            true => format!("\"{}\"", cell.replace('"', "\"\"")),
-            false => cell.into_owned(),
-        }
-    });
-    let mut line = quoted.collect::<Vec<_>>().join(",");
-    line.push('\n');
-    line
 }
 
 #[cfg(test)]

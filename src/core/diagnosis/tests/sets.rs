@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::super::candidates::{Acts, is_alike};
+use super::super::candidates::Acts;
 use super::super::evidence::{Member, System};
 use super::super::gram::Gram;
+use super::super::inference::is_same_cause;
 use super::super::linear_fit::LinearFit;
 use super::super::report::Cause;
 use super::super::search::{Search, Visited, settled};
@@ -132,10 +133,10 @@ const FEW: [&str; 4] = ["winch_scale", "winch_offset", "force_gain", "pulley_rad
 fn probabilities(hidden: &[EffectSetting], seed: u64) -> Vec<(f64, f64, bool)> {
     let mut dataset = run_with("planar", 12, seed, hidden).dataset;
     dataset.measurements.laser_m.clear();
-    let truth: Vec<BoundEffect> = hidden
-        .iter()
-        .map(|setting| BoundEffect::from_setting(setting, &dataset.robot).unwrap())
-        .collect();
+    let of = |setting| Cause {
+        instances: vec![BoundEffect::from_setting(setting, &dataset.robot).unwrap()],
+    };
+    let truth: Vec<Cause> = hidden.iter().map(of).collect();
     let problem = based(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
     let mut at = LinearFit::new(&fit, 0.8, true);
@@ -167,14 +168,7 @@ fn probabilities(hidden: &[EffectSetting], seed: u64) -> Vec<(f64, f64, bool)> {
     };
     let is_true = |index: usize| {
         let cause = candidates[index].placed();
-        truth.iter().any(|bound| {
-            let pose = bound.effect.pose_parameter();
-            let own = Cause {
-                instances: vec![bound.clone()],
-            };
-            is_alike(&cause, &own)
-                && pose.is_none_or(|k| cause.instances[0].values[k] == bound.values[k])
-        })
+        truth.iter().any(|own| is_same_cause(&cause, own))
     };
     let (exact, found) = (of_all(&exact), of_all(&visited));
     let both = exact.iter().zip(found.iter());

@@ -61,16 +61,16 @@ impl Link {
 }
 
 fn at_pose(doing: Doing, label: i64) -> String {
-    let (to, at) = match label {
-        0 => ("home".to_owned(), "home".to_owned()),
-        label => (format!("pose {label}"), format!("pose {label}")),
+    let place = match label {
+        0 => "home".to_owned(),
+        label => format!("pose {label}"),
     };
     match doing {
-        Doing::Settling { .. } => format!("At {at}, settling"),
-        Doing::Sampling { taken, of } => format!("At {at}, reading sample {taken} of {of}"),
-        Doing::Asking { .. } => format!("At {at}, waiting for the laser distance"),
+        Doing::Settling { .. } => format!("At {place}, settling"),
+        Doing::Sampling { taken, of } => format!("At {place}, reading sample {taken} of {of}"),
+        Doing::Asking { .. } => format!("At {place}, waiting for the laser distance"),
         Doing::Nothing | Doing::Moving | Doing::Verifying { .. } | Doing::Locating { .. } => {
-            format!("Moving to {to}")
+            format!("Moving to {place}")
         }
     }
 }

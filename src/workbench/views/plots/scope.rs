@@ -2,6 +2,7 @@
 
 use egui::{Align, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, vec2};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Series};
+use tautline_workflow::plot::round::round_up;
 use tautline_workflow::plot::{Layout, Plot, Seen};
 use tautline_workflow::wording::cable_label;
 
@@ -292,13 +293,7 @@ fn round_around([low, high]: [f64; 2], least: f64) -> [f64; 2] {
     if low > high {
         return [0.0, least];
     }
-    let rough = (high - low).max(least) / 4.0;
-    let power = 10_f64.powf(rough.log10().floor());
-    let factors = [1.0, 2.0, 5.0, 10.0].into_iter();
-    let step = factors
-        .map(|factor| factor * power)
-        .find(|step| *step >= rough)
-        .unwrap_or(rough);
+    let step = round_up((high - low).max(least) / 4.0);
     let (low, high) = ((low / step).floor() * step, (high / step).ceil() * step);
     if high - low < least {
         return [low - step, high + step];

@@ -11,8 +11,8 @@ use tautline_core::geometry::Vec3;
 
 use crate::theme::{self, Palette};
 use crate::views::robot_3d::camera::{Directions, StandardView};
-use crate::views::robot_3d::scene::round_length;
 use tautline_workflow::identification::{IdentifiedPulley, PulleyInspection};
+use tautline_workflow::plot::round::round_down;
 use tautline_workflow::wording::units::significant;
 
 /// From where the pulley is seen.
@@ -118,7 +118,7 @@ impl Scale {
         let half = (MARGIN * reach).max(0.02);
         Self {
             half,
-            grid: round_length(2.0 * half / LINES * 2.0),
+            grid: round_down(2.0 * half / LINES * 2.0),
         }
     }
 

@@ -4,10 +4,11 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, po
 
 use super::drawing::Options;
 use super::picking::{OnScreen, Picture};
-use super::scene::{Besides, round_length};
+use super::scene::Besides;
 use super::{callout, labels, legend, words};
 use crate::model::Selection;
 use crate::theme::{self, GRID, Palette};
+use tautline_workflow::plot::round::round_down;
 use tautline_workflow::wording::list;
 
 /// Size of what is written (points).
@@ -182,7 +183,7 @@ fn triad(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette
 /// A length at the depth of the point that is orbited, and the distance of the floor's lines; gives where they are.
 fn scale(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Rect {
     let per_metre = picture.size[1] / picture.camera.height_m();
-    let length = round_length(110.0 / per_metre);
+    let length = round_down(110.0 / per_metre);
     let width = (length * per_metre) as f32;
     let left = rect.left_bottom() + vec2(19.0 * GRID, -3.0 * GRID);
     let right = left + vec2(width, 0.0);

@@ -5,6 +5,7 @@ use tautline_core::robot::Robot;
 
 use super::{bounds, corners};
 use crate::views::robot_3d::camera::Directions;
+use tautline_workflow::plot::round::round_down;
 
 /// The floor with a grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +105,7 @@ fn members(low: &Vec3, high: &Vec3) -> Vec<[Vec3; 2]> {
 fn floor(low: &Vec3, high: &Vec3, directions: &Directions) -> Floor {
     let extent = high - low;
     let longest = extent.x.max(extent.y).max(0.2 * extent.z).max(1e-3);
-    let spacing_m = round_length(longest / 14.0);
+    let spacing_m = round_down(longest / 14.0);
     // Some floor beyond the frame, also where the frame has no depth; whole cells.
     let reach = |axis: usize| {
         let beyond = (0.14 * longest).max(0.5 * (0.4 * longest - extent[axis]));
@@ -122,14 +123,4 @@ fn floor(low: &Vec3, high: &Vec3, directions: &Directions) -> Floor {
         lines: along.chain(across).collect(),
         spacing_m,
     }
-}
-
-/// The largest of 1, 2 or 5 times a power of ten that is not above `length`.
-#[must_use]
-pub fn round_length(length: f64) -> f64 {
-    let power = 10_f64.powf(length.log10().floor());
-    let digit = [5.0, 2.0, 1.0]
-        .into_iter()
-        .find(|d| d * power <= length * (1.0 + 1e-12));
-    digit.unwrap_or(1.0) * power
 }

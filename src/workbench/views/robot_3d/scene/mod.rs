@@ -19,7 +19,7 @@ use tautline_core::geometry::{Pose, Vec3};
 pub use build::Subject;
 pub use displacement::{Displacement, Placed, Significance};
 pub use errors::PositionError;
-pub use frame::{Floor, FrameBox, round_length};
+pub use frame::{Floor, FrameBox};
 pub use measured::{MeasuredPose, MeasuredPoses};
 pub use platform::PlatformBox;
 

@@ -5,7 +5,6 @@ use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::presets;
 
-use super::frame::round_length;
 use super::*;
 use crate::model::Selection;
 
@@ -123,20 +122,4 @@ fn the_selected_pose_is_shown_with_its_own_tensions() {
     assert_eq!(scene.cables[7].tension_n, None);
     assert_eq!(scene.measured.len(), 1);
     assert_eq!(scene.measured[0].position, Vec3::new(0.1, 0.0, 0.05));
-}
-
-#[test]
-fn round_lengths() {
-    for (length, round) in [
-        (0.14, 0.1),
-        (0.2, 0.2),
-        (4.9, 2.0),
-        (5.0, 5.0),
-        (73.0, 50.0),
-    ] {
-        assert!(
-            (round_length(length) / round - 1.0_f64).abs() < 1e-12,
-            "{length}"
-        );
-    }
 }
