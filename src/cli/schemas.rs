@@ -9,13 +9,13 @@ use super::compare::ComparisonDocument;
 use super::home::HomeDocument;
 use super::measure::MeasuringDocument;
 use super::output::write_json;
-use super::plan::PlanDocument;
 use super::precalibrate::Precalibration;
 use super::verify::VerificationDocument;
 use crate::output::say;
 use tautline_import::{ImportDocument, Recipe};
 use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
+use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::identification::IdentificationDocument;
 use tautline_workflow::readiness::ReadinessDocument;
 

@@ -1,6 +1,5 @@
 //! `tautline plan`.
 
-mod document;
 mod goal;
 mod report;
 
@@ -15,9 +14,9 @@ use tautline_workflow::planning::HomeGain;
 use crate::effect_arguments::FreedEffects;
 use crate::input;
 use crate::output::{JsonOutput, say};
-pub use document::PlanDocument;
 use goal::GoalName;
 use tautline_workflow::documents::isolability::IsolabilityDocument;
+use tautline_workflow::documents::plan::PlanDocument;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {

@@ -1,9 +1,9 @@
 //! Readable form of a plan.
 
-use super::document::PlanDocument;
 use crate::isolability;
 use crate::output::say;
 use crate::table;
+use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::wording::units::quantity;
 
 /// Prints what to expect.

@@ -2,6 +2,7 @@
 
 pub mod diagnosis;
 pub mod isolability;
+pub mod plan;
 
 use tautline_session::{ResultDocument, ResultRecord, Session, Timestamp, VersionedFile};
 

@@ -1,11 +1,11 @@
 //! Machine form of a plan.
 
+use super::isolability::IsolabilityDocument;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
-use tautline_workflow::documents::isolability::IsolabilityDocument;
 
 /// Poses to measure, and what to expect of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -108,6 +108,8 @@ impl VersionedFile for PlanDocument {
 }
 
 impl PlanDocument {
+    /// Of a plan for a robot.
+    #[must_use]
     pub fn of(robot: &Robot, plan: &Plan) -> Self {
         let expected = |expectation: &Expectation| ExpectedDocument {
             log_det: Some(expectation.criteria.log_det).filter(|value| value.is_finite()),
