@@ -14,6 +14,7 @@ mod input_file;
 mod json;
 mod phases;
 mod plan_table;
+mod plots;
 mod poses;
 mod preferences;
 mod recovery;
@@ -41,10 +42,9 @@ pub use phases::{
     write_elongation, write_force, write_home, write_winch,
 };
 pub use plan_table::{read_plan, write_plan};
+pub use plots::{PlotArea, PlotShare, Plots};
 pub use poses::{read_poses, write_poses};
-pub use preferences::{
-    Arrangement, LastConnection, Layout, Plots, Preferences, RecentSession, Theme,
-};
+pub use preferences::{LastConnection, Layout, Preferences, RecentSession, Theme};
 pub use recovery::{
     RecoveredSession, RecoveryWriter, SessionChanges, UnsavedSession, find_unsaved_sessions,
     remove_discarded,

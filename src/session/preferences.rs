@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
 use crate::error::{Loaded, WriteError, below, fail};
-use crate::json::{VersionedFile, read_versioned, write_versioned};
+use crate::json::{Migration, VersionedFile, read_versioned, write_versioned};
+use crate::plots::Plots;
 use crate::session::{AdsPlace, LaserSettings, Timestamp};
 
 /// Number of recent sessions in the list.
@@ -60,29 +61,6 @@ pub struct Layout {
     pub panel_width: Option<f64>,
     /// Height of the plots (points).
     pub plots_height: Option<f64>,
-}
-
-/// Arrangement of the plots.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(default)]
-pub struct Plots {
-    /// The grid that they are in.
-    pub arrangement: Arrangement,
-    /// Name of the plot in each place, from the upper left one row by row; one that is not known is ignored.
-    pub panes: Vec<String>,
-}
-
-/// The grid that plots are shown in.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Arrangement {
-    /// One plot.
-    #[default]
-    One,
-    /// Two side by side.
-    SideBySide,
-    /// Two rows of two.
-    Grid,
 }
 
 /// Content of reports.
@@ -161,7 +139,8 @@ impl Default for Preferences {
 
 impl VersionedFile for Preferences {
     const FORMAT: &'static str = "tautline-preferences";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
+    const MIGRATIONS: &'static [Migration] = &[Plots::MIGRATION];
     const MAX_BYTES: u64 = 1 << 20;
 
     fn check(&self) -> Result<(), FieldError> {
@@ -180,6 +159,7 @@ impl VersionedFile for Preferences {
                 return fail(pointer, format!("found {length}, expected a length"));
             }
         }
+        self.plots.check().map_err(|error| below("/plots", error))?;
         let last = &self.last_connection;
         let place = last.place.as_ref().map_or(Ok(()), AdsPlace::check);
         place.map_err(|error| below("/last_connection/place", error))?;
@@ -261,6 +241,14 @@ fn absolute(path: &Path) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plots::{PlotArea, PlotShare};
+
+    fn tabs(plots: &[&str]) -> PlotArea {
+        PlotArea::Tabs {
+            plots: plots.iter().map(ToString::to_string).collect(),
+            shown: plots.first().map(ToString::to_string),
+        }
+    }
 
     fn at(seconds: i64) -> Timestamp {
         Timestamp::from_unix_seconds(seconds)
@@ -279,8 +267,17 @@ mod tests {
                 plots_height: None,
             },
             plots: Plots {
-                arrangement: Arrangement::SideBySide,
-                panes: vec!["laser".into()],
+                area: Some(PlotArea::Row(vec![
+                    PlotShare {
+                        share: 0.25,
+                        area: tabs(&["laser", "variable"]),
+                    },
+                    PlotShare {
+                        share: 0.75,
+                        area: tabs(&["residuals"]),
+                    },
+                ])),
+                detached: vec!["scope".into()],
             },
             operator: "B. Smith".into(),
             ..Preferences::default()
@@ -304,7 +301,7 @@ mod tests {
         for (text, pointer) in [
             ("", "empty file"),
             ("{", "cut off"),
-            (&format!("{head}2}}"), "/version"),
+            (&format!("{head}3}}"), "/version"),
             (&format!("{head}1, \"theme\": \"pink\"}}"), "/theme"),
             (
                 &format!("{head}1, \"interface_scale\": 0}}"),
@@ -317,6 +314,12 @@ mod tests {
             (
                 &format!("{head}1, \"layout\": {{\"plots_height\": -1}}}}"),
                 "/layout/plots_height",
+            ),
+            (
+                &format!(
+                    "{head}2, \"plots\": {{\"area\": {{\"row\": [{{\"share\": 0, \"area\": {{\"row\": []}}}}]}}}}}}"
+                ),
+                "/plots/area/row/0/share",
             ),
         ] {
             std::fs::write(&path, text).expect("written");
@@ -340,6 +343,19 @@ mod tests {
         assert_eq!(loaded.notices, Vec::<String>::new());
         let place = loaded.value.last_connection.place.expect("a place");
         assert_eq!(place.host, "plc");
+    }
+
+    #[test]
+    fn the_grid_of_plots_of_version_1_gives_way_to_the_usual_arrangement() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("preferences.json");
+        let text = r#"{"format": "tautline-preferences", "version": 1, "operator": "B. Smith",
+            "plots": {"arrangement": "side-by-side", "panes": ["laser"]}}"#;
+        std::fs::write(&path, text).expect("written");
+        let loaded = Preferences::load(&path);
+        assert_eq!(loaded.notices, Vec::<String>::new());
+        assert_eq!(loaded.value.plots, Plots::default());
+        assert_eq!(loaded.value.operator, "B. Smith");
     }
 
     #[test]

@@ -221,6 +221,8 @@ fn apply(style: &mut egui::Style, palette: &Palette) {
     spacing.scroll.foreground_color = false;
     // Labels that can be selected swallow the clicks on rows of tables.
     style.interaction.selectable_labels = false;
+    // Edges of panels are gripped without aiming.
+    style.interaction.resize_grab_radius_side = 2.0 * GRID;
     style.visuals = visuals(palette);
 }
 

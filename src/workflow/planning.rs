@@ -199,7 +199,12 @@ pub fn poses_in_words(labels: impl IntoIterator<Item = i64>) -> String {
 
 /// Labels of the plan that are not measured yet.
 pub fn missing_labels(session: &Session) -> impl Iterator<Item = i64> + '_ {
-    let measured: HashSet<i64> = session.measurements.labels.iter().copied().collect();
+    // The window asks in every frame: plans are short, measurements may be very many.
+    let mut planned: Vec<i64> = session.plan.iter().map(|pose| pose.label).collect();
+    planned.sort_unstable();
+    let measured = session.measurements.labels.iter();
+    let measured = measured.filter(|label| planned.binary_search(label).is_ok());
+    let measured: HashSet<i64> = measured.copied().collect();
     let planned = session.plan.iter().map(|pose| pose.label);
     planned.filter(move |label| !measured.contains(label))
 }

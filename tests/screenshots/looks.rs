@@ -13,6 +13,7 @@ use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::manual::Page;
 use tautline_workbench::model::messages::Severity;
+use tautline_workbench::model::part::Part;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
 use tautline_workflow::report::ReportFormat;
@@ -262,10 +263,7 @@ fn plots(looks: &mut Looks) -> Result<()> {
         "Correlation",
         "Statistics",
     ] {
-        if tab == "Statistics" {
-            looks.stage.press_named("More plots");
-        }
-        looks.stage.press_named(tab);
+        looks.stage.press_tab(tab);
         if tab == "Residuals" {
             looks.stage.press("Show cursors");
         }
@@ -273,6 +271,18 @@ fn plots(looks: &mut Looks) -> Result<()> {
         looks.at(&format!("plot-{tab}"))?;
     }
     looks.stage.press_named("Residuals");
+    looks.stage.press("Plot layout");
+    looks.stage.press("Four plots");
+    looks.at("plots-four")?;
+    looks.stage.give(ViewCommand::Maximise(Some(Part::Plots)));
+    looks.at("plots-maximised")?;
+    looks.stage.give(ViewCommand::Maximise(None));
+    looks.stage.press("Plot layout");
+    looks.stage.press_first("Open ");
+    looks.at("plot-detached")?;
+    looks.stage.press("Dock");
+    looks.stage.press("Plot layout");
+    looks.stage.press("One plot");
     Ok(())
 }
 

@@ -83,6 +83,18 @@ impl Stage {
         settle(&mut self.harness);
     }
 
+    /// Shows a plot, from the menu of those whose tabs have no room if need be.
+    pub fn press_tab(&mut self, title: &str) {
+        if self
+            .harness
+            .query_by_role_and_label(Role::Button, title)
+            .is_none()
+        {
+            self.press("More plots");
+        }
+        self.press_named(title);
+    }
+
     /// Presses keys and waits until all is done.
     pub fn key(&mut self, modifiers: egui::Modifiers, key: egui::Key) {
         self.harness.key_press_modifiers(modifiers, key);

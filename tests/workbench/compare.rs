@@ -18,7 +18,7 @@ use crate::measured::{give, press};
 use crate::support::{options, settle, workbench};
 
 /// Writes a session of a preset whose fifth pulley has moved by `moved_m` along y.
-fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
+pub fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
     let preset = presets::find(preset).expect("a preset");
     let mut truth = preset.robot.clone();
     if let Some(cable) = truth.cables.get_mut(4) {
@@ -39,7 +39,7 @@ fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
 }
 
 /// Types a path and takes it.
-fn take(harness: &mut Harness<'_, App>, side: &str, path: &Path) {
+pub fn take(harness: &mut Harness<'_, App>, side: &str, path: &Path) {
     let field = format!("Path of {side}");
     let text = path.display().to_string();
     let by_name = |harness: &Harness<'_, App>| {

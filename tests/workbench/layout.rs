@@ -1,9 +1,10 @@
-//! Nothing is clipped and nothing overlaps: every screen, dark and light, in small and large windows, at 100 and 200 %.
+//! Nothing is clipped and nothing overlaps: every screen, in windows from 1024 x 640 to 2560 x 1440 pixels, dark and light,
+//! at 100 and 200 %, with robots of 4, 8 and 16 cables. Sizes, themes, scales and numbers of cables meet in pairs: every
+//! level of each with every level of each other, not all four at a time.
 
 use egui::{Rect, Role, ThemePreference, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tautline_session::{Arrangement, Plots};
 use tautline_workbench::model::command::Answer;
 use tautline_workbench::model::command::Setup;
 use tautline_workbench::model::command::{
@@ -11,9 +12,10 @@ use tautline_workbench::model::command::{
     RobotCommand, ViewCommand,
 };
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::manual::Page;
+use tautline_workbench::model::part::Part;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::plots::Panes;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 
@@ -21,7 +23,35 @@ use crate::measured::{Measured, give};
 use crate::support::settle;
 
 /// Sizes of the window in pixels.
-const SIZES: [Vec2; 2] = [vec2(1280.0, 800.0), vec2(1920.0, 1080.0)];
+const SIZES: [Vec2; 4] = [
+    vec2(1024.0, 640.0),
+    vec2(1280.0, 800.0),
+    vec2(1920.0, 1080.0),
+    vec2(2560.0, 1440.0),
+];
+const SCALES: [f32; 2] = [1.0, 2.0];
+const THEMES: [ThemePreference; 2] = [ThemePreference::Dark, ThemePreference::Light];
+
+/// A window: theme, size in pixels, pixels per point.
+type Appearance = (ThemePreference, Vec2, f32);
+
+/// Every size at both scales, each of which has both themes.
+fn in_pairs() -> Vec<Appearance> {
+    let sizes = SIZES.into_iter().enumerate();
+    let all = sizes.flat_map(|(k, size)| {
+        let scales = SCALES.into_iter().enumerate();
+        scales.map(move |(j, scale)| (THEMES[(k + j) % 2], size, scale))
+    });
+    all.collect()
+}
+
+/// Every size once, so that each scale and theme occur twice: enough for one of several robots.
+fn once() -> Vec<Appearance> {
+    let sizes = SIZES.into_iter().enumerate();
+    let all = sizes.map(|(k, size)| (THEMES[k % 2], size, SCALES[usize::from(k == 1 || k == 2)]));
+    all.collect()
+}
+
 /// Edges may touch and lines of text may reach into each other's spacing by this much (points).
 const TOUCH: f32 = 2.5;
 
@@ -30,6 +60,8 @@ struct Seen {
     role: Role,
     name: String,
     rect: Rect,
+    /// With what of it cannot be seen.
+    whole: Rect,
 }
 
 /// What is on the screen: of what a scroll area has moved away, the part that can be seen.
@@ -53,6 +85,7 @@ fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
                 role: inner.role(),
                 name,
                 rect,
+                whole,
             })
         })
         .collect()
@@ -85,6 +118,12 @@ fn faults(harness: &Harness<'_, App>) -> Vec<String> {
 fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
     let mut faults = Vec::new();
     for part in all {
+        if part.rect.width() < part.whole.width() - 1.5 {
+            faults.push(format!(
+                "{:?} \"{}\" is cut at the side: {:?} of {:?}",
+                part.role, part.name, part.rect, part.whole
+            ));
+        }
         if part.rect.min.x < window.min.x - 0.5 || part.rect.max.x > window.max.x + 0.5 {
             faults.push(format!(
                 "{:?} \"{}\" leaves the window: {:?}",
@@ -119,7 +158,11 @@ fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
 
 /// Looks at the present screen in both themes, all sizes and scales.
 fn check(harness: &mut Harness<'_, App>, what: &str) {
-    check_with(harness, what, &mut |harness| {
+    check_in(harness, what, &in_pairs());
+}
+
+fn check_in(harness: &mut Harness<'_, App>, what: &str, appearances: &[Appearance]) {
+    check_with(harness, what, appearances, &mut |harness| {
         harness.run_ok();
         faults(harness)
     });
@@ -131,7 +174,7 @@ type Act<'a> = &'a mut dyn FnMut(&mut Harness<'_, App>);
 /// What is wrong with a window that is opened over the screen and closed again: it is looked at alone, and all of it
 /// has to be in the window of the program.
 fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [Act<'_>; 2]) {
-    check_with(harness, what, &mut |harness| {
+    check_with(harness, what, &in_pairs(), &mut |harness| {
         harness.run_ok();
         let behind = seen(harness);
         open(harness);
@@ -158,30 +201,26 @@ fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [Act<
     });
 }
 
-/// Finds faults in both themes, all sizes and scales.
+/// Finds faults in windows that look so.
 fn check_with(
     harness: &mut Harness<'_, App>,
     what: &str,
+    appearances: &[Appearance],
     find: &mut dyn FnMut(&mut Harness<'_, App>) -> Vec<String>,
 ) {
     let mut faults_of_all = Vec::new();
-    for theme in [ThemePreference::Dark, ThemePreference::Light] {
+    for (theme, size, scale) in appearances.iter().copied() {
         harness.ctx.set_theme(theme);
-        for size in SIZES {
-            for scale in [1.0, 2.0] {
-                harness.set_pixels_per_point(scale);
-                // The scale changes with the next frame, and the size with it.
-                harness.step();
-                harness.set_size(size / scale);
-                harness.run_ok();
-                let now = harness.ctx.content_rect().size() * scale;
-                assert!((now - size).length() < 1.0, "{now:?} instead of {size:?}");
-                let found = find(harness).into_iter();
-                faults_of_all.extend(
-                    found.map(|fault| format!("{what}, {theme:?}, {size:?} at {scale}: {fault}")),
-                );
-            }
-        }
+        harness.set_pixels_per_point(scale);
+        // The scale changes with the next frame, and the size with it.
+        harness.step();
+        harness.set_size(size / scale);
+        harness.run_ok();
+        let now = harness.ctx.content_rect().size() * scale;
+        assert!((now - size).length() < 1.0, "{now:?} instead of {size:?}");
+        let found = find(harness).into_iter();
+        faults_of_all
+            .extend(found.map(|fault| format!("{what}, {theme:?}, {size:?} at {scale}: {fault}")));
     }
     assert!(faults_of_all.is_empty(), "{}", faults_of_all.join("\n"));
 }
@@ -216,6 +255,57 @@ fn every_phase_fits() {
     harness.state_mut().state.outbox.send(CompareCommand::Show);
     settle(&mut harness);
     check(&mut harness, "compare");
+}
+
+#[test]
+fn every_phase_fits_with_few_and_many_cables() {
+    for cables in [4, 16] {
+        let mut harness = Measured::with_cables(cables, 12).opened();
+        give(&mut harness, IdentificationCommand::Identify);
+        for step in Phase::ALL {
+            give(&mut harness, ViewCommand::Go(Screen::Phase(step)));
+            let what = format!("{} with {cables} cables", step.title());
+            check_in(&mut harness, &what, &once());
+        }
+        give(&mut harness, ViewCommand::Inspect(Some(cables - 1)));
+        let what = format!("inspector with {cables} cables");
+        check_in(&mut harness, &what, &once());
+    }
+}
+
+#[test]
+fn the_inspector_and_the_statistics_fit() {
+    let mut harness = Measured::mini(12, &[]).opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
+    give(&mut harness, go);
+    give(&mut harness, ViewCommand::Inspect(Some(2)));
+    check(&mut harness, "inspector");
+    give(&mut harness, ViewCommand::Inspect(None));
+    for part in Part::ALL {
+        give(&mut harness, ViewCommand::Maximise(Some(part)));
+        if part == Part::Plots {
+            harness.set_pixels_per_point(1.0);
+            harness.set_size(SIZES[2]);
+            harness.run_ok();
+            crate::measured::press(&mut harness, "Statistics");
+        }
+        check(&mut harness, &format!("{part:?} maximised"));
+    }
+}
+
+#[test]
+fn a_comparison_fits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [a, b] = ["before.json", "after.json"].map(|name| folder.path().join(name));
+    crate::compare::write(&a, "mini", 0.0, 1);
+    crate::compare::write(&b, "mini", -0.01, 3);
+    let mut harness = crate::support::workbench();
+    give(&mut harness, CompareCommand::Show);
+    crate::compare::take(&mut harness, "A", &a);
+    crate::compare::take(&mut harness, "B", &b);
+    harness.get_by_label_contains("1 pulley has moved");
+    check(&mut harness, "comparison");
 }
 
 #[test]
@@ -294,6 +384,16 @@ fn every_window_above_the_screen_fits() {
             ViewCommand::Log(false).into(),
         ),
         (
+            "manual",
+            ViewCommand::Manual(Some(Page::Numbers)).into(),
+            ViewCommand::Manual(None).into(),
+        ),
+        (
+            "about",
+            ViewCommand::About(true).into(),
+            ViewCommand::About(false).into(),
+        ),
+        (
             "report",
             ReportCommand::AskSave(ReportFormat::Pdf).into(),
             ReportCommand::Cancel.into(),
@@ -358,13 +458,12 @@ fn plots_beside_each_other_fit() {
     give(&mut harness, IdentificationCommand::Identify);
     let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
     give(&mut harness, go);
-    for arrangement in [Arrangement::SideBySide, Arrangement::Grid] {
-        let plots = Plots {
-            arrangement,
-            panes: Vec::new(),
-        };
-        harness.state_mut().state.views.plots = Panes::of(&plots);
-        settle(&mut harness);
-        check(&mut harness, &format!("{arrangement:?}"));
+    for arrangement in ["Two plots", "Four plots"] {
+        harness.set_pixels_per_point(1.0);
+        harness.set_size(SIZES[1]);
+        harness.run_ok();
+        crate::measured::press(&mut harness, "Plot layout");
+        crate::measured::press(&mut harness, arrangement);
+        check(&mut harness, arrangement);
     }
 }

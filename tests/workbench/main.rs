@@ -7,6 +7,8 @@ mod controller;
 mod crash;
 mod demo;
 mod describing;
+mod details;
+mod docking;
 mod doctor;
 mod gl;
 mod identification;

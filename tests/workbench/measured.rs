@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use egui_kittest::Harness;
 use tautline_core::effect::{BoundEffect, EffectSetting};
-use tautline_core::robot::presets;
+use tautline_core::robot::presets::{self, Preset};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{PhaseData, write_dataset};
 pub use tautline_validation::harness::{give, press};
@@ -17,6 +17,21 @@ use crate::support::workbench;
 /// An effect with its cable, empty for one of the whole robot, and parameters.
 type Hidden<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
 
+/// A robot of sixteen cables: MINI with a second cable beside each of its own.
+fn sixteen() -> Preset {
+    let mut preset = presets::find("mini").expect("a preset");
+    let robot = &mut preset.robot;
+    for index in 0..robot.cables.len() {
+        let mut cable = robot.cables[index].clone();
+        cable.name = format!("cable-{}", index + 9);
+        cable.pulley.entry_point_m[2] *= 0.6;
+        cable.platform_anchor_m[2] *= 0.5;
+        robot.cables.push(cable);
+    }
+    preset.measured_entry_points_m = None;
+    preset
+}
+
 /// A dataset of MINI in a folder that lives as long as this.
 pub struct Measured {
     folder: tempfile::TempDir,
@@ -25,7 +40,21 @@ pub struct Measured {
 impl Measured {
     /// `poses` poses with hidden effects, each with its cable and parameters.
     pub fn mini(poses: usize, effects: &[Hidden<'_>]) -> Self {
-        let preset = presets::find("mini").expect("a preset");
+        Self::of(presets::find("mini").expect("a preset"), poses, effects)
+    }
+
+    /// `poses` poses of a robot of 4, 8 or 16 cables.
+    pub fn with_cables(cables: usize, poses: usize) -> Self {
+        let preset = match cables {
+            4 => presets::find("planar").expect("a preset"),
+            16 => sixteen(),
+            _ => return Self::mini(poses, &[]),
+        };
+        assert_eq!(preset.robot.cable_count(), cables);
+        Self::of(preset, poses, &[])
+    }
+
+    fn of(preset: Preset, poses: usize, effects: &[Hidden<'_>]) -> Self {
         let setting = |(effect, cable, values): &Hidden<'_>| EffectSetting {
             effect: (*effect).to_owned(),
             targets: [*cable]

@@ -12,7 +12,7 @@ use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::robot_3d::camera::Camera;
+use tautline_workbench::views::robot_3d::camera::{Camera, Projection};
 use tautline_workbench::views::robot_3d::drawing::{ArrowColour, FrameLook, Options};
 use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
@@ -232,6 +232,10 @@ fn the_frame_steps_back_and_displacements_are_coloured_by_length() {
         ("Length", |options| {
             options.arrow_colour == ArrowColour::Length
         }),
+        // There is no tolerance yet.
+        ("Tolerance", |options| {
+            options.arrow_colour == ArrowColour::Length
+        }),
     ] {
         if harness.query_by_label(name).is_none() {
             harness.get_by_label("Show").click();
@@ -241,6 +245,58 @@ fn the_frame_steps_back_and_displacements_are_coloured_by_length() {
         harness.run_ok();
         let options = &harness.state().state.views.robot_3d.options;
         assert!(is_done(options), "{name}");
+    }
+    let model = &mut harness.state_mut().state.model;
+    model.preferences.report.tolerance_m = Some(2e-3);
+    harness.run_ok();
+    assert_eq!(scene(&harness).tolerance_m, Some(2e-3));
+    if harness.query_by_label("Tolerance").is_none() {
+        harness.get_by_label("Show").click();
+        harness.run_ok();
+    }
+    harness.get_by_label("Tolerance").click();
+    harness.run_ok();
+    let options = &harness.state().state.views.robot_3d.options;
+    assert_eq!(options.arrow_colour, ArrowColour::Tolerance);
+}
+
+#[test]
+fn depth_is_shown_as_was_chosen_and_what_is_selected_is_framed() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), false);
+    assert_eq!(camera(&harness).projection(), Projection::Perspective);
+    harness.get_by_label("Projection: perspective").click();
+    harness.run_ok();
+    let orthographic = camera(&harness);
+    assert_eq!(orthographic.projection(), Projection::Orthographic);
+    assert_eq!(orthographic.axes(), camera(&harness).axes());
+    let from = harness.get_by_label("3D view").rect().center() + vec2(60.0, 40.0);
+    harness.hover_at(from);
+    harness.drag_at(from);
+    harness.run_ok();
+    harness.hover_at(from + vec2(50.0, 10.0));
+    harness.run_ok();
+    harness.drop_at(from + vec2(50.0, 10.0));
+    harness.run_ok();
+    assert_ne!(camera(&harness).axes(), orthographic.axes(), "it is turned");
+    assert_eq!(camera(&harness).projection(), Projection::Orthographic);
+    harness.get_by_label("Projection: orthographic").click();
+    harness.run_ok();
+    assert_eq!(camera(&harness).projection(), Projection::Perspective);
+
+    let height = |harness: &Harness<'_, App>| camera(harness).height_m();
+    let whole = height(&harness);
+    for selection in [Selection::cable(3), Selection::pose(2)] {
+        harness.get_by_label("Fit view (Home)").click();
+        harness.run_ok();
+        harness.state_mut().state.model.selection = selection;
+        harness.run_ok();
+        harness.get_by_label("Frame selection (Shift+F)").click();
+        // A step of the harness is a quarter of a second: the flight has ended.
+        for _ in 0..6 {
+            harness.step();
+        }
+        assert!(height(&harness) < 0.6 * whole, "{selection:?}");
     }
 }
 

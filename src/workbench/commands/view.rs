@@ -4,6 +4,7 @@ use egui::ThemePreference;
 use tautline_session::Theme;
 
 use crate::model::command::ViewCommand;
+use crate::model::part::Part;
 use crate::model::{Model, Selection, UiRequest};
 
 /// Smallest and largest size of everything.
@@ -14,6 +15,7 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         ViewCommand::Go(screen) => {
             if model.screen != screen {
                 model.inspected = None;
+                model.maximised = None;
             }
             model.screen = screen;
         }
@@ -30,11 +32,13 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         ViewCommand::ShowDependence(quantity, cable, variable) => {
             model.selection = cable.map(Selection::cable).unwrap_or_default();
             model.inspected = None;
+            show(model, Part::Plots);
             model.request(UiRequest::ShowDependence(quantity, cable, variable));
         }
         ViewCommand::Inspect(cable) => {
             model.inspected = cable;
             if cable.is_some() {
+                show(model, Part::Robot);
                 model.selection.cable = cable;
                 model.request(UiRequest::ShowRobot);
             }
@@ -52,6 +56,7 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         }
         ViewCommand::Play(plays) => model.playback.plays = plays,
         ViewCommand::Follow(follows) => model.playback.follows = follows,
+        ViewCommand::Maximise(part) => model.maximised = part,
         ViewCommand::Theme(theme) => {
             model.context.set_theme(theme);
             model.change_preferences(|preferences| preferences.theme = stored(theme));
@@ -68,6 +73,11 @@ pub(super) fn perform(model: &mut Model, command: ViewCommand) {
         ViewCommand::Dismiss => model.messages.dismiss(),
         ViewCommand::SetPlots(plots) => model.change_preferences(|p| p.plots = plots),
     }
+}
+
+/// Where another part has the window, all have it again.
+fn show(model: &mut Model, part: Part) {
+    model.maximised = model.maximised.filter(|maximised| *maximised == part);
 }
 
 /// Shows a measured pose.

@@ -15,6 +15,7 @@ mod memory;
 pub mod messages;
 pub mod next_step;
 pub mod open_session;
+pub mod part;
 pub mod phase;
 pub mod phase_status;
 pub mod plot_preparation;
@@ -117,6 +118,8 @@ pub struct Model {
     pub screen: Screen,
     /// What is selected, everywhere.
     pub selection: Selection,
+    /// The part of a phase's screen that has the whole window, if one has.
+    pub maximised: Option<part::Part>,
     /// The pulley that is inspected, by the index of its cable.
     pub inspected: Option<usize>,
     /// What is shown of the measured poses and of the robot in motion.
@@ -189,6 +192,7 @@ impl Model {
             session_lock: SessionLock::default(),
             screen: Screen::default(),
             selection: Selection::default(),
+            maximised: None,
             inspected: None,
             playback: Playback {
                 plays: false,

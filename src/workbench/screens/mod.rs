@@ -9,14 +9,13 @@ pub mod identification;
 pub mod import;
 pub mod measuring;
 pub mod modeling;
-pub mod part;
 pub mod precalibration;
 pub mod start;
 
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
-use self::part::Part;
 use crate::model::command::Outbox;
+use crate::model::part::Part;
 use crate::model::phase::Phase;
 use crate::model::{Model, next_step};
 use crate::theme::GRID;

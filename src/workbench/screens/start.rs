@@ -11,6 +11,7 @@ use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
+use tautline_workflow::wording::local_time::date_and_time;
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
@@ -138,10 +139,7 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
                 poses => format!("{poses} poses"),
             };
             ui.label(&left.name);
-            muted(
-                ui,
-                &format!("{poses}, {}", readable(&left.when.to_string())),
-            );
+            muted(ui, &format!("{poses}, {}", date_and_time(left.when)));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let name = format!("Discard {}", left.name);
                 let discard = ui.button("Discard").on_hover_text(
@@ -178,7 +176,7 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     for recent in model.preferences.recent() {
         let there = recent.exists();
         let hint = if there {
-            readable(&recent.when.to_string())
+            date_and_time(recent.when)
         } else {
             "the file no longer exists".into()
         };
@@ -236,9 +234,4 @@ fn link(ui: &mut Ui, text: &str, enabled: bool) -> bool {
     };
     let button = Button::new(RichText::new(text).color(colour)).frame_when_inactive(false);
     ui.add_enabled(enabled, button).clicked()
-}
-
-/// "2018-07-23T09:05:00Z" as "2018-07-23 09:05".
-fn readable(time: &str) -> String {
-    time.replace('T', " ").chars().take(16).collect()
 }

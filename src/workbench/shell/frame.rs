@@ -1,14 +1,17 @@
 //! The frame of the window: menus, phase rail, status, and the screen between them.
 
-use egui::{CentralPanel, Frame, Margin, Panel, Rangef, Ui};
+use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
+use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
 use super::{State, alert, dialogs, log, palette, rail, save_as, status, top};
+use crate::model::command::ViewCommand;
+use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 use crate::screens;
-use crate::screens::part::Part;
 use crate::theme::{self, GRID};
 use crate::views;
+use crate::widgets::icon_button;
 
 /// Width of the window (points) below which the rail shows icons alone.
 const NARROW: f32 = 1120.0;
@@ -70,8 +73,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 screens::import::show(ui, model, &mut panels.import, outbox);
             });
         }
-        Screen::Phase(current) if ui.available_width() < COMPACT => compact(ui, state, current),
-        Screen::Phase(current) => phase(ui, state, current),
+        Screen::Phase(current) => {
+            if state.model.maximised.is_some() || ui.available_width() < COMPACT {
+                one_part(ui, state, current);
+            } else {
+                phase(ui, state, current);
+            }
+            let view = (&mut state.views.plots, &mut state.views.hovered);
+            views::plots::show_detached(ui, &state.model, view, &mut state.outbox);
+        }
     }
     palette::show(ui, state);
     log::show(ui, state);
@@ -90,10 +100,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 /// Rail, 3D view, plots and the panel of the phase beside each other.
 fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     let side = side(ui);
-    let narrow = ui.available_width() < NARROW;
-    let rail = Panel::left("rail").frame(side).resizable(false);
-    rail.exact_size(if narrow { rail::NARROW } else { 208.0 })
-        .show(ui, |ui| rail::show(ui, state, narrow));
+    rail_of(ui, state, ui.available_width() < NARROW);
     let layout = state.model.preferences.layout;
     let usual = PANEL_RANGE.clamp(PANEL * ui.ctx().content_rect().width());
     let width = Size {
@@ -111,11 +118,14 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
         return robot(ui, state);
     }
     let height = ui.available_height();
+    let rows = state.views.plots.rows() as f32;
+    let share = if rows > 1.0 { 0.64 } else { 0.38 };
     // A low window still has room for a plot below its lines of choices.
-    let usual = (0.38 * height).min(300.0).max((0.5 * height).min(240.0));
+    let usual = (share * height).min(300.0 * rows);
+    let usual = usual.max((0.5 * height).min(240.0));
     let size = Size {
         wanted: layout.plots_height.map_or(usual, |height| height as f32),
-        range: Rangef::new(140.0, (0.7 * height).max(150.0)),
+        range: Rangef::new(140.0, (0.8 * height).max(150.0)),
     };
     let area = Panel::bottom("plots").frame(side);
     let dragged = sized(ui, area, (size, 1), |ui| plots(ui, state));
@@ -127,24 +137,42 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     robot(ui, state);
 }
 
-/// One part at a time, where the window has no room for all of them.
-fn compact(ui: &mut Ui, state: &mut State, current: Phase) {
+fn rail_of(ui: &mut Ui, state: &mut State, is_narrow: bool) {
+    let rail = Panel::left("rail").frame(side(ui)).resizable(false);
+    rail.exact_size(if is_narrow { rail::NARROW } else { 208.0 })
+        .show(ui, |ui| rail::show(ui, state, is_narrow));
+}
+
+/// One part at a time: where the window has no room for all of them, or while one is maximised.
+fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
     let side = side(ui);
-    let rail = Panel::left("narrow rail")
-        .frame(side)
-        .resizable(false)
-        .exact_size(rail::NARROW);
-    rail.show(ui, |ui| rail::show(ui, state, true));
+    rail_of(ui, state, ui.available_width() < NARROW);
+    let maximised = state.model.maximised;
+    let mut part = maximised.unwrap_or(state.panels.part);
     Panel::top("parts").frame(side).show(ui, |ui| {
         ui.horizontal(|ui| {
-            for part in Part::ALL {
-                ui.selectable_value(&mut state.panels.part, part, part.title());
+            for one in Part::ALL {
+                ui.selectable_value(&mut part, one, one.title());
             }
+            if maximised.is_none() {
+                return;
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let icon = icons::ICON_CLOSE_FULLSCREEN;
+                if icon_button(ui, icon, "Restore panels", true).clicked() {
+                    state.outbox.send(ViewCommand::Maximise(None));
+                }
+            });
         });
     });
+    match maximised {
+        Some(before) if before != part => state.outbox.send(ViewCommand::Maximise(Some(part))),
+        Some(_) => {}
+        None => state.panels.part = part,
+    }
     CentralPanel::no_frame()
         .frame(side)
-        .show(ui, |ui| match state.panels.part {
+        .show(ui, |ui| match part {
             Part::Panel => panel_of(ui, state, current),
             Part::Robot => robot(ui, state),
             Part::Plots => plots(ui, state),

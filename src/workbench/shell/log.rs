@@ -1,7 +1,7 @@
 //! The log window: all messages.
 
 use egui::{ScrollArea, Ui, Window};
-use tautline_session::Timestamp;
+use tautline_workflow::wording::local_time::time_of_day;
 
 use super::state::State;
 use crate::model::messages::Severity;
@@ -31,17 +31,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                             Severity::Error => theme::of(ui).bad,
                         };
                         ui.horizontal_wrapped(|ui| {
-                            muted(ui, &clock_time(&message.time));
+                            muted(ui, &time_of_day(message.time));
                             ui.colored_label(colour, &message.text);
                         });
                     }
                 });
         });
     state.model.dialogs.log = open;
-}
-
-/// Time of day as people write it: `19:07:24 UTC`.
-fn clock_time(time: &Timestamp) -> String {
-    let text = time.to_string();
-    format!("{} UTC", text.get(11..19).unwrap_or(&text))
 }

@@ -8,6 +8,7 @@ use crate::model::command::{
     RecordingCommand, ReportCommand, RobotCommand, Setup, ViewCommand,
 };
 use crate::model::manual::Page;
+use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
@@ -288,6 +289,7 @@ fn view(state: &State) -> Vec<Item> {
         })
         .collect();
     let scale = state.model.context.zoom_factor();
+    let is_phase = matches!(state.model.screen, Screen::Phase(_));
     let measured = state
         .model
         .open
@@ -314,6 +316,34 @@ fn view(state: &State) -> Vec<Item> {
             keys(Modifiers::ALT, Key::ArrowLeft),
             measured,
             ViewCommand::Pose(PoseStep::Previous),
+        ),
+        item(
+            Menu::View,
+            "Maximise the 3D view",
+            keys(Modifiers::NONE, Key::F7),
+            is_phase,
+            ViewCommand::Maximise(Some(Part::Robot)),
+        ),
+        item(
+            Menu::View,
+            "Maximise the plots",
+            keys(Modifiers::NONE, Key::F8),
+            is_phase,
+            ViewCommand::Maximise(Some(Part::Plots)),
+        ),
+        item(
+            Menu::View,
+            "Maximise the panel",
+            keys(Modifiers::NONE, Key::F9),
+            is_phase,
+            ViewCommand::Maximise(Some(Part::Panel)),
+        ),
+        item(
+            Menu::View,
+            "Restore panels",
+            keys(Modifiers::NONE, Key::F6),
+            is_phase && state.model.maximised.is_some(),
+            ViewCommand::Maximise(None),
         ),
         item(
             Menu::View,

@@ -2,8 +2,8 @@
 
 use super::State;
 use crate::model::UiRequest;
+use crate::model::part::Part;
 use crate::screens::identification::Half;
-use crate::screens::part::Part;
 use crate::screens::{connect, precalibration};
 use crate::views::robot_3d::drawing::CableColour;
 use tautline_workflow::precalibration::Table;

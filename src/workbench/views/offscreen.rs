@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use eframe::egui_glow::Painter;
 use eframe::glow;
-use egui::{FullOutput, TexturesDelta, Theme};
+use egui::{FullOutput, Pos2, Rect, TexturesDelta, Theme, Ui, Vec2};
 use glutin::api::egl::context::PossiblyCurrentContext;
 use glutin::api::egl::device::Device;
 use glutin::api::egl::display::Display;
@@ -191,13 +191,37 @@ pub fn render_scene(
     (size, scale): ([u32; 2], f32),
     theme: Theme,
 ) -> Result<RgbaImage, OffscreenError> {
+    let canvas = Canvas::default();
+    let selection = Selection::default();
+    let drawing = Arc::new(Drawing::new(scene, options, selection, theme));
+    let size = size.map(|side| side.max(1) as f32);
+    let picture = Picture {
+        scene,
+        options,
+        camera,
+        size: size.map(f64::from),
+    };
+    render((size.into(), scale), theme, move |ui, rect| {
+        canvas.paint(ui, rect, &drawing, (1, false), &picture, selection);
+    })
+}
+
+/// What `draw` paints into a rectangle: `size` points large, with `scale` pixels for each.
+///
+/// # Errors
+/// If there is no OpenGL or it refuses.
+pub fn render(
+    (size, scale): (Vec2, f32),
+    theme: Theme,
+    draw: impl FnMut(&mut Ui, Rect),
+) -> Result<RgbaImage, OffscreenError> {
     let mut painter = OffscreenPainter::new()?;
+    // Dropped before the painter: what it keeps on the graphics card needs the painter's context.
+    let mut draw = draw;
     let context = egui::Context::default();
     theme::install(&context);
     context.set_theme(theme);
-    let side = |side: u32| side.max(1) as f32;
-    let rect =
-        egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(side(size[0]), side(size[1])));
+    let rect = Rect::from_min_size(Pos2::ZERO, size);
     let mut input = egui::RawInput {
         screen_rect: Some(rect),
         ..Default::default()
@@ -205,24 +229,11 @@ pub fn render_scene(
     if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
         viewport.native_pixels_per_point = Some(scale);
     }
-    let canvas = Canvas::default();
-    let selection = Selection::default();
-    let drawing = Arc::new(Drawing::new(scene, options, selection, theme));
-    let picture = Picture {
-        scene,
-        options,
-        camera,
-        size: [rect.width(), rect.height()].map(f64::from),
-    };
     // Fonts are laid out in the first pass and known in the second.
     let mut output = FullOutput::default();
     for _ in 0..2 {
-        output = context.run_ui(input.clone(), |ui| {
-            canvas.paint(ui, rect, &drawing, (1, false), &picture, selection);
-        });
+        output = context.run_ui(input.clone(), |ui| draw(ui, rect));
         painter.take_textures(&mut output.textures_delta)?;
     }
-    let image = painter.picture(&context, &output);
-    canvas.destroy();
-    image
+    painter.picture(&context, &output)
 }

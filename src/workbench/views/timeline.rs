@@ -187,7 +187,7 @@ fn paint(ui: &Ui, (open, scene): (&OpenSession, Option<&Scene>), line: Rect, pal
     let most = (line.width() / APART).max(1.0) as usize;
     let step = labels.len().div_ceil(most).max(1);
     for (place, label) in labels.iter().enumerate().step_by(step) {
-        let measured = scene.and_then(|scene| scene.measured.iter().find(|p| p.label == *label));
+        let measured = scene.and_then(|scene| scene.measured.of(place, *label));
         let residual = measured.and_then(|pose| pose.residual);
         let colour = residual.map_or(palette.muted, |residual| palette.residual(residual));
         let is_left_out = session.excluded().contains(label);

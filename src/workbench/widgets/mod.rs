@@ -22,6 +22,6 @@ pub use parts::parts;
 pub use pose_fields::PoseFields;
 pub use probability::probability;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
-pub use tab_row::{TabOf, tab_row};
+pub use tab_row::{TabOf, fitting, tab_row};
 pub use table::{Cell, Column, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

@@ -62,7 +62,7 @@ fn width(ui: &Ui, title: &str) -> f32 {
 }
 
 /// Which of tabs of these widths are shown in a row; the chosen one always is. `menu` is the width of the menu's button.
-fn fitting(
+pub fn fitting(
     widths: &[f32],
     chosen: Option<usize>,
     (room, spacing): (f32, f32),

@@ -100,6 +100,8 @@ const ROW: f32 = 6.0 * GRID;
 const LINE: f32 = 4.0 * GRID;
 /// Least space between columns (points).
 const GAP: f32 = 2.5 * GRID;
+/// Least width to which a column of names is wrapped (points).
+const NAME: f32 = 18.0 * GRID;
 /// Diameter of a dot (points).
 const DOT: f32 = 2.0 * GRID;
 /// Space between the edge of a row and its text (points).
@@ -112,7 +114,7 @@ pub fn table(
     rows: &[Vec<Cell>],
     selected: Option<usize>,
 ) -> Touched {
-    let galleys: Vec<Vec<Galleys>> = rows
+    let mut galleys: Vec<Vec<Galleys>> = rows
         .iter()
         .map(|cells| cells.iter().map(|cell| Galleys::of(ui, cell)).collect())
         .collect();
@@ -120,7 +122,7 @@ pub fn table(
         .iter()
         .map(|column| [column.title, column.unit].map(|text| small(ui, text)))
         .collect();
-    let widths: Vec<f32> = heads
+    let mut widths: Vec<f32> = heads
         .iter()
         .enumerate()
         .map(|(k, head)| {
@@ -129,7 +131,18 @@ pub fn table(
             head.iter().fold(widest, |width, g| width.max(g.size().x))
         })
         .collect();
-    let needed = widths.iter().sum::<f32>() + GAP * (widths.len().max(1) - 1) as f32 + 2.0 * MARGIN;
+    let gaps = GAP * (widths.len().max(1) - 1) as f32 + 2.0 * MARGIN;
+    let excess = widths.iter().sum::<f32>() + gaps - ui.available_width();
+    if let (true, Some(first)) = (excess > 0.0, widths.first_mut()) {
+        // Numbers stay in their lines; names take two.
+        *first = first.min((*first - excess).max(NAME));
+        for (cells, galleys) in rows.iter().zip(&mut galleys) {
+            if let (Some(cell), Some(galley)) = (cells.first(), galleys.first_mut()) {
+                galley.wrap(ui, cell, *first);
+            }
+        }
+    }
+    let needed = widths.iter().sum::<f32>() + gaps;
     let width = ui.available_width().max(needed);
     let extra = (width - needed) / (widths.len().max(2) - 1) as f32;
     let places = Places {
@@ -175,18 +188,29 @@ struct Galleys {
     dot: Option<Color32>,
 }
 
+fn layout(ui: &Ui, text: RichText, width: f32) -> Arc<Galley> {
+    let mode = Some(egui::TextWrapMode::Wrap);
+    egui::WidgetText::from(text).into_galley(ui, mode, width, egui::TextStyle::Body)
+}
+
 impl Galleys {
     fn of(ui: &Ui, cell: &Cell) -> Self {
         let colour = cell.colour.unwrap_or(theme::of(ui).text);
-        let layout = |text: RichText| {
-            let wrap = Some(egui::TextWrapMode::Extend);
-            egui::WidgetText::from(text).into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body)
-        };
+        let layout = |text: RichText| layout(ui, text, f32::INFINITY);
         Self {
             icon: cell.icon.map(|icon| layout(icon.rich_text().size(16.0))),
             text: layout(RichText::new(&cell.text)),
             colour,
             dot: cell.dot,
+        }
+    }
+
+    /// Breaks the text of the cell into lines, so that all of it is so wide.
+    fn wrap(&mut self, ui: &Ui, cell: &Cell, width: f32) {
+        let excess = self.width() - width;
+        if excess > 0.0 {
+            let room = self.text.size().x - excess;
+            self.text = layout(ui, RichText::new(&cell.text), room);
         }
     }
 
@@ -232,7 +256,8 @@ fn body(
     let palette = theme::of(ui);
     let mut touched = Touched::default();
     for (index, (cells, galleys)) in rows.iter().zip(galleys).enumerate() {
-        let size = Vec2::new(places.width, ROW);
+        let tallest = galleys.iter().map(|galley| galley.text.size().y + 2.0);
+        let size = Vec2::new(places.width, tallest.fold(ROW, f32::max));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         response.widget_info(|| {
             let texts: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();

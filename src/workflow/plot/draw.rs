@@ -7,7 +7,7 @@ use super::canvas::{Canvas, Stroke};
 use super::colours::Colours;
 use super::figure::{Columns, Figure, Ink, Marker, Series};
 use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
-use super::scale::{Scale, Tick, fixed, ticks};
+use super::scale::{Scale, Tick, fixed, scale_ticks, ticks};
 use super::thin::{Thinned, thin};
 use super::{Drawing, Selection};
 
@@ -17,7 +17,7 @@ pub const TEXT: f32 = 11.5;
 pub const GRID: f32 = 4.0;
 /// Markers up to which every point has its own shape; beyond they are small squares.
 const MOST_SHAPES: usize = 3000;
-/// Ticks of the y axis for which room is made in the lowest plot: two of them are in any range.
+/// Ticks of the y axis for which room is made in the lowest plot.
 const FEWEST_TICKS: usize = 4;
 /// Width of an average character of the font, in sizes of the font.
 const CHARACTER: f32 = 0.55;
@@ -80,7 +80,7 @@ impl Layout {
         let height = (whole.height() - top - bottom).max(16.0);
         // A low plot still has a scale.
         let most = ((height / 28.0) as usize).max(FEWEST_TICKS);
-        let y_ticks = ticks(&figure.y, view[1], most);
+        let y_ticks = scale_ticks(&figure.y, view[1], most);
         let widest = y_ticks.iter().map(|(_, text)| width(text));
         let left = widest.fold(16.0, f32::max) + 2.0 * GRID;
         let right = figure.heat.as_ref().map_or(2.0 * GRID, |heat| {

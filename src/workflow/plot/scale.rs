@@ -91,7 +91,67 @@ impl Scale {
 /// A tick: value and text.
 pub type Tick = (f64, String);
 
-/// Ticks of an axis at round numbers, about `most` of them.
+/// Ticks that say how large something is: as many as a scale needs.
+const FEWEST: usize = 3;
+/// Multiples of powers of ten at which a logarithmic axis has ticks, the rarest first.
+const MULTIPLES: [&[f64]; 3] = [
+    &[1.0, 3.0],
+    &[1.0, 2.0, 5.0],
+    &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+];
+
+/// Ticks of an axis at round numbers, about `most` of them, but at least three wherever numbers between whole ones
+/// mean something.
+#[must_use]
+pub fn scale_ticks(axis: &Axis, view: [f64; 2], most: usize) -> Vec<Tick> {
+    let usual = ticks(axis, view, most);
+    if usual.len() >= FEWEST || axis.is_whole || !axis.names.is_empty() {
+        return usual;
+    }
+    if axis.is_logarithmic {
+        return within_decades(view, most);
+    }
+    let more = (most + 1..=4 * FEWEST).map(|most| ticks(axis, view, most));
+    let mut enough = more.filter(|ticks| ticks.len() >= FEWEST);
+    enough.next().unwrap_or(usual)
+}
+
+/// Ticks of a logarithmic axis that spans less than three powers of ten.
+fn within_decades([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
+    let decades = (low.floor() as i32)..=(high.floor() as i32);
+    let at = |multiples: &[f64]| -> Vec<Tick> {
+        let of_decade = |decade: i32| {
+            let ticks = multiples.iter().map(move |multiple| {
+                let number = multiple * 10_f64.powi(decade);
+                (number.log10(), plain(number, decade))
+            });
+            ticks.collect::<Vec<Tick>>()
+        };
+        let all = decades.clone().flat_map(of_decade);
+        all.filter(|(at, _)| (low..=high).contains(at)).collect()
+    };
+    let mut by_multiples = MULTIPLES.iter().map(|multiples| at(multiples));
+    if let Some(ticks) = by_multiples.find(|ticks| ticks.len() >= FEWEST) {
+        return ticks;
+    }
+    // So little of a decade is as good as linear.
+    let numbers = [low, high].map(|end| 10_f64.powf(end));
+    let ticks = scale_ticks(&Axis::default(), numbers, most).into_iter();
+    ticks
+        .filter(|(number, _)| *number > 0.0)
+        .map(|(number, text)| (number.log10(), text))
+        .collect()
+}
+
+/// A multiple of a power of ten.
+fn plain(number: f64, decade: i32) -> String {
+    match decade {
+        -3..=6 => format!("{number:.*}", decade.min(0).unsigned_abs() as usize),
+        _ => format!("{number:.0e}"),
+    }
+}
+
+/// Ticks of an axis at round numbers, at most about `most` of them.
 #[must_use]
 pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
     if !axis.names.is_empty() {
@@ -221,5 +281,30 @@ mod tests {
             ..plain
         };
         assert_eq!(texts(&names, [0.0, 5.0], 5), ["one"]);
+    }
+
+    #[test]
+    fn a_scale_has_three_ticks_wherever_one_looks() {
+        let logarithmic = Axis {
+            is_logarithmic: true,
+            ..Axis::default()
+        };
+        let texts = |range| -> Vec<String> {
+            let ticks = scale_ticks(&logarithmic, range, 4);
+            ticks.into_iter().map(|(_, text)| text).collect()
+        };
+        assert_eq!(texts([-1.2, 0.6]), ["0.1", "0.3", "1", "3"]);
+        assert_eq!(texts([1.9, 3.1]), ["100", "300", "1000"]);
+        assert_eq!(texts([-0.01, 0.75]), ["1", "2", "5"]);
+        for k in 0..2000_u32 {
+            let low = f64::from(k % 97) * 0.173 - 8.0;
+            let high = low + 10_f64.powf(f64::from(k % 41) * 0.1 - 3.0);
+            for axis in [&logarithmic, &Axis::default()] {
+                let found = scale_ticks(axis, [low, high], 4);
+                assert!((3..=14).contains(&found.len()), "{low} {high}: {found:?}");
+                let is_inside = |tick: &Tick| (low - 1e-9..=high + 1e-9).contains(&tick.0);
+                assert!(found.iter().all(is_inside), "{low} {high}: {found:?}");
+            }
+        }
     }
 }

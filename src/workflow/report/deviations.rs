@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::colours::{ACCENT, FAINT, MUTED, PLOT, WARNING};
 use super::plots::{SCALE, SIZE};
-use super::tolerance::COVERAGE;
+use super::tolerance::{COVERAGE, expanded_uncertainty_m};
 use crate::plot::Drawing;
 use crate::plot::canvas::{Canvas, Stroke};
 use crate::plot::draw::drawing;
@@ -42,8 +42,7 @@ pub struct Deviation {
 impl Deviation {
     /// Expanded uncertainty of its length, whatever its direction (m).
     pub fn uncertainty_m(&self) -> Option<f64> {
-        let largest = self.covariance?.symmetric_eigenvalues().max();
-        Some(COVERAGE * largest.max(0.0).sqrt())
+        self.covariance.as_ref().map(expanded_uncertainty_m)
     }
 }
 

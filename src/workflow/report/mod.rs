@@ -1,7 +1,8 @@
 //! The report of a calibration: what was measured, identified and found, as HTML or PDF.
 //!
 //! `content` makes one document of plain data; `html` and `pdf` render it. Nothing
-//! here reads a clock or asks the window for anything, so a report is the same wherever it is made.
+//! here reads a clock or asks the window for anything, so a report is the same wherever it is made, but for times, which
+//! are those of the computer's time zone.
 
 mod choice;
 mod colours;
@@ -15,7 +16,7 @@ mod plots;
 mod results;
 #[cfg(test)]
 mod tests;
-mod tolerance;
+pub mod tolerance;
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,15 @@
 //! Whether displacements are within a tolerance, by ISO 14253-1: the uncertainty counts against whatever is claimed.
 
+use nalgebra::Matrix3;
+
 /// Expanded uncertainty in standard deviations: a coverage of about 95 %.
 pub const COVERAGE: f64 = 2.0;
+
+/// Expanded uncertainty of the length of a displacement with this covariance (m^2), whatever its direction (m).
+#[must_use]
+pub fn expanded_uncertainty_m(covariance: &Matrix3<f64>) -> f64 {
+    COVERAGE * covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
+}
 
 /// Whether something conforms with a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +24,7 @@ pub enum Conformity {
 
 impl Conformity {
     /// Of a distance with its expanded uncertainty; all lengths in one unit.
+    #[must_use]
     pub fn of(distance: f64, uncertainty: Option<f64>, tolerance: f64) -> Self {
         match uncertainty {
             Some(uncertainty) if distance + uncertainty <= tolerance => Self::Within,
@@ -25,6 +34,7 @@ impl Conformity {
     }
 
     /// In words, as a cell of a table.
+    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Within => "within",

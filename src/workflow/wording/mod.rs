@@ -1,5 +1,6 @@
 //! Lists, numbers, readings and probabilities in words, the same for reports, screens and the terminal.
 
+pub mod local_time;
 pub mod parameters;
 pub mod probability;
 pub mod units;

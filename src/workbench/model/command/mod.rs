@@ -19,7 +19,7 @@ pub use identification::{
     READINESS, Readiness,
 };
 pub use import::{ImportCommand, ImportOutcome};
-pub use plot::{Format, PlotCommand};
+pub use plot::{Format, PlotCommand, PlotPicture};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};

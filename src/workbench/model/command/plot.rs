@@ -1,8 +1,11 @@
 //! Preparing and saving plots.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use egui::Rect;
+use tautline_workflow::plot::Figure;
+
+use crate::model::Selection;
 
 /// Prepares and saves plots.
 #[derive(Debug, Clone)]
@@ -15,8 +18,23 @@ pub enum PlotCommand {
     SetPath(PathBuf),
     /// Saves a text at a place.
     SaveText(PathBuf, String),
-    /// Saves a part of the window as a picture.
-    SavePicture(PathBuf, Rect),
+    /// Saves a plot as a picture.
+    SavePicture(PathBuf, PlotPicture),
+}
+
+/// A plot that becomes a picture, with the function that draws it.
+#[derive(Debug, Clone)]
+pub struct PlotPicture {
+    /// What is plotted.
+    pub figure: Arc<Figure>,
+    /// Which values are shown.
+    pub view: [[f64; 2]; 2],
+    /// What is highlighted.
+    pub selection: Selection,
+    /// Width over height.
+    pub aspect: f32,
+    /// Gives the PNG, or one sentence on why there is none.
+    pub render: fn(&Self) -> Result<Vec<u8>, String>,
 }
 
 /// Format of a file.
@@ -26,7 +44,7 @@ pub enum Format {
     Csv,
     /// A drawing.
     Svg,
-    /// A picture of the window.
+    /// A picture of the size of a page.
     Png,
 }
 

@@ -7,6 +7,7 @@ use tautline_session::Plots;
 
 use crate::model::Selection;
 use crate::model::manual::Page;
+use crate::model::part::Part;
 use crate::model::phase::Screen;
 
 /// Changes what is shown, nothing else.
@@ -30,6 +31,8 @@ pub enum ViewCommand {
     Follow(bool),
     /// Dark, light or as the system has it.
     Theme(ThemePreference),
+    /// Gives the window to one part of the screen, or to all again.
+    Maximise(Option<Part>),
     /// Size of everything; 1 is 100 %.
     Scale(f32),
     /// Shows or hides the command palette.

@@ -6,6 +6,7 @@ use tautline_session::{Adjustment, Outcome};
 use crate::model::Model;
 use crate::widgets::{Verdict, muted, section, verdict};
 use tautline_workflow::wording::count;
+use tautline_workflow::wording::local_time::date_and_time;
 
 /// Draws the last outcome and the record.
 pub(super) fn show(ui: &mut Ui, model: &Model) {
@@ -27,8 +28,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model) {
                 "" => "operator not named",
                 name => name,
             };
-            let when = adjustment.time.to_string().replace('T', " ");
-            let when: String = when.chars().take(16).collect();
+            let when = date_and_time(adjustment.time);
             muted(ui, &format!("{when}, {who}, {}", adjustment.controller));
             ui.add(egui::Label::new(text).wrap());
         }

@@ -10,8 +10,8 @@ use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 
 use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
 use crate::model::comparison::{Compared, Source};
+use crate::model::part::Part;
 use crate::model::{Model, OpenSession};
-use crate::screens::part::Part;
 use crate::theme::{self, GRID};
 use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
@@ -161,7 +161,7 @@ fn compact(
 /// Both robots in 3D.
 fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
     let view = &mut views.compared_3d;
-    let aim = view.toolbar(ui, &drawn.scene);
+    let aim = view.toolbar(ui, &drawn.scene, (model.selection, None));
     let selection = model.selection;
     let touched = view.show(ui, &drawn.scene, aim, selection, &mut views.hovered);
     if let Some(selection) = touched.selection {

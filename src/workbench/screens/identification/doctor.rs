@@ -10,6 +10,7 @@ use crate::model::command::{DIAGNOSING, IdentificationCommand};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, primary, probability, section, verdict};
 use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
+use tautline_workflow::wording::local_time::date_and_time;
 use tautline_workflow::wording::{p_value, sentence};
 
 /// Draws the part.
@@ -195,7 +196,10 @@ fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
     };
     muted(
         ui,
-        &format!("From the diagnosis of {} in this session:", record.time),
+        &format!(
+            "From the diagnosis of {} in this session:",
+            date_and_time(record.time)
+        ),
     );
     let key = (panel.open.id(), results.len());
     let causes = panel.memory.stored.get(key, || {

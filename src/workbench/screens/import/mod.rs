@@ -17,7 +17,7 @@ use tautline_import::Recipe;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::{ChannelPlace, OpenImport};
-use crate::screens::part::Part;
+use crate::model::part::Part;
 use crate::theme::{self, GRID};
 
 /// State of the import.

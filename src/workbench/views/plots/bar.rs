@@ -1,6 +1,7 @@
-//! The rows above a plot: tabs, options, cursor readings, saving.
+//! The rows above a plot: options, cursor readings, saving.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Theme, Ui, WidgetInfo};
 use egui_material_icons::icons;
@@ -10,34 +11,24 @@ use super::screen::colours;
 use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
-use super::{PlotState, Saving, Tab};
-use crate::model::command::{Format, Outbox, PlotCommand};
+use super::{PlotState, Saving, Tab, print};
+use crate::model::Model;
+use crate::model::command::{Format, Outbox, PlotCommand, PlotPicture};
 use crate::model::plot_preparation::Prepared;
-use crate::model::{Model, OpenSession};
 use crate::theme;
-use crate::widgets::{TabOf, icon_button, icon_only, muted, tab_row};
+use crate::widgets::{icon_button, icon_only, muted};
 use tautline_workflow::plot::table::csv;
 use tautline_workflow::plot::{Drawing, Figure};
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
 
-/// The tabs; those without data explain why in a tooltip.
-pub fn tabs(ui: &mut Ui, open: &OpenSession, tab: &mut Tab) {
-    let tabs = Tab::ALL.map(|tab| TabOf {
-        value: tab,
-        title: tab.title(),
-        missing: tab.missing(open),
-    });
-    tab_row(ui, "More plots", &tabs, tab);
-}
-
 /// Options, cursor readings and buttons; while a plot is being saved, the form for its file.
 pub fn options(
     ui: &mut Ui,
     model: &Model,
     plots: &mut PlotState,
-    figure: &Figure,
+    figure: &Arc<Figure>,
     outbox: &mut Outbox,
 ) {
     let is_narrow = ui.available_width() < NARROW;
@@ -66,7 +57,7 @@ pub fn options(
 
 fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
     match plots.tab {
-        Tab::Residuals | Tab::Laser => {
+        Tab::Residuals | Tab::Laser | Tab::External => {
             let units = [
                 (Unit::Deviations, "Standard deviations"),
                 (Unit::Millimetres, "Millimetres"),
@@ -217,7 +208,13 @@ fn buttons(ui: &mut Ui, plots: &mut PlotState) {
 }
 
 /// Where a plot is saved.
-fn saving(ui: &mut Ui, model: &Model, plots: &mut PlotState, figure: &Figure, outbox: &mut Outbox) {
+fn saving(
+    ui: &mut Ui,
+    model: &Model,
+    plots: &mut PlotState,
+    figure: &Arc<Figure>,
+    outbox: &mut Outbox,
+) {
     let Some(mut saving) = plots.saving.take() else {
         return;
     };
@@ -243,7 +240,7 @@ fn command(
     ui: &Ui,
     model: &Model,
     plots: &mut PlotState,
-    figure: &Figure,
+    figure: &Arc<Figure>,
     (format, path): (Format, PathBuf),
 ) -> Option<PlotCommand> {
     let name = plots.tab.title();
@@ -263,6 +260,15 @@ fn command(
             });
             PlotCommand::SaveText(path, drawing.svg_file())
         }
-        Format::Png => PlotCommand::SavePicture(path, plot.layout.whole),
+        Format::Png => {
+            let picture = PlotPicture {
+                figure: Arc::clone(figure),
+                view: plot.layout.scale.view,
+                selection,
+                aspect: plot.layout.whole.aspect_ratio(),
+                render: print::png,
+            };
+            PlotCommand::SavePicture(path, picture)
+        }
     })
 }

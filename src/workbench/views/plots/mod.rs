@@ -2,9 +2,10 @@
 
 mod bar;
 mod dense;
+mod dock;
 mod hit;
 mod panel;
-mod panes;
+mod print;
 mod scope;
 mod screen;
 pub mod small;
@@ -23,8 +24,8 @@ use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{Model, OpenSession, Selection};
 use crate::widgets::{Verdict, empty, verdict};
+pub use dock::{Panes, show, show_detached};
 use panel::{Done, Panel, Shown};
-pub use panes::{Panes, show};
 use sources::residuals::Unit;
 pub use sources::residuals::of_both as residuals_of_both;
 use sources::tensions::Shown as Tensions;
@@ -59,8 +60,6 @@ pub struct PlotState {
     saving: Option<Saving>,
     is_hovered: bool,
     scope: scope::ScopeState,
-    /// The plot that stood here before the scope came by itself.
-    before_scope: Option<Tab>,
 }
 
 /// What a figure depends on.
@@ -140,7 +139,7 @@ fn plot(
     ui: &mut Ui,
     model: &Model,
     plots: &mut PlotState,
-    figure: &Figure,
+    figure: &Arc<Figure>,
     hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
@@ -174,6 +173,14 @@ fn toggled(open: Option<&OpenSession>, pose: i64) -> Edit {
 }
 
 impl PlotState {
+    /// A plot that was not shown yet.
+    fn of(tab: Tab) -> Self {
+        Self {
+            tab,
+            ..Self::default()
+        }
+    }
+
     /// The panel of the present plot, and the axis along x of what it shows.
     fn along(&mut self) -> Option<(String, &mut Panel)> {
         let title = self.figure.as_ref().map(|(_, figure)| figure.x.title())?;
@@ -266,6 +273,9 @@ impl PlotState {
             }
             Tab::Laser => {
                 sources::residuals::laser(open.fit().ok_or(nothing)?, self.unit, excluded)
+            }
+            Tab::External => {
+                sources::residuals::external(open.fit().ok_or(nothing)?, self.unit, excluded)
             }
             Tab::Tensions => {
                 sources::tensions::figure(open.fit().ok_or(nothing)?, self.tensions, excluded)

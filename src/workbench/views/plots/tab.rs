@@ -14,6 +14,8 @@ pub enum Tab {
     Laser,
     /// Tensions, as measured and their residuals.
     Tensions,
+    /// Residuals of positions by an external instrument.
+    External,
     /// Chi-square of each step.
     Convergence,
     /// Correlations of the parameters.
@@ -30,11 +32,12 @@ pub enum Tab {
 
 impl Tab {
     /// All, from the left.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Residuals,
         Self::Variable,
         Self::Laser,
         Self::Tensions,
+        Self::External,
         Self::Convergence,
         Self::Correlation,
         Self::Elongation,
@@ -51,6 +54,7 @@ impl Tab {
             Self::Variable => "variable",
             Self::Laser => "laser",
             Self::Tensions => "tensions",
+            Self::External => "external",
             Self::Convergence => "convergence",
             Self::Correlation => "correlation",
             Self::Elongation => "elongation",
@@ -74,6 +78,7 @@ impl Tab {
             Self::Variable => "By variable",
             Self::Laser => "Laser",
             Self::Tensions => "Tensions",
+            Self::External => "Tracker",
             Self::Convergence => "Convergence",
             Self::Correlation => "Correlation",
             Self::Elongation => "Elongation",
@@ -107,6 +112,10 @@ impl Tab {
             Self::Tensions => (
                 fit.is_some_and(|fit| !fit.dataset.measurements.force_n.is_empty()),
                 "Tensions appear here after an identification with force readings.",
+            ),
+            Self::External => (
+                fit.is_some_and(|fit| !fit.dataset.measurements.tracked_position_m.is_empty()),
+                "Residuals of positions by a tracker or camera appear here after an identification with such.",
             ),
             Self::Convergence => (
                 fit.is_some_and(|fit| !fit.steps.is_empty()),

@@ -200,6 +200,9 @@ pub fn keys(ui: &Ui, response: &Response) -> Option<Aim> {
         (Key::Num7, Aim::To(StandardView::Isometric)),
     ];
     ui.input(|input| {
+        if input.modifiers.shift_only() && input.key_pressed(Key::F) {
+            return Some(Aim::Frame);
+        }
         let pressed = |key| input.modifiers.is_none() && input.key_pressed(key);
         aims.into_iter()
             .find(|(key, _)| pressed(*key))

@@ -24,6 +24,8 @@ pub struct SceneKey {
     pub live: Option<LivePlatform>,
     /// Whether errors of position are shown.
     pub shows_errors: bool,
+    /// How far a pulley may be from the drawing (m).
+    pub tolerance_m: Option<f64>,
 }
 
 /// What a drawing depends on, besides its scene.
@@ -62,7 +64,10 @@ impl SceneKey {
     }
 
     pub fn is_same(&self, other: &Self) -> bool {
-        self.has_poses_of(other) && self.selection == other.selection && self.live == other.live
+        self.has_poses_of(other)
+            && self.selection == other.selection
+            && self.live == other.live
+            && self.tolerance_m == other.tolerance_m
     }
 }
 

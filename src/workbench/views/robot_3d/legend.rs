@@ -3,14 +3,15 @@
 use egui::{Align2, Color32, Painter, Pos2, Rect, pos2, vec2};
 
 use super::drawing::{
-    ArrowColour, CableColour, error_colour, length_colour, longest_m, significance_colour,
-    tension_colour, tension_range,
+    ArrowColour, CableColour, conformity_colour, error_colour, length_colour, longest_m,
+    significance_colour, tension_colour, tension_range,
 };
 use super::overlay::{SMALL, quiet, text};
 use super::picking::Picture;
 use super::scene::{Besides, Significance};
 use crate::theme::{GRID, Palette};
 use tautline_session::Stage;
+use tautline_workflow::report::tolerance::Conformity;
 use tautline_workflow::wording::units::significant;
 
 /// Width of a scale of colours (points).
@@ -83,7 +84,8 @@ fn displacements(
     if picture.scene.besides == Besides::Nothing || !(options.arrows || options.ellipsoids) {
         return None;
     }
-    match options.arrow_colour {
+    match options.arrow_colour_of(picture.scene) {
+        ArrowColour::Tolerance => Some(conformities(painter, at, picture, palette)),
         ArrowColour::Length => {
             let longest_mm = longest_m(picture.scene)? * 1e3;
             let marks = [0.0, 0.5 * longest_mm, longest_mm].map(|mm| significant(mm, 2));
@@ -114,6 +116,27 @@ fn errors(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette)
     let magnification = picture.options.exaggeration_of(scene);
     let title = format!("Position errors ({magnification:.0}×)");
     (!lines.is_empty()).then(|| words(painter, at, (&title, &lines), palette))
+}
+
+/// A line for each side of the tolerance that occurs.
+fn conformities(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Rect {
+    let scene = picture.scene;
+    let tolerance_m = scene.tolerance_m.unwrap_or(f64::INFINITY);
+    let occurs = |one: Conformity| {
+        let mut moved = scene.cables.iter().filter_map(|cable| cable.moved.as_ref());
+        moved.any(|moved| moved.conformity(tolerance_m) == one)
+    };
+    let all = [
+        Conformity::Outside,
+        Conformity::Undecided,
+        Conformity::Within,
+    ];
+    let occurring = all.into_iter().filter(|one| occurs(*one));
+    let lines: Vec<(&str, Color32)> = occurring
+        .map(|one| (one.words(), conformity_colour(one, palette)))
+        .collect();
+    let title = format!("Tolerance of {} mm", significant(1e3 * tolerance_m, 3));
+    words(painter, at, (&title, &lines), palette)
 }
 
 /// A line for each significance that occurs.

@@ -30,7 +30,7 @@ use egui::{Frame, Margin, Theme, Ui};
 pub use canvas::Canvas;
 pub use framebuffer::paint_picture;
 
-use camera::Camera;
+use camera::{Camera, Projection};
 use drawing::{Drawing, Options, Points};
 use keys::{DrawingKey, PosesKey, SceneKey, planned};
 use navigation::Navigation;
@@ -40,6 +40,7 @@ use scene::{Scene, Shown, Subject};
 pub use toolbar::Aim;
 
 use crate::model::command::{Outbox, ViewCommand};
+use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme::GRID;
@@ -98,6 +99,7 @@ impl Robot3d {
             selection: model.selection,
             live: model.live_platform.clone(),
             shows_errors: model.screen == Screen::Phase(Phase::Adjustment),
+            tolerance_m: model.preferences.report.tolerance_m,
         };
         let known = self.scene.as_ref();
         if let Some((_, scene)) = known.filter(|(known, _)| known.is_same(&key)) {
@@ -122,7 +124,9 @@ impl Robot3d {
             planned: &planned,
         };
         let measured = poses.map(|(_, scene)| Arc::clone(&scene.measured));
-        let scene = Arc::new(subject.scene_with(measured));
+        let mut scene = subject.scene_with(measured);
+        scene.tolerance_m = key.tolerance_m;
+        let scene = Arc::new(scene);
         if known.is_none_or(|(known, _)| known.session.0 != key.session.0) {
             self.navigation.start_anew();
             // What is pinned are pulleys of the other robot.
@@ -196,7 +200,12 @@ pub fn show(
     };
     view.inspect(None);
     let scene = view.scene_of(model, open);
-    let aim = view.toolbar(ui, &scene);
+    let mut maximise = false;
+    let button = model.maximised.is_none().then_some(&mut maximise);
+    let aim = view.toolbar(ui, &scene, (model.selection, button));
+    if maximise {
+        outbox.send(ViewCommand::Maximise(Some(Part::Robot)));
+    }
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
     send(&touched, outbox);
 }
@@ -250,13 +259,24 @@ impl Robot3d {
         self.navigation.inspect(cable);
     }
 
-    /// Draws the row above the picture; gives the camera movement that was asked for.
-    pub fn toolbar(&mut self, ui: &mut Ui, scene: &Scene) -> Option<Aim> {
+    /// Draws the row above the picture, with a button that maximises the view where it can be; gives the camera movement
+    /// that was asked for.
+    pub fn toolbar(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Scene,
+        (selection, maximise): (Selection, Option<&mut bool>),
+    ) -> Option<Aim> {
         let mut aim = None;
+        let projection = self
+            .camera()
+            .map_or(Projection::Perspective, Camera::projection);
+        let can_frame = !selection.is_empty();
         Frame::new()
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
-                aim = toolbar::show(ui, &mut self.options, scene);
+                let state = (projection, can_frame, maximise);
+                aim = toolbar::show(ui, &mut self.options, scene, state);
             });
         aim
     }
@@ -276,8 +296,13 @@ impl Robot3d {
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let aim = aim.or_else(|| canvas::keys(ui, &response));
         let mut touched = Touched::default();
-        if aim == Some(Aim::Selected) {
-            touched.inspected = selection.cable;
+        match (aim, selection.cable) {
+            (Some(Aim::Selected), cable) => touched.inspected = cable,
+            (Some(Aim::Frame), Some(cable)) => self.navigation.frame(cable),
+            (Some(Aim::Frame), None) if selection.pose.is_some() => {
+                self.navigation.frame_platform();
+            }
+            _ => {}
         }
         let aim = aim.map(|aim| match (aim, selection.cable) {
             (Aim::Selected, None) => Aim::All,

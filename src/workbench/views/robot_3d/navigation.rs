@@ -20,6 +20,8 @@ enum Goal {
     Inspect(usize),
     /// To a pulley among its neighbours.
     Frame(usize),
+    /// To the platform.
+    Platform,
     /// To where it was before pulleys were inspected.
     Back,
 }
@@ -74,6 +76,11 @@ impl Navigation {
         self.goal = Some(Goal::Frame(cable));
     }
 
+    /// Flies to the platform.
+    pub fn frame_platform(&mut self) {
+        self.goal = Some(Goal::Platform);
+    }
+
     /// The camera in the present frame: turned as was asked, on its way, or showing everything anew because the picture or
     /// the displacements have changed. `magnification` is that of displacements.
     pub fn aim(
@@ -93,10 +100,11 @@ impl Navigation {
         });
         match aim {
             Some(Aim::To(side)) => camera.turn_to(side),
+            Some(Aim::Project(projection)) => camera.set_projection(projection),
             Some(Aim::Selected) => {
                 self.goal = self.inspected.map(Goal::Inspect).or(self.goal);
             }
-            Some(Aim::All) | None => {}
+            Some(Aim::All | Aim::Frame) | None => {}
         }
         let is_other = self.framed.as_ref().is_some_and(|framed| *framed != now);
         let shows_all = matches!(aim, Some(Aim::All | Aim::To(_)));
@@ -152,6 +160,10 @@ impl Navigation {
                 let least_m = NEIGHBOURHOOD * scene.frame.size_m;
                 end.frame(&around(scene, cable, magnification, least_m), aspect);
             }
+            Goal::Platform => {
+                self.framed = None;
+                end.frame(&beside_platform(scene), aspect);
+            }
         }
         end
     }
@@ -187,6 +199,15 @@ fn towards(scene: &Scene, cable: usize, forward: &Vec3) -> Option<Vec3> {
     let up = scene.directions.column(2).into_owned();
     let beside = up.cross(&facing);
     (facing - up * 0.4 + beside * 0.35).try_normalize(1e-6)
+}
+
+/// Points around the platform (m).
+fn beside_platform(scene: &Scene) -> Vec<Vec3> {
+    let middle = scene.pose.position;
+    let corners = scene.platform.corners(&scene.pose);
+    corners
+        .map(|corner| middle + 1.5 * (corner - middle))
+        .into()
 }
 
 /// Points around both pulleys of a cable where they are drawn (m): all of their wheels, the displacement with its

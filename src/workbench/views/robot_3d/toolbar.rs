@@ -3,7 +3,7 @@
 use egui::{Slider, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::camera::StandardView;
+use super::camera::{Projection, StandardView};
 use super::drawing::{ArrowColour, CableColour, FrameLook, Options};
 use super::scene::{Besides, Scene};
 use crate::widgets::{icon_only, muted};
@@ -16,8 +16,12 @@ const EXAGGERATION: f32 = 240.0;
 pub enum Aim {
     /// Show everything.
     All,
-    /// Show what is selected, or everything.
+    /// Inspect the pulley that is selected, or show everything.
     Selected,
+    /// Show what is selected among what is around it.
+    Frame,
+    /// Show depth in this way.
+    Project(Projection),
     /// Turn to a standard view and show everything.
     To(StandardView),
 }
@@ -29,8 +33,13 @@ const MEDIUM: f32 = 660.0;
 /// Width (points) from which on the standard views do, too.
 const NARROW: f32 = 460.0;
 
-/// Draws the row.
-pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
+/// Draws the row: how depth shows now, whether something is selected, and whether the view can be maximised.
+pub fn show(
+    ui: &mut Ui,
+    options: &mut Options,
+    scene: &Scene,
+    (projection, can_frame, maximise): (Projection, bool, Option<&mut bool>),
+) -> Option<Aim> {
     let besides = scene.besides;
     let mut aim = None;
     let width = ui.available_width();
@@ -39,10 +48,18 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
         if icon_only(ui, icons::ICON_FIT_SCREEN, "Fit view (Home)", true).clicked() {
             aim = Some(Aim::All);
         }
+        let near = "Frame selection (Shift+F)";
+        if icon_only(ui, icons::ICON_CENTER_FOCUS_STRONG, near, can_frame).clicked() {
+            aim = Some(Aim::Frame);
+        }
+        if let Some(maximise) = maximise {
+            let name = "Maximise the 3D view";
+            *maximise = icon_only(ui, icons::ICON_OPEN_IN_FULL, name, true).clicked();
+        }
         if width > NARROW {
-            aim = views(ui).or(aim);
+            aim = views(ui, projection).or(aim);
         } else {
-            ui.menu_button("Views", |ui| aim = views(ui).or(aim));
+            ui.menu_button("Views", |ui| aim = views(ui, projection).or(aim));
         }
         ui.separator();
         if width > MEDIUM {
@@ -54,7 +71,7 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
         }
         ui.separator();
         ui.menu_button("Show", |ui| {
-            parts(ui, options, besides);
+            parts(ui, options, scene);
             if besides != Besides::Nothing && !is_wide {
                 exaggeration(ui, options, scene);
             }
@@ -66,8 +83,8 @@ pub fn show(ui: &mut Ui, options: &mut Options, scene: &Scene) -> Option<Aim> {
     aim
 }
 
-/// The standard views; gives the one that was asked for.
-fn views(ui: &mut Ui) -> Option<Aim> {
+/// The standard views and how depth shows; gives what was asked for.
+fn views(ui: &mut Ui, projection: Projection) -> Option<Aim> {
     let mut aim = None;
     for (view, key) in StandardView::ALL.into_iter().zip(["1", "2", "3", "7"]) {
         let button = egui::Button::new(view.title()).frame_when_inactive(false);
@@ -79,6 +96,15 @@ fn views(ui: &mut Ui) -> Option<Aim> {
         if ui.add(button).on_hover_text(hint).clicked() {
             aim = Some(Aim::To(view));
         }
+    }
+    let other = projection.other();
+    let button = egui::Button::new(projection.title()).frame_when_inactive(false);
+    let response = ui.add(button);
+    let name = format!("Projection: {}", projection.title().to_lowercase());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &name));
+    let hint = format!("Switch to {} projection", other.title().to_lowercase());
+    if response.on_hover_text(hint).clicked() {
+        aim = Some(Aim::Project(other));
     }
     aim
 }
@@ -97,7 +123,8 @@ fn colours(ui: &mut Ui, options: &mut Options) {
     }
 }
 
-fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
+fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
+    let besides = scene.besides;
     ui.checkbox(&mut options.labels, "Cable numbers");
     ui.checkbox(&mut options.poses, "Poses");
     ui.checkbox(&mut options.callouts, "Pinned coordinates")
@@ -131,7 +158,14 @@ fn parts(ui: &mut Ui, options: &mut Options, besides: Besides) {
         ui.horizontal(|ui| {
             muted(ui, "Displacements by");
             for by in ArrowColour::ALL {
-                ui.selectable_value(&mut options.arrow_colour, by, by.title());
+                let known = by != ArrowColour::Tolerance || scene.tolerance_m.is_some();
+                let is_chosen = options.arrow_colour_of(scene) == by;
+                let button = egui::Button::selectable(is_chosen, by.title());
+                let button = ui.add_enabled(known, button);
+                if button.clicked() {
+                    options.arrow_colour = by;
+                }
+                button.on_disabled_hover_text("Enter a tolerance for the report first");
             }
         });
     }

@@ -15,11 +15,10 @@ mod method;
 mod result;
 mod robot;
 
-use tautline_session::Timestamp;
-
 use super::choice::Part;
 use super::document::Document;
 use super::input::ReportInput;
+use crate::wording::local_time::with_offset as when;
 use crate::wording::units;
 
 /// Shown in place of a missing number.
@@ -89,13 +88,6 @@ fn head(input: &ReportInput<'_>) -> Vec<String> {
     lines
 }
 
-/// A point in time in display form: `2018-07-23, 09:05 UTC`.
-fn when(time: Timestamp) -> String {
-    let text = time.to_string();
-    let part = |from: usize, to: usize| text.get(from..to).unwrap_or_default();
-    format!("{}, {} UTC", part(0, 10), part(11, 16))
-}
-
 /// A number with a typographic minus; what rounds to zero has no sign.
 fn number(value: f64, decimals: usize) -> String {
     units::fixed(value, decimals).replace('-', "−")
@@ -121,11 +113,5 @@ mod tests {
             all.map(|v| signed(v, 1)),
             ["−1.2", "0.0", "0.0", "0.0", "+2.0"]
         );
-    }
-
-    #[test]
-    fn times_are_readable() {
-        let time = "2018-07-23T09:05:00Z".parse().expect("a time");
-        assert_eq!(when(time), "2018-07-23, 09:05 UTC");
     }
 }

@@ -1,4 +1,4 @@
-//! Residuals of cable lengths and of the laser over poses.
+//! Residuals of cable lengths, of the laser and of an external instrument over poses.
 
 use std::collections::BTreeSet;
 
@@ -132,15 +132,39 @@ fn cable_points(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> V
 /// Residuals of the laser.
 #[must_use]
 pub fn laser(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
-    let readings = || {
-        let all = fit.analysis.observations.iter();
-        all.filter(|reading| reading.kind == ObservationKind::Laser)
-    };
+    let series = [("laser", Ink::Accent, Marker::Circle, ObservationKind::Laser)];
+    of_kinds(fit, unit, excluded, &series)
+}
+
+/// Residuals of positions by an external instrument, along each axis.
+#[must_use]
+pub fn external(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
+    let axis = ObservationKind::TrackerPosition;
+    let series = [
+        ("x", Ink::Accent, Marker::Circle, axis(0)),
+        ("y", Ink::Warning, Marker::Square, axis(1)),
+        ("z", Ink::Good, Marker::Triangle, axis(2)),
+    ];
+    of_kinds(fit, unit, excluded, &series)
+}
+
+/// Residuals of readings of these kinds, each a series of its own.
+fn of_kinds(
+    fit: &Identification,
+    unit: Unit,
+    excluded: &BTreeSet<i64>,
+    kinds: &[(&str, Ink, Marker, ObservationKind)],
+) -> Figure {
+    let all = &fit.analysis.observations;
     let point = |reading: &Observation| {
         let value = unit.value(reading)?;
         Some(over_pose(&fit.dataset, excluded, reading.row, value))
     };
-    let points = readings().filter_map(point).collect();
-    let series = Series::new("laser", Ink::Accent, Marker::Circle, points);
-    over_poses(unit, unit.band(readings()), vec![series])
+    let series = kinds.iter().map(|(name, ink, marker, kind)| {
+        let own = all.iter().filter(|reading| reading.kind == *kind);
+        Series::new(*name, *ink, *marker, own.filter_map(point).collect())
+    });
+    let is_shown = |reading: &&Observation| kinds.iter().any(|(.., kind)| reading.kind == *kind);
+    let band = unit.band(all.iter().filter(is_shown));
+    over_poses(unit, band, series.collect())
 }

@@ -75,6 +75,26 @@ pub enum Projection {
     Orthographic,
 }
 
+impl Projection {
+    /// Label in the window.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Perspective => "Perspective",
+            Self::Orthographic => "Orthographic",
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Perspective => Self::Orthographic,
+            Self::Orthographic => Self::Perspective,
+        }
+    }
+}
+
 /// A line of sight.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
@@ -108,6 +128,8 @@ pub struct Camera {
     nearest_m: f64,
     farthest_m: f64,
     projection: Projection,
+    /// That of views that are not along an axis.
+    oblique: Projection,
 }
 
 impl Camera {
@@ -123,6 +145,7 @@ impl Camera {
             nearest_m: 1e-3,
             farthest_m: 1e3,
             projection: Projection::Perspective,
+            oblique: Projection::Perspective,
         };
         camera.turn_to(view);
         camera.fit(points, aspect);
@@ -147,14 +170,23 @@ impl Camera {
         self.projection
     }
 
+    /// Shows depth in this way, also after the view is turned.
+    pub fn set_projection(&mut self, projection: Projection) {
+        (self.projection, self.oblique) = (projection, projection);
+    }
+
     /// Where the eye is (m); that of an orthographic view is in front of everything.
     #[must_use]
     pub fn eye(&self) -> Vec3 {
-        let distance = match self.projection {
+        self.target - self.axes()[2] * self.away_m()
+    }
+
+    /// From the eye to the point in the middle (m).
+    fn away_m(&self) -> f64 {
+        match self.projection {
             Projection::Perspective => self.distance_m,
             Projection::Orthographic => self.farthest_m,
-        };
-        self.target - self.axes()[2] * distance
+        }
     }
 
     /// Height of what is seen at the depth of the point in the middle (m).

@@ -21,7 +21,7 @@ impl Camera {
     pub fn turn_to(&mut self, view: StandardView) {
         (self.yaw, self.pitch) = view.angles();
         self.projection = match view {
-            StandardView::Isometric => Projection::Perspective,
+            StandardView::Isometric => self.oblique,
             StandardView::Front | StandardView::Side | StandardView::Top => {
                 Projection::Orthographic
             }
@@ -121,9 +121,9 @@ impl Camera {
     }
 
     /// Orbits by a drag of so many points to the right and down, about `pivot` (m), which stays where it is in the picture,
-    /// or about the middle of the picture. A view along an axis becomes one in perspective.
+    /// or about the middle of the picture. A view along an axis becomes one as it was chosen for others.
     pub fn orbit(&mut self, right: f64, down: f64, pivot: Option<Vec3>) {
-        self.projection = Projection::Perspective;
+        self.projection = self.oblique;
         let pivot = pivot.unwrap_or(self.target);
         let before = self.axes();
         let away = pivot - self.eye();
@@ -132,7 +132,7 @@ impl Camera {
         self.pitch = (self.pitch + down * ORBIT_RATE).clamp(-FRAC_PI_2, FRAC_PI_2);
         let after = self.axes();
         let eye = pivot - (after[0] * seen[0] + after[1] * seen[1] + after[2] * seen[2]);
-        self.target = eye + after[2] * self.distance_m;
+        self.target = eye + after[2] * self.away_m();
     }
 
     /// Moves the picture by shares of its height; the point in the middle's depth stays under the pointer.

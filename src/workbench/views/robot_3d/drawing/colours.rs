@@ -6,6 +6,7 @@ use tautline_session::Stage;
 use super::options::{ArrowColour, CableColour};
 use crate::theme::Palette;
 use crate::views::robot_3d::scene::{CableView, Displacement, Scene, Significance};
+use tautline_workflow::report::tolerance::Conformity;
 
 /// Colour of a cable.
 #[must_use]
@@ -76,18 +77,32 @@ pub fn longest_m(scene: &Scene) -> Option<f64> {
     (longest > 0.0).then_some(longest)
 }
 
-/// Colour of a displacement; `longest_m` is the length of the longest one.
+/// Colour of a conformity with a tolerance.
+#[must_use]
+pub fn conformity_colour(conformity: Conformity, palette: &Palette) -> Color32 {
+    match conformity {
+        Conformity::Within => palette.good,
+        Conformity::Undecided => palette.warning,
+        Conformity::Outside => palette.bad,
+    }
+}
+
+/// Colour of a displacement in a scene.
 #[must_use]
 pub fn arrow_colour(
     moved: &Displacement,
     by: ArrowColour,
-    longest_m: Option<f64>,
+    scene: &Scene,
     palette: &Palette,
 ) -> Color32 {
     match by {
+        ArrowColour::Tolerance => {
+            let conformity = moved.conformity(scene.tolerance_m.unwrap_or(f64::INFINITY));
+            conformity_colour(conformity, palette)
+        }
         ArrowColour::Significance => significance_colour(moved.significance(), palette),
         ArrowColour::Length => {
-            let share = moved.by.norm() / longest_m.unwrap_or(1.0);
+            let share = moved.by.norm() / longest_m(scene).unwrap_or(1.0);
             length_colour(share as f32, palette)
         }
     }

@@ -11,8 +11,8 @@ use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
 
 pub use colours::{
-    arrow_colour, cable_colour, error_colour, length_colour, longest_m, significance_colour,
-    tension_colour, tension_range,
+    arrow_colour, cable_colour, conformity_colour, error_colour, length_colour, longest_m,
+    significance_colour, tension_colour, tension_range,
 };
 pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
@@ -232,13 +232,8 @@ impl Drawing {
         };
         let exaggeration = options.exaggeration_of(scene);
         let tip = moved.from + moved.by * exaggeration;
-        let longest_m = longest_m(scene);
-        let ink = tone(arrow_colour(
-            moved,
-            options.arrow_colour,
-            longest_m,
-            palette,
-        ));
+        let colour = options.arrow_colour_of(scene);
+        let ink = tone(arrow_colour(moved, colour, scene, palette));
         if options.arrows {
             let most_m = match look.is_inspected {
                 true => 0.3 * placed.wheel.radius_m.max(0.2 * ARROW * scene.frame.size_m),

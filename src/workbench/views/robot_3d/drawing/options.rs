@@ -40,11 +40,13 @@ pub enum ArrowColour {
     Significance,
     /// By how long they are.
     Length,
+    /// By whether they are within the tolerance of the certificate.
+    Tolerance,
 }
 
 impl ArrowColour {
     /// All.
-    pub const ALL: [Self; 2] = [Self::Significance, Self::Length];
+    pub const ALL: [Self; 3] = [Self::Significance, Self::Length, Self::Tolerance];
 
     /// Label in the window.
     #[must_use]
@@ -52,6 +54,7 @@ impl ArrowColour {
         match self {
             Self::Significance => "Significance",
             Self::Length => "Length",
+            Self::Tolerance => "Tolerance",
         }
     }
 }
@@ -140,6 +143,15 @@ impl Options {
         if !self.pinned.remove(&cable) {
             self.pinned.insert(cable);
             self.callouts = true;
+        }
+    }
+
+    /// By what displacements of a scene are coloured: without a tolerance not by it.
+    #[must_use]
+    pub fn arrow_colour_of(&self, scene: &Scene) -> ArrowColour {
+        match (self.arrow_colour, scene.tolerance_m) {
+            (ArrowColour::Tolerance, None) => ArrowColour::default(),
+            (colour, _) => colour,
         }
     }
 

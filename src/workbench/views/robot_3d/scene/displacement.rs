@@ -5,6 +5,7 @@ use tautline_core::geometry::Vec3;
 
 use super::{Besides, Scene, Wheel};
 use tautline_workflow::identification::{CLEAR, NOISE, chance_of_noise};
+use tautline_workflow::report::tolerance::{Conformity, expanded_uncertainty_m};
 
 /// Whether a displacement exceeds its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +64,14 @@ impl Displacement {
     pub fn coordinates(&self) -> usize {
         let covariance = self.covariance.unwrap_or_default();
         (0..3).filter(|k| covariance[(*k, *k)] > 0.0).count()
+    }
+
+    /// Whether it is within a tolerance (m), as the certificate judges it.
+    #[must_use]
+    pub fn conformity(&self, tolerance_m: f64) -> Conformity {
+        let covariance = self.covariance.filter(|_| self.is_explained);
+        let uncertainty_m = covariance.as_ref().map(expanded_uncertainty_m);
+        Conformity::of(self.by.norm(), uncertainty_m, tolerance_m)
     }
 
     /// Whether it exceeds its uncertainty.
@@ -187,5 +196,23 @@ mod tests {
         assert_eq!(unknown.significance(), Significance::Unknown);
         unknown.moved = Some(true);
         assert_eq!(unknown.significance(), Significance::Clear);
+    }
+
+    #[test]
+    fn a_tolerance_is_judged_by_the_least_certain_direction_and_only_where_the_model_holds() {
+        for (by, sd, expected) in [
+            ([1.0e-3, 0.0, 0.0], [1e-4, 1e-4, 4e-4], Conformity::Within),
+            (
+                [1.0e-3, 0.0, 0.0],
+                [1e-4, 1e-4, 6e-4],
+                Conformity::Undecided,
+            ),
+            ([3.0e-3, 0.0, 0.0], [1e-4, 1e-4, 4e-4], Conformity::Outside),
+        ] {
+            assert_eq!(displacement(by, sd).conformity(2e-3), expected);
+        }
+        let mut wrong = displacement([1e-3, 0.0, 0.0], [1e-4; 3]);
+        wrong.is_explained = false;
+        assert_eq!(wrong.conformity(2e-3), Conformity::Undecided);
     }
 }

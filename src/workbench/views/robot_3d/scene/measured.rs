@@ -32,6 +32,15 @@ impl MeasuredPoses {
         let bounds = bounds(poses.iter().map(|pose| &pose.position));
         Self { poses, bounds }
     }
+
+    /// The pose of a label, which stands at most at this place: there, unless poses before it have no known position.
+    #[must_use]
+    pub fn of(&self, place: usize, label: i64) -> Option<&MeasuredPose> {
+        let is_it = |pose: &&MeasuredPose| pose.label == label;
+        let end = self.poses.len().min(place + 1);
+        let usual = self.poses.get(place).filter(is_it);
+        usual.or_else(|| self.poses[..end].iter().rev().find(is_it))
+    }
 }
 
 impl Default for MeasuredPoses {

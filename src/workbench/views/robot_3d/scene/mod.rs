@@ -171,6 +171,8 @@ pub struct Scene {
     pub errors: Vec<PositionError>,
     /// What pulleys are shown besides the identified ones.
     pub besides: Besides,
+    /// How far a pulley may be from the drawing, if that is known (m).
+    pub tolerance_m: Option<f64>,
 }
 
 impl Scene {

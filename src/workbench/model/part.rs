@@ -1,4 +1,4 @@
-//! The parts of a screen that a small window shows one at a time.
+//! The parts of a screen: a small window shows one at a time, a large one while it is maximised.
 
 /// Part of a phase's screen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

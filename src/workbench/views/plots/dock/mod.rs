@@ -1,0 +1,473 @@
+//! Plots as tabs that are docked beside and above each other, or detached; those with the same x axis are zoomed and
+//! moved together.
+
+mod tabs;
+mod tree;
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::path::Path;
+
+use egui::{CentralPanel, Frame, Margin, Ui, ViewportBuilder, ViewportClass, ViewportId};
+use egui_material_icons::icons;
+use tautline_core::diagnosis::Quantity;
+use tautline_core::measurement::Variable;
+use tautline_session::{PlotArea, Plots};
+
+use super::{Choice, PlotState, Tab, pane};
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::part::Part;
+use crate::model::plot_preparation::Preparation;
+use crate::model::{Model, Selection};
+use crate::theme::{self, GRID};
+use crate::widgets::{empty, icon_button};
+use tabs::{Dock, Wish};
+use tree::{Preset, Tree};
+
+/// Width (points) below which there is one plot at a time.
+const NARROW: f32 = 560.0;
+/// Size of the window of a plot (points).
+const WINDOW: [f32; 2] = [720.0, 460.0];
+
+/// A plot among all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PlotId {
+    /// What it shows.
+    pub tab: Tab,
+    /// Counts plots that show the same.
+    pub copy: u8,
+}
+
+impl PlotId {
+    fn first(tab: Tab) -> Self {
+        Self { tab, copy: 0 }
+    }
+
+    /// What preferences call it.
+    fn name(self) -> String {
+        match self.copy {
+            0 => self.tab.name().to_owned(),
+            copy => format!("{} {}", self.tab.name(), u32::from(copy) + 1),
+        }
+    }
+
+    /// The plot that preferences call so.
+    fn named(name: &str) -> Option<Self> {
+        if let Some(tab) = Tab::named(name) {
+            return Some(Self::first(tab));
+        }
+        let (name, number) = name.rsplit_once(' ')?;
+        let copy = number.parse::<u8>().ok()?.checked_sub(1)?;
+        Some(Self {
+            tab: Tab::named(name)?,
+            copy,
+        })
+    }
+
+    /// Label in the window.
+    fn title(self) -> String {
+        match self.copy {
+            0 => self.tab.title().to_owned(),
+            copy => format!("{} {}", self.tab.title(), u32::from(copy) + 1),
+        }
+    }
+}
+
+/// State of the plots.
+pub struct Panes {
+    docked: Tree,
+    /// The same plots in one place, for a small area and a maximised one.
+    single: Tree,
+    detached: BTreeSet<PlotId>,
+    plots: BTreeMap<PlotId, PlotState>,
+    /// What the live scope stands in front of, since it came by itself: docked, and in one place.
+    before_scope: [Option<PlotId>; 2],
+    /// The arrangement that the preferences have.
+    known: Plots,
+}
+
+/// What plots show along x, if not everything.
+type Along = BTreeMap<PlotId, Option<[f64; 2]>>;
+
+impl Default for Panes {
+    fn default() -> Self {
+        Self::of(&Plots::default())
+    }
+}
+
+impl Panes {
+    /// The plots as the preferences have them.
+    #[must_use]
+    pub fn of(plots: &Plots) -> Self {
+        let detached = plots.detached.iter().filter_map(|name| PlotId::named(name));
+        let detached: BTreeSet<PlotId> = detached.collect();
+        let mut all: BTreeSet<PlotId> = Tab::ALL.map(PlotId::first).into();
+        all.extend(&detached);
+        all.extend(plots.area.iter().flat_map(named));
+        let docked: Vec<PlotId> = all.difference(&detached).copied().collect();
+        let usual = Preset::One.area(&docked);
+        let mut panes = Self {
+            docked: tree::tree(
+                "docked plots",
+                plots.area.as_ref().unwrap_or(&usual),
+                &docked,
+            ),
+            single: tree::tree("plots in one place", &usual, &docked),
+            detached,
+            plots: all.iter().map(|id| (*id, PlotState::of(id.tab))).collect(),
+            before_scope: [None; 2],
+            known: Plots::default(),
+        };
+        panes.known = panes.now();
+        panes
+    }
+
+    /// The present arrangement, as preferences keep it.
+    fn now(&self) -> Plots {
+        let mut area = tree::area(&self.docked);
+        if let (Some(area), Some(before)) = (&mut area, self.before_scope[0]) {
+            // A scope that came by itself goes by itself.
+            restore(area, before);
+        }
+        Plots {
+            area,
+            detached: self.detached.iter().map(|id| id.name()).collect(),
+        }
+    }
+
+    /// The arrangement to store in the preferences, if it has changed.
+    fn changed(&mut self) -> Option<Plots> {
+        let now = self.now();
+        (self.known != now).then(|| {
+            self.known = now.clone();
+            now
+        })
+    }
+
+    /// Gives all plots what a task has computed.
+    pub fn prepared(&mut self, preparation: &Preparation) {
+        for plot in self.plots.values_mut() {
+            plot.preparation = Some(preparation.clone());
+        }
+    }
+
+    /// Shows residuals of a kind of reading along a variable: in a plot that shows such already, or in the first.
+    pub fn show_along(&mut self, quantity: Quantity, cable: Option<usize>, variable: Variable) {
+        let mut shown = tree::shown(&self.docked).into_iter();
+        let shown = shown.find(|id| id.tab == Tab::Variable);
+        let id = shown.unwrap_or(PlotId::first(Tab::Variable));
+        if let Some(plot) = self.plots.get_mut(&id) {
+            plot.choice = Some(Choice {
+                quantity,
+                cable,
+                variable,
+            });
+        }
+        self.bring_forward(id);
+    }
+
+    /// Brings a plot to the front of its place; gives what was there: docked, and in one place.
+    fn bring_forward(&mut self, id: PlotId) -> [Option<PlotId>; 2] {
+        [&mut self.docked, &mut self.single].map(|tree| tree::bring_forward(tree, id))
+    }
+
+    /// Shows the live scope, unless it is shown already.
+    pub fn show_scope(&mut self) {
+        let scope = PlotId::first(Tab::Scope);
+        let before = self.bring_forward(scope);
+        for (kept, before) in self.before_scope.iter_mut().zip(before) {
+            *kept = before.filter(|id| *id != scope).or(*kept);
+        }
+    }
+
+    /// Where the scope came by itself, the plot that was there before comes back.
+    pub fn leave_scope(&mut self) {
+        let scope = PlotId::first(Tab::Scope);
+        let before = std::mem::take(&mut self.before_scope);
+        for (tree, before) in [&mut self.docked, &mut self.single].into_iter().zip(before) {
+            if let Some(before) = before.filter(|_| tree::shown(tree).contains(&scope)) {
+                tree::bring_forward(tree, before);
+            }
+        }
+    }
+
+    /// Sets the file of the plot that is being saved.
+    pub fn picked(&mut self, path: &Path) {
+        for saving in self.plots.values_mut().filter_map(|p| p.saving.as_mut()) {
+            saving.path = path.display().to_string();
+        }
+    }
+
+    /// The range along x of a plot, with the title of its axis.
+    #[must_use]
+    pub fn range(&mut self, tab: Tab) -> Option<(String, [f64; 2])> {
+        let (title, panel) = self.plots.get_mut(&PlotId::first(tab))?.along()?;
+        Some((title, panel.drawn.as_ref()?.scale.view[0]))
+    }
+
+    /// How many plots stand above each other.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        tree::area(&self.docked).map_or(1, |area| rows(&area))
+    }
+
+    /// What all plots show along x.
+    fn along(&mut self) -> Along {
+        let range = |(id, plot): (&PlotId, &mut PlotState)| {
+            (*id, plot.along().and_then(|(_, panel)| panel.along()))
+        };
+        self.plots.iter_mut().map(range).collect()
+    }
+
+    /// Lets the others follow the plot whose range along x has just been changed.
+    fn link(&mut self, before: &Along) {
+        let now = self.along();
+        let changed = now
+            .iter()
+            .find(|(id, range)| before.get(*id) != Some(*range));
+        let Some((from, range)) = changed else {
+            return;
+        };
+        let title = self.plots.get_mut(from).and_then(PlotState::along);
+        let Some(title) = title.map(|(title, _)| title) else {
+            return;
+        };
+        for (id, plot) in &mut self.plots {
+            if let Some((other, panel)) = plot.along()
+                && id != from
+                && other == title
+            {
+                panel.follow(*range);
+            }
+        }
+    }
+
+    fn apply(&mut self, wish: Wish) {
+        match wish {
+            Wish::Show(id) => {
+                self.bring_forward(id);
+            }
+            Wish::Detach(id) => {
+                self.remove(id);
+                self.detached.insert(id);
+            }
+            Wish::Another(of) => {
+                let free = (1..u8::MAX).map(|copy| PlotId { copy, ..of });
+                let mut free = free.filter(|id| !self.plots.contains_key(id));
+                if let Some(id) = free.next() {
+                    let choice = self.plots.get(&of).and_then(|plot| plot.choice);
+                    let preparation = self.plots.get(&of).and_then(|p| p.preparation.clone());
+                    let plot = PlotState {
+                        choice,
+                        preparation,
+                        ..PlotState::of(id.tab)
+                    };
+                    self.plots.insert(id, plot);
+                    self.dock(id);
+                }
+            }
+            Wish::Close(id) => {
+                self.remove(id);
+                self.plots.remove(&id);
+            }
+            Wish::Arrange(preset) => {
+                let all = self.plots.keys().filter(|id| !self.detached.contains(id));
+                let all: Vec<PlotId> = all.copied().collect();
+                self.docked = tree::tree("docked plots", &preset.area(&all), &all);
+                self.before_scope[0] = None;
+            }
+        }
+    }
+
+    fn remove(&mut self, id: PlotId) {
+        for tree in [&mut self.docked, &mut self.single] {
+            tree::remove(tree, id);
+        }
+    }
+
+    fn dock(&mut self, id: PlotId) {
+        self.detached.remove(&id);
+        for tree in [&mut self.docked, &mut self.single] {
+            tree::add(tree, id);
+        }
+    }
+}
+
+/// The plots that an area names.
+fn named(area: &PlotArea) -> Vec<PlotId> {
+    match area {
+        PlotArea::Tabs { plots, .. } => plots.iter().filter_map(|n| PlotId::named(n)).collect(),
+        PlotArea::Row(shares) | PlotArea::Column(shares) => {
+            shares.iter().flat_map(|share| named(&share.area)).collect()
+        }
+    }
+}
+
+fn rows(area: &PlotArea) -> usize {
+    match area {
+        PlotArea::Tabs { .. } => 1,
+        PlotArea::Row(shares) => shares.iter().map(|s| rows(&s.area)).max().unwrap_or(1),
+        PlotArea::Column(shares) => shares.iter().map(|s| rows(&s.area)).sum(),
+    }
+}
+
+/// Puts a plot in front of its place instead of the live scope.
+fn restore(area: &mut PlotArea, plot: PlotId) {
+    match area {
+        PlotArea::Tabs { plots, shown } => {
+            if shown.as_deref() == Some(Tab::Scope.name()) && plots.contains(&plot.name()) {
+                *shown = Some(plot.name());
+            }
+        }
+        PlotArea::Row(shares) | PlotArea::Column(shares) => {
+            for share in shares {
+                restore(&mut share.area, plot);
+            }
+        }
+    }
+}
+
+/// Draws the plots that are docked; `hovered` is what is under the pointer, in all views.
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    (panes, hovered): (&mut Panes, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let Some(open) = &model.open else {
+        empty(ui, "Plots appear here once a session is open.");
+        return;
+    };
+    let area = ui.available_rect_before_wrap();
+    let is_single = model.maximised == Some(Part::Plots) || area.width() < NARROW;
+    for plot in panes.plots.values_mut() {
+        plot.settle(open);
+    }
+    let before = panes.along();
+    let mut dock = Dock {
+        model,
+        open,
+        plots: &mut panes.plots,
+        hovered,
+        outbox,
+        area,
+        hidden: HashSet::new(),
+        wish: None,
+    };
+    let tree = match is_single {
+        true => &mut panes.single,
+        false => &mut panes.docked,
+    };
+    if tree.is_empty() {
+        empty(ui, "All plots are in windows of their own.");
+    } else {
+        tree.ui(&mut dock, ui);
+    }
+    if let Some(wish) = dock.wish {
+        panes.apply(wish);
+    }
+    panes.link(&before);
+}
+
+/// Draws the plots that have windows of their own, and keeps the arrangement of all once it has changed.
+pub fn show_detached(
+    ui: &Ui,
+    model: &Model,
+    (panes, hovered): (&mut Panes, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    let before = panes.along();
+    for id in panes.detached.clone() {
+        let Some(plot) = panes.plots.get_mut(&id) else {
+            continue;
+        };
+        plot.settle(open);
+        let title = id.title();
+        let builder = ViewportBuilder::default()
+            .with_title(format!("{title} \u{2013} Tautline"))
+            .with_inner_size(WINDOW);
+        let viewport = ViewportId::from_hash_of(("plot", id.name()));
+        let draw = |ui: &mut Ui, class: ViewportClass| {
+            let mut is_docked = false;
+            let mut content = |ui: &mut Ui| {
+                is_docked = icon_button(ui, icons::ICON_CLOSE_FULLSCREEN, "Dock", true).clicked();
+                pane(ui, model, plot, hovered, outbox);
+            };
+            if class == ViewportClass::EmbeddedWindow {
+                content(ui);
+                return is_docked;
+            }
+            let frame = Frame::new()
+                .fill(theme::of(ui).panel)
+                .inner_margin(Margin::same(3 * GRID as i8));
+            CentralPanel::no_frame().frame(frame).show(ui, content);
+            is_docked || ui.input(|input| input.viewport().close_requested())
+        };
+        if ui.ctx().show_viewport_immediate(viewport, builder, draw) {
+            panes.dock(id);
+        }
+    }
+    panes.link(&before);
+    // What is being dragged is kept once it is let go.
+    if !ui.input(|input| input.pointer.any_down())
+        && let Some(plots) = panes.changed()
+    {
+        outbox.send(ViewCommand::SetPlots(plots));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_plots_read_back() {
+        for copy in [0, 1, 9] {
+            for tab in Tab::ALL {
+                let id = PlotId { tab, copy };
+                assert_eq!(PlotId::named(&id.name()), Some(id));
+            }
+        }
+        for wrong in ["", "weather", "variable 0", "variable x", "weather 2"] {
+            assert_eq!(PlotId::named(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_scope_that_came_by_itself_is_not_kept_and_goes() {
+        let mut panes = Panes::default();
+        panes.show_scope();
+        assert_eq!(panes.changed(), None);
+        assert_eq!(tree::shown(&panes.docked), [PlotId::first(Tab::Scope)]);
+        panes.leave_scope();
+        assert_eq!(tree::shown(&panes.docked), [PlotId::first(Tab::Residuals)]);
+        assert_eq!(panes.changed(), None);
+    }
+
+    #[test]
+    fn an_arrangement_is_restored_with_copies_and_detached_plots() {
+        let mut panes = Panes::default();
+        let variable = PlotId::first(Tab::Variable);
+        panes.apply(Wish::Another(variable));
+        assert_eq!(panes.rows(), 1);
+        panes.apply(Wish::Arrange(Preset::Four));
+        assert_eq!(panes.rows(), 2);
+        panes.apply(Wish::Arrange(Preset::Two));
+        panes.apply(Wish::Detach(PlotId::first(Tab::Laser)));
+        let kept = panes.changed().expect("it has changed");
+        assert_eq!(kept.detached, ["laser"]);
+        let mut restored = Panes::of(&kept);
+        assert_eq!(restored.changed(), None);
+        assert_eq!(restored.now(), kept);
+        let copy = PlotId {
+            copy: 1,
+            ..variable
+        };
+        assert!(restored.plots.contains_key(&copy));
+        restored.dock(PlotId::first(Tab::Laser));
+        restored.apply(Wish::Close(copy));
+        assert!(!restored.plots.contains_key(&copy) && restored.detached.is_empty());
+    }
+}

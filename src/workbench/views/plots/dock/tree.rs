@@ -1,0 +1,273 @@
+//! The tree of areas that plots are docked in, and what preferences keep of it.
+
+use std::collections::BTreeSet;
+
+use egui::Id;
+use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles};
+use tautline_session::{PlotArea, PlotShare};
+
+use super::super::Tab;
+use super::PlotId;
+
+/// Areas of plots.
+pub type Tree = egui_tiles::Tree<PlotId>;
+
+/// Plots that are seen first, from the upper left.
+const FIRST: [Tab; 4] = [Tab::Residuals, Tab::Tensions, Tab::Variable, Tab::Laser];
+
+/// An arrangement to begin with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    /// One plot.
+    One,
+    /// Two side by side.
+    Two,
+    /// Two rows of two.
+    Four,
+}
+
+impl Preset {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
+
+    /// Label in the window.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::One => "One plot",
+            Self::Two => "Two plots",
+            Self::Four => "Four plots",
+        }
+    }
+
+    /// These plots so arranged.
+    pub fn area(self, plots: &[PlotId]) -> PlotArea {
+        let count = match self {
+            Self::One => return tabs(plots.to_vec()),
+            Self::Two => 2,
+            Self::Four => 4,
+        };
+        let first = FIRST[..count].iter().map(|tab| PlotId::first(*tab));
+        let first: Vec<PlotId> = first.filter(|plot| plots.contains(plot)).collect();
+        let mut places: Vec<Vec<PlotId>> = first.iter().map(|plot| vec![*plot]).collect();
+        places.resize(count, Vec::new());
+        // The scope comes by itself: it is the first of the others.
+        let mut others: Vec<PlotId> = plots.to_vec();
+        others.retain(|plot| !first.contains(plot));
+        others.sort_by_key(|plot| plot.tab != Tab::Scope);
+        for (k, plot) in others.into_iter().enumerate() {
+            places[k % count].push(plot);
+        }
+        places.retain(|place| !place.is_empty());
+        let mut rows: Vec<PlotArea> = places
+            .chunks(2)
+            .map(|row| PlotArea::Row(equal(row.iter().cloned().map(tabs))))
+            .collect();
+        match rows.len() {
+            1 => rows.remove(0),
+            _ => PlotArea::Column(equal(rows.into_iter())),
+        }
+    }
+}
+
+fn tabs(plots: Vec<PlotId>) -> PlotArea {
+    PlotArea::Tabs {
+        shown: plots.first().map(|plot| plot.name()),
+        plots: plots.into_iter().map(PlotId::name).collect(),
+    }
+}
+
+fn equal(areas: impl Iterator<Item = PlotArea>) -> Vec<PlotShare> {
+    areas.map(|area| PlotShare { share: 1.0, area }).collect()
+}
+
+/// The tree of an area with these plots; those that the area does not name stand behind its first.
+pub fn tree(name: &str, area: &PlotArea, plots: &[PlotId]) -> Tree {
+    let mut tiles = Tiles::default();
+    let mut wanted: BTreeSet<PlotId> = plots.iter().copied().collect();
+    let root = insert(&mut tiles, area, &mut wanted);
+    let mut tree = match root {
+        Some(root) => Tree::new(Id::unique(name), root, tiles),
+        None => Tree::empty(Id::unique(name)),
+    };
+    for plot in plots.iter().filter(|plot| wanted.contains(*plot)) {
+        add(&mut tree, *plot);
+    }
+    tree
+}
+
+fn insert(
+    tiles: &mut Tiles<PlotId>,
+    area: &PlotArea,
+    wanted: &mut BTreeSet<PlotId>,
+) -> Option<TileId> {
+    let (dir, shares) = match area {
+        PlotArea::Tabs { plots, shown } => {
+            let plots = plots.iter().filter_map(|name| PlotId::named(name));
+            let plots: Vec<PlotId> = plots.filter(|plot| wanted.remove(plot)).collect();
+            let children: Vec<TileId> = plots.iter().map(|plot| tiles.insert_pane(*plot)).collect();
+            let is_shown = |plot: &PlotId| shown.as_ref() == Some(&plot.name());
+            let shown = plots.iter().position(is_shown).unwrap_or(0);
+            let active = *children.get(shown)?;
+            let mut tabs = Tabs::new(children);
+            tabs.set_active(active);
+            return Some(tiles.insert_container(tabs));
+        }
+        PlotArea::Row(shares) => (LinearDir::Horizontal, shares),
+        PlotArea::Column(shares) => (LinearDir::Vertical, shares),
+    };
+    let mut linear = Linear::new(dir, Vec::new());
+    for PlotShare { share, area } in shares {
+        if let Some(child) = insert(tiles, area, wanted) {
+            linear.children.push(child);
+            linear.shares.set_share(child, *share as f32);
+        }
+    }
+    (!linear.children.is_empty()).then(|| tiles.insert_container(linear))
+}
+
+/// Docks a plot behind those of the first place, where it is seen.
+pub fn add(tree: &mut Tree, plot: PlotId) {
+    let tile = tree.tiles.insert_pane(plot);
+    let Some(first) = first_tabs(tree, tree.root) else {
+        tree.root = Some(tree.tiles.insert_tab_tile(vec![tile]));
+        return;
+    };
+    if let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get_mut(first) {
+        tabs.add_child(tile);
+        tabs.set_active(tile);
+    }
+}
+
+fn first_tabs(tree: &Tree, tile: Option<TileId>) -> Option<TileId> {
+    match tree.tiles.get_container(tile?)? {
+        Container::Tabs(_) => tile,
+        other => other
+            .children()
+            .find_map(|child| first_tabs(tree, Some(*child))),
+    }
+}
+
+/// Takes a plot out.
+pub fn remove(tree: &mut Tree, plot: PlotId) {
+    if let Some(tile) = tree.tiles.find_pane(&plot) {
+        tree.remove_recursively(tile);
+    }
+}
+
+/// Brings a plot to the front of its place; gives the one that was there.
+pub fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
+    let tile = tree.tiles.find_pane(&plot)?;
+    let parent = tree.tiles.parent_of(tile)?;
+    let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get_mut(parent) else {
+        return None;
+    };
+    let before = tabs.active.replace(tile)?;
+    tree.tiles.get_pane(&before).copied()
+}
+
+/// The plots that are seen.
+pub fn shown(tree: &Tree) -> Vec<PlotId> {
+    let active = tree.active_tiles();
+    let panes = active.iter().filter_map(|tile| tree.tiles.get_pane(tile));
+    panes.copied().collect()
+}
+
+/// What preferences keep of a tree.
+pub fn area(tree: &Tree) -> Option<PlotArea> {
+    area_of(tree, tree.root?)
+}
+
+fn area_of(tree: &Tree, tile: TileId) -> Option<PlotArea> {
+    let name = |tile: &TileId| tree.tiles.get_pane(tile).map(|plot| plot.name());
+    let linear = match tree.tiles.get(tile)? {
+        Tile::Pane(plot) => return Some(tabs(vec![*plot])),
+        Tile::Container(Container::Tabs(tabs)) => {
+            return Some(PlotArea::Tabs {
+                plots: tabs.children.iter().filter_map(name).collect(),
+                shown: tabs.active.as_ref().and_then(name),
+            });
+        }
+        Tile::Container(Container::Linear(linear)) => linear,
+        // Grids are never made.
+        Tile::Container(Container::Grid(_)) => return None,
+    };
+    let shares = linear.children.iter().filter_map(|child| {
+        Some(PlotShare {
+            share: f64::from(linear.shares[*child]),
+            area: area_of(tree, *child)?,
+        })
+    });
+    let shares = shares.collect();
+    Some(match linear.dir {
+        LinearDir::Horizontal => PlotArea::Row(shares),
+        LinearDir::Vertical => PlotArea::Column(shares),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all() -> Vec<PlotId> {
+        Tab::ALL.map(PlotId::first).to_vec()
+    }
+
+    #[test]
+    fn every_arrangement_has_every_plot_once_and_is_restored_from_preferences() {
+        for preset in Preset::ALL {
+            let area_before = preset.area(&all());
+            let tree = tree("test", &area_before, &all());
+            assert_eq!(area(&tree).as_ref(), Some(&area_before), "{preset:?}");
+            let mut panes: Vec<PlotId> = tree
+                .tiles
+                .tiles()
+                .filter_map(|tile| match tile {
+                    Tile::Pane(plot) => Some(*plot),
+                    Tile::Container(_) => None,
+                })
+                .collect();
+            panes.sort_unstable();
+            assert_eq!(panes, all());
+        }
+        let four = tree("test", &Preset::Four.area(&all()), &all());
+        let mut seen = shown(&four);
+        seen.sort_unstable();
+        let mut first = FIRST.map(PlotId::first);
+        first.sort_unstable();
+        assert_eq!(seen, first);
+    }
+
+    #[test]
+    fn unknown_double_and_missing_plots_of_preferences_do_no_harm() {
+        let place = |plots: &[&str]| PlotShare {
+            share: 0.5,
+            area: PlotArea::Tabs {
+                plots: plots.iter().map(ToString::to_string).collect(),
+                shown: Some("weather".into()),
+            },
+        };
+        let stored = PlotArea::Row(vec![
+            place(&["weather"]),
+            place(&["laser", "laser"]),
+            place(&["laser", "residuals"]),
+        ]);
+        let restored = tree("test", &stored, &all());
+        let Some(PlotArea::Row(places)) = area(&restored) else {
+            panic!("a row");
+        };
+        let plots: Vec<&Vec<String>> = places
+            .iter()
+            .filter_map(|place| match &place.area {
+                PlotArea::Tabs { plots, .. } => Some(plots),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(plots.len(), 2);
+        assert_eq!(plots[0].len() + plots[1].len(), Tab::ALL.len());
+        assert_eq!(
+            (plots[0][0].as_str(), plots[1][0].as_str()),
+            ("laser", "residuals")
+        );
+        assert!(area(&tree("test", &PlotArea::Row(Vec::new()), &all())).is_some());
+    }
+}
