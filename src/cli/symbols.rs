@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_session::AdsMapping;
+use tautline_session::SymbolMapping;
 
 use crate::input;
 use crate::output::write_json;
@@ -13,12 +13,19 @@ pub struct Arguments {
     /// A preset (mini, hall, suspended, planar) or a robot.json
     #[arg(value_name = "PRESET|FILE")]
     robot: String,
+    /// The nodes of a controller that speaks OPC UA, in place of the symbols of ADS
+    #[arg(long)]
+    opcua: bool,
     /// File to write; - is standard output
     #[arg(long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mapping = AdsMapping::default_for(&input::robot(&arguments.robot)?.robot);
+    let robot = input::robot(&arguments.robot)?.robot;
+    let mapping = match arguments.opcua {
+        true => SymbolMapping::default_nodes_for(&robot),
+        false => SymbolMapping::default_for(&robot),
+    };
     write_json(&arguments.out, &tautline_session::versioned(&mapping))
 }

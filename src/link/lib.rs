@@ -14,12 +14,15 @@ pub mod guarded;
 pub mod laser;
 pub mod limits;
 pub mod measuring;
+pub mod opcua;
 pub mod parameters;
 pub mod reconnecting;
 pub mod replay;
 pub mod simulated;
+pub mod symbols;
 #[cfg(test)]
 mod testing;
+mod timed_socket;
 pub mod verifying;
 
 pub use clock::{Clock, ManualClock, SystemClock};

@@ -51,13 +51,13 @@ pub use recovery::{
 };
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use session::{
-    Acceptance, Adjustment, AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose,
-    AdsReadings, AdsRotation, AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind,
-    DiagnosisSettings, IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit,
-    LineLaserSettings, LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, Outcome, Phase,
+    Acceptance, Adjustment, AdsPlace, Connection, ControllerKind, DiagnosisSettings,
+    IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
+    LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, OpcUaPlace, Outcome, Phase,
     PlannedPose, RecordingPlace, ResultDocument, ResultRecord, Session, Settings, Simulator, Stage,
-    Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
-    write_session,
+    SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose,
+    SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, ValueChange,
+    Verification, is_per_cable, name_of_cable, parse_session, read_session, write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};
@@ -68,6 +68,6 @@ pub fn schemas() -> Vec<Schema> {
     vec![
         versioned_schema::<tautline_core::robot::Robot>(),
         versioned_schema::<session::SessionFile>(),
-        versioned_schema::<AdsMapping>(),
+        versioned_schema::<SymbolMapping>(),
     ]
 }

@@ -9,7 +9,7 @@ use tautline_core::robot::FieldError;
 use crate::error::{Loaded, WriteError, below, fail};
 use crate::json::{Migration, VersionedFile, read_versioned, write_versioned};
 use crate::plots::Plots;
-use crate::session::{AdsPlace, LaserSettings, Timestamp};
+use crate::session::{AdsPlace, LaserSettings, OpcUaPlace, Timestamp};
 
 /// Number of recent sessions in the list.
 const MAX_RECENT: usize = 12;
@@ -84,6 +84,8 @@ pub struct Report {
 pub struct LastConnection {
     /// Address of the last ADS controller.
     pub place: Option<AdsPlace>,
+    /// Address of the last OPC UA controller.
+    pub opcua: Option<OpcUaPlace>,
     /// Source of the laser distance.
     pub laser: LaserSettings,
 }
@@ -163,6 +165,8 @@ impl VersionedFile for Preferences {
         let last = &self.last_connection;
         let place = last.place.as_ref().map_or(Ok(()), AdsPlace::check);
         place.map_err(|error| below("/last_connection/place", error))?;
+        let place = last.opcua.as_ref().map_or(Ok(()), OpcUaPlace::check);
+        place.map_err(|error| below("/last_connection/opcua", error))?;
         let laser = last.laser.check();
         laser.map_err(|error| below("/last_connection/laser", error))?;
         match self.window_size {

@@ -6,14 +6,14 @@ use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, ReadError, WriteError};
 use crate::json::{read_versioned, write_versioned};
-use crate::session::AdsMapping;
+use crate::session::SymbolMapping;
 
 /// Reads the symbols of a controller that speaks ADS, and checks that they fit a robot.
 ///
 /// # Errors
 /// If the file cannot be read, or its symbols cannot be those of this robot's controller.
-pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<AdsMapping>, ReadError> {
-    let read = read_versioned::<AdsMapping>(path)?;
+pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<SymbolMapping>, ReadError> {
+    let read = read_versioned::<SymbolMapping>(path)?;
     let checked = read.value.check(robot);
     checked.map_err(|error| ReadError::field(&path.display().to_string(), error))?;
     Ok(read)
@@ -23,7 +23,7 @@ pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<AdsMapping>, Re
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_symbols(path: &Path, mapping: &AdsMapping) -> Result<(), WriteError> {
+pub fn write_symbols(path: &Path, mapping: &SymbolMapping) -> Result<(), WriteError> {
     write_versioned(path, mapping)
 }
 
@@ -38,7 +38,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("symbols.json");
         let robot = presets::find("mini").expect("a preset").robot;
-        let mut mapping = AdsMapping::default_for(&robot);
+        let mut mapping = SymbolMapping::default_for(&robot);
         write_symbols(&path, &mapping).expect("written");
         assert_eq!(read_symbols(&path, &robot).expect("read").value, mapping);
         let error = |text: &str| {
@@ -62,7 +62,7 @@ mod tests {
         let other = presets::find("planar").expect("a preset").robot;
         mapping.readings.revolutions.scale = 1.0;
         mapping.readings.revolutions.symbol =
-            crate::session::AdsNames::Each((0..8).map(|k| format!("turns{k}")).collect());
+            crate::session::SymbolNames::Each((0..8).map(|k| format!("turns{k}")).collect());
         write_symbols(&path, &mapping).expect("written");
         assert!(read_symbols(&path, &robot).is_ok());
         let told = read_symbols(&path, &other).expect_err("other cables");

@@ -4,7 +4,11 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 use serde_json::Value;
-use tautline_link::ads::AdsAddress;
+use tautline_core::robot::Robot;
+use tautline_link::SystemClock;
+use tautline_link::ads::{self, AdsAddress, AdsOptions};
+use tautline_link::symbols::SymbolController;
+use tautline_session::SymbolMapping;
 
 /// A symbol that was written, and all its values.
 pub type Written = (String, Vec<f64>);
@@ -29,6 +33,26 @@ impl Orders {
 pub trait Host {
     /// Where clients connect to.
     fn address(&self) -> AdsAddress;
+
+    /// The word of the command line for it.
+    fn choice(&self) -> String {
+        format!("ads:{}", self.address())
+    }
+
+    /// A client with the timeouts of these options. The mapping has the names of [`super::symbols`].
+    ///
+    /// # Panics
+    /// If the mapping does not fit.
+    fn client(
+        &self,
+        mapping: &SymbolMapping,
+        robot: &Robot,
+        options: AdsOptions,
+    ) -> SymbolController {
+        let clock = Arc::new(SystemClock::start());
+        let made = ads::controller(self.address(), mapping, robot, options, clock);
+        made.expect("a mapping that fits")
+    }
 
     /// Sends orders without waiting for them.
     fn orders(&self) -> Orders;

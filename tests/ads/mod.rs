@@ -1,5 +1,5 @@
-//! A controller that speaks ADS, for tests and benches, with the simulated robot behind it: pyads' test server in a process
-//! of its own, or one that misbehaves. Neither shares code with the link.
+//! A controller that speaks ADS or OPC UA, for tests and benches, with the simulated robot behind it: the server of pyads or
+//! of asyncua in a process of its own, or one that misbehaves. None shares code with the link.
 
 mod host;
 mod plant;
@@ -9,4 +9,4 @@ pub mod unruly;
 
 pub use host::Host;
 pub use plant::Plant;
-pub use server::Server;
+pub use server::{Protocol, Server};

@@ -13,12 +13,13 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use tautline_core::geometry::Pose;
 use tautline_core::robot::presets::{self, Preset};
-use tautline_link::ads::{AdsController, AdsOptions};
+use tautline_link::ads::AdsOptions;
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup, SimulatedTracker};
-use tautline_link::{Activity, Controller, GuardedController, Limits, ManualClock, SystemClock};
+use tautline_link::symbols::SymbolController;
+use tautline_link::{Activity, Controller, GuardedController, Limits, ManualClock};
 
 use super::host::{Host, Orders, Written};
-use super::server::Server;
+use super::server::{Protocol, Server};
 use super::symbols::{Place, Style, TURNS, declarations, global, mapping, places};
 use super::unruly::Unruly;
 
@@ -64,13 +65,22 @@ impl Plant {
         Self::changed(style, |_| ())
     }
 
+    /// Starts a controller that speaks a protocol.
+    ///
+    /// # Panics
+    /// If the server cannot be started.
+    #[must_use]
+    pub fn speaking(protocol: Protocol, style: Style) -> Self {
+        Self::with(Server::start(protocol), (style, STEP_S), |_| ())
+    }
+
     /// Starts a controller whose simulated time runs fast.
     ///
     /// # Panics
     /// If the server cannot be started.
     #[must_use]
-    pub fn fast(style: Style) -> Self {
-        Self::with(Server::start(), (style, LONG_STEP_S), |_| ())
+    pub fn fast(protocol: Protocol, style: Style) -> Self {
+        Self::with(Server::start(protocol), (style, LONG_STEP_S), |_| ())
     }
 
     /// Starts a controller with changes to the simulated robot.
@@ -79,7 +89,7 @@ impl Plant {
     /// If the server cannot be started.
     #[must_use]
     pub fn changed(style: Style, change: impl FnOnce(&mut SimulatedSetup)) -> Self {
-        Self::with(Server::start(), (style, STEP_S), change)
+        Self::with(Server::start(Protocol::Ads), (style, STEP_S), change)
     }
 }
 
@@ -178,7 +188,7 @@ impl<H: Host> Plant<H> {
     /// # Panics
     /// If the mapping does not fit.
     #[must_use]
-    pub fn client(&self) -> GuardedController<AdsController> {
+    pub fn client(&self) -> GuardedController<SymbolController> {
         self.client_with(AdsOptions {
             // A machine that runs many tests at once is slow; the tests of slowness set their own.
             timeout_s: 20.0,
@@ -192,21 +202,15 @@ impl<H: Host> Plant<H> {
     /// # Panics
     /// If the mapping does not fit.
     #[must_use]
-    pub fn client_with(&self, options: AdsOptions) -> GuardedController<AdsController> {
+    pub fn client_with(&self, options: AdsOptions) -> GuardedController<SymbolController> {
         let mapping = mapping(&self.preset.robot, self.style);
-        let controller = AdsController::new(
-            self.server.address(),
-            &mapping,
-            &self.preset.robot,
-            options,
-            Arc::new(SystemClock::start()),
-        );
+        let controller = self.server.client(&mapping, &self.preset.robot, options);
         let limits = Limits {
             robot: self.preset.robot.clone(),
             workspace: self.preset.workspace,
             tension: self.preset.tension,
         };
-        GuardedController::new(Box::new(controller.expect("a mapping that fits")), limits)
+        GuardedController::new(Box::new(controller), limits)
     }
 
     /// A connected and armed client.
@@ -214,7 +218,7 @@ impl<H: Host> Plant<H> {
     /// # Panics
     /// If the controller refuses.
     #[must_use]
-    pub fn armed(&self) -> GuardedController<AdsController> {
+    pub fn armed(&self) -> GuardedController<SymbolController> {
         let mut client = self.client();
         client.connect().expect("connected");
         client.arm().expect("armed");

@@ -6,16 +6,61 @@ use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use tautline_link::ads::AdsAddress;
+use tautline_core::robot::Robot;
+use tautline_link::SystemClock;
+use tautline_link::ads::{self, AdsAddress, AdsOptions};
+use tautline_link::opcua::{self, OpcUaAddress, OpcUaOptions};
+use tautline_link::symbols::SymbolController;
+use tautline_session::SymbolMapping;
 
 use super::host::{Host, Orders, Written};
 
 /// How long an order may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A protocol, and the server that speaks it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Protocol {
+    /// pyads' test server.
+    Ads,
+    /// asyncua's server.
+    OpcUa,
+}
+
+/// The namespace of the nodes of a server that speaks OPC UA, as their names have it.
+const NAMESPACE: &str = "ns=4;s=";
+
+impl Protocol {
+    /// A symbol as clients name it.
+    #[must_use]
+    pub fn name_of(self, symbol: &str) -> String {
+        match self {
+            Self::Ads => symbol.to_owned(),
+            Self::OpcUa => format!("{NAMESPACE}{symbol}"),
+        }
+    }
+
+    /// The mapping with the names that this protocol has.
+    #[must_use]
+    pub fn mapping(self, mapping: &SymbolMapping) -> SymbolMapping {
+        let mut mapping = mapping.clone();
+        for name in mapping.names_mut() {
+            *name = self.name_of(name);
+        }
+        mapping
+    }
+
+    fn script(self) -> &'static str {
+        match self {
+            Self::Ads => "tests/ads/server.py",
+            Self::OpcUa => "tests/ads/opcua_server.py",
+        }
+    }
+}
 
 /// Gives orders to a process, as lines of JSON.
 fn orders_to(pipe: ChildStdin) -> Orders {
@@ -29,6 +74,8 @@ fn orders_to(pipe: ChildStdin) -> Orders {
 
 /// A server; its process ends when it is dropped.
 pub struct Server {
+    /// What it speaks.
+    pub protocol: Protocol,
     process: Child,
     orders: Orders,
     port: u16,
@@ -44,7 +91,7 @@ impl Server {
     /// # Panics
     /// If its Python environment is missing.
     #[must_use]
-    pub fn start() -> Self {
+    pub fn start(protocol: Protocol) -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let python = root.join("target/python/bin/python");
         assert!(
@@ -52,7 +99,7 @@ impl Server {
             "the Python environment of this test is missing: make it by bash .ci/python"
         );
         let mut process = Command::new(python)
-            .arg(root.join("tests/ads/server.py"))
+            .arg(root.join(protocol.script()))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -63,6 +110,7 @@ impl Server {
         std::thread::spawn(move || listen(BufReader::new(output), &done.0, &wrote.0, &port.0));
         let port = port.1.recv_timeout(PATIENCE).expect("the server's port");
         Self {
+            protocol,
             process,
             orders: orders_to(orders),
             port,
@@ -80,6 +128,16 @@ impl Server {
             port: self.port,
             net_id: [127, 0, 0, 1, 1, 1],
             ams_port: 851,
+        }
+    }
+
+    /// The same for a server that speaks OPC UA.
+    #[must_use]
+    pub fn url(&self) -> OpcUaAddress {
+        OpcUaAddress {
+            host: "127.0.0.1".to_owned(),
+            port: self.port,
+            path: String::new(),
         }
     }
 
@@ -114,6 +172,34 @@ impl Server {
 impl Host for Server {
     fn address(&self) -> AdsAddress {
         self.address()
+    }
+
+    fn choice(&self) -> String {
+        match self.protocol {
+            Protocol::Ads => format!("ads:{}", self.address()),
+            Protocol::OpcUa => self.url().to_string(),
+        }
+    }
+
+    fn client(
+        &self,
+        mapping: &SymbolMapping,
+        robot: &Robot,
+        options: AdsOptions,
+    ) -> SymbolController {
+        let mapping = self.protocol.mapping(mapping);
+        let clock = Arc::new(SystemClock::start());
+        let made = match self.protocol {
+            Protocol::Ads => ads::controller(self.address(), &mapping, robot, options, clock),
+            Protocol::OpcUa => {
+                let options = OpcUaOptions {
+                    timeout_s: options.timeout_s,
+                    acknowledge_s: options.acknowledge_s,
+                };
+                opcua::controller(self.url(), &mapping, robot, options, clock)
+            }
+        };
+        made.expect("a mapping that fits")
     }
 
     fn orders(&self) -> Orders {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use tautline_core::robot::Robot;
 use tautline_link::parameters::parameters_of;
-use tautline_session::{AdsMapping, AdsNames, AdsParameter};
+use tautline_session::{SymbolMapping, SymbolNames, SymbolParameter};
 
 /// The layout of the symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,22 +38,22 @@ pub fn global(name: &str) -> String {
 
 /// The mapping by which a client finds the symbols.
 #[must_use]
-pub fn mapping(robot: &Robot, style: Style) -> AdsMapping {
-    let mut mapping = AdsMapping::default_for(robot);
+pub fn mapping(robot: &Robot, style: Style) -> SymbolMapping {
+    let mut mapping = SymbolMapping::default_for(robot);
     if style == Style::Arrays {
         return mapping;
     }
-    mapping.readings.revolutions.symbol = AdsNames::One("Winch[{n}].turns".into());
+    mapping.readings.revolutions.symbol = SymbolNames::One("Winch[{n}].turns".into());
     (
         mapping.readings.revolutions.scale,
         mapping.readings.revolutions.offset,
     ) = TURNS;
     if let Some(force) = &mut mapping.readings.force {
         let names = (1..=robot.cable_count()).map(|n| format!("Force{n}"));
-        force.symbol = AdsNames::Each(names.collect());
+        force.symbol = SymbolNames::Each(names.collect());
     }
     for parameter in &mut mapping.parameters {
-        *parameter = AdsParameter {
+        *parameter = SymbolParameter {
             symbol: parameter.name.replace("{cable}.", "Winch[{n}]."),
             element: 0,
             stride: 1,

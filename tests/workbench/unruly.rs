@@ -5,7 +5,8 @@ use tautline_link::adjusting::{Adjustment as Attempt, Holds};
 use tautline_session::{AdsPlace, ControllerKind, Outcome, PlannedPose, Session, Timestamp};
 use tautline_validation::ads::unruly::{Action, Kind, Unruly};
 use tautline_validation::ads::{Host, Plant};
-use tautline_workbench::model::command::RobotCommand;
+use tautline_workbench::model::command::{Answer, FileCommand, RobotCommand};
+use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::wording::sentence;
@@ -202,4 +203,12 @@ fn other_clients_and_restarts_end_the_run_with_the_sentence_of_the_commands() {
         bench.state().model.messages.all()
     );
     assert_eq!(measured(bench.state()), kept);
+    // The rest is measured in a session of its own.
+    let plan = bench.session().plan.clone();
+    bench.go(Phase::Measuring);
+    bench.press("Begin a new series");
+    bench.give(FileCommand::Answer(Answer::Discard));
+    let series = bench.session();
+    assert_eq!((series.measurements.len(), &series.plan), (0, &plan));
+    assert_eq!(series.name, "test, another series");
 }

@@ -19,7 +19,7 @@ use tautline_workflow::controllers::ControllerChoice;
 /// Arguments that choose a controller and allow it to act.
 #[derive(Debug, clap::Args)]
 pub struct RobotArguments {
-    /// sim (the session's simulated robot), replay:DIR (a recorded dataset) or ads:HOST[:PORT]/NETID
+    /// sim (the session's simulated robot), replay:DIR (a recorded dataset) ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]
     #[arg(long, value_name = "CONTROLLER")]
     pub controller: String,
     /// Allow the robot to move and its values to be changed
@@ -35,7 +35,7 @@ pub struct RobotArguments {
 /// The argument for the controller's symbol names.
 #[derive(Debug, clap::Args)]
 pub struct SymbolsArgument {
-    /// Names of the symbols of an ads: controller, as `tautline symbols` writes the default ones; kept in the session
+    /// Names of the symbols of an ads: or opc.tcp: controller, as `tautline symbols` writes the default ones; kept in the session
     #[arg(long = "symbols", value_name = "FILE.json")]
     file: Option<PathBuf>,
 }
@@ -46,18 +46,23 @@ impl SymbolsArgument {
         let Some(path) = &self.file else {
             return Ok(false);
         };
-        if !matches!(choice, ControllerChoice::Ads(_)) {
-            let message =
-                format!("--symbols: found the controller {choice}, expected ads:HOST[:PORT]/NETID");
-            return Err(BadInput::new(message));
-        }
+        let symbols = match choice {
+            ControllerChoice::Ads(_) => &mut session.connection.ads,
+            ControllerChoice::OpcUa(_) => &mut session.connection.nodes,
+            ControllerChoice::Simulated | ControllerChoice::Replay(_) => {
+                let message = format!(
+                    "--symbols: found the controller {choice}, expected ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]"
+                );
+                return Err(BadInput::new(message));
+            }
+        };
         let read = read_symbols(path, &session.robot)?;
         for notice in &read.notices {
             note!("{notice}");
         }
         let new = Some(read.value);
-        let differs = session.connection.ads != new;
-        session.connection.ads = new;
+        let differs = *symbols != new;
+        *symbols = new;
         Ok(differs)
     }
 }

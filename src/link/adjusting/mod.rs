@@ -304,9 +304,9 @@ fn roll_back(
             (Holds::Old, advice)
         }
         Ok(wrong) => {
-            let list = wrong.join(", ");
+            let list = former(&numbers, &wrong);
             let advice = format!(
-                "Do not move the robot: correct these values at the controller by hand: {list}."
+                "Do not move the robot: set these values at the controller by hand: {list}."
             );
             (Holds::Mixed(wrong), advice)
         }
@@ -320,6 +320,15 @@ fn roll_back(
     }
 }
 
+/// Values as they are to be set by hand: every digit, so that the controller holds the same number again.
+fn former(old: &[(String, f64)], names: &[String]) -> String {
+    let wanted = old.iter().filter(|(name, _)| names.contains(name));
+    let list: Vec<String> = wanted
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    list.join(", ")
+}
+
 /// What the controller holds when the old values could not be written: reading may still work.
 fn after_failed_rollback(
     controller: &mut dyn Controller,
@@ -329,9 +338,9 @@ fn after_failed_rollback(
     match differing(controller, old) {
         Ok(wrong) if wrong.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
         Ok(wrong) => {
+            let list = former(old, &wrong);
             let advice = format!(
-                "Do not move the robot: {} of its values are new and the old ones could not be written ({error}); write the old values again.",
-                wrong.len()
+                "Do not move the robot: the old values could not be written ({error}). Write them again, or set them at the controller by hand: {list}."
             );
             (Holds::Mixed(wrong), advice)
         }

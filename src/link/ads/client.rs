@@ -3,15 +3,13 @@
 //! After a [`RequestError::Lost`] the client has to be dropped: a late answer must never be taken for that of a later
 //! request.
 
-use std::net::{SocketAddr, ToSocketAddrs};
-use std::time::Duration;
-
 use super::address::AdsAddress;
 use super::codes::{AdsCode, RUN, state_name};
 use super::options::AdsOptions;
 use super::symbols::{Place, Symbol};
-use super::wire::{AmsAddress, Broken, Command, Wire, words};
+use super::wire::{AmsAddress, Command, Wire, words};
 use crate::error::LinkError;
+use crate::timed_socket::{Broken, addresses_of, timeout_of};
 
 /// Most parts of one request; controllers allow 500.
 const PARTS: usize = 256;
@@ -56,17 +54,14 @@ pub(super) struct AdsClient {
 impl AdsClient {
     /// Connects to a server that speaks ADS: it is asked for the state of the program.
     pub fn open(address: &AdsAddress, options: &AdsOptions) -> Result<Self, LinkError> {
-        let timeout = Duration::try_from_secs_f64(options.timeout_s)
-            .ok()
-            .filter(|timeout| !timeout.is_zero())
-            .ok_or_else(|| LinkError::Setup("the timeout is not a positive time".to_owned()))?;
+        let timeout = timeout_of(options.timeout_s)?;
         let target = AmsAddress {
             net_id: address.net_id,
             port: address.ams_port,
         };
         let mut last =
             LinkError::Disconnected(format!("the host {:?} has no address", address.host));
-        for place in places_of(address)? {
+        for place in addresses_of(&address.host, address.port)? {
             let opened =
                 Wire::connect(place, target, options.own_net_id, timeout).and_then(|mut wire| {
                     // An error, too, is said in ADS.
@@ -266,28 +261,9 @@ fn broken(what: &str) -> RequestError {
     )))
 }
 
-fn places_of(address: &AdsAddress) -> Result<Vec<SocketAddr>, LinkError> {
-    let found = (address.host.as_str(), address.port).to_socket_addrs();
-    let found = found.map_err(|error| {
-        LinkError::Disconnected(format!(
-            "the host {:?} cannot be found ({error})",
-            address.host
-        ))
-    })?;
-    Ok(found.collect())
-}
-
 /// What a broken connection means to the operator.
 fn lost(broken: Broken, timeout_s: f64) -> LinkError {
-    match broken {
-        Broken::Late => LinkError::Timeout(timeout_s),
-        Broken::Closed => {
-            let text = "it closed the connection (does it have an ADS route to this computer?)";
-            LinkError::Disconnected(text.to_owned())
-        }
-        Broken::Io(error) => LinkError::Disconnected(format!("it failed ({error})")),
-        Broken::Invalid(what) => LinkError::Disconnected(format!("its answer is invalid: {what}")),
-    }
+    broken.into_error(timeout_s, " (does it have an ADS route to this computer?)")
 }
 
 fn size_word(size: usize) -> u32 {

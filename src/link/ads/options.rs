@@ -1,7 +1,5 @@
 //! Options of ADS connections.
 
-use crate::reconnecting::BackOff;
-
 /// Options of an ADS connection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdsOptions {
@@ -12,8 +10,6 @@ pub struct AdsOptions {
     /// The AMS Net ID by which this computer presents itself, as the controller's route names it; absent: the address
     /// of its network card with 1.1 after it.
     pub own_net_id: Option<[u8; 6]>,
-    /// Pauses between attempts to reconnect; see [`crate::reconnecting`].
-    pub back_off: BackOff,
 }
 
 impl Default for AdsOptions {
@@ -22,7 +18,6 @@ impl Default for AdsOptions {
             timeout_s: 1.0,
             acknowledge_s: 2.0,
             own_net_id: None,
-            back_off: BackOff::default(),
         }
     }
 }

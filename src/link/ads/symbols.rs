@@ -1,39 +1,9 @@
 //! Symbols of a controller: their addresses, their types and the numbers in their bytes.
 
+use crate::symbols::{Content, Expected, ValueKind, Wanted};
+
 /// More bytes than any symbol that is used has, so that a wrong answer cannot fill the memory.
 const LARGEST: usize = 1 << 20;
-
-/// A symbol of a mapping and what the controller says about it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SymbolCheck {
-    /// Its name, that of one cable where there is one for each.
-    pub name: String,
-    /// What the controller says.
-    pub found: SymbolFound,
-}
-
-/// What a controller says about a symbol.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SymbolFound {
-    /// It exists and can be used.
-    Good {
-        /// Its type as the controller calls it.
-        type_name: String,
-        /// Its size (bytes).
-        bytes: usize,
-    },
-    /// It does not exist; the controller's answer.
-    Missing(String),
-    /// It exists but cannot be used.
-    Wrong {
-        /// Its type as the controller calls it.
-        type_name: String,
-        /// Its size (bytes).
-        bytes: usize,
-        /// What is wrong with the type.
-        why: String,
-    },
-}
 
 /// The address of bytes in the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,13 +26,6 @@ impl Place {
         let size = u32::try_from(self.size).unwrap_or(u32::MAX);
         [self.group, self.offset, size].map(u32::to_le_bytes)
     }
-}
-
-/// How many elements a symbol has to have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Count {
-    Exactly(usize),
-    AtLeast(usize),
 }
 
 /// An elementary type.
@@ -122,52 +85,30 @@ impl Elementary {
         }
     }
 
-    fn is_integer(self) -> bool {
-        !matches!(
-            self,
-            Self::Bool | Self::F32 | Self::F64 | Self::Text | Self::Other
-        )
+    /// What it is, whatever the protocol.
+    fn value_kind(self) -> ValueKind {
+        match self {
+            Self::Bool => ValueKind::Flag,
+            Self::U32 => ValueKind::Counter,
+            Self::I8 | Self::U8 | Self::I16 | Self::U16 | Self::I32 | Self::I64 | Self::U64 => {
+                ValueKind::Integer
+            }
+            Self::F32 | Self::F64 => ValueKind::Real,
+            Self::Text => ValueKind::Text,
+            Self::Other => ValueKind::Other,
+        }
     }
 }
 
-/// What a symbol has to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Expected {
-    /// A truth value.
-    Flag,
-    /// An integer.
-    Integer,
-    /// An integer or a truth value.
-    Code,
-    /// A counter that wraps at 2^32.
-    Counter,
-    /// Any number.
-    Number,
-    /// Characters.
-    Text,
-}
-
-impl Expected {
-    fn allows(self, kind: Elementary) -> bool {
-        match self {
-            Self::Flag => kind == Elementary::Bool,
-            Self::Integer => kind.is_integer(),
-            Self::Code => kind.is_integer() || kind == Elementary::Bool,
-            Self::Counter => kind == Elementary::U32,
-            Self::Number => !matches!(kind, Elementary::Text | Elementary::Other),
-            Self::Text => kind == Elementary::Text,
-        }
-    }
-
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Flag => "BOOL",
-            Self::Integer => "an integer",
-            Self::Code => "an integer or BOOL",
-            Self::Counter => "UDINT",
-            Self::Number => "a number (BOOL, an integer, REAL or LREAL)",
-            Self::Text => "STRING",
-        }
+/// The types of a controller that are what is expected.
+fn types_of(expected: Expected) -> &'static str {
+    match expected {
+        Expected::Flag => "BOOL",
+        Expected::Integer => "an integer",
+        Expected::Code => "an integer or BOOL",
+        Expected::Counter => "UDINT",
+        Expected::Number => "a number (BOOL, an integer, REAL or LREAL)",
+        Expected::Text => "STRING",
     }
 }
 
@@ -212,26 +153,13 @@ impl Symbol {
     }
 
     /// What is wrong with its type, to be read after the name of the type.
-    pub fn problem(&self, expected: Expected, count: Count) -> Option<String> {
-        let has = self.count();
-        if !expected.allows(self.kind) || has == 0 {
-            return Some(format!("expected {}", expected.describe()));
-        }
-        match count {
-            Count::Exactly(count) if has != count => {
-                Some(format!("which has {has} values, expected {count}"))
-            }
-            Count::AtLeast(count) if has < count => {
-                Some(format!("which has {has} values, expected at least {count}"))
-            }
-            _ if self.size > LARGEST => {
-                let size = self.size;
-                Some(format!(
-                    "which has {size} bytes, expected at most {LARGEST}"
-                ))
-            }
-            _ => None,
-        }
+    pub fn problem(&self, wanted: &Wanted) -> Option<String> {
+        let found = (self.kind.value_kind(), self.count());
+        let too_large = || {
+            let size = self.size;
+            (size > LARGEST).then(|| format!("which has {size} bytes, expected at most {LARGEST}"))
+        };
+        wanted.problem(found, types_of).or_else(too_large)
     }
 
     /// Where all its bytes are.
@@ -254,22 +182,23 @@ impl Symbol {
         })
     }
 
-    /// The number in an element of the symbol's bytes; NaN where there are too few bytes.
-    pub fn number(&self, bytes: &[u8], element: usize) -> f64 {
-        let size = self.kind.size();
-        let at = element.saturating_mul(size);
-        let part = bytes.get(at..at.saturating_add(size));
-        part.and_then(|part| decode(self.kind, part))
-            .unwrap_or(f64::NAN)
+    /// What its bytes hold.
+    pub fn content(&self, bytes: &[u8]) -> Content {
+        if self.kind == Elementary::Text {
+            return Content::Text(text_of(bytes));
+        }
+        let elements = bytes.chunks_exact(self.kind.size());
+        let number = |element| decode(self.kind, element).unwrap_or(f64::NAN);
+        Content::Numbers(elements.map(number).collect())
     }
+}
 
-    /// The characters of a text up to its end.
-    pub fn text(bytes: &[u8]) -> String {
-        let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
-        // Texts of a controller have one byte per character, as in Windows-1252.
-        let characters = bytes[..end].iter().map(|b| char::from(*b));
-        characters.filter(|c| !c.is_control()).collect()
-    }
+/// The characters of a text up to its end.
+fn text_of(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
+    // Texts of a controller have one byte per character, as in Windows-1252.
+    let characters = bytes[..end].iter().map(|b| char::from(*b));
+    characters.filter(|c| !c.is_control()).collect()
 }
 
 fn decode(kind: Elementary, bytes: &[u8]) -> Option<f64> {
@@ -326,6 +255,7 @@ pub(super) fn encode(kind: Elementary, value: f64) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::symbols::access::Count;
 
     fn entry(type_name: &str, base: u32, size: u32) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -348,17 +278,27 @@ mod tests {
         let last = array.element_place(23).unwrap();
         assert_eq!((last.offset, last.size), (16 + 184, 8));
         assert_eq!(array.element_place(24), None);
-        assert_eq!(array.problem(Expected::Number, Count::Exactly(24)), None);
-        let short = array.problem(Expected::Number, Count::AtLeast(25)).unwrap();
-        assert_eq!(short, "which has 24 values, expected at least 25");
+        let wanted = |expected, count| Wanted {
+            name: "G.x".into(),
+            expected,
+            count,
+        };
+        let good = wanted(Expected::Number, Count::Exactly(24));
+        assert_eq!(array.problem(&good), None);
+        let short = array.problem(&wanted(Expected::Number, Count::AtLeast(25)));
+        assert_eq!(
+            short.as_deref(),
+            Some("which has 24 values, expected at least 25")
+        );
+        let one = |expected| wanted(expected, Count::Exactly(1));
         let list = Symbol::parse("G.x", &entry("E_State", 2, 2)).unwrap();
-        assert_eq!(list.problem(Expected::Code, Count::Exactly(1)), None);
+        assert_eq!(list.problem(&one(Expected::Code)), None);
         let text = Symbol::parse("G.x", &entry("STRING(80)", 30, 81)).unwrap();
         assert_eq!((text.kind, text.count()), (Elementary::Text, 1));
-        let problem = text.problem(Expected::Flag, Count::Exactly(1));
+        let problem = text.problem(&one(Expected::Flag));
         assert_eq!(problem.as_deref(), Some("expected BOOL"));
         let other = Symbol::parse("G.x", &entry("ST_Winch", 65, 40)).unwrap();
-        assert!(other.problem(Expected::Number, Count::Exactly(1)).is_some());
+        assert!(other.problem(&one(Expected::Number)).is_some());
         let whole = entry("LREAL", 5, 8);
         for length in 0..30 {
             assert_eq!(Symbol::parse("G.x", &whole[..length]), None);

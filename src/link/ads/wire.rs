@@ -5,11 +5,11 @@
 //! any of this has to be dropped, so that a late answer is never taken for that of a later request. No thread is
 //! needed: what nobody asked for is read, and thrown away, on the way to the answer.
 
-use std::io::{ErrorKind, Read, Write};
-use std::net::{IpAddr, SocketAddr, TcpStream};
+use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
 use super::codes::AdsCode;
+use crate::timed_socket::{Broken, TimedSocket};
 
 /// The AMS port of this computer.
 const OWN_PORT: u16 = 58913;
@@ -37,19 +37,6 @@ pub(super) enum Command {
     ReadWrite = 9,
 }
 
-/// Why a connection cannot be used any more.
-#[derive(Debug)]
-pub(super) enum Broken {
-    /// It cannot be made, or the system says that it failed.
-    Io(std::io::Error),
-    /// The answer was not there in time.
-    Late,
-    /// The other side closed it.
-    Closed,
-    /// What arrived is not what the protocol allows; what.
-    Invalid(String),
-}
-
 /// An address of AMS: Net ID and port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AmsAddress {
@@ -67,7 +54,7 @@ impl AmsAddress {
 
 /// A connection.
 pub(super) struct Wire {
-    socket: TcpStream,
+    socket: TimedSocket,
     target: AmsAddress,
     source: AmsAddress,
     timeout: Duration,
@@ -86,14 +73,8 @@ impl Wire {
         own: Option<[u8; 6]>,
         timeout: Duration,
     ) -> Result<Self, Broken> {
-        let socket =
-            TcpStream::connect_timeout(&place, timeout).map_err(|error| match error.kind() {
-                ErrorKind::WouldBlock | ErrorKind::TimedOut => Broken::Late,
-                _ => Broken::Io(error),
-            })?;
-        socket.set_nodelay(true).map_err(Broken::Io)?;
-        let address = socket.local_addr().map_err(Broken::Io)?;
-        let net_id = own.unwrap_or(match address.ip() {
+        let socket = TimedSocket::connect(place, timeout)?;
+        let net_id = own.unwrap_or(match socket.own_address()? {
             IpAddr::V4(ip) => {
                 let [a, b, c, d] = ip.octets();
                 [a, b, c, d, 1, 1]
@@ -130,7 +111,7 @@ impl Wire {
         let until = Instant::now() + self.timeout;
         self.number = self.number.wrapping_add(1);
         let frame = self.request(command, data)?;
-        self.send(&frame, until)?;
+        self.socket.send(&frame, until)?;
         let limit = (HEADER + longest).max(LONGEST_UNASKED);
         loop {
             let (kind, frame) = self.receive(limit, until)?;
@@ -203,7 +184,7 @@ impl Wire {
     /// The next frame: its kind and what follows the length.
     fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
         let mut outer = [0; OUTER];
-        self.fill(&mut outer, until)?;
+        self.socket.fill(&mut outer, until)?;
         let [low, high, length @ ..] = outer;
         let length = u32::from_le_bytes(length);
         let size = usize::try_from(length).ok().filter(|size| *size <= limit);
@@ -213,66 +194,13 @@ impl Wire {
             ))
         })?;
         let mut frame = vec![0; size];
-        self.fill(&mut frame, until)?;
+        self.socket.fill(&mut frame, until)?;
         Ok((u16::from_le_bytes([low, high]), frame))
-    }
-
-    fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
-        let mut done = 0;
-        while done < buffer.len() {
-            let left = remaining(until)?;
-            self.socket
-                .set_read_timeout(Some(left))
-                .map_err(Broken::Io)?;
-            match self.socket.read(&mut buffer[done..]) {
-                Ok(0) => return Err(Broken::Closed),
-                Ok(count) => done += count,
-                Err(error) => passing(error)?,
-            }
-        }
-        Ok(())
-    }
-
-    fn send(&mut self, frame: &[u8], until: Instant) -> Result<(), Broken> {
-        let mut done = 0;
-        while done < frame.len() {
-            let left = remaining(until)?;
-            self.socket
-                .set_write_timeout(Some(left))
-                .map_err(Broken::Io)?;
-            match self.socket.write(&frame[done..]) {
-                Ok(0) => return Err(Broken::Closed),
-                Ok(count) => done += count,
-                Err(error) => passing(error)?,
-            }
-        }
-        Ok(())
     }
 }
 
 fn invalid(what: String) -> Broken {
     Broken::Invalid(what)
-}
-
-/// The time that is left.
-fn remaining(until: Instant) -> Result<Duration, Broken> {
-    let left = until.saturating_duration_since(Instant::now());
-    match left.is_zero() {
-        true => Err(Broken::Late),
-        false => Ok(left),
-    }
-}
-
-/// An error of a socket after which it can be tried again, until the time is over.
-fn passing(error: std::io::Error) -> Result<(), Broken> {
-    match error.kind() {
-        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(()),
-        ErrorKind::UnexpectedEof
-        | ErrorKind::ConnectionReset
-        | ErrorKind::ConnectionAborted
-        | ErrorKind::BrokenPipe => Err(Broken::Closed),
-        _ => Err(Broken::Io(error)),
-    }
 }
 
 /// Words of a request, as it carries them.
@@ -283,6 +211,7 @@ pub(super) fn words(words: &[u32]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::{Read, Write};
     use std::net::TcpListener;
 
     const TARGET: AmsAddress = AmsAddress {

@@ -31,9 +31,9 @@ use crate::phases::PhaseData;
 use crate::poses::Columns;
 pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub use connection::{
-    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPlace, AdsPose, AdsReadings, AdsRotation,
-    AdsStatus, AdsSymbol, AdsSymbols, Connection, ControllerKind, RecordingPlace, is_per_cable,
-    name_of_cable,
+    AdsPlace, Connection, ControllerKind, OpcUaPlace, RecordingPlace, SymbolCommand, SymbolList,
+    SymbolMapping, SymbolNames, SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation,
+    SymbolStatus, SymbolValue, is_per_cable, name_of_cable,
 };
 pub(crate) use document::SessionFile;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
 use tautline_session::{
-    Import, Loaded, Session, find_unsaved_sessions, link_target, write_session,
+    Import, Loaded, LogEntry, Phase as LogPhase, Session, find_unsaved_sessions, link_target,
+    write_session,
 };
 
 use super::file_tasks::pick;
@@ -42,6 +43,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             model.dialogs.save_as = None;
             save(model, link_target(&path));
         }
+        FileCommand::NewSeries => new_series(model),
         FileCommand::Close => leave(model, Leaving::Close),
         FileCommand::Quit => leave(model, Leaving::Quit),
         FileCommand::Answer(answer) => answered(model, answer),
@@ -79,6 +81,29 @@ fn new_robot(model: &mut Model, template: Template) {
             path: None,
             is_recovered: false,
             is_new: true,
+        })),
+    );
+}
+
+/// Another series of the open session, in a session of its own.
+fn new_series(model: &mut Model) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    let (session, now) = (open.session(), clock::now());
+    let mut series = session.another_series(format!("{}, another series", session.name), now);
+    series.record(LogEntry {
+        time: now,
+        phase: LogPhase::Session,
+        text: format!("Another series of {}.", session.name),
+    });
+    leave(
+        model,
+        Leaving::Open(Box::new(Opening {
+            session: series,
+            path: None,
+            is_recovered: false,
+            is_new: false,
         })),
     );
 }

@@ -1,10 +1,9 @@
 //! The connection dialog: its settings, its files, and looking symbols up.
 
-use tautline_link::ads::{AdsAddress, AdsOptions, check_symbols};
 use tautline_session::{
-    AdsMapping, AdsPlace, Connection, LaserSettings, LastConnection, read_versioned,
-    write_versioned,
+    Connection, LaserSettings, LastConnection, SymbolMapping, read_versioned, write_versioned,
 };
+use tautline_workflow::controllers::check_symbols;
 
 use super::file_tasks::pick;
 use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
@@ -40,7 +39,7 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
             |path| RobotCommand::Setup(Setup::Import(path)),
         ),
         Setup::Import(path) => start(model, "Reading symbol names", move || {
-            let read = read_versioned::<AdsMapping>(&path);
+            let read = read_versioned::<SymbolMapping>(&path);
             let read = read.map(|read| Box::new(read.value));
             SetupOutcome::Imported(read.map_err(|error| error.to_string()))
         }),
@@ -70,6 +69,7 @@ fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
     };
     let reached = LastConnection {
         place: connection.place.clone(),
+        opcua: connection.opcua.clone(),
         laser: laser.clone(),
     };
     if !connection.is_empty() && model.preferences.last_connection != reached {
@@ -80,7 +80,7 @@ fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
     }
 }
 
-fn check(model: &mut Model, (place, mapping): (AdsPlace, AdsMapping)) {
+fn check(model: &mut Model, connection: Connection) {
     let Some(open) = &model.open else {
         return;
     };
@@ -90,17 +90,7 @@ fn check(model: &mut Model, (place, mapping): (AdsPlace, AdsMapping)) {
     }
     let robot = open.session().robot.clone();
     start(model, CHECKING, move || {
-        let address = AdsAddress {
-            host: place.host,
-            port: place.port,
-            net_id: place.net_id,
-            ams_port: place.ams_port,
-        };
-        let options = AdsOptions {
-            timeout_s: place.timeout_s,
-            ..AdsOptions::default()
-        };
-        let checked = check_symbols(&address, &mapping, &robot, &options);
+        let checked = check_symbols(&connection, &robot);
         SetupOutcome::Checked(checked.map_err(|error| error.to_string()))
     });
 }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
-use tautline_link::ads::SymbolCheck;
-use tautline_session::AdsMapping;
+use tautline_link::symbols::SymbolCheck;
+use tautline_session::SymbolMapping;
 
 use super::plot_preparation::Preparation;
 use tautline_workflow::precalibration::Table;
@@ -54,5 +54,5 @@ pub enum ConnectionRequest {
     /// Shows what the controller says of the symbols.
     ShowChecked(Result<Vec<SymbolCheck>, String>),
     /// Fills in names of symbols.
-    UseSymbols(Box<AdsMapping>),
+    UseSymbols(Box<SymbolMapping>),
 }

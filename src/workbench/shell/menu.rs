@@ -166,6 +166,8 @@ fn help(state: &State) -> Vec<Item> {
 
 fn file(state: &State) -> Vec<Item> {
     let open = state.model.open.is_some();
+    let session = state.model.open.as_ref().map(|open| open.session());
+    let measured = session.is_some_and(|session| !session.measurements.is_empty());
     let is_compared = matches!(state.model.comparison.result(), Some(Ok(_)));
     let has_report = match state.model.screen {
         Screen::Compare => is_compared,
@@ -224,6 +226,13 @@ fn file(state: &State) -> Vec<Item> {
             None,
             has_report,
             ReportCommand::AskSave(ReportFormat::Pdf),
+        ),
+        item(
+            Menu::File,
+            "New series of this session",
+            None,
+            measured,
+            FileCommand::NewSeries,
         ),
         item(
             Menu::File,

@@ -4,15 +4,19 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use tautline_link::LinkError;
 use tautline_link::ads::AdsAddress;
-use tautline_session::{ControllerKind, Session};
+use tautline_link::opcua::OpcUaAddress;
+use tautline_session::{Connection, ControllerKind, Session};
 
 /// The choices, for error messages.
-const KNOWN: &str = "expected sim, replay:DIR or ads:HOST[:PORT]/NETID[:AMSPORT]";
+const KNOWN: &str =
+    "expected sim, replay:DIR, ads:HOST[:PORT]/NETID[:AMSPORT] or opc.tcp://HOST[:PORT]";
 const REPLAY: &str = "replay:";
 const ADS: &str = "ads:";
+const OPC_UA: &str = "opc.tcp:";
 
-/// A controller: `sim`, `replay:DIR` or `ads:HOST[:PORT]/NETID[:AMSPORT]`.
+/// A controller: `sim`, `replay:DIR`, `ads:HOST[:PORT]/NETID[:AMSPORT]` or `opc.tcp://HOST[:PORT]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ControllerChoice {
     /// The simulated robot of the session.
@@ -21,6 +25,8 @@ pub enum ControllerChoice {
     Replay(PathBuf),
     /// A Beckhoff controller.
     Ads(AdsAddress),
+    /// A controller that speaks OPC UA.
+    OpcUa(OpcUaAddress),
 }
 
 /// A text that names no controller, and why.
@@ -32,21 +38,32 @@ impl ControllerChoice {
     /// The controller of a session's settings.
     #[must_use]
     pub fn of(session: &Session) -> Self {
-        let connection = &session.connection;
+        Self::of_connection(&session.connection)
+    }
+
+    /// The controller of settings.
+    #[must_use]
+    pub fn of_connection(connection: &Connection) -> Self {
         // Checked sessions have the settings that their kind of controller needs.
         match (
             connection.controller,
             &connection.recording,
             &connection.place,
+            &connection.opcua,
         ) {
-            (ControllerKind::Recording, Some(recording), _) => {
+            (ControllerKind::Recording, Some(recording), _, _) => {
                 Self::Replay(PathBuf::from(&recording.folder))
             }
-            (ControllerKind::Ads, _, Some(place)) => Self::Ads(AdsAddress {
+            (ControllerKind::Ads, _, Some(place), _) => Self::Ads(AdsAddress {
                 host: place.host.clone(),
                 port: place.port,
                 net_id: place.net_id,
                 ams_port: place.ams_port,
+            }),
+            (ControllerKind::OpcUa, _, _, Some(place)) => Self::OpcUa(OpcUaAddress {
+                host: place.host.clone(),
+                port: place.port,
+                path: place.path.clone(),
             }),
             _ => Self::Simulated,
         }
@@ -71,13 +88,12 @@ impl FromStr for ControllerChoice {
                 folder => Ok(Self::Replay(folder.into())),
             };
         }
-        let Some(address) = text.strip_prefix(ADS) else {
-            return refuse(KNOWN);
-        };
-        let address: Result<AdsAddress, _> = address.parse();
-        address
-            .map(Self::Ads)
-            .map_err(|error| ControllerChoiceError(error.to_string()))
+        let told = |error: LinkError| ControllerChoiceError(error.to_string());
+        match text.strip_prefix(ADS) {
+            Some(address) => address.parse().map(Self::Ads).map_err(told),
+            None if text.starts_with(OPC_UA) => text.parse().map(Self::OpcUa).map_err(told),
+            None => refuse(KNOWN),
+        }
     }
 }
 
@@ -87,6 +103,7 @@ impl fmt::Display for ControllerChoice {
             Self::Simulated => f.write_str("sim"),
             Self::Replay(folder) => write!(f, "{REPLAY}{}", folder.display()),
             Self::Ads(address) => write!(f, "{ADS}{address}"),
+            Self::OpcUa(address) => write!(f, "{address}"),
         }
     }
 }
@@ -103,6 +120,7 @@ mod tests {
             "replay:/a:b/c",
             "ads:192.168.0.5/5.24.120.30.1.1",
             "ads:robot.local:48897/5.24.120.30.1.1:852",
+            "opc.tcp://192.168.0.5:4840",
         ] {
             let choice: ControllerChoice = text.parse().expect(text);
             assert_eq!(choice.to_string(), text);
@@ -125,6 +143,7 @@ mod tests {
             ("replay:", "the dataset folder"),
             ("ads:robot", "has no Net ID"),
             ("ads:/1.2.3.4.1.1", "has no host"),
+            ("opc.tcp://", "has no host"),
             ("ads:robot/1.2.3.4.1", "a Net ID that"),
             ("ads:robot/1.2.3.4.1.256", "a Net ID that"),
             ("ads:robot:many/1.2.3.4.1.1", "a port that is none"),

@@ -8,9 +8,11 @@ mod clock;
 mod opened;
 mod setup;
 mod stored;
+mod symbols;
 
 pub use choice::{ControllerChoice, ControllerChoiceError};
 pub use clock::SimulationClock;
 pub use opened::{OpenError, Opened};
 pub use setup::{ConnectionSetup, Kind};
 pub use stored::{beside, held_values, is_held_values};
+pub use symbols::check_symbols;

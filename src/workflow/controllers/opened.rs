@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use tautline_core::robot::Robot;
-use tautline_link::ads::AdsController;
 use tautline_link::laser::{ExternalLaser, ManualLaser};
 use tautline_link::simulated::{SimulatedRobot, SimulatedSetup};
 use tautline_link::{
-    Controller, GuardedController, Instrument, LinkError, ReplayController, SystemClock,
+    Controller, GuardedController, Instrument, LinkError, ReplayController, SystemClock, ads, opcua,
 };
 use tautline_session::{ReadError, read_dataset};
 
@@ -69,9 +68,15 @@ impl ConnectionSetup {
             }
             Source::Ads(address, mapping, options) => {
                 let clock = Arc::new(SystemClock::start());
-                let ads =
-                    AdsController::new(address.clone(), mapping, self.robot(), *options, clock);
-                (Box::new(ads?) as Box<dyn Controller>, None, None)
+                let robot = self.robot();
+                let ads = ads::controller(address.clone(), mapping, robot, *options, clock)?;
+                (Box::new(ads) as Box<dyn Controller>, None, None)
+            }
+            Source::OpcUa(address, mapping, options) => {
+                let clock = Arc::new(SystemClock::start());
+                let robot = self.robot();
+                let opcua = opcua::controller(address.clone(), mapping, robot, *options, clock)?;
+                (Box::new(opcua) as Box<dyn Controller>, None, None)
             }
         };
         let laser = ExternalLaser::of(&self.laser, Arc::new(SystemClock::start()));
@@ -174,5 +179,6 @@ mod tests {
         assert!(missing.contains("no/such/folder: not found"), "{missing}");
         // The network is not used before the connection is made.
         assert_eq!(told("ads:robot/1.2.3.4.1.1"), None);
+        assert_eq!(told("opc.tcp://robot"), None);
     }
 }

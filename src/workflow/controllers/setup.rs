@@ -6,9 +6,10 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::ads::{AdsAddress, AdsOptions};
+use tautline_link::opcua::{OpcUaAddress, OpcUaOptions};
 use tautline_link::simulated::SimulatedSetup;
 use tautline_link::{Limits, Seen};
-use tautline_session::{AdsMapping, ControllerKind, LaserSettings, Session};
+use tautline_session::{Connection, ControllerKind, LaserSettings, Session, SymbolMapping};
 
 use super::choice::ControllerChoice;
 
@@ -32,7 +33,7 @@ impl Kind {
         match session.connection.controller {
             ControllerKind::Simulated => Self::simulated(session),
             ControllerKind::Recording => Self::Recording,
-            ControllerKind::Ads => Self::Real,
+            ControllerKind::Ads | ControllerKind::OpcUa => Self::Real,
         }
     }
 
@@ -66,7 +67,42 @@ pub struct ConnectionSetup {
 pub(super) enum Source {
     Simulated(Box<SimulatedSetup>),
     Replay(PathBuf),
-    Ads(AdsAddress, Box<AdsMapping>, AdsOptions),
+    Ads(AdsAddress, Box<SymbolMapping>, AdsOptions),
+    OpcUa(OpcUaAddress, Box<SymbolMapping>, OpcUaOptions),
+}
+
+/// Symbols and options of ADS in settings; without symbols those of the sample program.
+pub(super) fn ads_parts(connection: &Connection, robot: &Robot) -> (SymbolMapping, AdsOptions) {
+    let own = connection.ads.clone();
+    let mut options = AdsOptions::default();
+    let place = connection.place.as_ref();
+    options.timeout_s = place.map_or(options.timeout_s, |place| place.timeout_s);
+    (
+        own.unwrap_or_else(|| SymbolMapping::default_for(robot)),
+        options,
+    )
+}
+
+/// The same of OPC UA.
+pub(super) fn opcua_parts(connection: &Connection, robot: &Robot) -> (SymbolMapping, OpcUaOptions) {
+    let own = connection.nodes.clone();
+    let mut options = OpcUaOptions::default();
+    let place = connection.opcua.as_ref();
+    options.timeout_s = place.map_or(options.timeout_s, |place| place.timeout_s);
+    (
+        own.unwrap_or_else(|| SymbolMapping::default_nodes_for(robot)),
+        options,
+    )
+}
+
+impl Source {
+    /// The symbols of a real controller.
+    fn mapping(&self) -> Option<&SymbolMapping> {
+        match self {
+            Self::Ads(_, mapping, _) | Self::OpcUa(_, mapping, _) => Some(mapping),
+            Self::Simulated(_) | Self::Replay(_) => None,
+        }
+    }
 }
 
 /// Seed of the noise of a robot that is simulated from its description.
@@ -97,21 +133,20 @@ impl ConnectionSetup {
             }
             ControllerChoice::Replay(folder) => (Kind::Recording, Source::Replay(folder.clone())),
             ControllerChoice::Ads(address) => {
-                let own = session.connection.ads.clone();
-                let mapping = own.unwrap_or_else(|| AdsMapping::default_for(&session.robot));
-                let place = session.connection.place.as_ref();
-                let mut options = AdsOptions::default();
-                options.timeout_s = place.map_or(options.timeout_s, |place| place.timeout_s);
+                let (mapping, options) = ads_parts(&session.connection, &session.robot);
                 let source = Source::Ads(address.clone(), Box::new(mapping), options);
+                (Kind::Real, source)
+            }
+            ControllerChoice::OpcUa(address) => {
+                let (mapping, options) = opcua_parts(&session.connection, &session.robot);
+                let source = Source::OpcUa(address.clone(), Box::new(mapping), options);
                 (Kind::Real, source)
             }
         };
         Self {
             kind,
             values_file: values_file.map(Path::to_owned),
-            seen: matches!(source, Source::Ads(..))
-                .then(|| seen(session))
-                .flatten(),
+            seen: source.mapping().and_then(|mapping| seen(session, mapping)),
             source,
             limits,
             laser: session.laser_source.clone(),
@@ -168,12 +203,11 @@ impl ConnectionSetup {
 
 /// The controller as the last measured pose of a session shows it. A simulated one is made anew for every connection, at
 /// home and with its clock at 0.
-fn seen(session: &Session) -> Option<Seen> {
+fn seen(session: &Session, mapping: &SymbolMapping) -> Option<Seen> {
     let measured = &session.measurements;
     let row = measured.len().checked_sub(1)?;
-    let mapping = session.connection.ads.as_ref();
-    // Without a clock of its own times are those of the connection; the default symbols have one.
-    let has_clock = mapping.is_none_or(|mapping| mapping.readings.time.is_some());
+    // Without a clock of its own times are those of the connection.
+    let has_clock = mapping.readings.time.is_some();
     let time_s = measured.time_s.get(row).copied();
     Some(Seen {
         time_s: time_s.filter(|time_s| has_clock && time_s.is_finite()),

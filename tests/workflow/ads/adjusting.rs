@@ -7,13 +7,14 @@ use tautline_core::robot::presets;
 use tautline_link::adjusting::{
     Holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
 };
-use tautline_link::ads::{AdsController, AdsOptions};
+use tautline_link::ads::AdsOptions;
 use tautline_link::parameters::parameters_of;
 use tautline_link::reconnecting::{Attempts, BackOff, ReconnectPolicy};
+use tautline_link::symbols::SymbolController;
 use tautline_link::{Controller, GuardedController, LinkError};
 
-use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global};
+use tautline_validation::ads::{Plant, Protocol};
 
 const VALUES: usize = 6;
 
@@ -47,9 +48,9 @@ fn policy() -> Attempts<fn(f64)> {
 }
 
 /// After an attempt with a fault the controller holds the values that the message says.
-fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
+fn attempt(protocol: Protocol, (kind, number, action): (&str, u64, &str), sums: bool) -> Holds {
     let at = format!("{action} {kind} {number}, sums {sums}");
-    let plant = Plant::start(Style::Arrays);
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     plant.server.order(json!({ "sums": sums }));
     let old = held(&plant);
@@ -74,7 +75,7 @@ fn attempt(kind: &str, number: u64, action: &str, sums: bool) -> Holds {
 /// A mixture is left as it is until the operator arms the controller again.
 fn settled(
     plant: &Plant,
-    mut client: GuardedController<AdsController>,
+    mut client: GuardedController<SymbolController>,
     (old, new): (&[f64], &[f64]),
     names: &[String],
 ) -> Holds {
@@ -97,11 +98,11 @@ fn the_connection_breaks_at_any_written_value() {
     // Singly written: as many requests as values.
     for number in 1..=VALUES as u64 {
         assert_eq!(
-            attempt("write", number, "before", false),
+            attempt(Protocol::Ads, ("write", number, "before"), false),
             Holds::Old,
             "{number}"
         );
-        let after = attempt("write", number, "after", false);
+        let after = attempt(Protocol::Ads, ("write", number, "after"), false);
         assert_eq!(after == Holds::New, number == VALUES as u64, "{number}");
     }
 }
@@ -109,29 +110,36 @@ fn the_connection_breaks_at_any_written_value() {
 #[test]
 fn the_connection_breaks_within_the_answer_to_any_written_value() {
     for number in 1..=VALUES as u64 {
-        let held = attempt("write", number, "half", false);
+        let held = attempt(Protocol::Ads, ("write", number, "half"), false);
         assert_eq!(held == Holds::New, number == VALUES as u64, "{number}");
     }
 }
 
-#[test]
-fn the_connection_breaks_while_all_values_are_written_at_once() {
-    assert_eq!(attempt("write", 1, "before", true), Holds::Old);
-    assert_eq!(attempt("write", 1, "after", true), Holds::New);
-    assert_eq!(attempt("write", 1, "half", true), Holds::New);
+fn the_connection_breaks_while_all_values_are_written_at_once(protocol: Protocol) {
+    assert_eq!(attempt(protocol, ("write", 1, "before"), true), Holds::Old);
+    assert_eq!(attempt(protocol, ("write", 1, "after"), true), Holds::New);
+    assert_eq!(attempt(protocol, ("write", 1, "half"), true), Holds::New);
 }
 
 #[test]
 fn the_connection_breaks_while_values_are_read_back() {
     // Old values, version of the program, new values.
-    assert_eq!(attempt("read", 1, "half", true), Holds::Old);
-    assert_eq!(attempt("read", 2, "half", true), Holds::Old);
-    assert_eq!(attempt("read", 3, "half", true), Holds::New);
+    assert_eq!(
+        attempt(Protocol::Ads, ("read", 1, "half"), true),
+        Holds::Old
+    );
+    assert_eq!(
+        attempt(Protocol::Ads, ("read", 2, "half"), true),
+        Holds::Old
+    );
+    assert_eq!(
+        attempt(Protocol::Ads, ("read", 3, "half"), true),
+        Holds::New
+    );
 }
 
-#[test]
-fn old_values_are_restored_if_one_cannot_be_written() {
-    let plant = Plant::start(Style::Single);
+fn old_values_are_restored_if_one_cannot_be_written(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Single);
     let mut client = plant.armed();
     let old = held(&plant);
     let mut new = new_values();
@@ -218,9 +226,8 @@ fn the_controller_restarts_while_values_are_written() {
     assert_eq!(held(&plant), old);
 }
 
-#[test]
-fn a_write_arrives_after_the_reconnection() {
-    let plant = Plant::start(Style::Arrays);
+fn a_write_arrives_after_the_reconnection(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.client_with(AdsOptions {
         timeout_s: 1.5,
         ..AdsOptions::default()
@@ -240,4 +247,10 @@ fn a_write_arrives_after_the_reconnection() {
     assert_eq!(adjustment.expect("an attempt").holds, Holds::New);
     let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
     assert_eq!(held(&plant), new);
+}
+
+super::over_both! {
+    the_connection_breaks_while_all_values_are_written_at_once,
+    old_values_are_restored_if_one_cannot_be_written,
+    a_write_arrives_after_the_reconnection,
 }

@@ -5,12 +5,11 @@ use tautline_link::ads::AdsOptions;
 use tautline_link::reconnecting::{BackOff, Reconnect, Reconnected};
 use tautline_link::{Activity, Controller, LinkError};
 
-use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global};
+use tautline_validation::ads::{Plant, Protocol};
 
-#[test]
-fn a_slow_server_is_waited_for() {
-    let plant = Plant::start(Style::Arrays);
+fn a_slow_server_is_waited_for(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     plant.server.order(json!({"delay_s": 0.1}));
     for _ in 0..3 {
@@ -19,9 +18,8 @@ fn a_slow_server_is_waited_for() {
     assert!(client.state().armed);
 }
 
-#[test]
-fn a_late_answer_is_never_matched_with_another_request() {
-    let plant = Plant::start(Style::Arrays);
+fn a_late_answer_is_never_matched_with_another_request(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.client_with(AdsOptions {
         timeout_s: 2.0,
         ..AdsOptions::default()
@@ -43,10 +41,9 @@ fn a_late_answer_is_never_matched_with_another_request() {
     assert_eq!(sample.temperature_c, Some(22.0));
 }
 
-#[test]
-fn a_connection_lost_while_reading_is_reported_and_reopened() {
+fn a_connection_lost_while_reading_is_reported_and_reopened(protocol: Protocol) {
     for action in ["before", "after", "half"] {
-        let plant = Plant::start(Style::Arrays);
+        let plant = Plant::speaking(protocol, Style::Arrays);
         let mut client = plant.armed();
         let held = client.parameters().expect("parameters");
         plant.server.fault("read", 1, action);
@@ -87,9 +84,8 @@ fn connections_lost_while_symbols_are_looked_up_are_reported() {
     client.connect().expect("connected");
 }
 
-#[test]
-fn a_restarted_controller_is_reconnected() {
-    let plant = Plant::start(Style::Arrays);
+fn a_restarted_controller_is_reconnected(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     let held = client.parameters().expect("parameters");
     plant.server.order(json!({"restart": 0.2}));
@@ -178,4 +174,11 @@ fn a_program_that_stops_is_reported() {
     let told = client.arm().expect_err("it does not run").to_string();
     assert!(told.contains("its state is \"Stop\""), "{told}");
     assert!(matches!(client.state().activity, Activity::Fault(_)));
+}
+
+super::over_both! {
+    a_slow_server_is_waited_for,
+    a_late_answer_is_never_matched_with_another_request,
+    a_connection_lost_while_reading_is_reported_and_reopened,
+    a_restarted_controller_is_reconnected,
 }

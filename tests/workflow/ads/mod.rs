@@ -1,5 +1,24 @@
-//! The ADS link against a server that shares no code with it: pyads' test server in a process of its own, with the
-//! simulated robot behind it.
+//! The links to controllers against servers that share no code with them: those of pyads and of asyncua in processes of
+//! their own, with the simulated robot behind them.
+
+/// Tests of functions that take the protocol, over each of them.
+macro_rules! over_both {
+    ($($name:ident),+ $(,)?) => {
+        mod over_ads {
+            $(#[test]
+            fn $name() {
+                super::$name(tautline_validation::ads::Protocol::Ads);
+            })+
+        }
+        mod over_opcua {
+            $(#[test]
+            fn $name() {
+                super::$name(tautline_validation::ads::Protocol::OpcUa);
+            })+
+        }
+    };
+}
+use over_both;
 
 mod adjusting;
 mod calibrating;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use tautline_core::robot::presets::{NAMES, find};
-use tautline_session::AdsMapping;
+use tautline_session::SymbolMapping;
 
 fn page() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ADS.md");
@@ -30,7 +30,7 @@ fn the_sample_program_has_every_default_symbol() {
         .map(|(name, _)| name.trim())
         .collect();
     for robot in NAMES.into_iter().filter_map(find).map(|p| p.robot) {
-        let mapping = serde_json::to_value(AdsMapping::default_for(&robot)).expect("JSON");
+        let mapping = serde_json::to_value(SymbolMapping::default_for(&robot)).expect("JSON");
         let symbols = texts(&mapping).into_iter();
         let symbols: Vec<&str> = symbols
             .filter_map(|text| text.strip_prefix("GVL_Tautline."))
@@ -49,7 +49,7 @@ fn the_example_of_a_mapping_is_valid() {
     let (example, _) = rest.split_once("```").expect("its end");
     let document: Value = serde_json::from_str(&format!("{{{example}}}")).expect("JSON");
     let ads = document["connection"]["ads"].clone();
-    let mapping: AdsMapping = serde_json::from_value(ads).expect("a mapping");
+    let mapping: SymbolMapping = serde_json::from_value(ads).expect("a mapping");
     let robot = find("mini").expect("a preset").robot;
     mapping.check(&robot).expect("a good mapping");
     assert_eq!(mapping.parameters.len(), 2);

@@ -13,11 +13,11 @@ use tautline_link::{Controller, Instrument};
 use tautline_session::{Outcome, Session, read_session, write_symbols};
 use tautline_validation::program::{self, Folder, heard, tautline};
 
-use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global, mapping};
+use tautline_validation::ads::{Host, Plant, Protocol};
 
 fn controller(plant: &Plant) -> String {
-    format!("ads:{}", plant.server.address())
+    plant.server.choice()
 }
 
 fn session(path: &str) -> Session {
@@ -67,9 +67,8 @@ fn verified(words: &[&str], stage: &str, tracker: &mut SimulatedTracker) -> f64 
     ap.expect("a figure")
 }
 
-#[test]
-fn a_robot_is_measured_verified_adjusted_and_verified_again() {
-    let mut plant = Plant::fast(Style::Arrays);
+fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) {
+    let mut plant = Plant::fast(protocol, Style::Arrays);
     let mut tracker = plant.tracker();
     let folder = Folder::new();
     let file = folder.join("s.json");
@@ -127,9 +126,8 @@ fn on_disk(told: &str) -> Vec<i64> {
     labels.collect()
 }
 
-#[test]
-fn the_controller_dies_while_measuring() {
-    let plant = Plant::fast(Style::Arrays);
+fn the_controller_dies_while_measuring(protocol: Protocol) {
+    let plant = Plant::fast(protocol, Style::Arrays);
     let folder = Folder::new();
     let file = folder.join("s.json");
     let controller = controller(&plant);
@@ -168,7 +166,7 @@ fn the_controller_dies_while_measuring() {
 
 #[test]
 fn a_killed_adjustment_is_settled_by_the_next_command() {
-    let plant = Plant::fast(Style::Arrays);
+    let plant = Plant::fast(Protocol::Ads, Style::Arrays);
     let folder = Folder::new();
     let measured = folder.join("measured.json");
     let controller = controller(&plant);
@@ -269,7 +267,7 @@ fn missing_symbols_are_named_before_anything_starts() {
 
 #[test]
 fn symbols_read_from_a_file_are_stored_in_the_session() {
-    let plant = Plant::fast(Style::Single);
+    let plant = Plant::fast(Protocol::Ads, Style::Single);
     let folder = Folder::new();
     let (file, symbols) = (folder.join("s.json"), folder.join("symbols.json"));
     let own = mapping(&plant.preset.robot, Style::Single);
@@ -285,4 +283,9 @@ fn symbols_read_from_a_file_are_stored_in_the_session() {
     assert_eq!(session(&file).connection.ads, Some(own));
     let foreseen = tautline(&[&["adjust", &file, "--dry-run"], real.as_slice()].concat());
     assert_eq!(foreseen.succeeded().json()["outcome"], "not_written");
+}
+
+super::over_both! {
+    a_robot_is_measured_verified_adjusted_and_verified_again,
+    the_controller_dies_while_measuring,
 }

@@ -5,11 +5,11 @@ use tautline_core::geometry::Pose;
 use tautline_link::ads::AdsOptions;
 use tautline_link::{Activity, Controller, LinkError};
 
-use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global};
+use tautline_validation::ads::{Host, Plant, Protocol};
 
-fn refused(order: serde_json::Value) -> String {
-    let plant = Plant::start(Style::Arrays);
+fn refused(protocol: Protocol, order: serde_json::Value) -> String {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     plant.server.order(order);
     let mut client = plant.client();
     let told = client.connect().expect_err("it cannot be used").to_string();
@@ -20,7 +20,10 @@ fn refused(order: serde_json::Value) -> String {
 
 #[test]
 fn missing_symbols_are_named() {
-    let told = refused(json!({"remove": [global("force"), global("home")]}));
+    let told = refused(
+        Protocol::Ads,
+        json!({"remove": [global("force"), global("home")]}),
+    );
     assert!(told.contains("2 of the symbols"), "{told}");
     assert!(
         told.contains("GVL_Tautline.force: Symbol not found (ADS error 0x710)"),
@@ -31,30 +34,42 @@ fn missing_symbols_are_named() {
 
 #[test]
 fn a_symbol_of_the_wrong_type_is_named() {
-    let told = refused(json!({"declare": [[global("moving"), "LREAL", 1, [0]]]}));
+    let told = refused(
+        Protocol::Ads,
+        json!({"declare": [[global("moving"), "LREAL", 1, [0]]]}),
+    );
     let expected = "GVL_Tautline.moving is of type LREAL, expected BOOL";
     assert!(told.contains(expected), "{told}");
-    let told = refused(json!({"declare": [[global("laser"), "STRING", 1, [""]]]}));
+    let told = refused(
+        Protocol::Ads,
+        json!({"declare": [[global("laser"), "STRING", 1, [""]]]}),
+    );
     let expected = "GVL_Tautline.laser is of type STRING(80), expected a number";
     assert!(told.contains(expected), "{told}");
 }
 
-#[test]
-fn an_array_of_the_wrong_length_is_named() {
-    let told =
-        refused(json!({"declare": [[global("revolutions"), "LREAL", 6, [0, 0, 0, 0, 0, 0]]]}));
+fn an_array_of_the_wrong_length_is_named(protocol: Protocol) {
+    let told = refused(
+        protocol,
+        json!({"declare": [[global("revolutions"), "LREAL", 6, [0, 0, 0, 0, 0, 0]]]}),
+    );
     assert!(told.contains("has 6 values, expected 8"), "{told}");
 }
 
-#[test]
-fn a_stopped_program_is_reported_at_connection() {
-    let told = refused(json!({"state": 6}));
-    assert!(told.contains("its state is \"Stop\""), "{told}");
+fn a_stopped_program_is_reported_at_connection(protocol: Protocol) {
+    let (number, state) = match protocol {
+        Protocol::Ads => (6, "Stop"),
+        Protocol::OpcUa => (3, "Suspended"),
+    };
+    let told = refused(protocol, json!({ "state": number }));
+    assert!(
+        told.contains(&format!("its state is \"{state}\"")),
+        "{told}"
+    );
 }
 
-#[test]
-fn numbers_of_every_type_are_read() {
-    let plant = Plant::start(Style::Arrays);
+fn numbers_of_every_type_are_read(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     for (kind, raw) in [
         ("BOOL", 1.0),
         ("SINT", -3.0),
@@ -73,9 +88,8 @@ fn numbers_of_every_type_are_read() {
     }
 }
 
-#[test]
-fn nothing_is_written_before_arming() {
-    let plant = Plant::start(Style::Arrays);
+fn nothing_is_written_before_arming(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.client();
     assert!(client.sample().is_err_and(|e| e.is_disconnection()));
     client.connect().expect("connected");
@@ -101,9 +115,8 @@ fn nothing_is_written_before_arming() {
     assert_eq!(plant.server.count("write"), 0);
 }
 
-#[test]
-fn arming_and_disarming_reach_the_controller() {
-    let plant = Plant::start(Style::Arrays);
+fn arming_and_disarming_reach_the_controller(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     assert!(client.state().armed);
     assert_eq!(plant.server.count("write"), 1, "the release");
@@ -115,9 +128,8 @@ fn arming_and_disarming_reach_the_controller() {
     assert_eq!(plant.server.count("write"), 3);
 }
 
-#[test]
-fn arming_ends_with_the_connection() {
-    let plant = Plant::start(Style::Arrays);
+fn arming_ends_with_the_connection(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     plant.server.fault("read", 1, "before");
     assert!(client.sample().is_err_and(|e| e.is_disconnection()));
@@ -131,9 +143,8 @@ fn arming_ends_with_the_connection() {
     assert_eq!(client.home(), Err(LinkError::NotArmed));
 }
 
-#[test]
-fn a_command_that_waits_or_a_fault_prevents_arming() {
-    let plant = Plant::start(Style::Arrays);
+fn a_command_that_waits_or_a_fault_prevents_arming(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.client();
     client.connect().expect("connected");
     plant.server.order(json!({"set": {global("number"): [8]}}));
@@ -147,9 +158,8 @@ fn a_command_that_waits_or_a_fault_prevents_arming() {
     assert_eq!(plant.server.count("write"), 0);
 }
 
-#[test]
-fn limits_are_kept_on_our_side() {
-    let plant = Plant::start(Style::Arrays);
+fn limits_are_kept_on_our_side(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     let writes = plant.server.count("write");
     let mut far = Pose::identity();
@@ -158,9 +168,8 @@ fn limits_are_kept_on_our_side() {
     assert_eq!(plant.server.count("write"), writes);
 }
 
-#[test]
-fn an_unacknowledged_command_becomes_a_fault() {
-    let plant = Plant::start(Style::Arrays);
+fn an_unacknowledged_command_becomes_a_fault(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     // Nobody copies the number of this client's commands.
     plant
         .server
@@ -175,16 +184,8 @@ fn an_unacknowledged_command_becomes_a_fault() {
         acknowledge_s: 0.0,
         ..AdsOptions::default()
     };
-    let clock = std::sync::Arc::new(tautline_link::SystemClock::start());
     let robot = &plant.preset.robot;
-    let mut client = tautline_link::ads::AdsController::new(
-        plant.server.address(),
-        &mapping,
-        robot,
-        options,
-        clock,
-    )
-    .expect("a controller");
+    let mut client = plant.server.client(&mapping, robot, options);
     client.connect().expect("connected");
     client.arm().expect("armed");
     client.home().expect("told");
@@ -196,9 +197,8 @@ fn an_unacknowledged_command_becomes_a_fault() {
     assert!(told.contains("did not acknowledge command 8"), "{told}");
 }
 
-#[test]
-fn a_withdrawn_release_disarms() {
-    let plant = Plant::start(Style::Arrays);
+fn a_withdrawn_release_disarms(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
     client.sample().expect("a sample");
     plant
@@ -224,4 +224,17 @@ fn a_withdrawn_release_disarms() {
     client.arm().expect("armed again");
     client.sample().expect("a sample");
     assert!(client.state().armed);
+}
+
+super::over_both! {
+    an_array_of_the_wrong_length_is_named,
+    numbers_of_every_type_are_read,
+    nothing_is_written_before_arming,
+    arming_and_disarming_reach_the_controller,
+    arming_ends_with_the_connection,
+    a_command_that_waits_or_a_fault_prevents_arming,
+    limits_are_kept_on_our_side,
+    an_unacknowledged_command_becomes_a_fault,
+    a_withdrawn_release_disarms,
+    a_stopped_program_is_reported_at_connection,
 }

@@ -22,7 +22,7 @@ use tautline_validation::program::{self, Folder, heard, tautline};
 const RELEASE: &str = "GVL_Tautline.release";
 
 fn controller(plant: &Plant<Unruly>) -> String {
-    format!("ads:{}", plant.server.address())
+    plant.server.choice()
 }
 
 fn session(path: &str) -> Session {
@@ -52,7 +52,7 @@ fn held(plant: &Plant<Unruly>) -> BTreeMap<&'static str, Vec<f64>> {
 }
 
 /// A connected client of the link.
-fn client(plant: &Plant<Unruly>) -> GuardedController<tautline_link::ads::AdsController> {
+fn client(plant: &Plant<Unruly>) -> GuardedController<tautline_link::symbols::SymbolController> {
     let mut client = plant.client();
     client.connect().expect("connected");
     client

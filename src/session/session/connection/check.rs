@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use tautline_core::robot::{FieldError, Robot};
 
 use super::{
-    AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsSymbol, AdsSymbols, CABLE,
-    Connection, ControllerKind, NUMBER, is_per_cable, name_of_cable,
+    CABLE, Connection, ControllerKind, NUMBER, SymbolList, SymbolMapping, SymbolNames,
+    SymbolParameter, SymbolPose, SymbolReadings, SymbolValue, is_per_cable, name_of_cable,
 };
 use crate::error::{below, fail};
 use crate::json::VersionedFile;
@@ -36,17 +36,27 @@ pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Check
         None if connection.controller == ControllerKind::Ads => return missing("place"),
         None => {}
     }
-    let mapping = connection.ads.as_ref();
-    mapping.map_or(Ok(()), |mapping| mapping.check(robot).map_err(part("ads")))
+    match &connection.opcua {
+        Some(place) => place.check().map_err(part("opcua"))?,
+        None if connection.controller == ControllerKind::OpcUa => return missing("opcua"),
+        None => {}
+    }
+    for (name, mapping) in [("ads", &connection.ads), ("nodes", &connection.nodes)] {
+        let checked = mapping
+            .as_ref()
+            .map_or(Ok(()), |mapping| mapping.check(robot));
+        checked.map_err(part(name))?;
+    }
+    Ok(())
 }
 
-impl VersionedFile for AdsMapping {
+impl VersionedFile for SymbolMapping {
     const FORMAT: &'static str = "tautline-symbols";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 4 << 20;
 }
 
-impl AdsMapping {
+impl SymbolMapping {
     /// Checks the mapping for a robot; pointers in errors count from the mapping.
     ///
     /// # Errors
@@ -78,7 +88,7 @@ impl AdsMapping {
     }
 }
 
-fn readings(readings: &AdsReadings, robot: &Robot) -> Checked {
+fn readings(readings: &SymbolReadings, robot: &Robot) -> Checked {
     let cables = robot.cable_count();
     let per_cable = [
         ("/readings/revolutions", Some(&readings.revolutions)),
@@ -90,7 +100,7 @@ fn readings(readings: &AdsReadings, robot: &Robot) -> Checked {
         factor(&format!("{at}/scale"), symbols.scale)?;
         finite(&format!("{at}/offset"), symbols.offset)?;
         match &symbols.symbol {
-            AdsNames::One(name) if name.contains('{') => placed(&format!("{at}/symbol"), name)?,
+            SymbolNames::One(name) if name.contains('{') => placed(&format!("{at}/symbol"), name)?,
             names => listed(&format!("{at}/symbol"), names, cables)?,
         }
     }
@@ -111,19 +121,19 @@ fn readings(readings: &AdsReadings, robot: &Robot) -> Checked {
     (readings.pose.as_ref()).map_or(Ok(()), |p| pose("/readings/pose", p))
 }
 
-fn number(at: &str, symbol: &AdsSymbol) -> Checked {
+fn number(at: &str, symbol: &SymbolValue) -> Checked {
     single(&format!("{at}/symbol"), &symbol.symbol)?;
     factor(&format!("{at}/scale"), symbol.scale)?;
     finite(&format!("{at}/offset"), symbol.offset)
 }
 
-fn three(at: &str, symbols: &AdsSymbols) -> Checked {
+fn three(at: &str, symbols: &SymbolList) -> Checked {
     listed(&format!("{at}/symbol"), &symbols.symbol, 3)?;
     factor(&format!("{at}/scale"), symbols.scale)?;
     finite(&format!("{at}/offset"), symbols.offset)
 }
 
-fn pose(at: &str, pose: &AdsPose) -> Checked {
+fn pose(at: &str, pose: &SymbolPose) -> Checked {
     listed(
         &format!("{at}/symbol"),
         &pose.symbol,
@@ -134,14 +144,14 @@ fn pose(at: &str, pose: &AdsPose) -> Checked {
 }
 
 /// An array, or a list of the right length.
-fn listed(at: &str, names: &AdsNames, count: usize) -> Checked {
+fn listed(at: &str, names: &SymbolNames, count: usize) -> Checked {
     match names {
-        AdsNames::One(name) => single(at, name),
-        AdsNames::Each(names) if names.len() != count => {
+        SymbolNames::One(name) => single(at, name),
+        SymbolNames::Each(names) if names.len() != count => {
             let message = format!("found {} names, expected {count}", names.len());
             fail(at, message)
         }
-        AdsNames::Each(names) => {
+        SymbolNames::Each(names) => {
             let mut numbered = names.iter().enumerate();
             numbered.try_for_each(|(k, name)| single(&format!("{at}/{k}"), name))
         }
@@ -150,13 +160,30 @@ fn listed(at: &str, names: &AdsNames, count: usize) -> Checked {
 
 /// The name of one symbol.
 fn single(at: &str, name: &str) -> Checked {
-    let strange = |c: char| !c.is_ascii_graphic() || c == '{' || c == '}';
+    // Identifiers of nodes may contain blanks and letters of any language.
+    let strange = |c: char| match is_node(name) {
+        true => c.is_control() || c == '{' || c == '}',
+        false => !c.is_ascii_graphic() || c == '{' || c == '}',
+    };
     if name.is_empty() || name.len() > LONGEST || name.contains(strange) {
         let message =
             format!("found {name:?}, expected the name of a symbol, like GVL_Tautline.moving");
         return fail(at, message);
     }
     Ok(())
+}
+
+/// Whether a name is the identifier of a node: `ns=4;s=GVL_Tautline.moving`, `i=2257`.
+fn is_node(name: &str) -> bool {
+    let (first, rest) = name.split_once(';').unwrap_or((name, ""));
+    let kind = if first.starts_with("ns=") {
+        rest
+    } else {
+        first
+    };
+    ["s=", "i=", "g=", "b="]
+        .iter()
+        .any(|known| kind.starts_with(known))
 }
 
 /// A name for each cable: the rest of it is that of a symbol.
@@ -171,7 +198,7 @@ fn placed(at: &str, pattern: &str) -> Checked {
     Ok(())
 }
 
-fn parameters(list: &[AdsParameter], robot: &Robot) -> Checked {
+fn parameters(list: &[SymbolParameter], robot: &Robot) -> Checked {
     let mut names = HashSet::new();
     for (k, parameter) in list.iter().enumerate() {
         let at = format!("/parameters/{k}");
@@ -194,7 +221,7 @@ fn parameters(list: &[AdsParameter], robot: &Robot) -> Checked {
     Ok(())
 }
 
-fn parameter(at: &str, parameter: &AdsParameter) -> Checked {
+fn parameter(at: &str, parameter: &SymbolParameter) -> Checked {
     factor(&format!("{at}/scale"), parameter.scale)?;
     placed(&format!("{at}/symbol"), &parameter.symbol)?;
     if parameter.name.trim().is_empty() {

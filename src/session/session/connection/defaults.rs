@@ -3,13 +3,15 @@
 use tautline_core::robot::Robot;
 
 use super::{
-    AdsCommand, AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsRotation, AdsStatus,
-    AdsSymbol, AdsSymbols,
+    SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose,
+    SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
 };
 
+/// The namespace of variables at TwinCAT's server.
+const NAMESPACE: &str = "ns=4;s=";
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-impl AdsMapping {
+impl SymbolMapping {
     /// The mapping that fits the sample program, for the instruments that a robot has.
     #[must_use]
     pub fn default_for(robot: &Robot) -> Self {
@@ -18,7 +20,7 @@ impl AdsMapping {
             .iter()
             .any(|cable| cable.pulley.swivel_sd_rad.is_some());
         Self {
-            readings: AdsReadings {
+            readings: SymbolReadings {
                 revolutions: array("revolutions"),
                 force: robot.has_force_sensors().then(|| array("force")),
                 swivel: swivels.then(|| array("swivel")),
@@ -29,13 +31,13 @@ impl AdsMapping {
                 inclination: robot.inclinometer.map(|_| array("inclination")),
                 pose: Some(pose("pose")),
             },
-            state: AdsStatus {
+            state: SymbolStatus {
                 moving: Some(global("moving")),
                 fault: Some(global("fault")),
                 fault_text: Some(global("fault_text")),
                 started: Some(global("started")),
             },
-            command: Some(AdsCommand {
+            command: Some(SymbolCommand {
                 target: pose("target"),
                 kind: global("kind"),
                 number: global("number"),
@@ -46,9 +48,80 @@ impl AdsMapping {
             parameters: parameters(robot),
         }
     }
+
+    /// The same for OPC UA: the nodes that TwinCAT's server makes of the sample program's variables.
+    #[must_use]
+    pub fn default_nodes_for(robot: &Robot) -> Self {
+        let mut mapping = Self::default_for(robot);
+        for name in mapping.names_mut() {
+            name.insert_str(0, NAMESPACE);
+        }
+        mapping
+    }
+
+    /// The names of all symbols.
+    pub fn names_mut(&mut self) -> Vec<&mut String> {
+        let readings = &mut self.readings;
+        let mut names = readings.revolutions.symbol.names_mut();
+        for symbols in [
+            &mut readings.force,
+            &mut readings.swivel,
+            &mut readings.inclination,
+        ] {
+            names.extend(symbols.iter_mut().flat_map(|list| list.symbol.names_mut()));
+        }
+        for value in [
+            &mut readings.laser,
+            &mut readings.temperature,
+            &mut readings.time,
+        ] {
+            names.extend(value.iter_mut().map(|value| &mut value.symbol));
+        }
+        names.extend(readings.laser_valid.iter_mut());
+        names.extend(
+            readings
+                .pose
+                .iter_mut()
+                .flat_map(|pose| pose.symbol.names_mut()),
+        );
+        let state = &mut self.state;
+        for name in [
+            &mut state.moving,
+            &mut state.fault,
+            &mut state.fault_text,
+            &mut state.started,
+            &mut self.release,
+            &mut self.watchdog,
+        ] {
+            names.extend(name.iter_mut());
+        }
+        if let Some(command) = &mut self.command {
+            names.extend(command.target.symbol.names_mut());
+            names.extend([
+                &mut command.kind,
+                &mut command.number,
+                &mut command.acknowledged,
+            ]);
+        }
+        names.extend(
+            self.parameters
+                .iter_mut()
+                .map(|parameter| &mut parameter.symbol),
+        );
+        names
+    }
 }
 
-fn parameters(robot: &Robot) -> Vec<AdsParameter> {
+impl SymbolNames {
+    fn names_mut(&mut self) -> Vec<&mut String> {
+        match self {
+            Self::One(name) => vec![name],
+            Self::Each(names) => names.iter_mut().collect(),
+        }
+    }
+}
+
+fn parameters(robot: &Robot) -> Vec<SymbolParameter> {
     let mut list = Vec::new();
     for part in ["entry_point", "platform_anchor"] {
         for (element, axis) in (0..).zip(AXES) {
@@ -74,8 +147,8 @@ fn parameters(robot: &Robot) -> Vec<AdsParameter> {
     list
 }
 
-fn parameter(name: String, symbol: &str, (element, stride): (u32, u32)) -> AdsParameter {
-    AdsParameter {
+fn parameter(name: String, symbol: &str, (element, stride): (u32, u32)) -> SymbolParameter {
+    SymbolParameter {
         name,
         symbol: global(symbol),
         element,
@@ -88,26 +161,26 @@ fn global(name: &str) -> String {
     format!("GVL_Tautline.{name}")
 }
 
-fn array(name: &str) -> AdsSymbols {
-    AdsSymbols {
-        symbol: AdsNames::One(global(name)),
+fn array(name: &str) -> SymbolList {
+    SymbolList {
+        symbol: SymbolNames::One(global(name)),
         scale: 1.0,
         offset: 0.0,
     }
 }
 
-fn value(name: &str) -> AdsSymbol {
-    AdsSymbol {
+fn value(name: &str) -> SymbolValue {
+    SymbolValue {
         symbol: global(name),
         scale: 1.0,
         offset: 0.0,
     }
 }
 
-fn pose(name: &str) -> AdsPose {
-    AdsPose {
-        symbol: AdsNames::One(global(name)),
-        rotation: AdsRotation::Quaternion,
+fn pose(name: &str) -> SymbolPose {
+    SymbolPose {
+        symbol: SymbolNames::One(global(name)),
+        rotation: SymbolRotation::Quaternion,
         length_scale: 1.0,
         angle_scale: 1.0,
     }

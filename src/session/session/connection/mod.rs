@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(super) use check::check;
-pub use place::{AdsPlace, ControllerKind, RecordingPlace};
+pub use place::{AdsPlace, ControllerKind, OpcUaPlace, RecordingPlace};
 
 /// Settings of the connection to the robot's controller.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,7 +27,13 @@ pub struct Connection {
     pub place: Option<AdsPlace>,
     /// Symbols of the ADS controller; absent: the default names.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub ads: Option<AdsMapping>,
+    pub ads: Option<SymbolMapping>,
+    /// Address of the OPC UA controller.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opcua: Option<OpcUaPlace>,
+    /// Nodes of the OPC UA controller; absent: the default names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<SymbolMapping>,
 }
 
 impl Connection {
@@ -38,20 +44,20 @@ impl Connection {
     }
 }
 
-/// Symbols of an ADS controller.
+/// Symbols of a controller: of ADS by their names, of OPC UA by the identifiers of their nodes.
 ///
 /// A reading is `raw * scale + offset`, in SI units after that; what is written is the inverse of that. Names of
 /// one symbol per cable may contain `{cable}`, the cable's name, and `{n}`, its number from 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsMapping {
+pub struct SymbolMapping {
     /// What is read at every sample.
-    pub readings: AdsReadings,
+    pub readings: SymbolReadings,
     /// State of the controller.
     #[serde(default)]
-    pub state: AdsStatus,
+    pub state: SymbolStatus,
     /// Symbols of commands; absent: the controller is only read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub command: Option<AdsCommand>,
+    pub command: Option<SymbolCommand>,
     /// BOOL that is TRUE while the operator allows motion and writing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub release: Option<String>,
@@ -60,44 +66,44 @@ pub struct AdsMapping {
     pub watchdog: Option<String>,
     /// Parameters of the controller's kinematics that can be read and written.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub parameters: Vec<AdsParameter>,
+    pub parameters: Vec<SymbolParameter>,
 }
 
 /// Symbols that are read at every sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsReadings {
+pub struct SymbolReadings {
     /// Motor revolutions since home, positive pays out, per cable.
-    pub revolutions: AdsSymbols,
+    pub revolutions: SymbolList,
     /// Raw readings of the force sensors (N), per cable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub force: Option<AdsSymbols>,
+    pub force: Option<SymbolList>,
     /// Swivel angles of the pulleys (rad), per cable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub swivel: Option<AdsSymbols>,
+    pub swivel: Option<SymbolList>,
     /// Laser distance (m); NaN where there is no return.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub laser: Option<AdsSymbol>,
+    pub laser: Option<SymbolValue>,
     /// BOOL that is TRUE while the laser has a return.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laser_valid: Option<String>,
     /// Temperature (degrees Celsius).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub temperature: Option<AdsSymbol>,
+    pub temperature: Option<SymbolValue>,
     /// Time by the controller's clock (s); absent: time of arrival of the answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub time: Option<AdsSymbol>,
+    pub time: Option<SymbolValue>,
     /// Roll, pitch and yaw of the platform (rad): three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub inclination: Option<AdsSymbols>,
+    pub inclination: Option<SymbolList>,
     /// The pose that was commanded last.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pose: Option<AdsPose>,
+    pub pose: Option<SymbolPose>,
 }
 
 /// Name of an array symbol, or one name per value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a name or a list of names")]
-pub enum AdsNames {
+pub enum SymbolNames {
     /// An array; with `{cable}` or `{n}` one symbol per cable.
     One(String),
     /// One symbol per value.
@@ -106,9 +112,9 @@ pub enum AdsNames {
 
 /// Symbols of several values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsSymbols {
+pub struct SymbolList {
     /// Their names.
-    pub symbol: AdsNames,
+    pub symbol: SymbolNames,
     /// SI units per unit of the symbol.
     #[serde(default = "one")]
     pub scale: f64,
@@ -119,7 +125,7 @@ pub struct AdsSymbols {
 
 /// Symbol of one value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsSymbol {
+pub struct SymbolValue {
     /// Its name.
     pub symbol: String,
     /// SI units per unit of the symbol.
@@ -133,7 +139,7 @@ pub struct AdsSymbol {
 /// How an orientation is written.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum AdsRotation {
+pub enum SymbolRotation {
     /// Four numbers w, x, y, z without unit.
     #[default]
     Quaternion,
@@ -143,7 +149,7 @@ pub enum AdsRotation {
     RollPitchYaw,
 }
 
-impl AdsRotation {
+impl SymbolRotation {
     /// Numbers of a pose: three of its position, then those of its orientation.
     #[must_use]
     pub fn pose_values(self) -> usize {
@@ -156,12 +162,12 @@ impl AdsRotation {
 
 /// Symbols of a pose: position x, y, z, then its orientation, of the platform in the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsPose {
+pub struct SymbolPose {
     /// An array, or one name per value.
-    pub symbol: AdsNames,
+    pub symbol: SymbolNames,
     /// How the orientation is written.
     #[serde(default)]
-    pub rotation: AdsRotation,
+    pub rotation: SymbolRotation,
     /// Metres per unit of the position.
     #[serde(default = "one")]
     pub length_scale: f64,
@@ -173,7 +179,7 @@ pub struct AdsPose {
 /// Symbols of the state of the controller.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
-pub struct AdsStatus {
+pub struct SymbolStatus {
     /// BOOL that is TRUE from acknowledging a command until the drives have completed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moving: Option<String>,
@@ -190,9 +196,9 @@ pub struct AdsStatus {
 
 /// Symbols of a command to the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsCommand {
+pub struct SymbolCommand {
     /// Target pose.
-    pub target: AdsPose,
+    pub target: SymbolPose,
     /// Integer; 1: home, 2: move to the target, 3: stop.
     pub kind: String,
     /// UDINT; written last, a new number is a new command.
@@ -203,7 +209,7 @@ pub struct AdsCommand {
 
 /// Symbol of a parameter, or of one parameter of every cable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AdsParameter {
+pub struct SymbolParameter {
     /// Name of the parameter; with `{cable}` that of every cable.
     pub name: String,
     /// Name of the symbol. Without `{cable}` and `{n}` it is an array that holds all cables.

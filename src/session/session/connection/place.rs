@@ -22,6 +22,8 @@ pub enum ControllerKind {
     Recording,
     /// A Beckhoff controller, by ADS.
     Ads,
+    /// A controller that speaks OPC UA.
+    OpcUa,
 }
 
 impl ControllerKind {
@@ -91,22 +93,78 @@ impl AdsPlace {
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), FieldError> {
-        if self.host.is_empty() || self.host.contains(char::is_whitespace) {
-            let message = format!("found {:?}, expected a name or an address", self.host);
-            return fail("/host", message);
-        }
+        host(&self.host)?;
         for (at, port) in [("/port", self.port), ("/ams_port", self.ams_port)] {
             if port == 0 {
                 return fail(at, "found 0, expected a port from 1 to 65535");
             }
         }
-        if !TIMEOUT_S.contains(&self.timeout_s) {
-            let [low, high] = [TIMEOUT_S.start(), TIMEOUT_S.end()];
-            let message = format!("found {}, expected {low} s to {high} s", self.timeout_s);
-            return fail("/timeout_s", message);
-        }
-        Ok(())
+        timeout(self.timeout_s)
     }
+}
+
+/// Address of a controller that speaks OPC UA.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OpcUaPlace {
+    /// Name or address of its computer.
+    pub host: String,
+    /// Its TCP port.
+    #[serde(default = "opcua_port")]
+    pub port: u16,
+    /// What follows in its address, with the slash; most controllers have nothing there.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub path: String,
+    /// Timeout of a connection or an answer (s), 0.05 to 60.
+    #[serde(default = "super::one")]
+    pub timeout_s: f64,
+}
+
+impl OpcUaPlace {
+    /// TCP port that the standard reserves.
+    pub const PORT: u16 = 4840;
+
+    /// Checks it; pointers count from it.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    pub fn check(&self) -> Result<(), FieldError> {
+        host(&self.host)?;
+        if self.port == 0 {
+            return fail("/port", "found 0, expected a port from 1 to 65535");
+        }
+        let path = &self.path;
+        if !path.is_empty() && (!path.starts_with('/') || path.contains(char::is_whitespace)) {
+            let message = format!("found {path:?}, expected nothing or a path such as /UA/Server");
+            return fail("/path", message);
+        }
+        timeout(self.timeout_s)
+    }
+}
+
+fn host(host: &str) -> Result<(), FieldError> {
+    match host.is_empty() || host.contains(char::is_whitespace) {
+        true => fail(
+            "/host",
+            format!("found {host:?}, expected a name or an address"),
+        ),
+        false => Ok(()),
+    }
+}
+
+fn timeout(timeout_s: f64) -> Result<(), FieldError> {
+    if TIMEOUT_S.contains(&timeout_s) {
+        return Ok(());
+    }
+    let [low, high] = [TIMEOUT_S.start(), TIMEOUT_S.end()];
+    fail(
+        "/timeout_s",
+        format!("found {timeout_s}, expected {low} s to {high} s"),
+    )
+}
+
+fn opcua_port() -> u16 {
+    OpcUaPlace::PORT
 }
 
 fn router_port() -> u16 {

@@ -53,7 +53,7 @@ fn a_mapping_reads_back() {
 fn the_default_passes_its_check() {
     use tautline_core::robot::presets::{NAMES, find};
     for preset in NAMES.into_iter().filter_map(find) {
-        let mapping = AdsMapping::default_for(&preset.robot);
+        let mapping = SymbolMapping::default_for(&preset.robot);
         mapping.check(&preset.robot).expect("a good mapping");
         assert_eq!(
             mapping.readings.laser.is_some(),
@@ -61,7 +61,7 @@ fn the_default_passes_its_check() {
         );
         let text = serde_json::to_string(&mapping).expect("JSON");
         assert_eq!(
-            serde_json::from_str::<AdsMapping>(&text).expect("read"),
+            serde_json::from_str::<SymbolMapping>(&text).expect("read"),
             mapping
         );
     }

@@ -102,6 +102,10 @@ pub(super) fn receive(model: &mut Model, event: DriverEvent) {
         DriverEvent::Paused(reason) => run.paused = Some(reason),
         DriverEvent::Resumed => run.paused = None,
         DriverEvent::RunEnded(result) => ended(model, result),
+        DriverEvent::RunRestarted(why) => {
+            run.restarted = true;
+            ended(model, Err(why));
+        }
         _ => {}
     }
 }

@@ -25,6 +25,8 @@ pub enum FileCommand {
     PickSaveAs,
     /// Saves at a place.
     SaveAs(PathBuf),
+    /// Begins another series of the open session: the same robot, plan and settings, nothing measured.
+    NewSeries,
     /// Closes the session.
     Close,
     /// Ends the program.

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use tautline_link::ads::SymbolCheck;
-use tautline_session::{AdsMapping, AdsPlace, Connection, LaserSettings};
+use tautline_link::symbols::SymbolCheck;
+use tautline_session::{Connection, LaserSettings, SymbolMapping};
 
 /// Title of looking symbols up.
 pub const CHECKING: &str = "Checking symbols";
@@ -22,15 +22,15 @@ pub enum Setup {
     /// Takes the folder of a recording.
     Recording(PathBuf),
     /// Looks the symbols of a mapping up at a controller.
-    Check(Box<(AdsPlace, AdsMapping)>),
+    Check(Box<Connection>),
     /// Asks for a file with names of symbols.
     AskImport,
     /// Reads names of symbols from a file.
     Import(PathBuf),
     /// Asks where to write names of symbols.
-    AskExport(Box<AdsMapping>),
+    AskExport(Box<SymbolMapping>),
     /// Writes names of symbols to a file.
-    Export(PathBuf, Box<AdsMapping>),
+    Export(PathBuf, Box<SymbolMapping>),
 }
 
 /// What came of it.
@@ -39,7 +39,7 @@ pub enum SetupOutcome {
     /// What the controller says of the symbols, or one sentence.
     Checked(Result<Vec<SymbolCheck>, String>),
     /// Names of symbols were read, or one sentence.
-    Imported(Result<Box<AdsMapping>, String>),
+    Imported(Result<Box<SymbolMapping>, String>),
     /// They were written, or one sentence.
     Exported(Result<PathBuf, String>),
 }

@@ -126,6 +126,8 @@ pub enum DriverEvent {
     Resumed,
     /// The run has ended: nothing is left, or why it ended early.
     RunEnded(Result<(), String>),
+    /// The run has ended because the controller was restarted, so that no run can continue it.
+    RunRestarted(String),
     /// A verification has ended, with its rows or why there are none.
     Verified(Stage, Result<Vec<CheckRow>, String>),
     /// What the controller holds now.

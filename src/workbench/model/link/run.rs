@@ -42,6 +42,8 @@ pub struct RunLog {
     times_s: Vec<f64>,
     /// How it ended.
     pub ended: Option<Result<(), String>>,
+    /// Whether it ended because the controller was restarted.
+    pub restarted: bool,
 }
 
 impl RunLog {

@@ -140,6 +140,9 @@ impl Measuring {
             MeasuringEvent::Skipped { label } => DriverEvent::Skipped(label),
             MeasuringEvent::Paused { reason, .. } => DriverEvent::Paused(reason),
             MeasuringEvent::Finished => DriverEvent::RunEnded(Ok(())),
+            MeasuringEvent::Failed(text) if self.run.was_restarted() => {
+                DriverEvent::RunRestarted(text)
+            }
             MeasuringEvent::Failed(text) => DriverEvent::RunEnded(Err(text)),
         })
     }

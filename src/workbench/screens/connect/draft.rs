@@ -1,120 +1,16 @@
 //! What is typed into the connection dialog, and the settings that it makes.
 
 use tautline_core::robot::{FieldError, Robot};
+use tautline_link::opcua::OpcUaAddress;
 use tautline_session::{
-    AdsMapping, AdsPlace, Connection, ControllerKind, LaserSettings, LastConnection,
-    RecordingPlace, Session,
+    AdsPlace, Connection, ControllerKind, LaserSettings, LastConnection, OpcUaPlace,
+    RecordingPlace, Session, SymbolMapping,
 };
 
 use super::laser::LaserDraft;
-use super::symbols::SymbolRows;
+use super::names::{Names, default_names};
+use super::problems::{Field, Part, Problems};
 use crate::widgets::parse_number;
-
-/// A field that can be wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Field {
-    /// Folder of the recording.
-    Folder,
-    /// Speed of the recording.
-    Speed,
-    /// Host of the controller.
-    Host,
-    /// Its TCP port.
-    Port,
-    /// Its AMS Net ID.
-    NetId,
-    /// Its AMS port.
-    AmsPort,
-    /// Timeout.
-    Timeout,
-    /// A row of the symbols.
-    Symbol(usize),
-    /// Something of all symbols.
-    Symbols,
-    /// Host of the laser.
-    LaserHost,
-    /// Port of the laser.
-    LaserPort,
-    /// Serial port of the laser.
-    Device,
-    /// Baud rate.
-    Baud,
-    /// Line pattern.
-    Pattern,
-    /// Something else of the laser.
-    Laser,
-}
-
-impl Field {
-    /// Where the field is.
-    #[must_use]
-    pub fn part(self) -> Part {
-        match self {
-            Self::Symbol(_) | Self::Symbols => Part::Symbols,
-            Self::LaserHost
-            | Self::LaserPort
-            | Self::Device
-            | Self::Baud
-            | Self::Pattern
-            | Self::Laser => Part::Laser,
-            _ => Part::Controller,
-        }
-    }
-}
-
-/// A part of the window.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Part {
-    /// Kind and place of the controller.
-    #[default]
-    Controller,
-    /// Names of its symbols.
-    Symbols,
-    /// The laser.
-    Laser,
-}
-
-impl Part {
-    /// Label in the window.
-    #[must_use]
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Controller => "Controller",
-            Self::Symbols => "Symbols",
-            Self::Laser => "Laser source",
-        }
-    }
-}
-
-/// What is wrong with fields: one sentence each.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Problems(Vec<(Field, String)>);
-
-impl Problems {
-    /// A field is wrong.
-    pub fn add(&mut self, field: Field, text: impl Into<String>) {
-        self.0.push((field, text.into()));
-    }
-
-    /// What is wrong with a field.
-    #[must_use]
-    pub fn of(&self, field: Field) -> Option<&str> {
-        let mut all = self.0.iter();
-        let found = all.find(|(wrong, _)| *wrong == field);
-        found.map(|(_, text)| text.as_str())
-    }
-
-    /// What is wrong first.
-    #[must_use]
-    pub fn first(&self) -> Option<(Field, &str)> {
-        self.0.first().map(|(field, text)| (*field, text.as_str()))
-    }
-
-    /// The value of an answer, whose error belongs to a field.
-    pub fn take<T>(&mut self, field: Field, answer: Result<T, String>) -> Option<T> {
-        answer.map_err(|text| self.add(field, text)).ok()
-    }
-}
 
 /// What the session has at present.
 #[derive(Debug, Clone)]
@@ -165,10 +61,14 @@ pub struct Draft {
     pub ams_port: String,
     /// Timeout (s).
     pub timeout: String,
-    /// Whether the names of the symbols are one's own.
-    pub own: bool,
-    /// Names of the symbols.
-    pub symbols: SymbolRows,
+    /// Address of a controller that speaks OPC UA.
+    pub url: String,
+    /// Its timeout (s).
+    pub url_timeout: String,
+    /// Symbols of ADS.
+    ads: Names,
+    /// Nodes of OPC UA.
+    nodes: Names,
     /// The laser.
     pub laser: LaserDraft,
     /// Why connecting failed last.
@@ -187,8 +87,11 @@ impl Draft {
         let text = |of: fn(&AdsPlace) -> String, usual: &str| {
             place.as_ref().map_or_else(|| usual.to_owned(), of)
         };
-        let default = AdsMapping::default_for(&session.robot);
-        let mapping = connection.ads.as_ref().unwrap_or(&default);
+        let opcua = connection.opcua.clone().or_else(|| reached.opcua.clone());
+        let robot = &session.robot;
+        let names = |own: &Option<SymbolMapping>, kind| {
+            Names::of(own.as_ref(), &default_names(kind, robot), robot)
+        };
         let recording = connection.recording.as_ref();
         Self {
             session_id,
@@ -207,8 +110,10 @@ impl Draft {
                 &AdsPlace::PROGRAM_PORT.to_string(),
             ),
             timeout: number(place.as_ref().map(|place| place.timeout_s)),
-            own: connection.ads.is_some(),
-            symbols: SymbolRows::of(mapping, &session.robot),
+            url: opcua.as_ref().map_or_else(String::new, url_of),
+            url_timeout: number(opcua.as_ref().map(|place| place.timeout_s)),
+            ads: names(&connection.ads, ControllerKind::Ads),
+            nodes: names(&connection.nodes, ControllerKind::OpcUa),
             laser: LaserDraft::of(&session.laser_source, &reached.laser),
             refused: None,
             connects: false,
@@ -230,20 +135,39 @@ impl Draft {
             }
             ControllerKind::Ads => {
                 connection.place = self.place(&mut problems);
-                connection.ads = self.mapping(&present.robot, &mut problems);
+                connection.ads = self.ads.mapping(&present.robot, &mut problems);
+            }
+            ControllerKind::OpcUa => {
+                connection.opcua = self.opcua(&mut problems);
+                connection.nodes = self.nodes.mapping(&present.robot, &mut problems);
             }
         }
         let laser = self.laser.settings(&mut problems);
-        match (problems.0.is_empty(), laser) {
+        match (problems.is_empty(), laser) {
             (true, Some(laser)) => Ok((connection, laser)),
             _ => Err(problems),
         }
     }
 
     /// Takes names of one's own.
-    pub fn use_symbols(&mut self, mapping: &AdsMapping, robot: &Robot) {
-        self.own = true;
-        self.symbols = SymbolRows::of(mapping, robot);
+    pub fn use_symbols(&mut self, mapping: &SymbolMapping, robot: &Robot) {
+        *self.names_mut() = Names::of(Some(mapping), mapping, robot);
+    }
+
+    /// Names of the symbols of the chosen kind of controller.
+    pub fn names(&self) -> &Names {
+        match self.kind {
+            ControllerKind::OpcUa => &self.nodes,
+            _ => &self.ads,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn names_mut(&mut self) -> &mut Names {
+        match self.kind {
+            ControllerKind::OpcUa => &mut self.nodes,
+            _ => &mut self.ads,
+        }
     }
 
     fn recording(&self, problems: &mut Problems) -> Option<RecordingPlace> {
@@ -259,7 +183,7 @@ impl Draft {
     }
 
     /// Where the controller is found.
-    pub fn place(&self, problems: &mut Problems) -> Option<AdsPlace> {
+    fn place(&self, problems: &mut Problems) -> Option<AdsPlace> {
         let host = self.host.trim().to_owned();
         if host.is_empty() {
             let text = "found nothing, expected the name or address of the controller, such as 192.168.0.5";
@@ -283,10 +207,30 @@ impl Draft {
         Some(place)
     }
 
-    /// Names of the symbols; `None` where they are the usual ones or wrong.
-    pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<AdsMapping> {
-        self.own.then(|| self.symbols.mapping(robot, problems))?
+    fn opcua(&self, problems: &mut Problems) -> Option<OpcUaPlace> {
+        let address = self.url.trim().parse::<OpcUaAddress>();
+        let address = problems.take(Field::Url, address.map_err(|error| error.to_string()));
+        let timeout_s = problems.take(Field::UrlTimeout, parse_number(&self.url_timeout));
+        let address = address?;
+        let place = OpcUaPlace {
+            host: address.host,
+            port: address.port,
+            path: address.path,
+            timeout_s: timeout_s?,
+        };
+        let fields = [("/host", Field::Url), ("/timeout_s", Field::UrlTimeout)];
+        checked(place.check(), &fields, problems)?;
+        Some(place)
     }
+}
+
+fn url_of(place: &OpcUaPlace) -> String {
+    let address = OpcUaAddress {
+        host: place.host.clone(),
+        port: place.port,
+        path: place.path.clone(),
+    };
+    address.to_string()
 }
 
 fn checked(
@@ -361,10 +305,18 @@ mod tests {
                 ams_port: 852,
                 timeout_s: 0.5,
             }),
-            ads: Some(AdsMapping::default_for(&session.robot)),
+            ads: Some(SymbolMapping::default_for(&session.robot)),
+            opcua: Some(OpcUaPlace {
+                host: "plc".into(),
+                port: 4841,
+                path: "/UA".into(),
+                timeout_s: 0.5,
+            }),
+            nodes: Some(SymbolMapping::default_nodes_for(&session.robot)),
         };
         for kind in [
             ControllerKind::Ads,
+            ControllerKind::OpcUa,
             ControllerKind::Recording,
             ControllerKind::Simulated,
         ] {
@@ -403,5 +355,10 @@ mod tests {
         let (connection, _) = draft.settings(&Present::of(&session)).expect("settings");
         assert_eq!(connection.place.map(|place| place.timeout_s), Some(2.0));
         assert_eq!(connection.ads, None, "the usual names");
+        draft.kind = ControllerKind::OpcUa;
+        draft.url = "plc:4840".into();
+        let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
+        let text = problems.of(Field::Url).expect("a problem");
+        assert!(text.contains("expected opc.tcp://"), "{text}");
     }
 }

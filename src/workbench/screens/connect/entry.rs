@@ -1,6 +1,8 @@
 //! What symbols are for, and where that is in a mapping.
 
-use tautline_session::{AdsCommand, AdsMapping, AdsNames, AdsPose, AdsSymbol, AdsSymbols};
+use tautline_session::{
+    SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolPose, SymbolValue,
+};
 
 /// What a symbol is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,10 +81,10 @@ impl Need {
 }
 
 /// A command whose symbols are not known yet.
-pub fn no_command() -> AdsCommand {
-    AdsCommand {
-        target: AdsPose {
-            symbol: AdsNames::One(String::new()),
+pub fn no_command() -> SymbolCommand {
+    SymbolCommand {
+        target: SymbolPose {
+            symbol: SymbolNames::One(String::new()),
             rotation: Default::default(),
             length_scale: 1.0,
             angle_scale: 1.0,
@@ -93,36 +95,36 @@ pub fn no_command() -> AdsCommand {
     }
 }
 
-fn text_of(names: &AdsNames) -> String {
+fn text_of(names: &SymbolNames) -> String {
     match names {
-        AdsNames::One(name) => name.clone(),
-        AdsNames::Each(names) => names.join(", "),
+        SymbolNames::One(name) => name.clone(),
+        SymbolNames::Each(names) => names.join(", "),
     }
 }
 
-fn names_of(text: &str) -> AdsNames {
+fn names_of(text: &str) -> SymbolNames {
     match text.contains(',') {
-        true => AdsNames::Each(text.split(',').map(|name| name.trim().to_owned()).collect()),
-        false => AdsNames::One(text.to_owned()),
+        true => SymbolNames::Each(text.split(',').map(|name| name.trim().to_owned()).collect()),
+        false => SymbolNames::One(text.to_owned()),
     }
 }
 
 /// Name and scale of a need; nothing where the mapping does not have it.
-pub fn read(mapping: &AdsMapping, need: Need) -> (String, Option<f64>) {
+pub fn read(mapping: &SymbolMapping, need: Need) -> (String, Option<f64>) {
     let readings = &mapping.readings;
-    let list = |s: &AdsSymbols| (text_of(&s.symbol), Some(s.scale));
-    let lists = |s: &Option<AdsSymbols>| s.as_ref().map_or((String::new(), Some(1.0)), list);
-    let value = |s: &Option<AdsSymbol>| {
+    let list = |s: &SymbolList| (text_of(&s.symbol), Some(s.scale));
+    let lists = |s: &Option<SymbolList>| s.as_ref().map_or((String::new(), Some(1.0)), list);
+    let value = |s: &Option<SymbolValue>| {
         let known = s.as_ref().map(|s| (s.symbol.clone(), Some(s.scale)));
         known.unwrap_or((String::new(), Some(1.0)))
     };
-    let pose = |p: Option<&AdsPose>| {
+    let pose = |p: Option<&SymbolPose>| {
         let known = p.map(|p| (text_of(&p.symbol), Some(p.length_scale)));
         known.unwrap_or((String::new(), Some(1.0)))
     };
     let name = |s: &Option<String>| (s.clone().unwrap_or_default(), None);
     let command = mapping.command.as_ref();
-    let told = |of: fn(&AdsCommand) -> &String| {
+    let told = |of: fn(&SymbolCommand) -> &String| {
         let name = command.map(of).cloned();
         (name.unwrap_or_default(), None)
     };
@@ -151,28 +153,28 @@ pub fn read(mapping: &AdsMapping, need: Need) -> (String, Option<f64>) {
 
 /// Writes name and scale of a need into a mapping; the error says what is missing.
 pub fn write(
-    mapping: &mut AdsMapping,
+    mapping: &mut SymbolMapping,
     need: Need,
     (symbol, scale): (&str, f64),
 ) -> Result<(), String> {
     let text = symbol.trim();
     let wanted = !text.is_empty();
     let missing = || Err("found nothing, expected the name of a symbol".to_owned());
-    let list = |old: &Option<AdsSymbols>| {
-        wanted.then(|| AdsSymbols {
+    let list = |old: &Option<SymbolList>| {
+        wanted.then(|| SymbolList {
             symbol: names_of(text),
             scale,
             offset: old.as_ref().map_or(0.0, |old| old.offset),
         })
     };
-    let value = |old: &Option<AdsSymbol>| {
-        wanted.then(|| AdsSymbol {
+    let value = |old: &Option<SymbolValue>| {
+        wanted.then(|| SymbolValue {
             symbol: text.to_owned(),
             scale,
             offset: old.as_ref().map_or(0.0, |old| old.offset),
         })
     };
-    let pose = |old: Option<&AdsPose>| AdsPose {
+    let pose = |old: Option<&SymbolPose>| SymbolPose {
         symbol: names_of(text),
         length_scale: scale,
         rotation: old.map_or_else(Default::default, |old| old.rotation),

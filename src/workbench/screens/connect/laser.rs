@@ -4,8 +4,9 @@ use egui::{ComboBox, Grid, Role, Ui, WidgetInfo};
 use tautline_link::laser::serial_ports;
 use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 
-use super::draft::{Field, Problems, port};
+use super::draft::port;
 use super::field::{labelled, line};
+use super::problems::{Field, Problems};
 use super::test_line::{Heard, TestLine};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, section, verdict};

@@ -4,15 +4,19 @@ mod draft;
 mod entry;
 mod field;
 mod laser;
+mod names;
+mod problems;
 mod symbols;
 mod test_line;
 
 use egui::{Grid, Id, Modal, ScrollArea, Ui};
 use egui_material_icons::icons;
-use tautline_session::{AdsMapping, Connection, ControllerKind, LaserSettings};
+use tautline_session::{Connection, ControllerKind, LaserSettings};
 
-use self::draft::{Field, Part, Present, Problems};
+use self::draft::Present;
 use self::field::line;
+use self::names::default_names;
+use self::problems::{Field, Part, Problems};
 use self::symbols::SymbolRows;
 use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup};
 use crate::model::{ConnectionRequest, Model};
@@ -50,7 +54,7 @@ pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model:
             draft.folder = folder.display().to_string();
         }
         (ConnectionRequest::ShowChecked(checked), Some(draft)) => {
-            draft.symbols.checked = Some(checked);
+            draft.names_mut().rows.checked = Some(checked);
         }
         (ConnectionRequest::UseSymbols(mapping), Some(draft)) => {
             draft.use_symbols(&mapping, &open.session().robot);
@@ -97,15 +101,15 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
 }
 
 fn tabs(ui: &mut Ui, draft: &mut Draft) {
-    let is_ads = draft.kind == ControllerKind::Ads;
-    if !is_ads && draft.part == Part::Symbols {
+    let has_symbols = matches!(draft.kind, ControllerKind::Ads | ControllerKind::OpcUa);
+    if !has_symbols && draft.part == Part::Symbols {
         draft.part = Part::Controller;
     }
     let tabs = [Part::Controller, Part::Symbols, Part::Laser].map(|part| TabOf {
         value: part,
         title: part.title(),
-        missing: (part == Part::Symbols && !is_ads)
-            .then_some("Only a Beckhoff controller has symbols"),
+        missing: (part == Part::Symbols && !has_symbols)
+            .then_some("Only a real controller has symbols"),
     });
     tab_row(ui, "More", &tabs, &mut draft.part);
     ui.separator();
@@ -138,6 +142,7 @@ fn controller(
         (ControllerKind::Simulated, "Simulated robot"),
         (ControllerKind::Recording, "Recording"),
         (ControllerKind::Ads, "Beckhoff controller (ADS)"),
+        (ControllerKind::OpcUa, "Controller with OPC UA"),
     ] {
         ui.radio_value(&mut draft.kind, kind, text);
     }
@@ -203,6 +208,30 @@ fn controller(
                  Nothing moves and nothing is written before it is armed.",
             );
         }
+        ControllerKind::OpcUa => {
+            grid("opcua").show(ui, |ui| {
+                for (name, hint, text, field) in [
+                    (
+                        "Address",
+                        "opc.tcp://192.168.0.5:4840",
+                        &mut draft.url,
+                        Field::Url,
+                    ),
+                    (
+                        "Timeout (s)",
+                        "1",
+                        &mut draft.url_timeout,
+                        Field::UrlTimeout,
+                    ),
+                ] {
+                    line(ui, (name, hint), text, problems.of(field));
+                }
+            });
+            wrapped(
+                ui,
+                "The connection is neither encrypted nor signed, and without a user: docs/OPC-UA.md says what the controller                  has to allow. Nothing moves and nothing is written before it is armed.",
+            );
+        }
     }
 }
 
@@ -220,27 +249,29 @@ fn symbols(
     outbox: &mut Outbox,
 ) {
     let robot = &present.robot;
-    let was_own = draft.own;
-    ui.radio_value(&mut draft.own, false, "Names of the sample program");
-    ui.radio_value(&mut draft.own, true, "Custom names");
-    if was_own && !draft.own {
-        draft.symbols = SymbolRows::of(&AdsMapping::default_for(robot), robot);
+    let kind = draft.kind;
+    let names = draft.names_mut();
+    let was_own = names.own;
+    ui.radio_value(&mut names.own, false, "Names of the sample program");
+    ui.radio_value(&mut names.own, true, "Custom names");
+    if was_own && !names.own {
+        names.rows = SymbolRows::of(&default_names(kind, robot), robot);
     }
     let mut unused = Problems::default();
-    let place = draft.place(&mut unused);
-    let mapping = draft.symbols.mapping(robot, &mut unused);
+    let mapping = names.rows.mapping(robot, &mut unused);
+    let settings = draft.settings(present);
     let checking = model.tasks.runs(CHECKING);
     let free = !model.link.is_connected() && !model.link.connecting && !checking;
     ui.horizontal_wrapped(|ui| {
-        let can = free && place.is_some() && mapping.is_some();
+        let can = free && settings.is_ok();
         let check = icon_button(ui, icons::ICON_FACT_CHECK, "Check symbols", can);
         let check = check
             .on_hover_text(
                 "Connects, looks every symbol up and ends the connection; nothing is written",
             )
-            .on_disabled_hover_text("Needs a host and a Net ID, valid names, and no connection");
-        if let (true, Some(place), Some(mapping)) = (check.clicked(), &place, &mapping) {
-            let setup = Setup::Check(Box::new((place.clone(), mapping.clone())));
+            .on_disabled_hover_text("Needs an address, valid names, and no connection");
+        if let (true, Ok((connection, _))) = (check.clicked(), settings) {
+            let setup = Setup::Check(Box::new(connection));
             outbox.send(RobotCommand::Setup(setup));
         }
         if icon_button(ui, icons::ICON_UPLOAD_FILE, "Import names…", true).clicked() {
@@ -255,7 +286,7 @@ fn symbols(
             ui.spinner();
         }
     });
-    if let Some((kind, text)) = draft.symbols.summary() {
+    if let Some((kind, text)) = draft.names().rows.summary() {
         verdict(ui, kind, &text);
     }
     if let Some(text) = problems.of(Field::Symbols) {
@@ -265,8 +296,8 @@ fn symbols(
             &tautline_workflow::wording::sentence(&format!("{text}.")),
         );
     }
-    let own = draft.own;
-    draft.symbols.show(ui, own, problems);
+    let names = draft.names_mut();
+    names.rows.show(ui, names.own, problems);
 }
 
 /// Why it cannot connect, and its buttons; whether it stays open.

@@ -3,11 +3,11 @@
 use egui::{Grid, RichText, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 use tautline_core::robot::Robot;
-use tautline_link::ads::{SymbolCheck, SymbolFound};
-use tautline_session::{AdsMapping, is_per_cable, name_of_cable};
+use tautline_link::symbols::{SymbolCheck, SymbolFound};
+use tautline_session::{SymbolMapping, is_per_cable, name_of_cable};
 
-use super::draft::{Field, Problems};
 use super::entry::{Need, no_command, read, title_of, unit_of, write};
+use super::problems::{Field, Problems};
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
 use tautline_workflow::wording::{count, sentence};
@@ -28,7 +28,7 @@ struct Row {
 pub struct SymbolRows {
     rows: Vec<Row>,
     /// What the table does not show: offsets, elements, how orientations are written.
-    base: AdsMapping,
+    base: SymbolMapping,
     /// Names of the cables.
     cables: Vec<String>,
     /// What the controller says, or why it could not be asked.
@@ -38,7 +38,7 @@ pub struct SymbolRows {
 impl SymbolRows {
     /// The rows of a mapping.
     #[must_use]
-    pub fn of(mapping: &AdsMapping, robot: &Robot) -> Self {
+    pub fn of(mapping: &SymbolMapping, robot: &Robot) -> Self {
         let mut rows: Vec<Row> = Need::FIXED
             .into_iter()
             .map(|(need, title, unit)| {
@@ -70,7 +70,7 @@ impl SymbolRows {
     }
 
     /// The mapping that the rows make.
-    pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<AdsMapping> {
+    pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<SymbolMapping> {
         let mut mapping = self.base.clone();
         let commands = self.rows.iter().filter(|row| row.need.is_of_command());
         if commands
@@ -230,7 +230,6 @@ fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
 /// What is wrong with a row, or what the controller says of it, by name where it stands for several symbols.
 fn state(ui: &mut Ui, found: Option<(&SymbolCheck, bool)>, problem: Option<&str>) {
     let palette = theme::of(ui);
-    let kind = |type_name: &str, bytes: usize| format!("{type_name}, {}", count(bytes, "byte"));
     let (icon, colour, text) = match (problem, found) {
         (Some(text), _) => (icons::ICON_ERROR, palette.bad, text.to_owned()),
         (None, None) => {
@@ -243,21 +242,16 @@ fn state(ui: &mut Ui, found: Option<(&SymbolCheck, bool)>, problem: Option<&str>
                 false => String::new(),
             };
             match &check.found {
-                SymbolFound::Good { type_name, bytes } => {
-                    let text = format!("found: {}", kind(type_name, *bytes));
+                SymbolFound::Good { type_name } => {
+                    let text = format!("found: {type_name}");
                     (icons::ICON_CHECK_CIRCLE, palette.good, text)
                 }
                 SymbolFound::Missing(why) => {
                     let text = format!("missing: {place}{why}");
                     (icons::ICON_ERROR, palette.bad, text)
                 }
-                SymbolFound::Wrong {
-                    type_name,
-                    bytes,
-                    why,
-                } => {
-                    let kind = kind(type_name, *bytes);
-                    let text = format!("wrong type: {place}{kind}, {why}");
+                SymbolFound::Wrong { type_name, why } => {
+                    let text = format!("wrong type: {place}{type_name}, {why}");
                     (icons::ICON_ERROR, palette.bad, text)
                 }
             }
@@ -273,21 +267,21 @@ fn state(ui: &mut Ui, found: Option<(&SymbolCheck, bool)>, problem: Option<&str>
 #[cfg(test)]
 mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::AdsNames;
+    use tautline_session::SymbolNames;
 
     use super::*;
 
     fn rows(robot: &Robot) -> SymbolRows {
-        SymbolRows::of(&AdsMapping::default_for(robot), robot)
+        SymbolRows::of(&SymbolMapping::default_for(robot), robot)
     }
 
     #[test]
     fn rows_make_the_mapping_that_they_are_of() {
         for name in presets::NAMES {
             let robot = presets::find(name).expect("a preset").robot;
-            let mut mapping = AdsMapping::default_for(&robot);
+            let mut mapping = SymbolMapping::default_for(&robot);
             mapping.readings.revolutions.offset = 2.5;
-            mapping.readings.revolutions.symbol = AdsNames::One("W[{n}].turns".into());
+            mapping.readings.revolutions.symbol = SymbolNames::One("W[{n}].turns".into());
             let mut problems = Problems::default();
             let made = SymbolRows::of(&mapping, &robot).mapping(&robot, &mut problems);
             assert_eq!(made, Some(mapping), "{problems:?}");
@@ -326,7 +320,6 @@ mod tests {
         };
         let good = SymbolFound::Good {
             type_name: "LREAL".into(),
-            bytes: 8,
         };
         let missing = SymbolFound::Missing("not found".into());
         assert_eq!(rows.summary(), None);

@@ -7,7 +7,7 @@ use super::PanelState;
 use super::{asking, readings};
 use crate::model::Model;
 use crate::model::command::Outbox;
-use crate::model::command::{RobotCommand, ViewCommand};
+use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
 use crate::model::link::{Doing, RunLog};
 use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
@@ -58,7 +58,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     }
     pending(ui, model, outbox);
     if let Some(run) = &model.link.run {
-        outcome(ui, run);
+        outcome(ui, run, outbox);
         surprises(ui, model, run);
     }
     warnings(ui, model, outbox);
@@ -149,14 +149,22 @@ fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     }
 }
 
-fn outcome(ui: &mut Ui, run: &RunLog) {
-    if let Some(Err(why)) = &run.ended {
-        let text = format!(
-            "The run ended after {}: {} Measured poses are saved; the run can be continued.",
-            run.measured_in_words(),
-            full_sentence(why)
-        );
-        verdict(ui, Verdict::Doubtful, &text);
+fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
+    let Some(Err(why)) = &run.ended else {
+        return;
+    };
+    let next = match run.restarted {
+        true => "What is measured from now on belongs to a series of its own.",
+        false => "The run can be continued.",
+    };
+    let text = format!(
+        "The run ended after {}: {} Measured poses are saved. {next}",
+        run.measured_in_words(),
+        full_sentence(why)
+    );
+    verdict(ui, Verdict::Doubtful, &text);
+    if run.restarted && ui.button("Begin a new series").clicked() {
+        outbox.send(FileCommand::NewSeries);
     }
 }
 

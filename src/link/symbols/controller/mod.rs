@@ -1,4 +1,4 @@
-//! The ADS controller behind the trait [`Controller`].
+//! A controller of symbols behind the trait [`Controller`].
 
 mod checks;
 
@@ -7,13 +7,11 @@ use std::sync::Arc;
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
-use tautline_session::AdsMapping;
+use tautline_session::SymbolMapping;
 
-use super::address::AdsAddress;
+use super::access::{Failure, SymbolAccess, SymbolServer, connect};
 use super::layout::{CommandSlots, Layout, Slot};
-use super::options::AdsOptions;
 use super::pose::numbers_of;
-use super::program::{Failure, Program};
 use super::sample::{Status, sample_of, status_of};
 use crate::clock::Clock;
 use crate::controller::{Activity, Controller, ControllerState, Sample};
@@ -36,16 +34,17 @@ struct Pending {
     since_s: f64,
 }
 
-/// A controller that speaks ADS.
-pub struct AdsController {
-    address: AdsAddress,
+/// A controller whose readings, commands and parameters are symbols.
+pub struct SymbolController {
+    server: Box<dyn SymbolServer>,
     name: String,
     layout: Layout,
     /// Index of each parameter by its name.
     known: HashMap<String, usize>,
-    options: AdsOptions,
+    /// Timeout of the acknowledgement of a command (s).
+    acknowledge_s: f64,
     clock: Arc<dyn Clock>,
-    program: Option<Program>,
+    program: Option<Box<dyn SymbolAccess>>,
     armed: bool,
     status: Status,
     number: u32,
@@ -58,27 +57,23 @@ pub struct AdsController {
     state_asked_s: f64,
 }
 
-impl AdsController {
+impl SymbolController {
     /// A controller that is not connected. The clock tells a late acknowledgement.
-    ///
-    /// # Errors
-    /// If the mapping does not fit the robot or names a parameter that it does not have.
-    pub fn new(
-        address: AdsAddress,
-        mapping: &AdsMapping,
-        robot: &Robot,
-        options: AdsOptions,
+    pub(crate) fn new(
+        server: Box<dyn SymbolServer>,
+        (mapping, robot): (&SymbolMapping, &Robot),
+        acknowledge_s: f64,
         clock: Arc<dyn Clock>,
     ) -> Result<Self, LinkError> {
         let layout = Layout::of(mapping, robot)?;
         let names = layout.parameters.iter().enumerate();
         let known = names.map(|(k, p)| (p.name.clone(), k)).collect();
         Ok(Self {
-            name: format!("{} at {address}", robot.name),
-            address,
+            name: format!("{} at {}", robot.name, server.place()),
+            server,
             layout,
             known,
-            options,
+            acknowledge_s,
             clock,
             program: None,
             armed: false,
@@ -92,22 +87,16 @@ impl AdsController {
         })
     }
 
-    /// Its options.
-    #[must_use]
-    pub fn options(&self) -> &AdsOptions {
-        &self.options
-    }
-
     /// Does something with the program; a lost connection is dropped, which also disarms.
     fn with<T>(
         &mut self,
-        action: impl FnOnce(&mut Program, &Layout) -> Result<T, Failure>,
+        action: impl FnOnce(&mut dyn SymbolAccess, &Layout) -> Result<T, Failure>,
     ) -> Result<T, LinkError> {
         let Some(program) = &mut self.program else {
             let text = "it is not connected";
             return Err(LinkError::Disconnected(text.to_owned()));
         };
-        action(program, &self.layout).map_err(|failure| match failure {
+        action(program.as_mut(), &self.layout).map_err(|failure| match failure {
             Failure::Refused(error) => error,
             Failure::Lost(error) => {
                 self.forget();
@@ -135,7 +124,7 @@ impl AdsController {
             }
         }
         let (sample, status) = self.with(|program, layout| {
-            let raw = program.read(0..layout.sampled)?;
+            let raw = program.read(&mut (0..layout.sampled))?;
             Ok((
                 sample_of(&raw, &layout.readings),
                 status_of(&raw, &layout.status),
@@ -184,8 +173,9 @@ impl AdsController {
             let numbers = target.map(|pose| numbers_of(pose, &command.target.written));
             let mut values: Vec<(Slot, f64)> = slots.zip(numbers.into_iter().flatten()).collect();
             values.push((command.kind, kind));
+            program.check_unchanged()?;
             program.write(&values)?;
-            program.write_at_once(&[(command.number, f64::from(number))])
+            program.write(&[(command.number, f64::from(number))])
         })?;
         self.number = number;
         self.told = target.copied();
@@ -203,7 +193,7 @@ impl AdsController {
                 return Ok(0);
             };
             let (number, taken) = (command.number, command.acknowledged);
-            let raw = program.read([number.symbol, taken.symbol].into_iter())?;
+            let raw = program.read(&mut [number.symbol, taken.symbol].into_iter())?;
             let (number, taken) = (raw.number(number), raw.number(taken));
             if number != taken {
                 return Err(Failure::Refused(LinkError::Refused(format!(
@@ -229,7 +219,10 @@ impl AdsController {
 
     fn release(&mut self, on: bool) -> Result<(), LinkError> {
         self.with(|program, layout| match layout.status.release {
-            Some(slot) => program.write(&[(slot, f64::from(u8::from(on)))]),
+            Some(slot) => {
+                program.check_unchanged()?;
+                program.write(&[(slot, f64::from(u8::from(on)))])
+            }
             None => Ok(()),
         })
     }
@@ -238,7 +231,7 @@ impl AdsController {
         let next = self.watchdog.wrapping_add(1);
         self.watchdog = next;
         self.with(|program, layout| match layout.watchdog {
-            Some(slot) => program.write_at_once(&[(slot, f64::from(next))]),
+            Some(slot) => program.write(&[(slot, f64::from(next))]),
             None => Ok(()),
         })
     }
@@ -250,7 +243,7 @@ fn command_of(layout: &Layout) -> Result<&CommandSlots, Failure> {
     layout.command.as_ref().ok_or_else(missing)
 }
 
-impl Controller for AdsController {
+impl Controller for SymbolController {
     fn identity(&self) -> String {
         self.name.clone()
     }
@@ -261,7 +254,7 @@ impl Controller for AdsController {
         }
         self.forget();
         self.own_fault = None;
-        let program = Program::connect(&self.address, &self.layout, &self.options)?;
+        let program = connect(self.server.as_ref(), &self.layout.wanted)?;
         self.program = Some(program);
         self.state_asked_s = self.clock.now_s();
         self.poll().map(drop).inspect_err(|_| self.forget())
@@ -370,7 +363,7 @@ impl Controller for AdsController {
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
         let places = self.places(names)?;
         self.with(|program, _| {
-            let raw = program.read(places.iter().map(|(slot, _)| slot.symbol))?;
+            let raw = program.read(&mut places.iter().map(|(slot, _)| slot.symbol))?;
             let values = places.iter().map(|(slot, scale)| raw.number(*slot) * scale);
             Ok(values.collect())
         })
@@ -387,13 +380,13 @@ impl Controller for AdsController {
             .collect();
         for block in raw.chunks(BLOCK) {
             self.check_writable()?;
-            self.with(|program, _| program.write_at_once(block))?;
+            self.with(|program, _| program.write(block))?;
         }
         Ok(())
     }
 }
 
-impl Drop for AdsController {
+impl Drop for SymbolController {
     fn drop(&mut self) {
         self.disconnect();
     }

@@ -3,13 +3,13 @@
 use tautline_core::geometry::Pose;
 
 use super::super::sample::{Status, status_of};
-use super::AdsController;
+use super::SymbolController;
 use crate::error::LinkError;
 
 /// By how much the pose that the controller was told last may differ from ours (m and rad): it may have single precision.
 const SAME_POSE: f64 = 1e-4;
 
-impl AdsController {
+impl SymbolController {
     /// Takes what the controller reports of itself.
     pub(super) fn take(&mut self, status: Status) {
         self.status = status;
@@ -65,7 +65,7 @@ impl AdsController {
             return Err(LinkError::Refused(text));
         }
         let status = self.with(|program, layout| {
-            let raw = program.read(layout.status.symbols())?;
+            let raw = program.read(&mut layout.status.symbols())?;
             Ok(status_of(&raw, &layout.status))
         })?;
         self.take(status);
@@ -93,11 +93,11 @@ impl AdsController {
         let Some(pending) = self.pending else { return };
         if self.status.acknowledged == pending.number {
             self.pending = None;
-        } else if self.clock.now_s() - pending.since_s > self.options.acknowledge_s {
+        } else if self.clock.now_s() - pending.since_s > self.acknowledge_s {
             self.pending = None;
             self.own_fault = Some(format!(
                 "it did not acknowledge command {} within {:.1} s",
-                pending.number, self.options.acknowledge_s
+                pending.number, self.acknowledge_s
             ));
         }
     }

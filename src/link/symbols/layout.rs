@@ -3,33 +3,26 @@
 use tautline_core::effect;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    AdsMapping, AdsNames, AdsParameter, AdsPose, AdsReadings, AdsSymbol, AdsSymbols, is_per_cable,
-    name_of_cable,
+    SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose, SymbolReadings,
+    SymbolValue, is_per_cable, name_of_cable,
 };
 
-use super::symbols::{Count, Expected, Symbol};
+use super::access::{Count, Expected};
 use crate::error::LinkError;
 use crate::parameters::{EffectName, parameters_and_home_lengths};
 
 /// A symbol that the controller has to have.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Wanted {
+pub(crate) struct Wanted {
     pub name: String,
     pub expected: Expected,
     /// Number of its elements.
     pub count: Count,
 }
 
-impl Wanted {
-    /// What is wrong with the type of a symbol.
-    pub fn problem(&self, symbol: &Symbol) -> Option<String> {
-        symbol.problem(self.expected, self.count)
-    }
-}
-
 /// One number: an element of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Slot {
+pub(crate) struct Slot {
     /// Index of the symbol among those that are wanted.
     pub symbol: usize,
     pub element: usize,
@@ -47,7 +40,7 @@ pub(super) struct Channel {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoseSlots {
     pub slots: Vec<Slot>,
-    pub written: AdsPose,
+    pub written: SymbolPose,
 }
 
 /// Symbols of a command.
@@ -123,7 +116,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    pub fn of(mapping: &AdsMapping, robot: &Robot) -> Result<Self, LinkError> {
+    pub fn of(mapping: &SymbolMapping, robot: &Robot) -> Result<Self, LinkError> {
         let checked = mapping.check(robot);
         checked.map_err(|e| LinkError::Setup(format!("the symbols: {e}")))?;
         let mut symbols = Symbols(Vec::new());
@@ -179,12 +172,12 @@ impl Symbols {
         name.as_ref().map(|name| self.single(name, expected))
     }
 
-    fn readings(&mut self, readings: &AdsReadings, robot: &Robot) -> ReadingSlots {
-        let mut cables = |symbols: &AdsSymbols| self.per_cable(symbols, robot);
+    fn readings(&mut self, readings: &SymbolReadings, robot: &Robot) -> ReadingSlots {
+        let mut cables = |symbols: &SymbolList| self.per_cable(symbols, robot);
         let revolutions = cables(&readings.revolutions);
         let force = readings.force.as_ref().map(&mut cables);
         let swivel = readings.swivel.as_ref().map(&mut cables);
-        let mut number = |symbol: &AdsSymbol| self.number(symbol);
+        let mut number = |symbol: &SymbolValue| self.number(symbol);
         ReadingSlots {
             revolutions,
             force,
@@ -203,7 +196,7 @@ impl Symbols {
         }
     }
 
-    fn status(&mut self, mapping: &AdsMapping) -> StatusSlots {
+    fn status(&mut self, mapping: &SymbolMapping) -> StatusSlots {
         let command = mapping.command.as_ref();
         StatusSlots {
             moving: self.optional(&mapping.state.moving, Expected::Flag),
@@ -215,22 +208,22 @@ impl Symbols {
     }
 
     /// `count` numbers: an array of exactly that length, or one symbol each.
-    fn listed(&mut self, names: &AdsNames, count: usize) -> Vec<Slot> {
+    fn listed(&mut self, names: &SymbolNames, count: usize) -> Vec<Slot> {
         match names {
-            AdsNames::One(name) => {
+            SymbolNames::One(name) => {
                 let symbol = self.want(name, Expected::Number, Count::Exactly(count));
                 (0..count).map(|element| Slot { symbol, element }).collect()
             }
-            AdsNames::Each(names) => names
+            SymbolNames::Each(names) => names
                 .iter()
                 .map(|name| self.single(name, Expected::Number))
                 .collect(),
         }
     }
 
-    fn per_cable(&mut self, symbols: &AdsSymbols, robot: &Robot) -> Channel {
+    fn per_cable(&mut self, symbols: &SymbolList, robot: &Robot) -> Channel {
         let slots = match &symbols.symbol {
-            AdsNames::One(pattern) if is_per_cable(pattern) => {
+            SymbolNames::One(pattern) if is_per_cable(pattern) => {
                 let cables = robot.cables.iter().enumerate();
                 cables
                     .map(|(k, cable)| {
@@ -248,7 +241,7 @@ impl Symbols {
         }
     }
 
-    fn number(&mut self, symbol: &AdsSymbol) -> Channel {
+    fn number(&mut self, symbol: &SymbolValue) -> Channel {
         Channel {
             slots: vec![self.single(&symbol.symbol, Expected::Number)],
             scale: symbol.scale,
@@ -256,7 +249,7 @@ impl Symbols {
         }
     }
 
-    fn pose(&mut self, pose: &AdsPose) -> PoseSlots {
+    fn pose(&mut self, pose: &SymbolPose) -> PoseSlots {
         PoseSlots {
             slots: self.listed(&pose.symbol, pose.rotation.pose_values()),
             written: pose.clone(),
@@ -265,7 +258,7 @@ impl Symbols {
 
     fn parameters(
         &mut self,
-        list: &[AdsParameter],
+        list: &[SymbolParameter],
         robot: &Robot,
     ) -> Result<Vec<ParameterSlot>, LinkError> {
         let known = parameters_and_home_lengths(robot);
@@ -301,7 +294,7 @@ impl Symbols {
         Ok(slots)
     }
 
-    fn parameter(&mut self, parameter: &AdsParameter, cable: &str, k: usize) -> Slot {
+    fn parameter(&mut self, parameter: &SymbolParameter, cable: &str, k: usize) -> Slot {
         let size = |number: u32| usize::try_from(number).unwrap_or(usize::MAX);
         let symbol = name_of_cable(&parameter.symbol, cable, k);
         let element = match is_per_cable(&parameter.symbol) {
@@ -348,7 +341,7 @@ mod tests {
     #[test]
     fn the_default_reads_few_symbols_and_knows_all_parameters() {
         let robot = preset("mini").robot;
-        let layout = Layout::of(&AdsMapping::default_for(&robot), &robot).unwrap();
+        let layout = Layout::of(&SymbolMapping::default_for(&robot), &robot).unwrap();
         let names: Vec<_> = layout.parameters.iter().map(|p| &p.name).collect();
         let known = parameters_of(&robot);
         assert_eq!(names.len(), known.len());
@@ -369,9 +362,9 @@ mod tests {
     #[test]
     fn one_symbol_per_cable_and_value() {
         let robot = preset("mini").robot;
-        let mut mapping = AdsMapping::default_for(&robot);
-        mapping.readings.revolutions.symbol = AdsNames::One("W[{n}].turns".into());
-        mapping.parameters = vec![AdsParameter {
+        let mut mapping = SymbolMapping::default_for(&robot);
+        mapping.readings.revolutions.symbol = SymbolNames::One("W[{n}].turns".into());
+        mapping.parameters = vec![SymbolParameter {
             name: "{cable}.pulley.radius_m".into(),
             symbol: "W[{n}].radius".into(),
             element: 0,
@@ -389,7 +382,7 @@ mod tests {
     #[test]
     fn parameters_that_do_not_exist_are_refused() {
         let robot = preset("mini").robot;
-        let mut mapping = AdsMapping::default_for(&robot);
+        let mut mapping = SymbolMapping::default_for(&robot);
         mapping.parameters[0].name = "{cable}.entry_point.w_m".into();
         let refused = Layout::of(&mapping, &robot).unwrap_err();
         assert_eq!(

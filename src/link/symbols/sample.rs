@@ -1,8 +1,8 @@
 //! Symbol values to readings and to the state of the controller.
 
+use super::access::SymbolValues;
 use super::layout::{Channel, ReadingSlots, StatusSlots};
 use super::pose::pose_of;
-use super::program::SymbolValues;
 use crate::controller::Sample;
 
 /// State of the controller when it was last read.
@@ -15,19 +15,19 @@ pub(super) struct Status {
     pub released: bool,
 }
 
-fn values(raw: &SymbolValues<'_>, channel: &Channel) -> Vec<f64> {
+fn values(raw: &SymbolValues, channel: &Channel) -> Vec<f64> {
     let slots = channel.slots.iter();
     slots
         .map(|slot| raw.number(*slot) * channel.scale + channel.offset)
         .collect()
 }
 
-fn value(raw: &SymbolValues<'_>, channel: &Option<Channel>) -> Option<f64> {
+fn value(raw: &SymbolValues, channel: &Option<Channel>) -> Option<f64> {
     values(raw, channel.as_ref()?).first().copied()
 }
 
 /// The readings; the time is 0 where the controller has none.
-pub(super) fn sample_of(raw: &SymbolValues<'_>, slots: &ReadingSlots) -> Sample {
+pub(super) fn sample_of(raw: &SymbolValues, slots: &ReadingSlots) -> Sample {
     let list = |channel: &Option<Channel>| channel.as_ref().map(|c| values(raw, c));
     let laser_valid = slots.laser_valid.is_none_or(|slot| raw.number(slot) == 1.0);
     Sample {
@@ -46,7 +46,7 @@ pub(super) fn sample_of(raw: &SymbolValues<'_>, slots: &ReadingSlots) -> Sample 
     }
 }
 
-pub(super) fn status_of(raw: &SymbolValues<'_>, slots: &StatusSlots) -> Status {
+pub(super) fn status_of(raw: &SymbolValues, slots: &StatusSlots) -> Status {
     let fault = slots.fault.map(|slot| raw.number(slot));
     let fault = fault.filter(|code| *code != 0.0).map(|code| {
         let text = slots.fault_text.map(|slot| raw.text(slot));

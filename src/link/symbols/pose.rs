@@ -2,10 +2,10 @@
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use tautline_core::geometry::Pose;
-use tautline_session::{AdsPose, AdsRotation};
+use tautline_session::{SymbolPose, SymbolRotation};
 
 /// The numbers of a pose at the controller.
-pub(super) fn numbers_of(pose: &Pose, written: &AdsPose) -> Vec<f64> {
+pub(super) fn numbers_of(pose: &Pose, written: &SymbolPose) -> Vec<f64> {
     let mut numbers: Vec<f64> = pose
         .position
         .iter()
@@ -13,11 +13,11 @@ pub(super) fn numbers_of(pose: &Pose, written: &AdsPose) -> Vec<f64> {
         .collect();
     let angle = |radians: &f64| radians / written.angle_scale;
     match written.rotation {
-        AdsRotation::Quaternion => numbers.extend(pose.orientation_wxyz()),
-        AdsRotation::RotationVector => {
+        SymbolRotation::Quaternion => numbers.extend(pose.orientation_wxyz()),
+        SymbolRotation::RotationVector => {
             numbers.extend(pose.orientation.scaled_axis().iter().map(angle));
         }
-        AdsRotation::RollPitchYaw => {
+        SymbolRotation::RollPitchYaw => {
             numbers.extend(roll_pitch_yaw(&pose.orientation).iter().map(angle));
         }
     }
@@ -25,22 +25,22 @@ pub(super) fn numbers_of(pose: &Pose, written: &AdsPose) -> Vec<f64> {
 }
 
 /// The pose of a controller's numbers; `None` if they are none.
-pub(super) fn pose_of(numbers: &[f64], written: &AdsPose) -> Option<Pose> {
+pub(super) fn pose_of(numbers: &[f64], written: &SymbolPose) -> Option<Pose> {
     if numbers.iter().any(|number| !number.is_finite()) {
         return None;
     }
     let (position, rotation) = numbers.split_at_checked(3)?;
     let position = Vector3::from_column_slice(position) * written.length_scale;
     let orientation = match (written.rotation, rotation) {
-        (AdsRotation::Quaternion, &[w, x, y, z]) => {
+        (SymbolRotation::Quaternion, &[w, x, y, z]) => {
             let quaternion = nalgebra::Quaternion::new(w, x, y, z);
             let given = quaternion.norm() > 0.5;
             given.then(|| UnitQuaternion::from_quaternion(quaternion))?
         }
-        (AdsRotation::RotationVector, &[x, y, z]) => {
+        (SymbolRotation::RotationVector, &[x, y, z]) => {
             UnitQuaternion::from_scaled_axis(Vector3::new(x, y, z) * written.angle_scale)
         }
-        (AdsRotation::RollPitchYaw, &[roll, pitch, yaw]) => {
+        (SymbolRotation::RollPitchYaw, &[roll, pitch, yaw]) => {
             turn(Vector3::x_axis(), roll * written.angle_scale)
                 * turn(Vector3::y_axis(), pitch * written.angle_scale)
                 * turn(Vector3::z_axis(), yaw * written.angle_scale)
@@ -74,11 +74,11 @@ fn roll_pitch_yaw(orientation: &UnitQuaternion<f64>) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tautline_session::AdsNames;
+    use tautline_session::SymbolNames;
 
-    fn written(rotation: AdsRotation) -> AdsPose {
-        AdsPose {
-            symbol: AdsNames::One("P".into()),
+    fn written(rotation: SymbolRotation) -> SymbolPose {
+        SymbolPose {
+            symbol: SymbolNames::One("P".into()),
             rotation,
             length_scale: 1e-3,
             angle_scale: std::f64::consts::PI / 180.0,
@@ -88,9 +88,9 @@ mod tests {
     #[test]
     fn poses_come_back_from_their_numbers() {
         for rotation in [
-            AdsRotation::Quaternion,
-            AdsRotation::RotationVector,
-            AdsRotation::RollPitchYaw,
+            SymbolRotation::Quaternion,
+            SymbolRotation::RotationVector,
+            SymbolRotation::RollPitchYaw,
         ] {
             let written = written(rotation);
             for axis in [[0.0, 0.0, 0.0], [0.3, -1.0, 2.0], [-2.0, 0.2, 0.1]] {
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn angles_are_about_x_then_y_then_z_of_the_platform() {
-        let written = written(AdsRotation::RollPitchYaw);
+        let written = written(SymbolRotation::RollPitchYaw);
         let pose = pose_of(&[0.0, 0.0, 0.0, 90.0, 0.0, 90.0], &written).unwrap();
         // Yaw takes the platform's x to its y, roll takes that to the base's z.
         let moved = pose.transform(&Vector3::x());
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn straight_up_has_its_angles_too() {
-        let written = written(AdsRotation::RollPitchYaw);
+        let written = written(SymbolRotation::RollPitchYaw);
         for pitch in [90.0, -90.0] {
             let pose = pose_of(&[0.0, 0.0, 0.0, 20.0, pitch, 30.0], &written).unwrap();
             let again = pose_of(&numbers_of(&pose, &written), &written).unwrap();
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn numbers_without_an_orientation_are_no_pose() {
-        let written = written(AdsRotation::Quaternion);
+        let written = written(SymbolRotation::Quaternion);
         assert!(pose_of(&[0.0; 7], &written).is_none());
         assert!(pose_of(&[f64::NAN, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], &written).is_none());
     }

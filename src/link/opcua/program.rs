@@ -1,0 +1,199 @@
+//! The nodes of a controller's program.
+
+use opcua_types::{NodeId, StatusCode, VariableId, Variant};
+
+use super::address::OpcUaAddress;
+use super::client::{OpcUaClient, RequestError};
+use super::options::OpcUaOptions;
+use super::values::{Shape, types_of};
+use super::wire::explain;
+use crate::error::LinkError;
+use crate::symbols::{
+    Failure, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, Wanted, each_once,
+};
+
+/// States of a server, in the order of their numbers.
+const STATES: [&str; 7] = [
+    "Running",
+    "Failed",
+    "No configuration",
+    "Suspended",
+    "Shutdown",
+    "Test",
+    "Communication fault",
+];
+
+fn failure(error: RequestError, what: &str) -> Failure {
+    match error {
+        RequestError::Lost(error) => Failure::Lost(error),
+        RequestError::Refused(status) => refused(status, what),
+    }
+}
+
+fn refused(status: StatusCode, what: &str) -> Failure {
+    Failure::refused(format!("{what}: {}", explain(status)))
+}
+
+/// A server that can be connected.
+pub(super) struct OpcUaServer {
+    pub address: OpcUaAddress,
+    pub options: OpcUaOptions,
+}
+
+impl SymbolServer for OpcUaServer {
+    fn place(&self) -> String {
+        self.address.to_string()
+    }
+
+    fn connect(&self) -> Result<Box<dyn SymbolAccess>, LinkError> {
+        let mut program = Program {
+            client: OpcUaClient::open(&self.address, self.options)?,
+            nodes: Vec::new(),
+        };
+        match program.problem().map_err(Failure::into_error)? {
+            Some(text) => Err(LinkError::Refused(text)),
+            None => Ok(Box::new(program)),
+        }
+    }
+}
+
+/// A node that is used.
+struct Node {
+    name: String,
+    id: NodeId,
+    shape: Shape,
+}
+
+/// A session with the nodes that are used.
+struct Program {
+    client: OpcUaClient,
+    nodes: Vec<Node>,
+}
+
+impl Program {
+    /// The values of nodes by their indices; every one has to be good.
+    fn values(&mut self, indices: &[usize]) -> Result<Vec<Variant>, Failure> {
+        let ids: Vec<NodeId> = indices.iter().map(|k| self.nodes[*k].id.clone()).collect();
+        let answers = self.client.read(&ids);
+        let answers = answers.map_err(|error| failure(error, "reading nodes"))?;
+        let values = indices.iter().zip(answers).map(|(index, answer)| {
+            let name = &self.nodes[*index].name;
+            match (answer.status.unwrap_or(StatusCode::Good), answer.value) {
+                (status, Some(value)) if status.is_good() => Ok(value),
+                (status, _) => Err(refused(status, name)),
+            }
+        });
+        values.collect()
+    }
+}
+
+impl SymbolAccess for Program {
+    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError> {
+        self.nodes.clear();
+        let ids: Vec<Option<NodeId>> = wanted.iter().map(|w| w.name.parse().ok()).collect();
+        let known: Vec<NodeId> = ids.iter().flatten().cloned().collect();
+        let answers = self.client.read(&known);
+        let answers = answers.map_err(|e| failure(e, "reading nodes").into_error())?;
+        let mut answers = answers.into_iter();
+        let mut all = Vec::with_capacity(wanted.len());
+        for (want, id) in wanted.iter().zip(ids) {
+            let Some((id, answer)) = id.and_then(|id| Some((id, answers.next()?))) else {
+                let text = "this is no node id, which would be like ns=4;s=GVL_Tautline.moving";
+                all.push(SymbolFound::Missing(text.to_owned()));
+                continue;
+            };
+            let status = answer.status.unwrap_or(StatusCode::Good);
+            if status.is_bad() {
+                all.push(SymbolFound::Missing(explain(status)));
+                continue;
+            }
+            let shape = Shape::of(&answer.value.unwrap_or_default());
+            let type_name = shape.name();
+            all.push(match want.problem(shape.kind(), types_of) {
+                None => SymbolFound::Good { type_name },
+                Some(why) => SymbolFound::Wrong { type_name, why },
+            });
+            self.nodes.push(Node {
+                name: want.name.clone(),
+                id,
+                shape,
+            });
+        }
+        Ok(all)
+    }
+
+    fn problem(&mut self) -> Result<Option<String>, Failure> {
+        let state = NodeId::from(VariableId::Server_ServerStatus_State);
+        let answers = self.client.read(&[state]);
+        let answers = answers.map_err(|error| failure(error, "the state of the server"))?;
+        let state = answers.into_iter().next().and_then(|answer| answer.value);
+        Ok(match state {
+            Some(Variant::Int32(0)) => None,
+            Some(Variant::Int32(state)) => {
+                let name = usize::try_from(state).ok().and_then(|k| STATES.get(k));
+                let name = name.copied().unwrap_or("Unknown");
+                Some(format!("its server does not run, its state is {name:?}"))
+            }
+            _ => Some("its server does not tell whether it runs".to_owned()),
+        })
+    }
+
+    /// Nodes are addressed by their identifiers, which mean the same after a change of the program.
+    fn check_unchanged(&mut self) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn read(&mut self, indices: &mut dyn Iterator<Item = usize>) -> Result<SymbolValues, Failure> {
+        let wanted = each_once(indices, self.nodes.len());
+        let values = self.values(&wanted)?;
+        let mut contents = vec![None; self.nodes.len()];
+        for (index, value) in wanted.into_iter().zip(values) {
+            let content = self.nodes[index].shape.content(&value);
+            contents[index] = Some(content.ok_or_else(program_changed)?);
+        }
+        Ok(SymbolValues(contents))
+    }
+
+    /// Arrays are read, changed and written as a whole: not every server can write an element.
+    fn write(&mut self, values: &[(Slot, f64)]) -> Result<(), Failure> {
+        let mut order: Vec<usize> = Vec::new();
+        for (slot, _) in values {
+            if slot.symbol < self.nodes.len() && !order.contains(&slot.symbol) {
+                order.push(slot.symbol);
+            }
+        }
+        let held = self.values(&order)?;
+        let mut written = Vec::with_capacity(order.len());
+        for (index, held) in order.iter().zip(held) {
+            let node = &self.nodes[*index];
+            if Shape::of(&held) != node.shape {
+                return Err(program_changed());
+            }
+            let own = values.iter().filter(|(slot, _)| slot.symbol == *index);
+            let changes: Vec<(usize, f64)> = own.map(|(slot, v)| (slot.element, *v)).collect();
+            let value = node.shape.with(&held, &changes).ok_or_else(|| {
+                let (name, kind) = (&node.name, node.shape.name());
+                let shown: Vec<String> = changes.iter().map(|(_, v)| v.to_string()).collect();
+                let shown = shown.join(", ");
+                Failure::refused(format!(
+                    "its node {name} of type {kind} cannot hold {shown}"
+                ))
+            })?;
+            written.push((node.id.clone(), value));
+        }
+        let answers = self.client.write(written);
+        let answers = answers.map_err(|error| failure(error, "writing nodes"))?;
+        let refusal = order
+            .iter()
+            .zip(answers)
+            .find(|(_, status)| !status.is_good());
+        refusal.map_or(Ok(()), |(index, status)| {
+            Err(refused(status, &self.nodes[*index].name))
+        })
+    }
+}
+
+fn program_changed() -> Failure {
+    let text = "its program was changed in the meantime: connect again";
+    Failure::Lost(LinkError::Disconnected(text.to_owned()))
+}

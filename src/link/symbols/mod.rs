@@ -1,0 +1,40 @@
+//! Controllers whose readings, commands and parameters are symbols with names, whatever the protocol.
+//!
+//! A [`tautline_session::SymbolMapping`] says which symbol holds what; `docs/ADS.md` describes the handshake between
+//! this program and that of the controller. A protocol implements two traits: a server that can be connected, and the
+//! connection that looks symbols up, reads and writes them. Requests are sent only by calls from outside, and nothing
+//! is written before [`crate::Controller::arm`].
+
+pub(crate) mod access;
+mod controller;
+mod layout;
+mod pose;
+mod sample;
+
+use tautline_core::robot::Robot;
+use tautline_session::SymbolMapping;
+
+pub(crate) use access::{
+    Content, Expected, Failure, SymbolAccess, SymbolServer, SymbolValues, ValueKind, each_once,
+};
+pub use access::{SymbolCheck, SymbolFound};
+pub use controller::SymbolController;
+use layout::Layout;
+pub(crate) use layout::{Slot, Wanted};
+
+use crate::error::LinkError;
+
+/// Connects, looks up every symbol of a mapping and closes the connection.
+pub(crate) fn check(
+    server: &dyn SymbolServer,
+    mapping: &SymbolMapping,
+    robot: &Robot,
+) -> Result<Vec<SymbolCheck>, LinkError> {
+    let wanted = Layout::of(mapping, robot)?.wanted;
+    let found = server.connect()?.look_up(&wanted)?;
+    let names = wanted.into_iter().map(|wanted| wanted.name);
+    let all = names.zip(found);
+    Ok(all
+        .map(|(name, found)| SymbolCheck { name, found })
+        .collect())
+}

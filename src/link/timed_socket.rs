@@ -1,0 +1,133 @@
+//! A socket on which every exchange has a deadline, whatever arrives meanwhile.
+//!
+//! Time is taken of the whole exchange, not of its parts: a server that sends one byte every half second is late as well.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
+
+use crate::error::LinkError;
+
+/// Why a connection cannot be used any more.
+#[derive(Debug)]
+pub(crate) enum Broken {
+    /// It cannot be made, or the system says that it failed.
+    Io(std::io::Error),
+    /// The answer was not there in time.
+    Late,
+    /// The other side closed it.
+    Closed,
+    /// The other side ended it and said why.
+    Ended(String),
+    /// What arrived is not what the protocol allows; what.
+    Invalid(String),
+}
+
+impl Broken {
+    /// What it means to the operator; `closed` says why the other side may have closed it.
+    pub fn into_error(self, timeout_s: f64, closed: &str) -> LinkError {
+        match self {
+            Self::Late => LinkError::Timeout(timeout_s),
+            Self::Closed => LinkError::Disconnected(format!("it closed the connection{closed}")),
+            Self::Ended(why) => LinkError::Disconnected(format!("it ended the connection: {why}")),
+            Self::Io(error) => LinkError::Disconnected(format!("it failed ({error})")),
+            Self::Invalid(what) => {
+                LinkError::Disconnected(format!("its answer is invalid: {what}"))
+            }
+        }
+    }
+}
+
+/// The timeout of a connection.
+pub(crate) fn timeout_of(timeout_s: f64) -> Result<Duration, LinkError> {
+    Duration::try_from_secs_f64(timeout_s)
+        .ok()
+        .filter(|timeout| !timeout.is_zero())
+        .ok_or_else(|| LinkError::Setup("the timeout is not a positive time".to_owned()))
+}
+
+/// The addresses of a host.
+pub(crate) fn addresses_of(host: &str, port: u16) -> Result<Vec<SocketAddr>, LinkError> {
+    let found = (host, port).to_socket_addrs().map_err(|error| {
+        LinkError::Disconnected(format!("the host {host:?} cannot be found ({error})"))
+    })?;
+    let found: Vec<SocketAddr> = found.collect();
+    match found.is_empty() {
+        true => Err(LinkError::Disconnected(format!(
+            "the host {host:?} has no address"
+        ))),
+        false => Ok(found),
+    }
+}
+
+/// A socket.
+pub(crate) struct TimedSocket(TcpStream);
+
+impl TimedSocket {
+    /// Connects within a time.
+    pub fn connect(place: SocketAddr, timeout: Duration) -> Result<Self, Broken> {
+        let socket =
+            TcpStream::connect_timeout(&place, timeout).map_err(|error| match error.kind() {
+                ErrorKind::WouldBlock | ErrorKind::TimedOut => Broken::Late,
+                _ => Broken::Io(error),
+            })?;
+        socket.set_nodelay(true).map_err(Broken::Io)?;
+        Ok(Self(socket))
+    }
+
+    /// The address of this computer on the connection.
+    pub fn own_address(&self) -> Result<IpAddr, Broken> {
+        Ok(self.0.local_addr().map_err(Broken::Io)?.ip())
+    }
+
+    /// Receives as many bytes as the buffer has.
+    pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
+        let mut done = 0;
+        while done < buffer.len() {
+            let left = remaining(until)?;
+            self.0.set_read_timeout(Some(left)).map_err(Broken::Io)?;
+            match self.0.read(&mut buffer[done..]) {
+                Ok(0) => return Err(Broken::Closed),
+                Ok(count) => done += count,
+                Err(error) => passing(error)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends all bytes.
+    pub fn send(&mut self, bytes: &[u8], until: Instant) -> Result<(), Broken> {
+        let mut done = 0;
+        while done < bytes.len() {
+            let left = remaining(until)?;
+            self.0.set_write_timeout(Some(left)).map_err(Broken::Io)?;
+            match self.0.write(&bytes[done..]) {
+                Ok(0) => return Err(Broken::Closed),
+                Ok(count) => done += count,
+                Err(error) => passing(error)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The time that is left.
+fn remaining(until: Instant) -> Result<Duration, Broken> {
+    let left = until.saturating_duration_since(Instant::now());
+    match left.is_zero() {
+        true => Err(Broken::Late),
+        false => Ok(left),
+    }
+}
+
+/// An error of a socket after which it can be tried again, until the time is over.
+fn passing(error: std::io::Error) -> Result<(), Broken> {
+    match error.kind() {
+        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(()),
+        ErrorKind::UnexpectedEof
+        | ErrorKind::ConnectionReset
+        | ErrorKind::ConnectionAborted
+        | ErrorKind::BrokenPipe => Err(Broken::Closed),
+        _ => Err(Broken::Io(error)),
+    }
+}

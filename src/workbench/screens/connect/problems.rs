@@ -1,0 +1,117 @@
+//! Fields of the connection dialog, and what is wrong with them.
+
+/// A field that can be wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// Folder of the recording.
+    Folder,
+    /// Speed of the recording.
+    Speed,
+    /// Host of the controller.
+    Host,
+    /// Its TCP port.
+    Port,
+    /// Its AMS Net ID.
+    NetId,
+    /// Its AMS port.
+    AmsPort,
+    /// Timeout.
+    Timeout,
+    /// Address of a controller that speaks OPC UA.
+    Url,
+    /// Its timeout.
+    UrlTimeout,
+    /// A row of the symbols.
+    Symbol(usize),
+    /// Something of all symbols.
+    Symbols,
+    /// Host of the laser.
+    LaserHost,
+    /// Port of the laser.
+    LaserPort,
+    /// Serial port of the laser.
+    Device,
+    /// Baud rate.
+    Baud,
+    /// Line pattern.
+    Pattern,
+    /// Something else of the laser.
+    Laser,
+}
+
+impl Field {
+    /// Where the field is.
+    #[must_use]
+    pub fn part(self) -> Part {
+        match self {
+            Self::Symbol(_) | Self::Symbols => Part::Symbols,
+            Self::LaserHost
+            | Self::LaserPort
+            | Self::Device
+            | Self::Baud
+            | Self::Pattern
+            | Self::Laser => Part::Laser,
+            _ => Part::Controller,
+        }
+    }
+}
+
+/// A part of the window.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Kind and place of the controller.
+    #[default]
+    Controller,
+    /// Names of its symbols.
+    Symbols,
+    /// The laser.
+    Laser,
+}
+
+impl Part {
+    /// Label in the window.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Controller => "Controller",
+            Self::Symbols => "Symbols",
+            Self::Laser => "Laser source",
+        }
+    }
+}
+
+/// What is wrong with fields: one sentence each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Problems(Vec<(Field, String)>);
+
+impl Problems {
+    /// A field is wrong.
+    pub fn add(&mut self, field: Field, text: impl Into<String>) {
+        self.0.push((field, text.into()));
+    }
+
+    /// Whether nothing is wrong.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// What is wrong with a field.
+    #[must_use]
+    pub fn of(&self, field: Field) -> Option<&str> {
+        let mut all = self.0.iter();
+        let found = all.find(|(wrong, _)| *wrong == field);
+        found.map(|(_, text)| text.as_str())
+    }
+
+    /// What is wrong first.
+    #[must_use]
+    pub fn first(&self) -> Option<(Field, &str)> {
+        self.0.first().map(|(field, text)| (*field, text.as_str()))
+    }
+
+    /// The value of an answer, whose error belongs to a field.
+    pub fn take<T>(&mut self, field: Field, answer: Result<T, String>) -> Option<T> {
+        answer.map_err(|text| self.add(field, text)).ok()
+    }
+}

@@ -1,0 +1,30 @@
+//! Looking up the symbols of a controller without working with it.
+
+use tautline_core::robot::Robot;
+use tautline_link::symbols::SymbolCheck;
+use tautline_link::{LinkError, ads, opcua};
+use tautline_session::Connection;
+
+use super::choice::ControllerChoice;
+use super::setup::{ads_parts, opcua_parts};
+
+/// Connects to the controller of settings, looks every symbol up, and closes the connection; nothing is written.
+///
+/// # Errors
+/// If the settings are of a controller without symbols, the symbols do not fit the robot, or it cannot be connected.
+pub fn check_symbols(
+    connection: &Connection,
+    robot: &Robot,
+) -> Result<Vec<SymbolCheck>, LinkError> {
+    match ControllerChoice::of_connection(connection) {
+        ControllerChoice::Ads(address) => {
+            let (mapping, options) = ads_parts(connection, robot);
+            ads::check_symbols(address, &mapping, robot, options)
+        }
+        ControllerChoice::OpcUa(address) => {
+            let (mapping, options) = opcua_parts(connection, robot);
+            opcua::check_symbols(address, &mapping, robot, options)
+        }
+        choice => Err(LinkError::Setup(format!("{choice} has no symbols"))),
+    }
+}

@@ -1,0 +1,230 @@
+"""A controller for the tests of the OPC UA link, on the server of asyncua.
+
+Orders and what clients write are the same lines of JSON as those of server.py. asyncua has the messages, sessions and
+nodes; added here are counts of requests, status codes for single nodes, and connections that end amid a request.
+"""
+
+import asyncio
+import json
+import logging
+import math
+import os
+import sys
+import threading
+
+# Whatever a library prints must not come between the lines.
+told = sys.stdout
+sys.stdout = sys.stderr
+logging.disable(logging.CRITICAL)
+
+from asyncua import Server, ua  # noqa: E402
+from asyncua.server.uaprocessor import UaProcessor  # noqa: E402
+from asyncua.ua.ua_binary import nodeid_from_binary, struct_from_binary  # noqa: E402
+
+NAMESPACE = 4
+LATE_S = 3.0
+STATE = ua.NodeId(ua.ObjectIds.Server_ServerStatus_State)
+READ = ua.ObjectIds.ReadRequest_Encoding_DefaultBinary
+WRITE = ua.ObjectIds.WriteRequest_Encoding_DefaultBinary
+
+TYPES = {
+    "BOOL": ua.VariantType.Boolean,
+    "SINT": ua.VariantType.SByte,
+    "INT": ua.VariantType.Int16,
+    "DINT": ua.VariantType.Int32,
+    "UDINT": ua.VariantType.UInt32,
+    "ULINT": ua.VariantType.UInt64,
+    "REAL": ua.VariantType.Float,
+    "LREAL": ua.VariantType.Double,
+    "STRING": ua.VariantType.String,
+}
+
+
+def tell(message):
+    told.write(json.dumps(message) + "\n")
+    told.flush()
+
+
+class Orders:
+    """What was ordered, and how many requests of each kind there were."""
+
+    faults = []
+    counts = {}
+    codes = {}
+    delay_s = 0.0
+
+    @classmethod
+    def action(cls, kind):
+        cls.counts[kind] = cls.counts.get(kind, 0) + 1
+        for fault in cls.faults:
+            if fault["kind"] == kind:
+                fault["number"] -= 1
+                if fault["number"] == 0:
+                    cls.faults.remove(fault)
+                    return fault["action"]
+        return None
+
+
+class Kept:
+    """Takes the bytes of an answer that is not sent."""
+
+    def __init__(self):
+        self.data = b""
+
+    def write(self, data):
+        self.data += data
+
+
+def parts(kind, parameters):
+    return parameters.NodesToRead if kind == READ else parameters.NodesToWrite
+
+
+async def process_message(self, seqhdr, body):
+    """The processor's own, with faults around it."""
+    copy = body.copy()
+    kind = nodeid_from_binary(copy).Identifier
+    if kind not in (READ, WRITE):
+        return await plain(self, seqhdr, body)
+    struct_from_binary(ua.RequestHeader, copy)
+    parameters = struct_from_binary(ua.ReadParameters if kind == READ else ua.WriteParameters, copy)
+    nodes = [part.NodeId for part in parts(kind, parameters)]
+    word = "state" if nodes == [STATE] else "read" if kind == READ else "write"
+    action = Orders.action(word)
+    if action == "before":
+        return False
+    if action == "late":
+        await asyncio.sleep(LATE_S)
+    if Orders.delay_s:
+        await asyncio.sleep(Orders.delay_s)
+    real = self._transport
+    if action in ("after", "half"):
+        self._transport = Kept()
+    result = await plain(self, seqhdr, body)
+    if kind == WRITE:
+        for part in parameters.NodesToWrite:
+            if part.NodeId.Identifier not in Orders.codes:
+                tell({"wrote": part.NodeId.Identifier, "values": listed(part.Value.Value.Value)})
+    if action in ("after", "half"):
+        data, self._transport = self._transport.data, real
+        if action == "half":
+            real.write(data[: len(data) // 2])
+        return False
+    return result
+
+
+plain = UaProcessor.process_message
+UaProcessor.process_message = process_message
+
+
+def listed(value):
+    values = value if isinstance(value, list) else [value]
+    return [None if isinstance(v, float) and not math.isfinite(v) else v for v in values]
+
+
+class Rig:
+    """The server and its orders."""
+
+    def __init__(self):
+        self.server = Server()
+        self.kinds = {}
+
+    async def start(self):
+        await self.server.init()
+        self.server.set_endpoint("opc.tcp://127.0.0.1:0")
+        self.server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+        for k in range(2, NAMESPACE + 1):
+            await self.server.register_namespace(f"urn:tests:{k}")
+        self.space = self.server.iserver.aspace
+        service = self.server.iserver.attribute_service
+        self.plain_read, self.plain_write = service.read, service.write
+        service.read, service.write = self.read, self.write
+        await self.server.start()
+        return self.server.bserver.port
+
+    def read(self, parameters):
+        answers = self.plain_read(parameters)
+        for k, part in enumerate(parameters.NodesToRead):
+            code = Orders.codes.get(part.NodeId.Identifier)
+            if code is not None:
+                answers[k] = ua.DataValue(StatusCode=ua.StatusCode(code))
+        return answers
+
+    async def write(self, parameters, user=None):
+        good = [p for p in parameters.NodesToWrite if p.NodeId.Identifier not in Orders.codes]
+        results = iter(await self.plain_write(ua.WriteParameters(NodesToWrite=good)))
+        return [
+            ua.StatusCode(Orders.codes[p.NodeId.Identifier])
+            if p.NodeId.Identifier in Orders.codes
+            else next(results)
+            for p in parameters.NodesToWrite
+        ]
+
+    def variant(self, name, values):
+        kind, count = self.kinds[name]
+        whole = kind not in ("REAL", "LREAL", "STRING", "BOOL")
+        values = [math.nan if v is None else int(v) if whole else v for v in values]
+        if kind in ("REAL", "LREAL"):
+            values = [float(v) for v in values]
+        if kind == "BOOL":
+            values = [bool(v) for v in values]
+        return ua.Variant(values if count > 1 else values[0], TYPES[kind])
+
+    async def declare(self, name, kind, count, values):
+        node_id = ua.NodeId(name, NAMESPACE)
+        if name in self.kinds:
+            await self.remove(name)
+        self.kinds[name] = (kind, count)
+        variable = await self.server.nodes.objects.add_variable(node_id, name, self.variant(name, values))
+        await variable.set_writable()
+
+    async def remove(self, name):
+        del self.kinds[name]
+        await self.server.delete_nodes([self.server.get_node(ua.NodeId(name, NAMESPACE))])
+
+    async def set(self, name, values):
+        node = self.space._nodes[ua.NodeId(name, NAMESPACE)]
+        node.attributes[ua.AttributeIds.Value].value = ua.DataValue(self.variant(name, values))
+
+    async def restart(self, pause_s):
+        port = self.server.bserver.port
+        await self.server.bserver.stop()
+        await asyncio.sleep(pause_s)
+        self.server.bserver.port = port
+        await self.server.bserver.start()
+
+    async def order(self, order):
+        if "restart" in order:
+            await self.restart(order["restart"])
+        for declaration in order.get("declare", []):
+            await self.declare(*declaration)
+        for name, values in order.get("set", {}).items():
+            await self.set(name, values)
+        if "fault" in order:
+            Orders.faults.append(order["fault"])
+        Orders.delay_s = order.get("delay_s", Orders.delay_s)
+        Orders.codes = order.get("codes", Orders.codes)
+        if "state" in order:
+            value = ua.DataValue(ua.Variant(order["state"], ua.VariantType.Int32))
+            self.space._nodes[STATE].attributes[ua.AttributeIds.Value].value = value
+            self.space._nodes[STATE].attributes[ua.AttributeIds.Value].value_callback = None
+        for name in order.get("remove", []):
+            await self.remove(name)
+        if "id" in order:
+            tell({"done": order["id"], "counts": Orders.counts})
+
+
+async def main():
+    rig = Rig()
+    tell({"port": await rig.start()})
+    loop = asyncio.get_running_loop()
+
+    def listen():
+        for line in sys.stdin:
+            asyncio.run_coroutine_threadsafe(rig.order(json.loads(line)), loop).result()
+        os._exit(0)
+
+    threading.Thread(target=listen, daemon=True).start()
+    await asyncio.Event().wait()
+
+
+asyncio.run(main())
