@@ -2,9 +2,12 @@
 
 pub mod parameters;
 pub mod probability;
+mod recording;
 pub mod units;
 
 use tautline_core::diagnosis::Quantity;
+
+pub use recording::sampling_sentence;
 
 /// `a, b and c`.
 pub fn list<S: AsRef<str>>(items: &[S]) -> String {
