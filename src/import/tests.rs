@@ -455,7 +455,9 @@ fn a_recording_in_motion_keeps_every_sample() {
         ..SimulationOptions::new(0, 3)
     };
     let robot = dataset().robot;
-    let dataset = record(&robot, &options, &recording).expect("recorded").dataset;
+    let dataset = record(&robot, &options, &recording)
+        .expect("recorded")
+        .dataset;
     let data = &dataset.measurements;
     let mut winches = columns(data);
     winches.retain(|(name, _)| name.starts_with("Winch"));
@@ -475,7 +477,10 @@ fn a_recording_in_motion_keeps_every_sample() {
     assert_eq!((found.len(), &found.revolutions), (501, &data.revolutions));
     assert!(found.laser_m[0].is_nan());
     for row in 2..499 {
-        assert!((found.laser_m[row] - data.laser_m[row]).abs() < 1e-5, "{row}");
+        assert!(
+            (found.laser_m[row] - data.laser_m[row]).abs() < 1e-5,
+            "{row}"
+        );
     }
     assert!(found.independent_samples(&robot, 100).is_some());
 }
