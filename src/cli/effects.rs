@@ -1,8 +1,7 @@
 //! `tautline effects`.
 
 use tautline_core::effect::{
-    BiasedReading, CATALOGUE, Effect, EffectParameter, IN_MOTION, Scope, Search, UNKNOWN,
-    every_effect,
+    BiasedReading, Effect, EffectParameter, Scope, Search, UNKNOWN, every_effect,
 };
 use tautline_core::measurement::Variable;
 
