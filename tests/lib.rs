@@ -7,6 +7,7 @@ pub mod hangprinter;
 pub mod harness;
 pub mod hidden;
 pub mod isolability;
+pub mod motion;
 pub mod nist;
 pub mod program;
 pub mod screenshots;

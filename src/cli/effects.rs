@@ -1,7 +1,7 @@
 //! `tautline effects`.
 
 use tautline_core::effect::{
-    BiasedReading, CATALOGUE, Effect, EffectParameter, Scope, Search, UNKNOWN,
+    BiasedReading, Effect, EffectParameter, Scope, Search, UNKNOWN, every_effect,
 };
 use tautline_core::measurement::Variable;
 
@@ -18,7 +18,7 @@ pub fn run() {
         "diagnose tries it",
         "parameters (typical size)",
     ]);
-    for effect in CATALOGUE.iter().copied().chain([&UNKNOWN]) {
+    for effect in every_effect().chain([&UNKNOWN]) {
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
         let freed = if effect.is_estimable() { "yes" } else { "no" };
         let cells = [

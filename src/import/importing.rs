@@ -443,7 +443,7 @@ fn report(pose: &CutPose, label: i64, recipe: &Recipe) -> PoseReport {
         first_row: pose.first_row,
         rows: pose.rows,
         // Of single rows the table says it all.
-        readings: if recipe.cutting == Cutting::Rows {
+        readings: if matches!(recipe.cutting, Cutting::Rows | Cutting::Motion) {
             BTreeMap::new()
         } else {
             readings.collect()

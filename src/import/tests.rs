@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use tautline_core::estimation::{Control, Options, Problem, solve};
 use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::presets;
-use tautline_core::simulation::{SimulationOptions, simulate};
+use tautline_core::simulation::{Recording, SimulationOptions, record, simulate};
 
 use crate::{Cutting, Imported, import, propose, read_sources};
 
@@ -440,6 +440,49 @@ fn rests_of_a_recording_give_the_same_identification() {
         .iter()
         .any(|notice| notice.starts_with("21 rests with"));
     assert!(said, "{:?}", imported.document.notices);
+}
+
+/// Two recorders: every sample of the winches is kept, and the laser, read half as often and in between, is interpolated.
+#[test]
+fn a_recording_in_motion_keeps_every_sample() {
+    let recording = Recording {
+        duration_s: 10.0,
+        rate_hz: 50.0,
+        correlation_s: 0.0,
+    };
+    let options = SimulationOptions {
+        noise: false,
+        ..SimulationOptions::new(0, 3)
+    };
+    let robot = dataset().robot;
+    let dataset = record(&robot, &options, &recording)
+        .expect("recorded")
+        .dataset;
+    let data = &dataset.measurements;
+    let mut winches = columns(data);
+    winches.retain(|(name, _)| name.starts_with("Winch"));
+    winches.insert(0, ("Time [s]".to_owned(), data.time_s.clone()));
+    let odd = |values: &[f64]| values.iter().skip(1).step_by(2).copied().collect();
+    let laser = vec![
+        ("Time [s]".to_owned(), odd(&data.time_s)),
+        ("Laser".to_owned(), odd(&data.laser_m)),
+    ];
+    let files = [
+        ("winches.csv", csv(&winches, ",", false).into_bytes()),
+        ("laser.csv", csv(&laser, ",", false).into_bytes()),
+    ];
+    let imported = imported(&dataset, &files);
+    assert_eq!(imported.document.recipe.cutting, Cutting::Motion);
+    let found = &imported.measurements;
+    assert_eq!((found.len(), &found.revolutions), (501, &data.revolutions));
+    assert!(found.laser_m[0].is_nan());
+    for row in 2..499 {
+        assert!(
+            (found.laser_m[row] - data.laser_m[row]).abs() < 1e-5,
+            "{row}"
+        );
+    }
+    assert!(found.independent_samples(&robot, 100).is_some());
 }
 
 #[test]

@@ -128,6 +128,7 @@ impl Template {
                 free: parts.free.clone(),
                 mass_kg: Some(mass_kg),
                 center_of_mass_m: [0.0; 3],
+                inertia_kg_m2: None,
                 wrench_sd: None,
             },
             limits: Some(limits(&parts, mass_kg * GRAVITY)),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use tautline_validation::{
-    adjusted, hangprinter, isolability, nist, screenshots, sessions, table1, truth, window,
+    adjusted, hangprinter, isolability, motion, nist, screenshots, sessions, table1, truth, window,
     your_data,
 };
 
@@ -21,7 +21,7 @@ const FIRST_SEED: u64 = 1000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, motion [RECORDINGS], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data";
 
@@ -39,6 +39,7 @@ fn main() -> Result<()> {
         Some("adjusted") => println!("{}", adjusted::markdown(&adjusted::study()?)),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("isolability") => println!("{}", isolability_table()?),
+        Some("motion") => println!("{}", motion_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
@@ -61,6 +62,16 @@ fn main() -> Result<()> {
 fn isolability_table() -> Result<String> {
     let pairs = isolability::study(30, 60, ISOLABILITY_SEED)?;
     Ok(isolability::markdown(&pairs))
+}
+
+fn motion_table(recordings: Option<&str>) -> Result<String> {
+    let recordings = recordings.map_or(Ok(300), str::parse)?;
+    let robots = ["mini", "planar"];
+    let rows = robots.map(|name| motion::study(name, recordings, FIRST_SEED));
+    let doctor = robots.map(|name| motion::doctor_study(name, recordings, FIRST_SEED));
+    let rows: Result<Vec<_>> = rows.into_iter().collect();
+    let doctor: Result<Vec<_>> = doctor.into_iter().collect();
+    Ok(motion::markdown(&rows?, &doctor?))
 }
 
 fn truth_table(data_sets: Option<&str>) -> Result<String> {
@@ -125,6 +136,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
     let adjusted = adjusted::markdown(&adjusted::study()?);
     replace(&mut text, "adjusted", &adjusted)?;
+    replace(&mut text, "motion", &motion_table(None)?)?;
     replace(&mut text, "isolability", &isolability_table()?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {

@@ -4,6 +4,7 @@ mod ceres;
 mod hangprinter;
 mod hidden_effects;
 mod isolability;
+mod motion;
 mod nist;
 mod published;
 mod real_machines;

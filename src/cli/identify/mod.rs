@@ -14,12 +14,13 @@ use tautline_workflow::identification::{
     Identification, IdentificationRequest, PublishedIdentification, identify, identify_published,
     readings_csv, solved_method, values_csv,
 };
+use tautline_workflow::wording::sampling_sentence;
 
 use crate::effect_arguments::FreedEffects;
 use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
-use crate::output::JsonOutput;
+use crate::output::{JsonOutput, say};
 pub use report::print;
 
 #[derive(Debug, clap::Args)]
@@ -94,9 +95,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         write_robot(path, &model)?;
     }
-    arguments
-        .json
-        .deliver(&document, || print(&document, &request.dataset.robot))?;
+    arguments.json.deliver(&document, || {
+        if let Some(sentence) = sampling_sentence(&request.dataset.measurements) {
+            say!("{sentence}");
+        }
+        print(&document, &request.dataset.robot);
+    })?;
     NotConverged::check(is_usable)
 }
 

@@ -88,6 +88,7 @@ fn cutting(recipe: &Recipe) -> String {
     match &recipe.cutting {
         Cutting::Rows => "every row is a pose".into(),
         Cutting::Labels => "rows that follow each other with one label are a pose".into(),
+        Cutting::Motion => "every row is a sample of a recording in motion".into(),
         Cutting::Rest(rest) => format!("rests of {} s and more are poses", rest.minimum_s),
     }
 }

@@ -1,12 +1,15 @@
 //! `tautline simulate`.
 
+mod motion;
 mod phases;
 
 use std::path::PathBuf;
 
 use crate::BadInput;
 use anyhow::Result;
-use tautline_core::simulation::{SimulationError, SimulationOptions, TrueGeometry, simulate};
+use tautline_core::simulation::{
+    SimulationError, SimulationOptions, TrueGeometry, record, simulate,
+};
 use tautline_session::{PhaseData, write_dataset, write_robot};
 
 use crate::effect_arguments::HiddenEffects;
@@ -29,6 +32,8 @@ pub struct Arguments {
     /// True entry points: measured (of the preset), drawn from the priors, or nominal
     #[arg(long, value_enum)]
     truth: Option<Truth>,
+    #[command(flatten)]
+    motion: motion::Motion,
     /// Leave out the noise
     #[arg(long)]
     no_noise: bool,
@@ -48,7 +53,8 @@ enum Truth {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let RobotSource { robot, preset } = input::robot(&arguments.robot)?;
+    let RobotSource { mut robot, preset } = input::robot(&arguments.robot)?;
+    arguments.motion.equip(&mut robot);
     let measured = preset
         .as_ref()
         .and_then(|p| p.measured_entry_points_m.clone());
@@ -67,12 +73,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         noise: !arguments.no_noise,
         ..SimulationOptions::new(arguments.poses, arguments.seed)
     };
-    let failed = |error| match error {
+    let failed = |error: SimulationError| match error {
         // What an effect names is not there.
         SimulationError::Effect(error) => BadInput::new(format!("--effect: {error}")),
+        SimulationError::AtRest(_) => {
+            BadInput::new(format!("--effect: {error} (--motion SECONDS)"))
+        }
         other => other.into(),
     };
-    let mut run = simulate(&robot, &options).map_err(failed)?;
+    let recording = arguments.motion.recording()?;
+    let mut run = match &recording {
+        Some(recording) => record(&robot, &options, recording),
+        None => simulate(&robot, &options),
+    }
+    .map_err(failed)?;
     let phases = match arguments.phases {
         true => phases::tables(&mut run, &options).map_err(failed)?,
         false => PhaseData::default(),
@@ -80,9 +94,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write_dataset(&arguments.out, &run.dataset, &phases)?;
     write_robot(&arguments.out.join("truth.json"), &run.truth)?;
     say!(
-        "{}: {} poses of {} with {} cables, seed {}; the true robot is in truth.json",
+        "{}: {} {} of {} with {} cables, seed {}; the true robot is in truth.json",
         arguments.out.display(),
         run.dataset.measurements.len(),
+        if recording.is_some() {
+            "samples"
+        } else {
+            "poses"
+        },
         run.dataset.robot.name,
         run.dataset.robot.cable_count(),
         arguments.seed

@@ -11,7 +11,7 @@ use super::candidates::{
 use super::conditions::Conditions;
 use super::fit::Fit;
 use super::report::Cause;
-use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search};
+use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
 
 /// Columns that are linearised at once.
@@ -54,7 +54,9 @@ impl Catalogue {
             generators: Vec::new(),
             candidates: Vec::new(),
         };
-        let asked = || CATALOGUE.iter().filter(|e| e.search() != Search::Exchange);
+        let shown_by_motion = if data.rates.is_some() { IN_MOTION } else { &[] };
+        let known = || CATALOGUE.iter().chain(shown_by_motion);
+        let asked = || known().filter(|e| e.search() != Search::Exchange);
         let each = expected / asked().count() as f64;
         for effect in asked() {
             builder.add(effect, each);

@@ -22,7 +22,11 @@ use crate::statistics::normal_quantile;
 /// Probability with which an effect of the smallest visible size is found.
 const POWER: f64 = 0.9;
 
-/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held. Rows of one standstill are averaged.
+/// Most samples of a recording in motion that are looked at.
+pub const MOST_SAMPLES: usize = 300;
+
+/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held. Rows of one standstill are
+/// averaged, recordings in motion thinned to independent samples.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -34,7 +38,7 @@ pub fn diagnose(
     let mut report = Reporter::new(observer);
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, rows) = measurements.standstills_averaged(&dataset.robot);
+    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_SAMPLES);
     let dataset = Dataset {
         robot: dataset.robot.clone(),
         measurements: averaged.into_owned(),

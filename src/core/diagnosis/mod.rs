@@ -46,7 +46,7 @@ mod structure;
 mod variables;
 
 pub use discrepancy::smooth_functions;
-pub use doctor::diagnose;
+pub use doctor::{MOST_SAMPLES, diagnose};
 pub use isolability::{
     ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
 };

@@ -1,16 +1,17 @@
-//! The list of effects that models, simulations and commands know.
+//! The lists of effects that models, simulations and commands know.
 
 use super::{
     Effect, cable_creep, cable_sag, cable_slip, cable_stiffening, cable_stiffness, cable_swap,
-    cable_thermal, drum_eccentricity, drum_growth, encoder_drift, encoder_outlier, force_bias,
-    force_gain, frame_compliance, frame_shift, frame_thermal, heading_offset, inclinometer_tilt,
-    laser_beam_tilt, laser_bias, laser_cyclic, laser_drift, laser_outliers, laser_scale,
-    payload_com, payload_mass, platform_anchor, pulley_axis_tilt, pulley_friction, pulley_radius,
-    swivel_offset, target_tilt, unknown, winch_backlash, winch_offset, winch_scale,
+    cable_thermal, drum_eccentricity, drum_growth, encoder_drift, encoder_latency, encoder_outlier,
+    force_bias, force_gain, force_latency, frame_compliance, frame_shift, frame_thermal,
+    heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
+    laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
+    pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, swivel_offset, target_tilt,
+    tracker_clock, tracker_latency, unknown, winch_backlash, winch_offset, winch_scale,
     winch_scale_common,
 };
 
-/// Every effect, in the order in which reports list them.
+/// Every effect that poses at rest can show, in the order in which reports list them.
 pub static CATALOGUE: &[&Effect] = &[
     &winch_scale::EFFECT,
     &winch_scale_common::EFFECT,
@@ -50,11 +51,26 @@ pub static CATALOGUE: &[&Effect] = &[
     &inclinometer_tilt::EFFECT,
 ];
 
+/// Every effect that only recordings in motion show. They are a list of their own, so that nobody asks poses at rest for
+/// them: each further question costs certainty.
+pub static IN_MOTION: &[&Effect] = &[
+    &tracker_latency::EFFECT,
+    &tracker_clock::EFFECT,
+    &encoder_latency::EFFECT,
+    &force_latency::EFFECT,
+    &laser_latency::EFFECT,
+    &pulley_drag::EFFECT,
+];
+
+/// All effects that have a name.
+pub fn every_effect() -> impl Iterator<Item = &'static Effect> {
+    CATALOGUE.iter().chain(IN_MOTION).copied()
+}
+
 /// The effect with this identifier; `unknown`, which names no cause, is not on the list but found, too.
 #[must_use]
 pub fn find(id: &str) -> Option<&'static Effect> {
-    let known = CATALOGUE.iter().copied();
-    known
+    every_effect()
         .chain([&unknown::EFFECT])
         .find(|effect| effect.id() == id)
 }
@@ -65,11 +81,9 @@ mod tests {
 
     #[test]
     fn identifiers_are_unique_and_priors_positive() {
-        for effect in CATALOGUE {
-            assert_eq!(
-                CATALOGUE.iter().filter(|e| e.id() == effect.id()).count(),
-                1
-            );
+        for effect in every_effect() {
+            let same = every_effect().filter(|e| e.id() == effect.id());
+            assert_eq!(same.count(), 1);
             assert!(effect.parameters().iter().all(|p| p.prior_sd > 0.0));
         }
     }

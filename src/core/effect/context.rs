@@ -4,8 +4,9 @@
 //! found once per problem and held while parameters and poses are estimated.
 
 use super::direction::angles;
+use super::motion::{finite, inertia, paid_rates, tension_rates, twists};
 use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Twist};
 use crate::kinematics::PulleyGeometry;
 use crate::measurement::{Grid, Measurements, Variable};
 use crate::robot::{Cable, Robot};
@@ -28,6 +29,10 @@ pub struct CableContext {
     /// +1 where the cable was paid out since the row before, -1 where it was reeled in, else 0: by the readings, or by
     /// approximate poses where one is missing.
     pub direction: f64,
+    /// First and second derivative of the cable paid out, or the length, by time (m/s, m/s^2); 0 at rest.
+    pub paid_rates: [f64; 2],
+    /// Those of the tension by its sensor (N/s, N/s^2).
+    pub tension_rates: [f64; 2],
     /// Tension by its sensor, or the mean where it was not read (N); 0 without a sensor.
     pub tension_n: f64,
     /// Mean of these tensions over all rows where there is a reading (N).
@@ -61,6 +66,12 @@ pub struct PlatformContext {
     pub temperature_change_k: f64,
     /// Laser reading (m); 0 without one.
     pub laser_m: f64,
+    /// First and second derivative of the laser reading by time (m/s, m/s^2); 0 at rest.
+    pub laser_rates: [f64; 2],
+    /// Velocity and acceleration of the platform (m, rad, s; base frame); 0 at rest.
+    pub twists: [Twist; 2],
+    /// Acceleration of the centre of mass, and torque that turns the platform about it (m/s^2, N m; base frame).
+    pub inertia: Twist,
     /// Roll, pitch and yaw as read (rad); where not read, those of an approximate pose.
     pub inclination_rad: [f64; 3],
     /// Nominal direction of the laser beam, platform frame; any without a laser.
@@ -99,7 +110,7 @@ pub(crate) struct PoseContexts {
     platform: Vec<PlatformContext>,
 }
 
-fn or_zero(value: Option<f64>) -> f64 {
+pub(super) fn or_zero(value: Option<f64>) -> f64 {
     value.filter(|v| v.is_finite()).unwrap_or(0.0)
 }
 
@@ -123,6 +134,12 @@ impl PoseContexts {
                 .map_or(0.0, |(value, from)| value - from)
         };
         let nominal = PlatformPorts::nominal(robot);
+        let rates = data.rates.as_ref();
+        let motion = |row: usize| match rates {
+            Some(rates) => twists(robot, data, rates, row, &poses[row]),
+            None => <[Twist; 2]>::default(),
+        };
+        let moving: Vec<[Twist; 2]> = (0..data.len()).map(motion).collect();
         let platform: Vec<_> = (0..data.len())
             .map(|row| PlatformContext {
                 is_home: home == Some(row),
@@ -131,6 +148,9 @@ impl PoseContexts {
                 time_s: since(&data.time_s, row),
                 temperature_change_k: since(&data.temperature_c, row),
                 laser_m: or_zero(data.laser_m.get(row).copied()),
+                laser_rates: rates.map_or([0.0; 2], |rates| finite(rates.laser.get(row).copied())),
+                twists: moving[row],
+                inertia: inertia(robot, &poses[row], &moving[row]),
                 laser_direction: nominal.laser_direction.map(|d| d.value),
                 target_normal: nominal.target_normal.map(|d| d.value),
                 inclination_rad: inclination(data, row, &poses[row]),
@@ -153,8 +173,10 @@ impl PoseContexts {
                 let path = pulley_of(cable).path_to(anchor.into());
                 let pull = -nalgebra::Vector3::from(path.toward_exit);
                 let from = before[index].replace(path.length);
+                let paid_rates = paid_rates(cable, data, (row, index));
                 let direction = match directions {
                     Some(grid) => grid.get(row, index),
+                    None if rates.is_some() => sign(paid_rates[0]),
                     // Where a reading is missing, the way is that from pose to pose.
                     None => sign(
                         change_of_reading(data, home, (row, index))
@@ -181,6 +203,8 @@ impl PoseContexts {
                     revolutions: paid_revolutions(data, home, (row, index)),
                     drum_per_motor: cable.winch.gear_ratio.recip(),
                     direction,
+                    paid_rates,
+                    tension_rates: tension_rates(cable, data, (row, index)),
                     tension_n: tension(cable, data, (row, index)).unwrap_or(means[index]),
                     mean_tension_n: means[index],
                     tension_gain: cable.force_sensor.map_or(0.0, |s| s.tension_gain),

@@ -1,7 +1,10 @@
 //! An effect that was found on a robot, in the words of those who repair it.
 
 use super::BoundEffect;
-use super::words::{degrees, displacement, list, millimetres, percent, sentence, size};
+use super::words::{
+    degrees, displacement, list, millimetres, milliseconds, newtons, parts_per_million, percent,
+    sentence, size,
+};
 use crate::robot::Robot;
 
 /// An effect with its targets and values, on its robot.
@@ -62,7 +65,8 @@ impl<'a> FoundEffect<'a> {
     /// - `{cable}`, `{winch}`, `{pulley}`, `{force sensor}`: these parts of the cables concerned, see [`Self::name`];
     /// - `{is|are}`: the first for one cable, the second for several;
     /// - `{0:more|less}`: the first for a value of parameter 0 that is not negative, the second for one below 0;
-    /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:unit}`: size of parameter 0 in millimetres, percent, degrees, its own unit;
+    /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:ms}`, `{0:ppm}`, `{0:N}`, `{0:unit}`: size of parameter 0 in millimetres, percent,
+    ///   degrees, milliseconds, parts per million, newtons, its own unit;
     /// - `{0:pose}`: the pose of which parameter 0 is the label;
     /// - `{displacement}`: the first three parameters as a displacement;
     /// - `{revolutions:a|b}`: the first where winches count revolutions, the second where lengths are read.
@@ -116,6 +120,9 @@ impl<'a> FoundEffect<'a> {
                 match form {
                     "mm" => millimetres(value),
                     "%" => percent(value),
+                    "ms" => milliseconds(value),
+                    "ppm" => parts_per_million(value),
+                    "N" => newtons(value),
                     "deg" => degrees(value),
                     "unit" => format!(
                         "{} {}",

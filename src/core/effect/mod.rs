@@ -20,9 +20,11 @@ mod drum_eccentricity;
 mod drum_growth;
 mod dual;
 mod encoder_drift;
+mod encoder_latency;
 mod encoder_outlier;
 mod force_bias;
 mod force_gain;
+mod force_latency;
 mod found;
 mod frame_compliance;
 mod frame_shift;
@@ -33,18 +35,23 @@ mod laser_beam_tilt;
 mod laser_bias;
 mod laser_cyclic;
 mod laser_drift;
+mod laser_latency;
 mod laser_outliers;
 mod laser_scale;
+mod motion;
 mod payload_com;
 mod payload_mass;
 mod platform_anchor;
 mod ports;
 mod pulley_axis_tilt;
+mod pulley_drag;
 mod pulley_friction;
 mod pulley_radius;
 mod setting;
 mod swivel_offset;
 mod target_tilt;
+mod tracker_clock;
+mod tracker_latency;
 pub(crate) mod unknown;
 mod winch_backlash;
 mod winch_offset;
@@ -53,11 +60,12 @@ mod winch_scale_common;
 mod words;
 
 pub use binding::{BoundEffect, EffectError, EffectRequest};
-pub use catalogue::{CATALOGUE, find};
+pub use catalogue::{CATALOGUE, IN_MOTION, every_effect, find};
 pub use channels::measurements_as_modelled;
 pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, travel};
 pub(crate) use dual::Dual;
 pub(crate) use found::{FoundEffect, Part};
+pub(crate) use motion::inertia;
 pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
@@ -199,6 +207,19 @@ pub enum Search {
     Exchange,
 }
 
+/// How late readings are, by the device that makes them (s).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Delays {
+    /// Revolutions and lengths.
+    pub length: f64,
+    /// Forces.
+    pub force: f64,
+    /// Laser distance.
+    pub laser: f64,
+    /// External pose.
+    pub tracker: f64,
+}
+
 /// A physical effect of the catalogue: what it is called, its parameters, and three functions: two texts and what it
 /// changes in the prediction.
 #[derive(Debug, Clone, Copy)]
@@ -230,6 +251,9 @@ pub struct Effect {
     /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of [`Scope::Reading`] without a
     /// target.
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
+    /// Adds the delays of readings at a time (s) since the beginning, by which a simulation reads the robot late; those of
+    /// the prediction are in `change_cable` and `change_platform`.
+    pub(crate) delays: fn(&[f64], f64, &mut Delays),
     /// Exchanges channels of measured data between cables; doing it twice changes nothing.
     pub(crate) exchange_channels: fn(&[usize], &[f64], &mut Measurements),
 }
@@ -250,6 +274,7 @@ impl Effect {
         needs_sag: false,
         change_cable: |_, _, _| {},
         change_platform: |_, _, _| {},
+        delays: |_, _, _| {},
         exchange_channels: |_, _, _| {},
     };
 
@@ -302,6 +327,12 @@ impl Effect {
             Search::FromPose(index) | Search::AtPose(index) => Some(index),
             Search::Direct | Search::Wave { .. } | Search::Exchange => None,
         }
+    }
+
+    /// Whether only recordings in motion show it.
+    #[must_use]
+    pub fn is_in_motion(&self) -> bool {
+        IN_MOTION.iter().any(|effect| effect.id == self.id)
     }
 
     /// Whether it has a parameter that can be estimated.

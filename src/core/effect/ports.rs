@@ -51,6 +51,8 @@ pub struct PlatformPorts<T = Dual> {
     pub target_normal: [T; 3],
     /// Added to roll, pitch and yaw (rad).
     pub inclination_offset: [T; 3],
+    /// By how much the external instrument lags behind (s).
+    pub tracker_delay: T,
 }
 
 /// Names a scalar of [`CablePorts`]; vectors by component.
@@ -78,6 +80,7 @@ pub enum PlatformPort {
     LaserDirection(usize),
     TargetNormal(usize),
     InclinationOffset(usize),
+    TrackerDelay,
 }
 
 impl CablePort {
@@ -107,7 +110,7 @@ impl CablePort {
 
 impl PlatformPort {
     /// Number of scalars.
-    pub const COUNT: usize = 15;
+    pub const COUNT: usize = 16;
 
     /// All of them.
     pub const ALL: [Self; Self::COUNT] = [
@@ -126,6 +129,7 @@ impl PlatformPort {
         Self::InclinationOffset(0),
         Self::InclinationOffset(1),
         Self::InclinationOffset(2),
+        Self::TrackerDelay,
     ];
 }
 
@@ -210,6 +214,7 @@ impl PlatformPorts {
             laser_direction: constants(laser.map_or([0.0, 0.0, -1.0], |l| l.direction)),
             target_normal: constants(laser.map_or([0.0, 0.0, 1.0], |l| l.target_plane.normal)),
             inclination_offset: constants([0.0; 3]),
+            tracker_delay: Dual::constant(0.0),
         }
     }
 }
@@ -225,6 +230,7 @@ impl<T: Copy> PlatformPorts<T> {
             PlatformPort::LaserDirection(axis) => self.laser_direction[axis],
             PlatformPort::TargetNormal(axis) => self.target_normal[axis],
             PlatformPort::InclinationOffset(angle) => self.inclination_offset[angle],
+            PlatformPort::TrackerDelay => self.tracker_delay,
         }
     }
 
@@ -238,6 +244,7 @@ impl<T: Copy> PlatformPorts<T> {
             laser_direction: [0, 1, 2].map(|axis| value(PlatformPort::LaserDirection(axis))),
             target_normal: [0, 1, 2].map(|axis| value(PlatformPort::TargetNormal(axis))),
             inclination_offset: [0, 1, 2].map(|k| value(PlatformPort::InclinationOffset(k))),
+            tracker_delay: value(PlatformPort::TrackerDelay),
         }
     }
 }

@@ -9,6 +9,8 @@ pub(super) const GO_BACK: &str =
 pub(super) const GO_FROM_EITHER_SIDE: &str =
     "Go to one pose from either side and compare the readings.";
 pub(super) const GO_THERE_AGAIN: &str = "Go to that pose again and compare the readings.";
+pub(super) const CHECK_CLOCKS: &str =
+    "Move the platform to and fro fast: against time, late readings follow the others.";
 pub(super) const REPEAT_WARMER: &str =
     "Repeat the run when it is warmer, and compare the readings at the same poses.";
 
@@ -31,6 +33,21 @@ pub(super) fn size(value: f64) -> String {
 /// A length (m).
 pub(super) fn millimetres(length_m: f64) -> String {
     format!("{} mm", size(1e3 * length_m))
+}
+
+/// A time (s).
+pub(super) fn milliseconds(time_s: f64) -> String {
+    format!("{} ms", size(1e3 * time_s))
+}
+
+/// A small ratio.
+pub(super) fn parts_per_million(ratio: f64) -> String {
+    format!("{} ppm", size(1e6 * ratio))
+}
+
+/// A force (N).
+pub(super) fn newtons(force_n: f64) -> String {
+    format!("{} N", size(force_n))
 }
 
 /// A ratio.

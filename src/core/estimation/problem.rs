@@ -153,6 +153,15 @@ impl<'a> Problem<'a> {
         self.method == Method::Joint && !self.dataset.measurements.force_n.is_empty()
     }
 
+    /// Whether something is held at approximate poses while it is solved: what effects depend on, and the motion of the
+    /// platform. It is then to be solved again at the poses found.
+    #[must_use]
+    pub fn depends_on_poses(&self) -> bool {
+        !self.held_effects.is_empty()
+            || !self.free_effects.is_empty()
+            || self.dataset.measurements.rates.is_some()
+    }
+
     /// Rows of the measurements that are fitted, the home row excluded.
     #[must_use]
     pub fn pose_rows(&self) -> Vec<usize> {

@@ -64,6 +64,7 @@ pub(crate) fn robot(free: &[Coordinate], cables: Vec<Cable>) -> Robot {
             free: free.to_vec(),
             mass_kg: Some(2.5),
             center_of_mass_m: [0.005, -0.003, 0.01],
+            inertia_kg_m2: None,
             wrench_sd: None,
         },
         laser: None,

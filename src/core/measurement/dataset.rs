@@ -1,5 +1,6 @@
 //! Measurements in columns; "not measured" is NaN, an empty column was never measured.
 
+use super::Rates;
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
@@ -131,6 +132,8 @@ pub struct Measurements {
     pub tracked_position_sd_m: Vec<[f64; 3]>,
     /// True values of simulated data.
     pub truth: Truth,
+    /// Rates of the readings, of samples of a recording in motion; none of poses at rest.
+    pub rates: Option<Rates>,
     /// Columns this program does not know: name and cells, kept when the data are written.
     pub other: Vec<(String, Vec<String>)>,
 }
@@ -211,6 +214,13 @@ impl Measurements {
                 poses: pick(&self.truth.poses, rows),
                 tension_n: pick_grid(&self.truth.tension_n),
             },
+            rates: self.rates.as_ref().map(|rates| Rates {
+                length: [0, 1].map(|k| pick_grid(&rates.length[k])),
+                force: [0, 1].map(|k| pick_grid(&rates.force[k])),
+                laser: pick(&rates.laser, rows),
+                tracked: pick(&rates.tracked, rows),
+                sampling: rates.sampling.clone(),
+            }),
             other: self
                 .other
                 .iter()
@@ -220,8 +230,9 @@ impl Measurements {
     }
 
     /// Appends the rows of `other`. A quantity that only one of both has is "not measured" in the rows of the other one;
-    /// true poses are kept only where all rows have one.
+    /// true poses are kept only where all rows have one, and rates of a recording not at all.
     pub fn append(&mut self, other: Self) {
+        self.rates = None;
         let (before, added) = (self.len(), other.len());
         let join = Join { before, added };
         if other.truth.poses.is_empty() || (self.truth.poses.is_empty() && before > 0) {

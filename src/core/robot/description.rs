@@ -1,6 +1,6 @@
 //! Plain data of a robot; field names and units are those of `robot.json` (a public format).
 
-use nalgebra::Matrix6;
+use nalgebra::{Matrix3, Matrix6};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -136,12 +136,28 @@ pub struct Platform {
     /// Centre of mass in the platform frame (m).
     #[serde(default)]
     pub center_of_mass_m: [f64; 3],
+    /// Inertia about the centre of mass in the platform frame, `[xx yy zz xy xz yz]` (kg m^2); absent: that of a point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia_kg_m2: Option<[f64; 6]>,
     /// How exactly static equilibrium holds; absent: 1e-4 of the weight, and that times 0.1 m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrench_sd: Option<WrenchSd>,
 }
 
+/// The inertia `[xx yy zz xy xz yz]` as a matrix (kg m^2).
+pub(super) fn inertia_matrix([xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz)
+}
+
 impl Platform {
+    /// Inertia about the centre of mass in the platform frame (kg m^2); zero where it is not given.
+    #[must_use]
+    pub fn inertia(&self) -> Matrix3<f64> {
+        self.inertia_kg_m2
+            .as_ref()
+            .map_or_else(Matrix3::zeros, inertia_matrix)
+    }
+
     /// The coordinates in which the platform moves, as a set.
     #[must_use]
     pub fn freedom(&self) -> Freedom {

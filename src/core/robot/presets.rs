@@ -131,6 +131,7 @@ fn spatial_platform(mass_kg: f64) -> Platform {
         free: Coordinate::ALL.to_vec(),
         mass_kg: Some(mass_kg),
         center_of_mass_m: [0.0; 3],
+        inertia_kg_m2: None,
         wrench_sd: None,
     }
 }

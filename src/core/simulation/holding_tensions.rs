@@ -2,7 +2,7 @@
 
 use super::workspace::TensionRange;
 use crate::effect::{BoundEffect, Dual, PlatformPorts, PoseContexts};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Twist};
 use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
 use crate::robot::Robot;
@@ -77,6 +77,8 @@ pub(super) struct Visit<'a> {
     pub first: Option<(Epoch, &'a Pose)>,
     pub epoch: Epoch,
     pub pose: &'a Pose,
+    /// Velocity and acceleration of the platform there (m, rad, s; base frame).
+    pub motion: [Twist; 2],
 }
 
 /// The robot with its geometry and weight as changed by the effects at a visit under `tensions` (N).
@@ -131,7 +133,7 @@ pub(super) fn holding_tensions(
         return Ok(Some(vec![0.0; truth.cable_count()]));
     }
     let pose = visit.pose;
-    let mut tensions = range.tensions(truth, pose)?;
+    let mut tensions = range.tensions_in_motion(truth, pose, &visit.motion)?;
     if effects.is_empty() {
         return Ok(tensions);
     }
@@ -141,7 +143,7 @@ pub(super) fn holding_tensions(
             break;
         };
         let robot = robot_under_effects(truth, effects, visit, &before);
-        tensions = range.tensions(&robot, pose)?;
+        tensions = range.tensions_in_motion(&robot, pose, &visit.motion)?;
         let converged = tensions.as_ref().is_some_and(|now| {
             let steps = now.iter().zip(&before).map(|(a, b)| (a - b).abs());
             steps.fold(0.0, f64::max) < TENSION_TOLERANCE_N
@@ -167,6 +169,7 @@ pub(crate) fn holding_tensions_after_home(
         first: home.as_ref().map(|home| (epoch(0), home)),
         epoch: epoch(visited),
         pose,
+        motion: [Twist::zeros(); 2],
     };
     holding_tensions(robot, effects, &visit, range)
 }

@@ -5,6 +5,8 @@ mod inversion;
 mod phase_tables;
 mod quasi_static_robot;
 mod readings;
+mod recording;
+mod trajectory;
 mod virtual_robot;
 mod workspace;
 
@@ -13,8 +15,12 @@ pub use holding_tensions::{Epoch, ambient_temperature_c};
 pub use phase_tables::{PhaseTables, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};
+pub use recording::{Recording, record};
 pub use virtual_robot::{
     Simulated, SimulationError, SimulationOptions, TrueGeometry, simulate, true_robot,
 };
 pub(crate) use workspace::bounds;
 pub use workspace::{TensionRange, Workspace};
+
+#[cfg(test)]
+mod tests;

@@ -57,6 +57,7 @@ impl QuasiStaticRobot {
             first: None,
             epoch: zeroed_at,
             pose: &home,
+            motion: [Twist::zeros(); 2],
         };
         let infeasible = SimulationError::infeasible(&range, "the home pose");
         let home_tensions_n =
@@ -100,6 +101,7 @@ impl QuasiStaticRobot {
             first: Some((self.zeroed_at, &self.home)),
             epoch: at,
             pose,
+            motion: [Twist::zeros(); 2],
         };
         let held = holding_tensions(&self.truth, &self.effects, &visit, &self.range)?;
         let infeasible = SimulationError::infeasible(&self.range, "the commanded pose");

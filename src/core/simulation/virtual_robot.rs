@@ -9,7 +9,7 @@ use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
 use crate::effect::{BoundEffect, EffectError, EffectSetting};
 use crate::estimation::EstimationError;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Twist};
 use crate::kinematics::{KinematicsError, inverse_kinematics};
 use crate::measurement::{Dataset, Grid};
 use crate::robot::Robot;
@@ -91,6 +91,9 @@ pub enum SimulationError {
     /// An effect cannot be attached.
     #[error(transparent)]
     Effect(#[from] EstimationError),
+    /// An effect acts on readings in motion, and there is none.
+    #[error("effect \"{0}\" shows only where the platform moves: expected a recording in motion")]
+    AtRest(&'static str),
     /// No equilibrium was found at the motor revolutions.
     #[error("the platform has no equilibrium at these motor revolutions")]
     NoEquilibrium,
@@ -127,6 +130,9 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let truth = draw_truth(robot, options, &mut rng);
     let effects = bind(&truth)?;
+    if let Some(bound) = effects.iter().find(|bound| bound.effect.is_in_motion()) {
+        return Err(SimulationError::AtRest(bound.effect.id()));
+    }
     let (poses, commanded, tensions) = visit_poses(robot, (&truth, &effects), options, &mut rng)?;
     let schedule = Schedule::of(robot, poses.len() - 1);
     let mut exact = Dataset {
@@ -168,7 +174,11 @@ pub fn true_robot(robot: &Robot, options: &SimulationOptions) -> Robot {
     draw_truth(robot, options, &mut ChaCha8Rng::seed_from_u64(options.seed))
 }
 
-fn draw_truth(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) -> Robot {
+pub(super) fn draw_truth(
+    robot: &Robot,
+    options: &SimulationOptions,
+    rng: &mut ChaCha8Rng,
+) -> Robot {
     let mut truth = robot.clone();
     truth.effects.extend(options.effects.iter().cloned());
     for (index, cable) in truth.cables.iter_mut().enumerate() {
@@ -225,6 +235,7 @@ fn visit_poses(
             first: poses.first().map(|first| (epoch(0), first)),
             epoch: epoch(poses.len()),
             pose,
+            motion: [Twist::zeros(); 2],
         };
         holding_tensions(truth, effects, &visit, &range)
     };

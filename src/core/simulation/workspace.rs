@@ -3,7 +3,8 @@
 use nalgebra::DVector;
 use rand::{Rng, RngExt};
 
-use crate::geometry::{Pose, Vec3};
+use crate::effect::inertia;
+use crate::geometry::{Pose, Twist, Vec3};
 use crate::kinematics::{
     Feasibility, KinematicsError, applied_wrench, distribute_tension, structure_matrix,
 };
@@ -196,8 +197,22 @@ impl TensionRange {
         robot: &Robot,
         pose: &Pose,
     ) -> Result<Option<Vec<f64>>, KinematicsError> {
+        self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2])
+    }
+
+    /// Tensions that balance the platform at `pose` while it has a velocity and an acceleration (m, rad, s; base frame), if
+    /// there are any: `A^T T + w = [m a_c; c x m a_c + I alpha + w x I w]`.
+    pub(super) fn tensions_in_motion(
+        self,
+        robot: &Robot,
+        pose: &Pose,
+        motion: &[Twist; 2],
+    ) -> Result<Option<Vec<f64>>, KinematicsError> {
         let structure = structure_matrix(robot, pose)?;
-        let wrench: DVector<f64> = applied_wrench(robot, pose)?;
+        let mut wrench: DVector<f64> = applied_wrench(robot, pose)?;
+        if motion.iter().any(|twist| *twist != Twist::zeros()) {
+            wrench -= inertial_wrench(robot, pose, motion);
+        }
         let all = |value: f64| vec![value; robot.cable_count()];
         let found = distribute_tension(
             &structure,
@@ -208,6 +223,19 @@ impl TensionRange {
         );
         Ok((found.feasibility == Feasibility::Feasible).then_some(found.tensions_n))
     }
+}
+
+/// What accelerates the platform, in its free coordinates (N, N m).
+fn inertial_wrench(robot: &Robot, pose: &Pose, motion: &[Twist; 2]) -> DVector<f64> {
+    let inertia = inertia(robot, pose, motion);
+    let [force, own] = [0, 3].map(|first| inertia.fixed_rows::<3>(first).into_owned());
+    let force: Vec3 = force * robot.platform.mass_kg.unwrap_or(0.0);
+    let lever = pose.orientation * Vec3::from(robot.platform.center_of_mass_m);
+    let torque = own + lever.cross(&force);
+    let wrench = [force.x, force.y, force.z, torque.x, torque.y, torque.z];
+    let freedom = robot.platform.freedom();
+    let free = freedom.coordinates().iter().map(|c| wrench[c.index()]);
+    DVector::from_iterator(freedom.count(), free)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Times of the rows of a series.
 
+use tautline_session::{Place, ReadError, quoted};
+
 use crate::median::median;
 use crate::recipe::{Mapping, Recipe, is_series};
 
@@ -14,6 +16,8 @@ pub(crate) struct Times {
     pub jumps: Vec<(usize, f64)>,
     /// Rows before which rows are missing, and how long (s).
     pub gaps: Vec<(usize, f64)>,
+    /// Usual time from row to row (s); 0 where there is none.
+    pub usual_s: f64,
     closed: bool,
 }
 
@@ -36,6 +40,7 @@ impl Times {
             time_s,
             jumps: Vec::new(),
             gaps: Vec::new(),
+            usual_s: 0.0,
             closed: false,
         };
         let clock = recipe
@@ -59,6 +64,7 @@ impl Times {
         let Some(usual) = usual_step(time_s) else {
             return;
         };
+        self.usual_s = usual;
         let whole: f64 = usual * time_s.len() as f64;
         let mut shift = 0.0;
         let mut last = time_s[0];
@@ -78,6 +84,22 @@ impl Times {
             *time += shift;
         }
         self.closed = close;
+    }
+
+    /// The times, or the sentence that they are expected for something.
+    pub fn expected_of(
+        &self,
+        series: &str,
+        file: &str,
+        what_for: &str,
+    ) -> Result<&[f64], ReadError> {
+        self.time_s.as_deref().ok_or_else(|| {
+            let series = quoted(series);
+            let message = format!(
+                "the series {series} has no times, expected a channel that is time_s {what_for}"
+            );
+            ReadError::new(file, Place::File, message)
+        })
     }
 
     /// Sentences about jumps and gaps.

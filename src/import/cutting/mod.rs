@@ -1,6 +1,7 @@
 //! Rows to poses.
 
 mod clock;
+mod interpolation;
 mod rest;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,8 @@ use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
 
+/// Longest time between samples of a recording in motion (s).
+const LONGEST_STEP_S: f64 = 0.2;
 /// Fewest rows of a recording: fewer are poses, one in each row.
 const RECORDING: usize = 100;
 
@@ -63,6 +66,16 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
     !rests.is_empty() && rests.len() * 5 < time_s.len()
 }
 
+/// Whether the series of the cables is sampled fast enough to know how it moves.
+pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
+    let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
+        return false;
+    };
+    let main = main_series(&mapping);
+    let usual_s = Times::of(&mapping, main, recipe).usual_s;
+    is_recording(mapping.series[main]) && usual_s > 0.0 && usual_s <= LONGEST_STEP_S
+}
+
 /// The series that has most of the quantities that move.
 pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
     let mut counts = vec![0_usize; mapping.series.len()];
@@ -103,20 +116,23 @@ pub(crate) fn cut(
     let rows = mapping.series[main].rows;
     let ranges: Vec<Range<usize>> = match &recipe.cutting {
         Cutting::Rows => (0..rows).map(|row| row..row + 1).collect(),
+        Cutting::Motion => {
+            all[main].expected_of(
+                &mapping.series[main].name,
+                file,
+                "for a recording in motion",
+            )?;
+            (0..rows).map(|row| row..row + 1).collect()
+        }
         Cutting::Labels => by_labels(mapping, main, file)?,
         Cutting::Rest(rest) => {
-            let Some(time_s) = &all[main].time_s else {
-                let message = format!(
-                    "the series {} has no times, expected a channel that is time_s to find rests",
-                    quoted(&mapping.series[main].name)
-                );
-                return Err(ReadError::new(file, Place::File, message));
-            };
+            let time_s =
+                all[main].expected_of(&mapping.series[main].name, file, "to find rests")?;
             let limits = Limits::of(robot, rest);
             let found = rest::find(mapping, main, time_s, rest, &limits);
             if found.is_empty() {
                 let message = format!(
-                    "found no rest of {} s among {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe); recordings in motion are not read yet",
+                    "found no rest of {} s among {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or the cutting \"motion\" for a recording in motion",
                     rest.minimum_s
                 );
                 return Err(ReadError::new(file, Place::File, message));
@@ -128,7 +144,10 @@ pub(crate) fn cut(
     };
     let mut poses = Vec::with_capacity(ranges.len());
     for range in &ranges {
-        poses.push(pose(mapping, main, &all, range, file)?);
+        poses.push(match recipe.cutting {
+            Cutting::Motion => sample(mapping, main, &all, range.start),
+            _ => pose(mapping, main, &all, range, file)?,
+        });
     }
     from_first_pose(mapping, &mut poses);
     Ok(poses)
@@ -221,6 +240,44 @@ fn pose(
     }
     align_quaternions(mapping, &mut pose);
     Ok(pose)
+}
+
+/// What was read at a row of the main series, other series interpolated at its time: their clocks are never quite in step.
+fn sample(mapping: &Mapping<'_>, main: usize, times: &[Times], row: usize) -> CutPose {
+    let at_s = times[main].time_s.as_ref().map(|time_s| time_s[row]);
+    let mut sample = CutPose {
+        label: None,
+        group: None,
+        time_s: at_s.map(|time| [time; 2]),
+        first_row: row,
+        rows: 1,
+        readings: BTreeMap::new(),
+    };
+    for (quantity, mapped) in mapping
+        .quantities
+        .iter()
+        .filter(|(quantity, _)| !quantity.is_text())
+    {
+        let values = &mapping.series[mapped.series].channels[mapped.channel].values;
+        let other = &times[mapped.series];
+        let value = match (mapped.series == main, &other.time_s, at_s) {
+            (false, Some(time_s), Some(at_s)) => {
+                interpolation::value_at(time_s, values, other.usual_s, at_s)
+            }
+            _ => values.get(row).copied().filter(|value| !value.is_nan()),
+        };
+        if let Some(value) = value {
+            let mean = mapped.factor * value + mapped.offset;
+            // Two, as what is interpolated is made of several.
+            let number = if mapped.series == main { 1 } else { 2 };
+            let sd = f64::NAN;
+            sample
+                .readings
+                .insert(*quantity, Averaged { mean, sd, number });
+        }
+    }
+    align_quaternions(mapping, &mut sample);
+    sample
 }
 
 fn text_at(series: &Series, mapped: &Mapped, row: usize) -> String {

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use tautline_core::robot::Robot;
 
-use crate::cutting::{is_recording, sampled_at_rest};
+use crate::cutting::{is_recording, sampled_at_rest, sampled_in_motion};
 use crate::naming::words::{
     ANGLES, EXTERNAL, GROUP, LABEL, LASER, PER_CABLE, TEMPERATURE, TIME, WANTED,
 };
@@ -408,6 +408,8 @@ impl Proposal<'_> {
             Cutting::Labels
         } else if series().any(is_recording) && sampled_at_rest(sources, &self.recipe, self.robot) {
             Cutting::Rest(Rest::default())
+        } else if sampled_in_motion(sources, &self.recipe, self.robot) {
+            Cutting::Motion
         } else {
             Cutting::Rows
         };

@@ -96,6 +96,8 @@ pub enum Cutting {
     Labels,
     /// Where nothing moves for a time is a pose.
     Rest(Rest),
+    /// Every row is a sample of a recording in motion; other series are interpolated at its times.
+    Motion,
 }
 
 /// What counts as rest.

@@ -23,7 +23,7 @@ pub(super) fn robot(
     let body = bodies.map(|(file, root)| body(file, root)).transpose()?;
     let platform = body.unwrap_or_else(|| {
         notices.push(format!("{file}: without the file of the bodies the platform has six degrees of freedom and no mass"));
-        Platform { free: Coordinate::ALL.to_vec(), mass_kg: None, center_of_mass_m: [0.0; 3], wrench_sd: None }
+        Platform { free: Coordinate::ALL.to_vec(), mass_kg: None, center_of_mass_m: [0.0; 3], inertia_kg_m2: None, wrench_sd: None }
     });
     let set = cable_set(file, cables)?;
     let mut robot = Robot {
@@ -147,6 +147,7 @@ fn body(file: &str, root: &Element) -> Result<Platform, ReadError> {
         free,
         mass_kg: mass_kg.filter(|mass| *mass > 0.0),
         center_of_mass_m,
+        inertia_kg_m2: None,
         wrench_sd: None,
     })
 }

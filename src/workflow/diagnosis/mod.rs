@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use tautline_core::diagnosis::{DiagnosisOptions, DiagnosisProgress, diagnose};
+use tautline_core::diagnosis::{DiagnosisOptions, DiagnosisProgress, MOST_SAMPLES, diagnose};
 use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
@@ -17,7 +17,8 @@ use crate::identification::Identification;
 /// Time (s) after which a diagnosis ends with the best answer so far, unless another limit is given.
 pub const TIME_LIMIT_S: f64 = 60.0;
 
-/// Diagnoses the model of a dataset, with its raw measurements, rows of one standstill averaged, at a probability of a false alarm and within a time (s).
+/// Diagnoses the model of a dataset, with its raw measurements, rows of one standstill averaged
+/// and recordings in motion thinned, at a probability of a false alarm and within a time (s).
 ///
 /// # Errors
 /// If the data do not make a problem.
@@ -31,7 +32,10 @@ pub fn diagnose_dataset(
         ..DiagnosisOptions::default()
     };
     // Plots of the result are of the same rows.
-    let dataset = match dataset.measurements.standstills_averaged(&dataset.robot) {
+    let dataset = match dataset
+        .measurements
+        .independent(&dataset.robot, MOST_SAMPLES)
+    {
         (Cow::Owned(measurements), _) => Arc::new(Dataset {
             robot: dataset.robot.clone(),
             measurements,

@@ -25,7 +25,7 @@ pub(super) fn solve<'a>(
     let mut problem = request.options.problem(&request.dataset, request.method)?;
     let options = Options::default();
     let mut solution = solve_once(&problem, &options, observe)?;
-    if problem.held_effects.is_empty() && request.effects.is_empty() {
+    if !problem.depends_on_poses() && request.effects.is_empty() {
         return Ok((problem, solution));
     }
     let mut iterations = solution.iterations;
@@ -50,9 +50,9 @@ pub(super) fn solve<'a>(
 
 /// The same problem with its context at the poses of its own solution.
 pub(super) fn at_poses_of<'a>(problem: Problem<'a>, solution: &Solution) -> Problem<'a> {
-    if problem.held_effects.is_empty() && problem.free_effects.is_empty() {
-        problem
-    } else {
+    if problem.depends_on_poses() {
         problem.at_poses_of(solution)
+    } else {
+        problem
     }
 }

@@ -8,6 +8,9 @@ use tautline_core::estimation::{EstimationError, Geometry, Loss, Method, Poses, 
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
 
+/// Most samples of a recording in motion that are identified from.
+const MOST_SAMPLES: usize = 1500;
+
 /// What to identify.
 #[derive(Debug, Clone)]
 pub struct IdentificationRequest {
@@ -60,7 +63,8 @@ impl IdentificationOptions {
 }
 
 impl IdentificationRequest {
-    /// Identifies the robot of a dataset, with its raw measurements, together with `effects`.
+    /// Identifies the robot of a dataset, with its raw measurements, together with `effects`; recordings in motion are
+    /// thinned to independent samples.
     ///
     /// Effects without a parameter to estimate, as exchanged channels, become part of the robot's model; those of a pose
     /// that is not in the data act on nothing and are left out.
@@ -80,6 +84,13 @@ impl IdentificationRequest {
             } else if bound.check_poses(&dataset.measurements).is_ok() {
                 free.push(bound);
             }
+        }
+        // Of a recording in motion those samples whose noise is independent.
+        if let Some(samples) = dataset
+            .measurements
+            .independent_samples(&dataset.robot, MOST_SAMPLES)
+        {
+            dataset.measurements = samples;
         }
         // Only exchanged channels make measurements of their own.
         let modelled = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;

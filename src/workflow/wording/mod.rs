@@ -3,9 +3,12 @@
 pub mod local_time;
 pub mod parameters;
 pub mod probability;
+mod recording;
 pub mod units;
 
 use tautline_core::diagnosis::Quantity;
+
+pub use recording::sampling_sentence;
 
 /// `a, b and c`.
 pub fn list<S: AsRef<str>>(items: &[S]) -> String {

@@ -5,6 +5,8 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+use tautline_workflow::wording::sampling_sentence;
+
 use super::Diagnosed;
 
 /// Most remaining dependences that are listed unless all numbers are asked for.
@@ -14,6 +16,7 @@ const REMAINING_SHOWN: usize = 5;
 pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     let diagnosis = &diagnosed.diagnosis;
     let mut lines = vec![diagnosed.headline()];
+    lines.extend(sampling_sentence(&diagnosed.dataset.measurements));
     lines.extend(diagnosed.fit());
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         lines.push(String::new());

@@ -1,8 +1,8 @@
 //! The slopes of all ports against central differences.
 
 use crate::effect::{
-    CATALOGUE, CableContext, CablePort, CablePorts, Dual, Effect, PlatformContext, PlatformPort,
-    PlatformPorts,
+    CableContext, CablePort, CablePorts, Dual, Effect, PlatformContext, PlatformPort,
+    PlatformPorts, every_effect,
 };
 use crate::robot::presets;
 
@@ -16,6 +16,8 @@ pub(super) fn at_cable() -> CableContext {
         revolutions: 2.3,
         drum_per_motor: 0.25,
         direction: -1.0,
+        paid_rates: [0.2, -0.3],
+        tension_rates: [14.0, 30.0],
         tension_n: 120.0,
         mean_tension_n: 80.0,
         tension_gain: 2.0,
@@ -35,6 +37,9 @@ pub(super) fn at_platform() -> PlatformContext {
         time_s: 1200.0,
         temperature_change_k: 3.0,
         laser_m: 0.47,
+        laser_rates: [-0.1, 0.4],
+        twists: Default::default(),
+        inertia: crate::geometry::Twist::zeros(),
         inclination_rad: [0.1, -0.2, 2.9],
         laser_direction: [0.0, 0.0, -1.0],
         target_normal: [0.0, 0.0, 1.0],
@@ -61,7 +66,7 @@ fn scalars(effect: &Effect, values: &[Dual]) -> Vec<Dual> {
 
 #[test]
 fn slopes_match_differences() {
-    for effect in CATALOGUE {
+    for effect in every_effect() {
         let parameters = effect.parameters();
         let values: Vec<f64> = parameters
             .iter()
@@ -104,7 +109,7 @@ fn slopes_match_differences() {
 
 #[test]
 fn neutral_values_change_nothing() {
-    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
+    for effect in every_effect().filter(|e| e.is_estimable()) {
         let neutral: Vec<Dual> = effect
             .neutral_values()
             .into_iter()

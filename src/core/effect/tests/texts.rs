@@ -1,6 +1,6 @@
 //! What effects say, in the words of those who repair the robot.
 
-use crate::effect::{BoundEffect, CATALOGUE, Effect, Scope, Search, find};
+use crate::effect::{BoundEffect, Effect, Scope, Search, every_effect, find};
 use crate::robot::{Robot, presets};
 
 /// All cables of the mini robot.
@@ -52,7 +52,7 @@ fn targets(effect: &Effect) -> &'static [&'static [usize]] {
 /// Calls `check` with every effect, target, size and sign on both robots.
 fn everywhere(mut check: impl FnMut(&Robot, &BoundEffect)) {
     for robot in [mini(), absolute()] {
-        for effect in CATALOGUE {
+        for effect in every_effect() {
             for cables in targets(effect) {
                 for (share, sign) in [(0.0, 1.0), (0.33, 1.0), (0.33, -1.0), (1.0, 1.0)] {
                     check(&robot, &bound(effect, cables, sizes(effect, share, sign)));
@@ -94,7 +94,7 @@ fn every_effect_says_whole_sentences() {
 
 #[test]
 fn every_effect_has_a_check_in_the_workshop() {
-    for effect in CATALOGUE {
+    for effect in every_effect() {
         let check = effect.check().unwrap_or_else(|| panic!("{}", effect.id()));
         assert!(check.starts_with(char::is_uppercase), "{check}");
         assert!(check.ends_with('.') && !check.contains(". "), "{check}");
@@ -122,7 +122,7 @@ fn ratios_are_not_told_as_bare_numbers() {
 #[test]
 fn the_sign_of_a_value_changes_the_words() {
     for robot in [mini(), absolute()] {
-        for effect in CATALOGUE.iter().filter(|effect| effect.is_estimable()) {
+        for effect in every_effect().filter(|effect| effect.is_estimable()) {
             // The sign of a wave is a matter of its phase.
             if matches!(effect.search(), Search::Wave { .. }) {
                 continue;
@@ -136,7 +136,7 @@ fn the_sign_of_a_value_changes_the_words() {
 
 #[test]
 fn every_target_is_named() {
-    for effect in CATALOGUE {
+    for effect in every_effect() {
         let texts = targets(effect).iter().map(|cables| {
             let bound = bound(effect, cables, sizes(effect, 0.3, 1.0));
             bound.cause(&mini())

@@ -92,6 +92,7 @@ impl<T: Packet> ColumnStore<T> {
             laser_direction: self.load_three(&ports.laser_direction, batch),
             target_normal: self.load_three(&ports.target_normal, batch),
             inclination_offset: self.load_three(&ports.inclination_offset, batch),
+            tracker_delay: self.load(ports.tracker_delay, batch),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::columns::{Column, ColumnStore};
+use super::motion::MotionColumns;
 use crate::effect::{
     BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, PoseContexts, Stage,
 };
@@ -33,6 +34,8 @@ pub(super) struct PortInputs<T: Packet> {
     pub cables: Vec<CableColumns>,
     pub platform: PlatformPorts<Column>,
     pub platform_links: Vec<Link<PlatformPort>>,
+    /// Motion of the platform, where it does not rest.
+    pub motion: Option<MotionColumns>,
 }
 
 /// Ports of one cable, and how the free effects act on them.
@@ -47,14 +50,14 @@ pub(super) struct CableColumns {
 pub(super) struct Selection<'a> {
     pub rows: &'a [usize],
     pub is_home: bool,
-    /// What effects may depend on; there if there are effects.
+    /// What effects may depend on; there if there are effects or motion.
     pub contexts: Option<&'a PoseContexts>,
 }
 
 /// What effects may depend on: as the problem knows it, else at the commanded poses, else the tracker's, else
-/// home; nothing without effects.
+/// home; nothing without effects at rest.
 pub(super) fn contexts_of(problem: &Problem<'_>) -> Option<Arc<PoseContexts>> {
-    if problem.held_effects.is_empty() && problem.free_effects.is_empty() {
+    if !problem.depends_on_poses() {
         return None;
     }
     if let Some(known) = &problem.contexts {
@@ -210,7 +213,9 @@ impl<T: Packet> PortInputs<T> {
             .map(|index| pack_cable(&mut store, problem, globals, selection, index))
             .collect();
         let (platform, platform_links) = pack_platform(&mut store, problem, globals, selection);
+        let motion = MotionColumns::pack(&mut store, problem, selection);
         Self {
+            motion,
             store,
             cables,
             platform,

@@ -5,6 +5,7 @@ mod columns;
 mod equations;
 mod inputs;
 mod layout;
+mod motion;
 mod noise;
 mod normal;
 mod packing;
@@ -45,7 +46,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     problem: &'a Problem<'a>,
     rows: Vec<usize>,
     is_home: bool,
-    /// What effects may depend on; there if there are effects.
+    /// What effects may depend on; there if there are effects or motion.
     contexts: Option<Arc<PoseContexts>>,
     /// Whether tensions have errors of their own.
     is_latent: bool,

@@ -1,6 +1,7 @@
 //! Evaluates all rows of one packet of poses.
 
 use super::cable_rows::{CableInputs, CableState, EquilibriumRows, add_lever_rotation};
+use super::motion::Lag;
 use super::platform_rows::{self, LaserInputs};
 use super::{Evaluator, LARGEST_ERROR};
 use crate::effect::PlatformPort;
@@ -88,7 +89,7 @@ impl<T: Packet> Evaluator<'_, T> {
         }
     }
 
-    /// Adds gravity, whitens, and leaves out coordinates that are not free.
+    /// Adds gravity and inertia, whitens, and leaves out coordinates that are not free.
     #[inline(always)]
     fn whiten_equilibrium(
         &mut self,
@@ -154,13 +155,21 @@ impl<T: Packet> Evaluator<'_, T> {
     ) {
         let ports = self.ports.store.load_platform(&self.ports.platform, batch);
         let mass = ports.mass;
-        let per_kilogram = constants(mass, self.gravity);
+        let mut per_kilogram = constants(mass, self.gravity);
+        let mut spin = [mass.lift(0.0); 3];
+        if let Some(motion) = &self.ports.motion {
+            let acceleration = self.ports.store.load_three(&motion.inertia, batch);
+            spin = self.ports.store.load_three(&motion.inertia[3..], batch);
+            for k in 0..3 {
+                per_kilogram[k] = per_kilogram[k] - acceleration[k];
+            }
+        }
         let weight = scaled(per_kilogram, mass);
         let lever = pose.rotate(ports.center_of_mass);
         let torque = crate::real::cross(lever, weight);
         for k in 0..3 {
             equilibrium.residual[k] = equilibrium.residual[k] + weight[k];
-            equilibrium.residual[3 + k] = equilibrium.residual[3 + k] + torque[k];
+            equilibrium.residual[3 + k] = equilibrium.residual[3 + k] + torque[k] - spin[k];
         }
         add_lever_rotation(lever, weight, equilibrium);
         for link in &self.ports.platform_links {
@@ -202,13 +211,24 @@ impl<T: Packet> Evaluator<'_, T> {
             };
             inputs.row(row, &links, &self.layout, pose, &mut self.equations);
         }
+        let lag = self.lag(batch, ports.tracker_delay);
+        let seen = match &lag {
+            Some(lag) => pose.moved(lag.step),
+            None => *pose,
+        };
         if let Some(first) = self.layout.tracker_position {
             let position = &self.platform.tracker_position;
             let reading = self.readings.load_three(position, batch);
             let weight = self
                 .readings
                 .load_three(&self.platform.tracker_inverse_sd, batch);
-            platform_rows::tracker_position_rows(first, reading, weight, pose, &mut self.equations);
+            platform_rows::tracker_position_rows(
+                first,
+                reading,
+                weight,
+                &seen,
+                &mut self.equations,
+            );
         }
         let tracker_sd = robot.tracker.and_then(|t| t.orientation_sd_rad);
         if let (Some(first), Some(sd)) = (self.layout.tracker_orientation, tracker_sd) {
@@ -217,7 +237,10 @@ impl<T: Packet> Evaluator<'_, T> {
             let reading = [self.readings.load(columns[0], batch), x, y, z];
             let weight = zero.lift(sd.recip());
             let equations = &mut self.equations;
-            platform_rows::tracker_orientation_rows(first, reading, weight, pose, equations);
+            platform_rows::tracker_orientation_rows(first, reading, weight, &seen, equations);
+        }
+        if let Some(lag) = &lag {
+            lag.complete(&links, &self.layout, &mut self.equations);
         }
         if let (Some(first), Some(sensor)) = (self.layout.inclination, robot.inclinometer) {
             let reading = self.readings.load_three(&self.platform.inclination, batch);
@@ -231,5 +254,21 @@ impl<T: Packet> Evaluator<'_, T> {
                 &mut self.equations,
             );
         }
+    }
+
+    /// What the external instrument lags behind; nothing at rest, or without one.
+    #[inline(always)]
+    fn lag(&self, batch: usize, delay: T) -> Option<Lag<T>> {
+        let motion = self.ports.motion.as_ref()?;
+        self.layout
+            .tracker_position
+            .or(self.layout.tracker_orientation)?;
+        let zero = T::splat(self.token, 0.0);
+        let mut twists = [[zero; 6]; 2];
+        for k in 0..6 {
+            twists[0][k] = self.ports.store.load(motion.velocity[k], batch);
+            twists[1][k] = self.ports.store.load(motion.acceleration[k], batch);
+        }
+        Some(Lag::new(twists[0], twists[1], delay))
     }
 }

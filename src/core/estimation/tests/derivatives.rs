@@ -2,7 +2,7 @@
 
 use super::super::evaluator::{Equations, Evaluator, Layout};
 use super::super::home::HomeRow;
-use super::ports::{Traits, every_effect, sample, set_lengths};
+use super::ports::{Traits, every_effect, sample, set_in_motion, set_lengths};
 use super::*;
 use crate::geometry::{Coordinate, Pose, Twist};
 
@@ -104,7 +104,16 @@ fn check_rows(name: &str, exact: &[f64], plus: &[f64], minus: &[f64], step: f64,
 }
 
 fn check_all(traits: Traits) {
+    check_in_state(traits, false);
+    check_in_state(traits, true);
+}
+
+/// At rest or in motion.
+fn check_in_state(traits: Traits, moves: bool) {
     let (mut dataset, poses) = sample(traits);
+    if moves {
+        set_in_motion(&mut dataset, traits.seed);
+    }
     let effects = every_effect(&dataset.robot);
     set_lengths(&mut dataset, &poses, &effects);
     let mut problem = Problem::new(&dataset).unwrap();

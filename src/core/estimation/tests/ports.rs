@@ -5,13 +5,13 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cable::ElongationSurface;
 use crate::effect::{
-    BoundEffect, CATALOGUE, CableContext, CablePorts, Dual, Effect, EffectParameter, EffectRequest,
-    PlatformContext, PlatformPorts, Scope, Search,
+    BoundEffect, CableContext, CablePorts, Dual, Effect, EffectParameter, EffectRequest,
+    PlatformContext, PlatformPorts, Scope, Search, every_effect as catalogue,
 };
 use crate::estimation::{Globals, Method, Problem, residuals_at};
 use crate::geometry::{Coordinate, Pose, Twist};
 use crate::kinematics::samples::{anywhere, generator};
-use crate::measurement::{Dataset, Grid, Measurements};
+use crate::measurement::{Dataset, Grid, Measurements, Rates};
 use crate::robot::{
     ForceSensor, Home, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker, WrenchSd,
 };
@@ -53,7 +53,7 @@ fn change_every_cable_port(p: &[Dual], _: &CableContext, ports: &mut CablePorts)
 static EVERY_PLATFORM_PORT: Effect = Effect {
     id: "every_platform_port",
     scope: Scope::Robot,
-    parameters: &[ANY; 15],
+    parameters: &[ANY; 16],
     change_platform: change_every_platform_port,
     ..Effect::NEUTRAL
 };
@@ -68,6 +68,7 @@ fn change_every_platform_port(p: &[Dual], _: &PlatformContext, ports: &mut Platf
         ports.target_normal[k] += p[9 + k] * 0.3;
         ports.inclination_offset[k] += p[12 + k];
     }
+    ports.tracker_delay += p[15] * 0.1;
 }
 
 /// The port effects on the first and last cable, and the whole catalogue on the first.
@@ -84,9 +85,9 @@ pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
         effect: &EVERY_PLATFORM_PORT,
         cables: Vec::new(),
         targeted: false,
-        values: vec![0.0; 15],
+        values: vec![0.0; 16],
     });
-    for effect in CATALOGUE.iter().filter(|e| e.is_estimable()) {
+    for effect in catalogue().filter(|e| e.is_estimable()) {
         // The label of a pose is given: the last one, or one before it, from which only the last is.
         let label = match effect.search() {
             Search::AtPose(_) => 2.0,
@@ -232,6 +233,33 @@ fn readings(rng: &mut ChaCha8Rng, traits: Traits, poses: &[Pose]) -> Measurement
         tracked_orientation_wxyz: poses.iter().map(|p| turned(p).orientation_wxyz()).collect(),
         ..Measurements::default()
     }
+}
+
+/// Lets the samples be of a recording in motion.
+pub fn set_in_motion(dataset: &mut Dataset, seed: u64) {
+    let mut rng = generator(seed);
+    let (rows, cables) = (dataset.measurements.len(), dataset.robot.cable_count());
+    let mut grid = |size: f64| {
+        let mut grid = Grid::missing(rows, cables);
+        for (row, cable) in (0..rows).flat_map(|row| (0..cables).map(move |cable| (row, cable))) {
+            grid.set(row, cable, rng.random_range(-size..size));
+        }
+        grid
+    };
+    dataset.robot.platform.inertia_kg_m2 = Some([0.1, 0.2, 0.15, 0.02, -0.01, 0.03]);
+    dataset.measurements.rates = Some(Rates {
+        length: [grid(0.1), grid(0.2)],
+        force: [grid(10.0), grid(50.0)],
+        laser: vec![[0.2, -0.3]; rows],
+        tracked: vec![
+            [
+                Twist::new(0.2, -0.1, 0.3, 0.4, -0.2, 0.5),
+                Twist::new(-0.4, 0.3, 0.5, -0.6, 0.2, 0.7),
+            ];
+            rows
+        ],
+        ..Rates::default()
+    });
 }
 
 /// Sets the length readings to what the problem with `effects` predicts at `poses`.

@@ -6,6 +6,7 @@
 mod field;
 mod layout;
 
+use super::description::inertia_matrix;
 use super::{Cable, Home, HomePlatform, Laser, Limits, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
 use crate::effect::{BoundEffect, EffectSetting};
@@ -183,6 +184,13 @@ fn check_platform(object: &Object, platform: &Platform) -> Checked {
         object.positive("mass_kg", mass_kg)?;
     }
     object.vector("center_of_mass_m", &platform.center_of_mass_m)?;
+    if let Some(inertia) = &platform.inertia_kg_m2 {
+        object.vector("inertia_kg_m2", inertia)?;
+        if inertia_matrix(inertia).cholesky().is_none() {
+            let message = "found no inertia of a body, expected [xx yy zz xy xz yz] of a positive definite matrix";
+            return object.fail("inertia_kg_m2", message);
+        }
+    }
     if let Some(sd) = &platform.wrench_sd {
         let object = object.child("wrench_sd");
         object.positive("force_n", sd.force_n)?;

@@ -12,6 +12,7 @@ fn robot() -> Robot {
             free: vec![Coordinate::X, Coordinate::Y, Coordinate::Z],
             mass_kg: None,
             center_of_mass_m: [0.0; 3],
+            inertia_kg_m2: None,
             wrench_sd: None,
         },
         laser: None,

@@ -66,6 +66,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         (Cutting::Rows, "Every row is a pose"),
         (Cutting::Labels, "Rows with one label are a pose"),
         (Cutting::Rest(rest), "Rests are poses"),
+        (Cutting::Motion, "A recording in motion"),
     ] {
         if ui.radio(now == cutting, title).clicked() && now != cutting {
             let what = title.to_lowercase();

@@ -1,0 +1,29 @@
+//! Lengths that are read late: `reading(t) = truth(t - delay)`, with the delay in seconds. What is paid out now is the reading
+//! plus `delay l' + delay^2 l''/2` with its own rates, from a smooth derivative; for delays that are short beside the motion.
+
+use super::words::CHECK_CLOCKS;
+use super::{Effect, EffectParameter, Scope};
+
+pub(super) static EFFECT: Effect = Effect {
+    id: "encoder_latency",
+    title: "Encoder latency",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("delay", "s", 0.05, [0.001, 0.05]).within(0.0, f64::INFINITY)
+    ],
+    cause: |found| {
+        found.say("The lengths of all cables are recorded {0:ms} {0:late|early}: each reading is where the cable was, not where it is.")
+    },
+    workshop: |found| {
+        found.say("Take the time stamps of the winches where they are read, in the drive, and not where they are recorded.")
+    },
+    check: Some(CHECK_CLOCKS),
+    source: "Transport delay; second order in the delay",
+    change_cable: |parameters, at, ports| {
+        let [rate, change] = at.paid_rates;
+        let delay = parameters[0];
+        ports.paid += delay * rate + delay * delay * (0.5 * change);
+    },
+    delays: |values, _, delays| delays.length += values[0],
+    ..Effect::NEUTRAL
+};

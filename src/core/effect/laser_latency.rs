@@ -1,0 +1,27 @@
+//! A laser that is read late: `reading(t) = truth(t - delay)`, with the delay in seconds: the reading expected is the distance
+//! less `delay d' + delay^2 d''/2` with its own rates.
+
+use super::words::CHECK_CLOCKS;
+use super::{Effect, EffectParameter, Scope};
+
+pub(super) static EFFECT: Effect = Effect {
+    id: "laser_latency",
+    title: "Laser latency",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("delay", "s", 0.05, [0.001, 0.05]).within(0.0, f64::INFINITY)
+    ],
+    cause: |found| {
+        found.say("The laser is recorded {0:ms} {0:late|early}: each reading is the distance that was, not the one that is.")
+    },
+    workshop: |found| found.say("Set the laser to its fastest output, or enter its delay."),
+    check: Some(CHECK_CLOCKS),
+    source: "Transport delay; second order in the delay",
+    change_platform: |parameters, at, ports| {
+        let [rate, change] = at.laser_rates;
+        let delay = parameters[0];
+        ports.laser_bias += -(delay * rate + delay * delay * (0.5 * change));
+    },
+    delays: |values, _, delays| delays.laser += values[0],
+    ..Effect::NEUTRAL
+};

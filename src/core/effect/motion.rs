@@ -1,0 +1,124 @@
+//! Rates of the readings of a row, and velocity and acceleration of the platform from them.
+//!
+//! With the structure matrix `A` of the free coordinates (rows `[u; (R b) x u]`) lengths change by `l' = -A v` and
+//! `l'' = -A a - A' v`, which least squares solves for the twists `v` and `a`; `A'` is the change of `A` along `v`.
+//! Assumes that lengths change as the readings do: what tensions stretch on the way is left out. Where cables are too few, or a
+//! reading is missing, the rates are those of the external instrument, else 0.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::context::or_zero;
+use crate::geometry::{Pose, Twist, Vec3};
+use crate::kinematics::structure_matrix;
+use crate::measurement::{Grid, Measurements, Rates};
+use crate::robot::{Cable, Robot};
+
+/// Time over which the change of the structure matrix is taken (s).
+const STEP_S: f64 = 1e-4;
+/// Smallest singular value of the structure matrix with which velocities follow from lengths, relative to the largest.
+const REGULAR: f64 = 1e-3;
+
+/// The values, 0 for those that are not known.
+pub(super) fn finite(values: Option<[f64; 2]>) -> [f64; 2] {
+    values.unwrap_or_default().map(|value| or_zero(Some(value)))
+}
+
+/// First and second derivative of the cable paid out, or the length, at a `(row, cable)` (m/s, m/s^2).
+pub(super) fn paid_rates(cable: &Cable, data: &Measurements, at: (usize, usize)) -> [f64; 2] {
+    let rates = data.rates.as_ref();
+    finite(
+        rates.map(|rates| [0, 1].map(|order| length_rate(cable, data, &rates.length[order], at))),
+    )
+}
+
+/// One of them by the grid of its rates; NaN where it is not known.
+fn length_rate(cable: &Cable, data: &Measurements, rates: &Grid, at: (usize, usize)) -> f64 {
+    let per_reading = match data.revolutions.is_empty() {
+        true => 1.0,
+        false => cable.winch.cable_per_revolution_m(),
+    };
+    per_reading * rates.get(at.0, at.1)
+}
+
+/// Those of the tension (N/s, N/s^2).
+pub(super) fn tension_rates(cable: &Cable, data: &Measurements, at: (usize, usize)) -> [f64; 2] {
+    let gain = cable.force_sensor.map(|sensor| sensor.tension_gain);
+    let rates = data.rates.as_ref().zip(gain);
+    finite(rates.map(|(rates, gain)| [0, 1].map(|k| rates.force[k].get(at.0, at.1) / gain)))
+}
+
+/// Velocity and acceleration at a row, near a pose (m, rad, s; base frame).
+pub(super) fn twists(
+    robot: &Robot,
+    data: &Measurements,
+    rates: &Rates,
+    row: usize,
+    pose: &Pose,
+) -> [Twist; 2] {
+    let by_lengths = from_lengths(robot, data, rates, row, pose);
+    by_lengths.unwrap_or_else(|| match rates.tracked.get(row) {
+        Some(tracked) if tracked.iter().all(|t| t.iter().all(|v| v.is_finite())) => *tracked,
+        _ => Default::default(),
+    })
+}
+
+fn from_lengths(
+    robot: &Robot,
+    data: &Measurements,
+    rates: &Rates,
+    row: usize,
+    pose: &Pose,
+) -> Option<[Twist; 2]> {
+    let freedom = robot.platform.freedom();
+    if robot.cable_count() < freedom.count() {
+        return None;
+    }
+    let reading = |order: usize| {
+        let cables = robot.cables.iter().enumerate();
+        let rates = cables
+            .map(|(index, cable)| length_rate(cable, data, &rates.length[order], (row, index)));
+        DVector::from_iterator(robot.cable_count(), rates)
+    };
+    let [first, second] = [reading(0), reading(1)];
+    if first
+        .iter()
+        .chain(second.iter())
+        .any(|rate| !rate.is_finite())
+    {
+        return None;
+    }
+    let structure = structure_matrix(robot, pose).ok()?;
+    let svd = structure.clone().svd(true, true);
+    let least = REGULAR * svd.singular_values.max();
+    if svd.singular_values.min() < least {
+        return None;
+    }
+    let solve = |lengths: &DVector<f64>| svd.solve(&-lengths, 0.0).ok();
+    let full = |free: &DVector<f64>| {
+        let mut twist = Twist::zeros();
+        let coordinates = freedom.coordinates().iter();
+        coordinates
+            .zip(free.iter())
+            .for_each(|(c, value)| twist[c.index()] = *value);
+        twist
+    };
+    let velocity = solve(&first)?;
+    let next = structure_matrix(robot, &pose.perturbed(&(full(&velocity) * STEP_S))).ok()?;
+    let change: DMatrix<f64> = (next - structure) / STEP_S;
+    let acceleration = solve(&(second + change * &velocity))?;
+    Some([full(&velocity), full(&acceleration)])
+}
+
+/// Acceleration of the centre of mass and torque `I alpha + w x I w` about it (m/s^2, N m; base frame), for a platform
+/// that moves like this.
+pub(crate) fn inertia(robot: &Robot, pose: &Pose, [velocity, acceleration]: &[Twist; 2]) -> Twist {
+    let linear = |twist: &Twist| twist.fixed_rows::<3>(0).into_owned();
+    let angular = |twist: &Twist| twist.fixed_rows::<3>(3).into_owned();
+    let (spin, turning): (Vec3, Vec3) = (angular(velocity), angular(acceleration));
+    let lever = pose.orientation * Vec3::from(robot.platform.center_of_mass_m);
+    let center = linear(acceleration) + turning.cross(&lever) + spin.cross(&spin.cross(&lever));
+    let turn = pose.orientation.to_rotation_matrix();
+    let own = turn * robot.platform.inertia() * turn.inverse();
+    let torque = own * turning + spin.cross(&(own * spin));
+    Twist::new(center.x, center.y, center.z, torque.x, torque.y, torque.z)
+}

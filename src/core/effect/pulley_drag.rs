@@ -1,0 +1,24 @@
+//! Friction that grows with the speed of travel: `T_platform = T_sensor + drag l'`, with the speed `l'` at which the
+//! cable is paid out (m/s) and the drag in N s/m: grease, and bearings that run fast. Typical 1 to 50 N s/m. To be told from
+//! dry friction, which only asks for the direction, by motions of different speed.
+
+use super::{Effect, EffectParameter, Scope};
+
+pub(super) static EFFECT: Effect = Effect {
+    id: "pulley_drag",
+    title: "Viscous pulley friction",
+    scope: Scope::CableOrAll,
+    parameters: &[
+        EffectParameter::new("drag", "N s/m", 50.0, [1.0, 50.0]).within(0.0, f64::INFINITY)
+    ],
+    cause: |found| {
+        found.say("{pulley} {drags|drag} the faster the cable runs: at 1 m/s the tension at the platform is {0:N} {0:higher|lower} than at the sensor while paying out.")
+    },
+    workshop: |found| {
+        found.say("Check the grease and the seals of the {bearing|bearings} of {pulley}.")
+    },
+    check: Some("Move the cable at two speeds and compare the force readings."),
+    source: "Viscous friction, in proportion to the speed",
+    change_cable: |parameters, at, ports| ports.tension += parameters[0] * at.paid_rates[0],
+    ..Effect::NEUTRAL
+};

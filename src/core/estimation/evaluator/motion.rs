@@ -1,0 +1,129 @@
+//! What motion adds to the equations of a packet of poses: inertia, and an external instrument that lags behind.
+
+use super::columns::{Column, ColumnStore};
+use super::equations::Equations;
+use super::inputs::Selection;
+use super::layout::Layout;
+use crate::effect::{PlatformContext, PlatformPort};
+use crate::estimation::problem::Problem;
+use crate::geometry::PosePacket;
+use crate::real::{Packet, Real, add_scaled, cross, dot};
+
+/// Motion of the platform at all poses.
+#[derive(Clone)]
+pub(super) struct MotionColumns {
+    pub velocity: Vec<Column>,
+    pub acceleration: Vec<Column>,
+    /// Acceleration of the centre of mass, then `I alpha + w x I w` (m/s^2, N m).
+    pub inertia: Vec<Column>,
+}
+
+impl MotionColumns {
+    /// That of the selected rows; nothing where poses are at rest.
+    pub fn pack<T: Packet>(
+        store: &mut ColumnStore<T>,
+        problem: &Problem<'_>,
+        selection: Selection<'_>,
+    ) -> Option<Self> {
+        problem.dataset.measurements.rates.as_ref()?;
+        let contexts = selection.contexts?;
+        let mut six = |of: &dyn Fn(&PlatformContext, usize) -> f64| -> Vec<Column> {
+            let column = |k: usize| {
+                let values = selection.rows.iter();
+                store.varying(values.map(|row| of(contexts.platform(*row), k)), 0.0)
+            };
+            (0..6).map(column).collect()
+        };
+        Some(Self {
+            velocity: six(&|at, k| at.twists[0][k]),
+            acceleration: six(&|at, k| at.twists[1][k]),
+            inertia: six(&|at, k| at.inertia[k]),
+        })
+    }
+}
+
+/// Where the platform was when an external instrument saw it: the pose moved by `-delay v + delay^2 a/2`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lag<T> {
+    pub step: [T; 6],
+    by_delay: [T; 6],
+}
+
+impl<T: Real> Lag<T> {
+    #[inline(always)]
+    pub fn new(velocity: [T; 6], acceleration: [T; 6], delay: T) -> Self {
+        let mut lag = Self {
+            step: velocity,
+            by_delay: velocity,
+        };
+        let half = delay * delay.lift(0.5);
+        for k in 0..6 {
+            lag.step[k] = (acceleration[k] * half - velocity[k]) * delay;
+            lag.by_delay[k] = acceleration[k] * delay - velocity[k];
+        }
+        lag
+    }
+
+    /// Completes the rows of the instrument at the pose that it saw: their derivatives by the delay, and those of the
+    /// orientation by the rotation of the pose now.
+    #[inline(always)]
+    pub fn complete(
+        &self,
+        links: &[(PlatformPort, usize, T)],
+        layout: &Layout,
+        equations: &mut Equations<T>,
+    ) {
+        let [x, y, z, turn_x, turn_y, turn_z] = self.by_delay;
+        if let Some(first) = layout.tracker_position {
+            for k in 0..3 {
+                let by = equations.by_pose[first + k];
+                let change = dot([by[0], by[1], by[2]], [x, y, z]);
+                link(first + k, change, links, layout, equations);
+            }
+        }
+        if let Some(first) = layout.tracker_orientation {
+            let zero = turn_x.lift(0.0);
+            let one = turn_x.lift(1.0);
+            let still = PosePacket::new([zero; 3], [one, zero, zero, zero]);
+            let turned = still.moved(self.step).rotation;
+            let turn = [self.step[3], self.step[4], self.step[5]];
+            // Rotation on top of the pose seen by a change of the step: that of Rodrigues' parameters, half the step.
+            let half = turn_x.lift(0.5);
+            let by_turn = [turn_x, turn_y, turn_z];
+            let by_turn = add_scaled(cross(turn, by_turn), half, by_turn);
+            let shrink = one / (dot(turn, turn) * half).mul_add(half, one);
+            for row in first..first + 3 {
+                let [x, y, z, a, b, c] = equations.by_pose[row];
+                link(
+                    row,
+                    dot([a, b, c], by_turn) * shrink,
+                    links,
+                    layout,
+                    equations,
+                );
+                let mut by_pose = [x, y, z, zero, zero, zero];
+                for k in 0..3 {
+                    by_pose[3 + k] = dot([a, b, c], [turned[0][k], turned[1][k], turned[2][k]]);
+                }
+                equations.by_pose[row] = by_pose;
+            }
+        }
+    }
+}
+
+/// Adds the derivative of a row by the delay.
+#[inline(always)]
+fn link<T: Real>(
+    row: usize,
+    change: T,
+    links: &[(PlatformPort, usize, T)],
+    layout: &Layout,
+    equations: &mut Equations<T>,
+) {
+    for (port, parameter, by_parameter) in links {
+        if *port == PlatformPort::TrackerDelay {
+            let entry = &mut equations.effects_of(layout, row)[*parameter];
+            *entry = change.mul_add(*by_parameter, *entry);
+        }
+    }
+}

@@ -1,0 +1,389 @@
+//! Recordings in motion: samples in a row, their rates, and samples far enough apart to be independent.
+//!
+//! Neighbouring samples repeat each other's noise, so that all of them would claim more than they say. A recording is
+//! thinned to samples between which the noise has died away; what all samples say together is kept in the rates of
+//! those that remain: derivatives of the readings by time, from polynomials through the samples around.
+
+use std::ops::Range;
+
+use super::local_polynomial::{FEWEST, Weights, derivatives};
+use super::noise_correlation::Moments;
+use super::{Grid, Measurements};
+use crate::geometry::{Pose, Twist, Vec3};
+use crate::robot::Robot;
+
+/// Fewest samples of a recording.
+const LEAST: usize = 100;
+/// Longest time between samples of a recording (s).
+const LONGEST_STEP_S: f64 = 0.2;
+/// A step longer than this many usual ones is a gap.
+const GAP: f64 = 3.0;
+/// A reading that changes by less than this many standard deviations is at rest.
+const STILL: f64 = 20.0;
+/// Half the time over which readings are smoothed (s); forces are noisier.
+const HALF_WINDOW_S: f64 = 0.25;
+const FORCE_HALF_WINDOW_S: f64 = 0.5;
+/// Correlation of the noise of neighbouring samples below which they count as independent.
+const INDEPENDENT: f64 = 0.02;
+/// Windows in which the noise is looked at, at most.
+const MOST_WINDOWS: usize = 2000;
+
+/// Readings that one device makes, with noise of one kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReadingKind {
+    /// Revolutions or lengths.
+    Length,
+    /// Forces.
+    Force,
+    /// Laser distance.
+    Laser,
+    /// Position by the external instrument.
+    Tracker,
+}
+
+impl ReadingKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Length, Self::Force, Self::Laser, Self::Tracker];
+
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Length => "lengths",
+            Self::Force => "forces",
+            Self::Laser => "the laser",
+            Self::Tracker => "the external pose",
+        }
+    }
+}
+
+/// First and second derivative of readings by time; NaN where too few samples are around, 0 at home.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Rates {
+    /// Of the revolutions (1/s, 1/s^2), or of the lengths (m/s, m/s^2).
+    pub length: [Grid; 2],
+    /// Of the force readings (N/s, N/s^2).
+    pub force: [Grid; 2],
+    /// Of the laser distance (m/s, m/s^2).
+    pub laser: Vec<[f64; 2]>,
+    /// Velocity and acceleration of the platform by the external instrument (m, rad, s).
+    pub tracked: Vec<[Twist; 2]>,
+    /// Which samples these are.
+    pub sampling: Sampling,
+}
+
+/// How samples were taken from a recording.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Sampling {
+    /// Number of samples of the recording.
+    pub recorded: usize,
+    /// Time between samples of the recording (s).
+    pub step_s: f64,
+    /// Time between the samples that remain (s).
+    pub interval_s: f64,
+    /// Time in which the correlation of the noise falls to 1/e, for each kind of reading that there is (s).
+    pub correlation_s: Vec<(ReadingKind, f64)>,
+}
+
+/// The samples of a recording that follow each other without a gap.
+struct Run {
+    rows: Range<usize>,
+    /// Usual time between samples (s).
+    step_s: f64,
+}
+
+impl Measurements {
+    /// What estimation and diagnosis use: samples of a recording in motion that are independent, at most so many; else the
+    /// poses at rest, rows of one standstill averaged. With it the largest number of rows that became one.
+    #[must_use]
+    pub fn independent(&self, robot: &Robot, most: usize) -> (std::borrow::Cow<'_, Self>, usize) {
+        match self.independent_samples(robot, most) {
+            Some(samples) => (std::borrow::Cow::Owned(samples), 1),
+            None => self.standstills_averaged(robot),
+        }
+    }
+
+    /// Samples of a recording in motion whose noise is independent, with their rates, at most so many; the home row stays.
+    /// `None` where this is no recording, or has rates already.
+    #[must_use]
+    pub fn independent_samples(&self, robot: &Robot, most: usize) -> Option<Self> {
+        let runs = self.runs(robot)?;
+        let step_s = runs[0].step_s;
+        let half = |half_s: f64| ((half_s / step_s) as usize).max(FEWEST / 2 + 1);
+        let has_forces = !self.force_n.is_empty();
+        let margin = half(if has_forces {
+            FORCE_HALF_WINDOW_S
+        } else {
+            HALF_WINDOW_S
+        });
+        let usable = |run: &Run| {
+            let rows = run.rows.start + margin..run.rows.end.saturating_sub(margin);
+            (!rows.is_empty()).then_some(rows)
+        };
+        let inner: Vec<Range<usize>> = runs.iter().filter_map(usable).collect();
+        let number: usize = inner.iter().map(Range::len).sum();
+        if number == 0 {
+            return None;
+        }
+        let correlations = self.noise_correlations(&inner, half(HALF_WINDOW_S), step_s);
+        let largest = correlations
+            .iter()
+            .fold(0.0_f64, |most, (_, rho)| most.max(*rho));
+        let apart = if largest > INDEPENDENT {
+            (INDEPENDENT.ln() / largest.ln()).ceil() as usize
+        } else {
+            1
+        };
+        let step = apart.max(number.div_ceil(most.max(1))).max(1);
+        let home = robot.home.and(self.home_row());
+        let samples = inner.iter().flat_map(|rows| rows.clone().step_by(step));
+        let rows: Vec<usize> = home
+            .into_iter()
+            .chain(samples.filter(|row| Some(*row) != home))
+            .collect();
+        let mut thinned = self.select(&rows);
+        let sampling = Sampling {
+            recorded: self.len(),
+            step_s,
+            interval_s: step as f64 * step_s,
+            correlation_s: correlations
+                .into_iter()
+                .map(|(kind, rho)| (kind, if rho > 0.0 { -step_s / rho.ln() } else { 0.0 }))
+                .collect(),
+        };
+        let halves = [half(HALF_WINDOW_S), half(FORCE_HALF_WINDOW_S)];
+        thinned.rates = Some(self.rates(&rows, home, halves, sampling));
+        Some(thinned)
+    }
+
+    /// The runs of samples; `None` where none moves, so that this is no recording.
+    fn runs(&self, robot: &Robot) -> Option<Vec<Run>> {
+        if self.rates.is_some() || self.time_s.len() < LEAST {
+            return None;
+        }
+        let steps = self.time_s.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut sorted: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        let step_s = *sorted.get(sorted.len() / 2)?;
+        if step_s > LONGEST_STEP_S {
+            return None;
+        }
+        let mut runs: Vec<Run> = Vec::new();
+        for row in 0..self.len() {
+            let follows = row > 0 && {
+                let step = self.time_s[row] - self.time_s[row - 1];
+                step > 0.0 && step < GAP * step_s
+            };
+            match runs.last_mut() {
+                Some(run) if follows => run.rows.end = row + 1,
+                _ => runs.push(Run {
+                    rows: row..row + 1,
+                    step_s,
+                }),
+            }
+        }
+        runs.retain(|run| run.rows.len() >= LEAST && self.moves(robot, &run.rows));
+        (!runs.is_empty()).then_some(runs)
+    }
+
+    /// Whether a cable moves within some rows.
+    fn moves(&self, robot: &Robot, rows: &Range<usize>) -> bool {
+        let (grid, counts) = self.length_readings();
+        robot.cables.iter().enumerate().any(|(index, cable)| {
+            let values = || rows.clone().map(|row| grid.get(row, index));
+            let range =
+                values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+            let unit = if counts {
+                cable.winch.cable_per_revolution_m()
+            } else {
+                1.0
+            };
+            (range * unit).abs() > STILL * cable.winch.length_sd_m
+        })
+    }
+
+    /// The readings of the winches, and whether they are revolutions.
+    fn length_readings(&self) -> (&Grid, bool) {
+        match self.revolutions.is_empty() {
+            true => (&self.length_m, false),
+            false => (&self.revolutions, true),
+        }
+    }
+
+    /// Correlation of the noise of neighbouring samples, for each kind of reading that there is.
+    fn noise_correlations(
+        &self,
+        inner: &[Range<usize>],
+        half: usize,
+        step_s: f64,
+    ) -> Vec<(ReadingKind, f64)> {
+        let number: usize = inner.iter().map(Range::len).sum();
+        let stride = number.div_ceil(MOST_WINDOWS).max(1);
+        let width = half as i32;
+        let even: Vec<f64> = (-width..=width).map(|k| f64::from(k) * step_s).collect();
+        let Some(filter) = Weights::new(&even).map(|weights| weights.residual()) else {
+            return Vec::new();
+        };
+        let mut moments = [Moments::default(); 4];
+        for rows in inner {
+            for row in (rows.start..rows.end - 1).step_by(stride) {
+                let windows = [row, row + 1].map(|middle| {
+                    let around = middle - half..middle + half + 1;
+                    let at = |k: usize| self.time_s[k] - self.time_s[middle];
+                    let weights = Weights::new(&around.clone().map(at).collect::<Vec<_>>());
+                    (around.start, weights.map(|weights| weights.residual()))
+                });
+                let [(first, Some(one)), (second, Some(other))] = &windows else {
+                    continue;
+                };
+                let sum = |filter: &[f64], start: usize, channel: &dyn Fn(usize) -> f64| -> f64 {
+                    let terms = filter.iter().enumerate();
+                    terms.map(|(k, c)| c * channel(start + k)).sum()
+                };
+                self.each_channel(&mut |kind, channel| {
+                    moments[kind as usize]
+                        .add(sum(one, *first, channel), sum(other, *second, channel));
+                });
+            }
+        }
+        let kinds = ReadingKind::ALL.into_iter();
+        kinds
+            .filter_map(|kind| Some((kind, moments[kind as usize].correlation(&filter)?)))
+            .collect()
+    }
+
+    /// Calls a function with every channel whose noise is looked at.
+    fn each_channel(&self, visit: &mut dyn FnMut(ReadingKind, &dyn Fn(usize) -> f64)) {
+        let (lengths, _) = self.length_readings();
+        for (kind, grid) in [
+            (ReadingKind::Length, lengths),
+            (ReadingKind::Force, &self.force_n),
+        ] {
+            for cable in 0..if grid.is_empty() { 0 } else { grid.columns() } {
+                visit(kind, &|row| grid.get(row, cable));
+            }
+        }
+        if !self.laser_m.is_empty() {
+            visit(ReadingKind::Laser, &|row| self.laser_m[row]);
+        }
+        for axis in 0..if self.tracked_position_m.is_empty() {
+            0
+        } else {
+            3
+        } {
+            visit(ReadingKind::Tracker, &|row| {
+                self.tracked_position_m[row][axis]
+            });
+        }
+    }
+
+    /// Rates of the readings at some rows, each with so many samples to either side, for forces the second number.
+    fn rates(
+        &self,
+        rows: &[usize],
+        home: Option<usize>,
+        [half, force_half]: [usize; 2],
+        sampling: Sampling,
+    ) -> Rates {
+        let cables = |grid: &Grid| if grid.is_empty() { 0 } else { grid.columns() };
+        let (lengths, _) = self.length_readings();
+        let grids = |grid: &Grid| [0, 1].map(|_| Grid::new(cables(grid)));
+        let mut rates = Rates {
+            length: grids(lengths),
+            force: grids(&self.force_n),
+            sampling,
+            ..Rates::default()
+        };
+        for row in rows {
+            let at = if Some(*row) == home { None } else { Some(*row) };
+            let near = at.and_then(|row| Window::new(self, row, half));
+            let far = at.and_then(|row| Window::new(self, row, force_half));
+            let still = if at.is_none() { 0.0 } else { f64::NAN };
+            let of = |window: &Option<Window>, channel: &dyn Fn(usize) -> f64| match window {
+                Some(window) => window.rates(channel),
+                None => [still; 2],
+            };
+            for (grid, window, into) in [
+                (lengths, &near, &mut rates.length),
+                (&self.force_n, &far, &mut rates.force),
+            ] {
+                let channels = (0..cables(grid)).map(|cable| of(window, &|k| grid.get(k, cable)));
+                let channels: Vec<[f64; 2]> = channels.collect();
+                for (order, into) in into.iter_mut().enumerate() {
+                    let values: Vec<f64> = channels.iter().map(|rates| rates[order]).collect();
+                    if !values.is_empty() {
+                        into.push_row(&values);
+                    }
+                }
+            }
+            if !self.laser_m.is_empty() {
+                rates.laser.push(of(&near, &|k| self.laser_m[k]));
+            }
+            if !self.tracked_position_m.is_empty() {
+                rates.tracked.push(self.tracked_rates(&near, *row, &of));
+            }
+        }
+        rates
+    }
+
+    /// Velocity and acceleration by the external instrument around a row. Rotations count from that of the row: there
+    /// the derivatives of the rotation vector are angular velocity and acceleration.
+    fn tracked_rates(
+        &self,
+        window: &Option<Window>,
+        row: usize,
+        of: &dyn Fn(&Option<Window>, &dyn Fn(usize) -> f64) -> [f64; 2],
+    ) -> [Twist; 2] {
+        let mut rates = [Twist::zeros(); 2];
+        let mut set = |k: usize, [first, second]: [f64; 2]| {
+            rates[0][k] = first;
+            rates[1][k] = second;
+        };
+        for axis in 0..3 {
+            set(axis, of(window, &|k| self.tracked_position_m[k][axis]));
+        }
+        if self.tracked_orientation_wxyz.is_empty() {
+            return rates;
+        }
+        let pose = |k: usize| Pose::from_parts([0.0; 3], self.tracked_orientation_wxyz[k]);
+        let from = pose(row);
+        let turns: Vec<Vec3> = match window {
+            Some(window) => {
+                let turn = |k: usize| pose(k).difference(&from).fixed_rows::<3>(3).into_owned();
+                window.rows.clone().map(turn).collect()
+            }
+            None => Vec::new(),
+        };
+        for axis in 0..3 {
+            let start = window.as_ref().map_or(0, |window| window.rows.start);
+            set(3 + axis, of(window, &|k| turns[k - start][axis]));
+        }
+        rates
+    }
+}
+
+/// Samples around a row.
+struct Window {
+    rows: Range<usize>,
+    times_s: Vec<f64>,
+    weights: Weights,
+}
+
+impl Window {
+    fn new(data: &Measurements, row: usize, half: usize) -> Option<Self> {
+        let rows = row.checked_sub(half)?..row + half + 1;
+        let times_s = data.time_s.get(rows.clone())?.iter();
+        let times_s: Vec<f64> = times_s.map(|time| time - data.time_s[row]).collect();
+        Some(Self {
+            weights: Weights::new(&times_s)?,
+            rows,
+            times_s,
+        })
+    }
+
+    fn rates(&self, channel: &dyn Fn(usize) -> f64) -> [f64; 2] {
+        let start = self.rows.start;
+        let [_, first, second] = derivatives(&self.times_s, &self.weights, |k| channel(start + k));
+        [first, second]
+    }
+}

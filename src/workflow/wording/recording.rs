@@ -1,0 +1,75 @@
+//! Recordings in motion, in words.
+
+use tautline_core::measurement::{Measurements, Sampling};
+
+use super::count;
+
+/// Which samples of a recording are used, and why; nothing for poses at rest.
+#[must_use]
+pub fn sampling_sentence(data: &Measurements) -> Option<String> {
+    let sampling = &data.rates.as_ref()?.sampling;
+    let used = format!(
+        "A recording in motion: {} of {} are used, {} apart",
+        data.len(),
+        count(sampling.recorded, "sample"),
+        milliseconds(sampling.interval_s)
+    );
+    let why = match correlated(sampling) {
+        None => "; the noise of each is its own.".to_owned(),
+        Some(kinds) => {
+            format!(", so that their noise is independent: it stays alike over {kinds}.")
+        }
+    };
+    Some(used + &why)
+}
+
+/// How long the noise of each kind of reading stays alike; nothing where it is shorter than the time between samples.
+fn correlated(sampling: &Sampling) -> Option<String> {
+    let long = sampling.correlation_s.iter();
+    let kinds: Vec<String> = long
+        .filter(|(_, time_s)| *time_s > 0.25 * sampling.step_s)
+        .map(|(kind, time_s)| format!("{} in {}", milliseconds(*time_s), kind.name()))
+        .collect();
+    (!kinds.is_empty()).then(|| kinds.join(", "))
+}
+
+fn milliseconds(time_s: f64) -> String {
+    format!("{:.0} ms", 1e3 * time_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tautline_core::measurement::{Rates, ReadingKind};
+
+    #[test]
+    fn what_is_used_is_said() {
+        let mut data = Measurements {
+            labels: vec![0, 20],
+            ..Measurements::default()
+        };
+        assert_eq!(sampling_sentence(&data), None);
+        let mut sampling = Sampling {
+            recorded: 6001,
+            step_s: 0.01,
+            interval_s: 0.2,
+            correlation_s: vec![(ReadingKind::Length, 0.05), (ReadingKind::Laser, 0.001)],
+        };
+        let said = |sampling: &Sampling, data: &mut Measurements| {
+            data.rates = Some(Rates {
+                sampling: sampling.clone(),
+                ..Rates::default()
+            });
+            sampling_sentence(data).unwrap()
+        };
+        assert_eq!(
+            said(&sampling, &mut data),
+            "A recording in motion: 2 of 6001 samples are used, 200 ms apart, so that their noise is independent: it stays alike over 50 ms in lengths."
+        );
+        sampling.correlation_s.clear();
+        assert_eq!(
+            said(&sampling, &mut data),
+            "A recording in motion: 2 of 6001 samples are used, 200 ms apart; the noise of each is its own."
+        );
+    }
+}
