@@ -5,6 +5,7 @@ mod inversion;
 mod phase_tables;
 mod quasi_static_robot;
 mod readings;
+mod repeated_runs;
 mod virtual_robot;
 mod workspace;
 
@@ -13,6 +14,7 @@ pub use holding_tensions::{Epoch, ambient_temperature_c};
 pub use phase_tables::{PhaseTables, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};
+pub use repeated_runs::RepeatedRuns;
 pub use virtual_robot::{
     Simulated, SimulationError, SimulationOptions, TrueGeometry, simulate, true_robot,
 };

@@ -168,7 +168,11 @@ pub fn true_robot(robot: &Robot, options: &SimulationOptions) -> Robot {
     draw_truth(robot, options, &mut ChaCha8Rng::seed_from_u64(options.seed))
 }
 
-fn draw_truth(robot: &Robot, options: &SimulationOptions, rng: &mut ChaCha8Rng) -> Robot {
+pub(super) fn draw_truth(
+    robot: &Robot,
+    options: &SimulationOptions,
+    rng: &mut ChaCha8Rng,
+) -> Robot {
     let mut truth = robot.clone();
     truth.effects.extend(options.effects.iter().cloned());
     for (index, cable) in truth.cables.iter_mut().enumerate() {
@@ -273,7 +277,7 @@ fn visit_poses(
     Ok((poses, commanded, tensions))
 }
 
-fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
+pub(super) fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
     let cables = robot.cables.iter();
     let sds = cables.flat_map(|c| c.pulley.entry_point_sd_m.each());
     let sd = sds.flatten().fold(0.0, f64::max);
