@@ -22,14 +22,23 @@ fn the_answer_follows_the_sliders() {
         said.accesskit_node().label().expect("a text")
     };
     let before = answer(&harness);
-    assert!(before.starts_with("With 25 poses and a laser of 0.30 mm (1 sd)"), "{before}");
+    assert!(
+        before.starts_with("With 25 poses and a laser of 0.30 mm (1 sd)"),
+        "{before}"
+    );
     harness.get_by_label("Position error over the laser");
     harness.get_by_label("Position error over the number of poses");
     // Without a laser the error is larger, and there is nothing to draw over it.
-    harness.get_by_role_and_label(Role::CheckBox, "Laser").click();
+    harness
+        .get_by_role_and_label(Role::CheckBox, "Laser")
+        .click();
     settle(&mut harness);
     assert!(answer(&harness).starts_with("With 25 poses and no laser"));
-    assert!(harness.query_by_label("Position error over the laser").is_none());
+    assert!(
+        harness
+            .query_by_label("Position error over the laser")
+            .is_none()
+    );
     press(&mut harness, "Copy as study file");
     press(&mut harness, "Back");
     assert_eq!(harness.state().state.model.screen, Screen::Start);

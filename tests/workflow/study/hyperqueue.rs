@@ -1,94 +1,47 @@
-//! A study on two HyperQueue workers: one of them is killed, then the server, which goes on from its journal.
+//! A study on two HyperQueue workers: the process of one is killed, then the server with both workers, and it goes on.
 
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use rustix::process::{Pid, Signal, kill_process};
+use tautline_validation::program::program;
+
 use super::{Study, merged, tautline};
-use tautline_validation::program::{Folder, program};
 
 /// How long anything may take.
 const PATIENCE: Duration = Duration::from_secs(120);
-const CHUNKS: u64 = 24;
+const CHUNKS: usize = 24;
 
-/// Server and workers; all are killed when it is dropped.
-struct Engine {
-    hq: PathBuf,
-    /// Where the server keeps how to reach it, and its journal.
-    folder: Folder,
-    processes: Vec<Child>,
-}
+/// Server and workers; killed when it is dropped.
+struct Engine(Child);
 
 impl Engine {
-    fn new() -> Self {
-        let hq = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/python/bin/hq");
+    /// The script of the documentation, with a program that is slow enough for crashes to fall into the middle.
+    fn start(folder: &str, slow: &str) -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let python = root.join("target/python/bin/python");
         assert!(
-            hq.exists(),
+            python.exists(),
             "the Python environment of this test is missing: make it by bash .ci/python"
         );
-        Self {
-            hq,
-            folder: Folder::new(),
-            processes: Vec::new(),
-        }
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(&self.hq);
-        command
-            .arg("--server-dir")
-            .arg(self.folder.path().join("server"))
-            .args(arguments);
-        command
+        let script = root.join("docs/studies/hyperqueue.py");
+        let child = Command::new(python)
+            .arg(script)
+            .args([folder, &CHUNKS.to_string(), slow])
             .stdin(Stdio::null())
             .stdout(Stdio::null())
-            .stderr(Stdio::null());
-        command
-    }
-
-    /// Starts a process of the engine; its place among all.
-    fn start(&mut self, arguments: &[&str]) -> usize {
-        let child = self.command(arguments).spawn().expect("hq starts");
-        self.processes.push(child);
-        self.processes.len() - 1
-    }
-
-    fn kill(&mut self, place: usize) {
-        let process = &mut self.processes[place];
-        process.kill().expect("killed");
-        process.wait().expect("it ends");
-    }
-
-    fn start_server(&mut self) -> usize {
-        let journal = self.folder.join("journal");
-        let place = self.start(&["server", "start", "--journal", &journal]);
-        wait("the server", || {
-            self.command(&["server", "info"])
-                .status()
-                .is_ok_and(|status| status.success())
-        });
-        place
-    }
-
-    fn start_worker(&mut self) -> usize {
-        self.start(&[
-            "worker",
-            "start",
-            "--cpus",
-            "1",
-            "--no-detect-resources",
-            "--on-server-lost",
-            "stop",
-        ])
+            .stderr(Stdio::null())
+            .spawn();
+        Self(child.expect("Python starts"))
     }
 }
 
 impl Drop for Engine {
     fn drop(&mut self) {
-        for process in &mut self.processes {
-            let _ = process.kill();
-            let _ = process.wait();
-        }
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 
@@ -96,7 +49,7 @@ fn wait(what: &str, is_there: impl Fn() -> bool) {
     let began = Instant::now();
     while !is_there() {
         assert!(began.elapsed() < PATIENCE, "{what} did not come");
-        std::thread::sleep(Duration::from_millis(100));
+        std::thread::sleep(Duration::from_millis(20));
     }
 }
 
@@ -107,50 +60,35 @@ fn two_workers_one_killed_and_the_server_restarted_give_the_same_bits() {
     let whole = merged(&study.path);
     let spread = study.copy("spread");
     let chunks = || {
-        let entries = std::fs::read_dir(&spread).expect("a folder").flatten();
+        let entries = fs::read_dir(&spread).expect("a folder").flatten();
+        let is_chunk = |name: String| name.ends_with(".npz");
         entries
-            .filter(|entry| entry.file_name().to_string_lossy().ends_with(".npz"))
-            .count() as u64
+            .filter(|entry| is_chunk(entry.file_name().to_string_lossy().into_owned()))
+            .count()
     };
-
-    let mut engine = Engine::new();
-    let server = engine.start_server();
-    let first = engine.start_worker();
-    engine.start_worker();
-    // Slow enough that the crashes fall into the middle.
-    let script = format!(
-        "sleep 0.4; exec '{}' study run '{spread}' --chunk \"$HQ_TASK_ID/{CHUNKS}\" --threads 1",
+    // The process of a task says which it is before it waits.
+    let running = study.folder.join("running");
+    let text = format!(
+        "#!/bin/sh\necho $$ > '{running}'\nsleep 0.3\nexec '{}' \"$@\"\n",
         program().display()
     );
-    let array = format!("1-{CHUNKS}");
-    let submitted = engine
-        .command(&[
-            "submit",
-            "--array",
-            &array,
-            "--cpus",
-            "1",
-            "--crash-limit",
-            "unlimited",
-            "--stdout",
-            "none",
-            "--stderr",
-            "none",
-            "--",
-            "sh",
-            "-c",
-            &script,
-        ])
-        .status();
-    assert!(submitted.expect("hq starts").success());
+    let slow = study.folder.write("slow", &text);
+    let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    fs::set_permissions(&slow, executable).expect("set");
+
+    let engine = Engine::start(&spread, &slow);
     wait("the first chunks", || chunks() >= 2);
-    engine.kill(first);
-    wait("more chunks", || chunks() >= 4);
-    engine.kill(server);
+    let id = fs::read_to_string(&running).expect("a process");
+    let id = id.trim().parse().ok().and_then(Pid::from_raw);
+    // It may have ended by itself in the meantime.
+    let _ = kill_process(id.expect("a number"), Signal::KILL);
+    wait("more chunks", || chunks() >= 6);
+    drop(engine);
     assert!(chunks() < CHUNKS, "the server died in the middle");
-    engine.start_server();
-    engine.start_worker();
-    engine.start_worker();
+
+    let mut engine = Engine::start(&spread, &slow);
     wait("all chunks", || chunks() == CHUNKS);
-    assert!(merged(&spread) == whole);
+    assert!(engine.0.wait().expect("it ends").success());
+    let result = fs::read(Path::new(&spread).join("result.json")).expect("merged");
+    assert!(result == whole);
 }
