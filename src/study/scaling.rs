@@ -32,13 +32,11 @@ pub fn scaled(robot: &Robot, s: f64) -> Robot {
     let grow = |vector: &mut [f64; 3]| vector.iter_mut().for_each(|value| *value *= s);
     for cable in &mut scaled.cables {
         grow(&mut cable.pulley.entry_point_m);
-        cable.pulley.entry_point_sd_m = PerAxis::Each(
-            cable
-                .pulley
-                .entry_point_sd_m
-                .each()
-                .map(|sd| sd.map(|sd| sd * rough)),
-        );
+        let grown = |sd: Option<f64>| sd.map(|sd| sd * rough);
+        cable.pulley.entry_point_sd_m = match cable.pulley.entry_point_sd_m {
+            PerAxis::Same(sd) => PerAxis::Same(grown(sd)),
+            PerAxis::Each(sds) => PerAxis::Each(sds.map(grown)),
+        };
         cable.pulley.radius_m *= s;
         grow(&mut cable.platform_anchor_m);
         cable.winch.drum_diameter_m *= s;

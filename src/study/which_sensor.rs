@@ -1,8 +1,7 @@
 //! Which sensor, how many poses: answers from the expected covariance alone, fast enough to follow a slider.
 
-use tautline_core::estimation::Method;
 use tautline_core::geometry::Pose;
-use tautline_core::planning::{expect, random_poses};
+use tautline_core::planning::{DesignCriteria, expect, random_poses};
 use tautline_core::robot::{Inclinometer, Robot};
 use tautline_workflow::wording::units::significant;
 
@@ -86,11 +85,11 @@ impl Advisor {
     /// # Errors
     /// One sentence, if there is nothing to identify or a pose cannot be held.
     pub fn answer(&self, question: &Question) -> Result<Answer, String> {
-        let all = self.errors(question, MOST_POSES, &POSES)?;
-        let own = self.errors(question, question.poses, &[question.poses])?;
+        let all = self.criteria(question, MOST_POSES, &POSES)?;
+        let own = self.criteria(question, question.poses, &[question.poses])?;
         let with = |changed: Question| {
             let count = changed.poses.min(MOST_POSES);
-            Ok::<_, String>(self.errors(&changed, count, &[count])?[0].0)
+            Ok::<_, String>(self.criteria(&changed, count, &[count])?[0].platform_m)
         };
         let over_laser = match (question.laser_sd_m, self.robot.laser) {
             (Some(_), Some(_)) => (LASERS_M.iter())
@@ -140,35 +139,31 @@ impl Advisor {
             ));
         }
         Ok(Answer {
-            position_m: own[0].0,
-            entry_m: own[0].1,
+            position_m: own[0].platform_m,
+            entry_m: own[0].mean_m,
             over_laser,
             over_poses: POSES
                 .into_iter()
-                .zip(all.into_iter().map(|errors| errors.0))
+                .zip(all.into_iter().map(|criteria| criteria.platform_m))
                 .collect(),
             changes,
         })
     }
 
-    /// Errors of position and entry points after so many of the first `most` poses.
-    fn errors(
+    /// Criteria after so many of the first `most` poses.
+    fn criteria(
         &self,
         question: &Question,
         most: usize,
         counts: &[usize],
-    ) -> Result<Vec<(Option<f64>, Option<f64>)>, String> {
+    ) -> Result<Vec<DesignCriteria>, String> {
         let robot = self.asked(question);
         let options = options(most, SEED, size_m(&robot));
-        let options = tautline_core::planning::PlanOptions {
-            method: Method::Joint,
-            ..options
-        };
-        let set = expect(&robot, &self.poses[..most.clamp(1, MOST_POSES)], &options)
-            .map_err(|error| error.to_string())?;
-        let criteria = counts.iter().map(|count| set.after(*count).criteria);
-        Ok(criteria
-            .map(|criteria| (criteria.platform_m, criteria.mean_m))
+        let poses = &self.poses[..most.clamp(1, MOST_POSES)];
+        let set = expect(&robot, poses, &options).map_err(|error| error.to_string())?;
+        Ok(counts
+            .iter()
+            .map(|count| set.after(*count).criteria)
             .collect())
     }
 
