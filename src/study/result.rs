@@ -22,7 +22,7 @@ pub struct StudyResult {
     /// Fingerprint of the plan.
     pub study: String,
     /// Version of the program.
-    pub version: String,
+    pub program_version: String,
     /// Simulated calibrations.
     pub calibrations: u64,
     /// The cells, in the order of the plan.
@@ -167,7 +167,7 @@ impl Tallies {
         let cells = self.cells.into_iter().zip(&plan.cells);
         StudyResult {
             study: fingerprint,
-            version: VERSION.to_owned(),
+            program_version: VERSION.to_owned(),
             calibrations: plan.calibrations(),
             cells: cells
                 .map(|(tally, planned)| CellResult {

@@ -158,7 +158,7 @@ fn check(result: &StudyResult) -> Section {
 fn about(plan: &StudyPlan, result: &StudyResult, now: Timestamp) -> Section {
     let mut section = Section::new("About this study");
     let facts = [
-        ("Program", format!("Tautline {}", result.version)),
+        ("Program", format!("Tautline {}", result.program_version)),
         ("Created", now.to_string()),
         ("Fingerprint of the study", result.study.clone()),
         ("Seed", plan.study.seed.to_string()),
