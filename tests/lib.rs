@@ -15,5 +15,6 @@ pub mod sessions;
 pub mod table1;
 pub mod tables;
 pub mod truth;
+pub mod which_sensor;
 pub mod window;
 pub mod your_data;

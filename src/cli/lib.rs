@@ -26,6 +26,7 @@ mod report;
 mod schemas;
 mod settled;
 mod simulate;
+mod study;
 mod symbols;
 mod table;
 mod verify;
@@ -105,6 +106,9 @@ enum Command {
     Adjust(adjust::Arguments),
     /// Drive to test poses and paths and compute the accuracy figures of ISO 9283
     Verify(verify::Arguments),
+    /// Studies of many simulated calibrations: which sensor, how many poses, how exact
+    #[command(subcommand)]
+    Study(study::Command),
     /// Write the default symbol names of a controller, for --symbols
     Symbols(symbols::Arguments),
     /// List the physical effects that can be simulated, identified and diagnosed
@@ -166,6 +170,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Report(arguments) => report::run(&arguments, window),
         Command::Adjust(arguments) => adjust::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Study(command) => study::run(&command),
         Command::Symbols(arguments) => symbols::run(&arguments),
         Command::Effects => {
             effects::run();

@@ -13,6 +13,7 @@ use super::precalibrate::Precalibration;
 use super::verify::VerificationDocument;
 use crate::output::say;
 use tautline_import::{ImportDocument, Recipe};
+use tautline_study::{StudyFile, StudyPlan, StudyResult};
 use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::documents::plan::PlanDocument;
@@ -35,6 +36,9 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<AdjustmentDocument>());
     schemas.push(tautline_session::versioned_schema::<VerificationDocument>());
     schemas.push(tautline_session::versioned_schema::<HomeDocument>());
+    schemas.push(tautline_session::versioned_schema::<StudyFile>());
+    schemas.push(tautline_session::versioned_schema::<StudyPlan>());
+    schemas.push(tautline_session::versioned_schema::<StudyResult>());
     for schema in schemas {
         let path = out.join(&schema.file_name);
         write_json(&path, &schema.schema)?;

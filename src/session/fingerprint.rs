@@ -8,21 +8,29 @@ use serde_json::Value;
 
 /// FNV-1a of 64 bits (Fowler, Noll and Vo): recognises accidents, not forgeries.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fingerprint(u64);
+pub struct Fingerprint(u64);
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 impl Fingerprint {
     /// The fingerprint of nothing.
+    #[must_use]
     pub fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
 
     /// The fingerprint of bytes.
+    #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         Self::new().and(bytes)
     }
 
     /// The fingerprint of what is in a file.
-    pub fn of_file(path: &Path) -> IoResult<Self> {
+    pub(crate) fn of_file(path: &Path) -> IoResult<Self> {
         let mut reader = BufReader::with_capacity(1 << 16, File::open(path)?);
         let mut hash = Self::new();
         loop {
@@ -46,7 +54,7 @@ impl Fingerprint {
     /// Takes a JSON value in. Neither the order of keys nor the way in which a number is written
     /// matters, and a key without a value counts as absent.
     #[must_use]
-    pub fn and_value(self, value: &Value) -> Self {
+    pub(crate) fn and_value(self, value: &Value) -> Self {
         let length = |count: usize| (count as u64).to_le_bytes();
         match value {
             Value::Null => self.and(b"n"),
@@ -75,6 +83,7 @@ impl Fingerprint {
     }
 
     /// As 16 hexadecimal digits.
+    #[must_use]
     pub fn to_hex(self) -> String {
         format!("{:016x}", self.0)
     }

@@ -45,6 +45,12 @@ impl Folders {
         self.config.join("preferences.json")
     }
 
+    /// The folder with sensors of the user's own, see [`Catalogue`](crate::Catalogue).
+    #[must_use]
+    pub fn sensors(&self) -> PathBuf {
+        self.config.join("sensors")
+    }
+
     /// The recovery folder; see [`RecoveryWriter`](crate::RecoveryWriter).
     #[must_use]
     pub fn recovery(&self) -> PathBuf {

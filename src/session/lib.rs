@@ -19,6 +19,7 @@ mod poses;
 mod preferences;
 mod recovery;
 mod robot_file;
+mod sensors;
 mod session;
 mod symbols_file;
 mod table;
@@ -29,12 +30,13 @@ pub use dataset::{
     write_dataset,
 };
 pub use error::{Loaded, Place, ReadError, WriteError, quoted};
+pub use fingerprint::Fingerprint;
 pub use folders::Folders;
 pub use import::{Import, import, is_own};
 pub use input_file::open_input;
 pub use json::{
-    Migration, Schema, VersionedFile, parse_versioned, read_versioned, schema_for, versioned,
-    versioned_schema, write_versioned,
+    Migration, Schema, VersionedFile, parse_versioned, parse_versioned_toml, read_versioned,
+    read_versioned_toml, schema_for, versioned, versioned_schema, write_versioned,
 };
 pub use phases::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomePose, HomeReading, PhaseData,
@@ -50,6 +52,7 @@ pub use recovery::{
     remove_discarded,
 };
 pub use robot_file::{parse_robot, read_robot, write_robot};
+pub use sensors::{Catalogue, CatalogueEntry, Growth, Sensor, SensorSource};
 pub use session::{
     Acceptance, Adjustment, AdsPlace, Connection, ControllerKind, DiagnosisSettings,
     IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
@@ -69,5 +72,6 @@ pub fn schemas() -> Vec<Schema> {
         versioned_schema::<tautline_core::robot::Robot>(),
         versioned_schema::<session::SessionFile>(),
         versioned_schema::<SymbolMapping>(),
+        versioned_schema::<Sensor>(),
     ]
 }

@@ -1,16 +1,35 @@
-//! `robot.json` and model files: one document, a model has effects.
+//! `robot.json` and model files: one document, a model has effects. The laser may be named by its sensor in the catalogue.
 
 use std::path::Path;
 
+use serde_json::{Map, Value, json};
 use tautline_core::robot::{FieldError, Robot};
 
 use crate::error::{Loaded, ReadError, WriteError};
 use crate::json::{VersionedFile, parse_versioned, read_versioned, write_versioned};
+use crate::sensors::resolve_in_robot;
 
 impl VersionedFile for Robot {
     const FORMAT: &'static str = "tautline-robot";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
+
+    fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
+        resolve_in_robot(document)
+    }
+
+    fn amend_schema(schema: &mut Value) {
+        if let Some(laser) = schema.pointer_mut("/$defs/Laser") {
+            laser["properties"]["sensor"] = json!({
+                "type": "string",
+                "description": "Sensor of the catalogue, instead of `sd_m`."
+            });
+            if let Some(Value::Array(required)) = laser.get_mut("required") {
+                required.retain(|key| key != "sd_m");
+            }
+            laser["oneOf"] = json!([{"required": ["sd_m"]}, {"required": ["sensor"]}]);
+        }
+    }
 
     fn check(&self) -> Result<(), FieldError> {
         Self::check(self)

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use tautline_validation::{
-    adjusted, hangprinter, isolability, motion, nist, screenshots, sessions, table1, truth, window,
-    your_data,
+    adjusted, hangprinter, isolability, motion, nist, screenshots, sessions, table1, truth,
+    which_sensor, window, your_data,
 };
 
 /// Presets of the truth study.
@@ -22,7 +22,7 @@ const FIRST_SEED: u64 = 1000;
 const RECORDS: &str = "target/studies.jsonl";
 
 const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, motion [RECORDINGS], nist, hidden KIND, workbench [write | PART], \
-             studies [FIRST_DATA_SETS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
+             studies [FIRST_DATA_SETS], which-sensor [write], study-speed [CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data";
 
 fn main() -> Result<()> {
@@ -44,6 +44,8 @@ fn main() -> Result<()> {
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
         Some("studies") => studies(argument)?,
+        Some("which-sensor") => which_sensor_tables(argument)?,
+        Some("study-speed") => study_speed(argument)?,
         Some("write") => write(argument)?,
         Some("your-data") => your_data::write()?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
@@ -119,6 +121,33 @@ fn studies(first: Option<&str>) -> Result<()> {
     replace(&mut text, "hidden_studies", &table)?;
     tautline_session::write_text(&path, &text)?;
     tautline_session::write_text(&path.with_file_name("reliability.svg"), &diagram)?;
+    Ok(())
+}
+
+/// The studies of the documentation, printed, or put between their marks in docs/WHICH-SENSOR.md.
+fn which_sensor_tables(what: Option<&str>) -> Result<()> {
+    let path = document().with_file_name("WHICH-SENSOR.md");
+    for name in ["mini", "suspended-15m", "size"] {
+        let (plan, result) = which_sensor::study(name)?;
+        let table = which_sensor::markdown(&plan, &result)?;
+        println!("{table}");
+        if what == Some("write") {
+            let mut text = fs::read_to_string(&path).context("docs/WHICH-SENSOR.md")?;
+            replace(&mut text, name, &table)?;
+            tautline_session::write_text(&path, &text)?;
+        }
+    }
+    Ok(())
+}
+
+/// Calibrations per second and core, and how far from the solver alone.
+fn study_speed(calibrations: Option<&str>) -> Result<()> {
+    let speed = which_sensor::speed(calibrations.map_or(Ok(2_000), str::parse)?)?;
+    println!(
+        "{:.0} calibrations of MINI per second and core; the solver alone takes {:.1} % of their time",
+        speed.per_second,
+        100.0 * speed.solver_share
+    );
     Ok(())
 }
 

@@ -14,7 +14,7 @@ use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::manual::Page;
 use tautline_workbench::model::messages::Severity;
 use tautline_workbench::model::part::Part;
-use tautline_workbench::model::phase::Phase;
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::State;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
@@ -84,6 +84,8 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     imports(&mut looks)?;
     looks.stage.give(CompareCommand::Show);
     looks.at("compare-empty")?;
+    looks.stage.give(ViewCommand::Go(Screen::WhichSensor));
+    looks.at("which-sensor")?;
     for (session, name) in [
         ("suspended-sag/session.json", "inspector-suspended"),
         ("hall-creep-and-slip/session.json", "inspector-hall"),

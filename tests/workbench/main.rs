@@ -35,4 +35,5 @@ mod timeline;
 mod undo;
 mod unruly;
 mod walk;
+mod which_sensor;
 mod zoom;

@@ -15,7 +15,10 @@ fn f1_opens_the_page_of_what_is_on_the_screen() {
     let measured = Measured::mini(6, &[]);
     let mut harness = measured.opened();
     let screens = Phase::ALL.map(Screen::Phase);
-    for screen in screens.into_iter().chain([Screen::Compare]) {
+    for screen in screens
+        .into_iter()
+        .chain([Screen::Compare, Screen::WhichSensor])
+    {
         give(&mut harness, ViewCommand::Go(screen));
         harness.key_press(Key::F1);
         settle(&mut harness);

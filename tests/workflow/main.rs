@@ -8,4 +8,6 @@ mod pipeline;
 mod samples;
 mod schemas;
 #[cfg(unix)]
+mod study;
+#[cfg(unix)]
 mod unruly;

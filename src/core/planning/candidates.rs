@@ -101,7 +101,7 @@ pub(super) fn draw(
     Ok((found, refused))
 }
 
-fn draw_pose(model: &InformationModel<'_>, rng: &mut ChaCha8Rng) -> Pose {
+pub(super) fn draw_pose(model: &InformationModel<'_>, rng: &mut ChaCha8Rng) -> Pose {
     let workspace = &model.workspace;
     let twist = model.robot.platform.freedom().twist(|k| {
         let place: f64 = rng.random_range(-1.0..=1.0);
@@ -111,7 +111,7 @@ fn draw_pose(model: &InformationModel<'_>, rng: &mut ChaCha8Rng) -> Pose {
     workspace.centre.perturbed(&twist)
 }
 
-fn accept(
+pub(super) fn accept(
     model: &InformationModel<'_>,
     options: &PlanOptions<'_>,
     frame: &Frame,
@@ -160,14 +160,14 @@ fn laser_distance(laser: &Laser, pose: &Pose) -> Option<f64> {
 }
 
 /// Entry points, and the sides of the box around them that the workspace is inside of.
-struct Frame {
+pub(super) struct Frame {
     distance_m: f64,
     low: Vec3,
     high: Vec3,
 }
 
 impl Frame {
-    fn of(model: &InformationModel<'_>, distance_m: f64) -> Self {
+    pub fn of(model: &InformationModel<'_>, distance_m: f64) -> Self {
         let (mut low, mut high) = bounds(&model.robot);
         let centre = model.workspace.centre.position;
         for k in 0..3 {

@@ -10,6 +10,7 @@ mod expectation;
 mod goal;
 mod information_model;
 mod order;
+mod pose_set;
 mod position_error;
 #[cfg(test)]
 mod tests;
@@ -18,6 +19,7 @@ pub use candidates::Refused;
 pub use expectation::{DesignCriteria, Expectation};
 pub use goal::{Goal, Volume};
 pub use order::Order;
+pub use pose_set::{PoseSet, expect, iso_9283_poses, position_jacobians, random_poses};
 
 use nalgebra::DMatrix;
 
@@ -283,11 +285,11 @@ pub fn evaluate(
 }
 
 /// Plans with tensions that stay off their limits by the margin, or where that is impossible, within the limits.
-fn with_tension_margin(
+fn with_tension_margin<T>(
     robot: &Robot,
     options: &PlanOptions<'_>,
-    mut plan: impl FnMut(&PlanOptions<'_>, TensionRange) -> Result<Plan, PlanError>,
-) -> Result<Plan, PlanError> {
+    mut plan: impl FnMut(&PlanOptions<'_>, TensionRange) -> Result<T, PlanError>,
+) -> Result<T, PlanError> {
     let range = options.tension.unwrap_or_else(|| TensionRange::of(robot));
     match plan(options, range.inner(options.tension_margin)) {
         Err(

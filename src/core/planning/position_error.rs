@@ -49,6 +49,22 @@ pub(super) fn weights(
     (!errors.is_empty()).then(|| sum / errors.len() as f64)
 }
 
+/// Derivatives of the positions reached at targets by the parameters; `None` for a robot without home pose or where a
+/// target has no cable paths.
+pub(super) fn jacobians(
+    robot: &Robot,
+    targets: &[Pose],
+    parameters: &[Parameter],
+) -> Option<Vec<DMatrix<f64>>> {
+    let home = length_gradients(robot, &robot.home?.pose()).ok()?;
+    let at = |target| {
+        position_error_jacobian(robot, &home, target, parameters)
+            .ok()
+            .flatten()
+    };
+    targets.iter().map(at).collect()
+}
+
 /// Derivative of the position reached at a target by the parameters, 3 rows.
 fn position_error_jacobian(
     robot: &Robot,

@@ -6,6 +6,7 @@ mod phase_tables;
 mod quasi_static_robot;
 mod readings;
 mod recording;
+mod repeated_runs;
 mod trajectory;
 mod virtual_robot;
 mod workspace;
@@ -16,6 +17,7 @@ pub use phase_tables::{PhaseTables, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};
 pub use recording::{Recording, record};
+pub use repeated_runs::RepeatedRuns;
 pub use virtual_robot::{
     Simulated, SimulationError, SimulationOptions, TrueGeometry, simulate, true_robot,
 };

@@ -284,7 +284,7 @@ fn visit_poses(
     Ok((poses, commanded, tensions))
 }
 
-fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
+pub(super) fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
     let cables = robot.cables.iter();
     let sds = cables.flat_map(|c| c.pulley.entry_point_sd_m.each());
     let sd = sds.flatten().fold(0.0, f64::max);

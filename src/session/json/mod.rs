@@ -4,6 +4,7 @@ mod explain;
 pub(crate) mod migrate;
 mod schema;
 mod strict;
+mod toml;
 
 use std::io::Read;
 use std::path::Path;
@@ -21,6 +22,7 @@ pub(crate) use explain::kind;
 pub use migrate::Migration;
 pub use schema::{Schema, schema_for, versioned_schema};
 pub(crate) use strict::parse as parse_object;
+pub use toml::{parse_versioned_toml, read_versioned_toml};
 
 /// A type that is stored as a JSON file of its own, with its format and version.
 pub trait VersionedFile: Serialize + DeserializeOwned + JsonSchema {
@@ -33,6 +35,17 @@ pub trait VersionedFile: Serialize + DeserializeOwned + JsonSchema {
 
     /// The steps from older versions to the present one.
     const MIGRATIONS: &'static [Migration] = &[];
+
+    /// Puts values in the place of names that stand for them, before the types are built; by default nothing.
+    ///
+    /// # Errors
+    /// The first field that is wrong.
+    fn resolve(_document: &mut Map<String, Value>) -> Result<(), FieldError> {
+        Ok(())
+    }
+
+    /// Allows in the schema of the type what [`Self::resolve`] replaces; by default nothing.
+    fn amend_schema(_schema: &mut Value) {}
 
     /// Checks what the types alone do not guarantee; by default nothing.
     ///
@@ -86,6 +99,7 @@ pub(crate) fn versioned_from<T: VersionedFile>(
     file: &str,
 ) -> Result<Loaded<T>, ReadError> {
     migrate::bring_up_to_date::<T>(&mut document, T::MIGRATIONS, file)?;
+    T::resolve(&mut document).map_err(|error| ReadError::field(file, error))?;
     let loaded = explain::deserialize::<T>(document, file)?;
     loaded
         .value

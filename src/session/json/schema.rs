@@ -27,7 +27,9 @@ pub fn schema_for<T: JsonSchema>() -> Value {
 /// The schema of a versioned file: that of its type, with the keys `format` and `version`.
 #[must_use]
 pub fn versioned_schema<T: VersionedFile>() -> Schema {
-    with_envelope(schema_for::<T>(), T::FORMAT, T::VERSION)
+    let mut schema = schema_for::<T>();
+    T::amend_schema(&mut schema);
+    with_envelope(schema, T::FORMAT, T::VERSION)
 }
 
 fn with_envelope(mut schema: Value, format: &str, version: u32) -> Schema {

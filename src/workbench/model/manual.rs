@@ -110,6 +110,7 @@ impl Page {
             Screen::Start => Self::Start,
             Screen::Import => Self::Import,
             Screen::Compare => Self::Report,
+            Screen::WhichSensor => Self::Measuring,
             Screen::Phase(phase) => match phase {
                 Phase::Precalibration => Self::Precalibration,
                 Phase::Modeling => Self::Modeling,

@@ -14,6 +14,8 @@ pub enum Screen {
     Compare,
     /// Files of other programs on their way into the session.
     Import,
+    /// Which sensor, how many poses.
+    WhichSensor,
 }
 
 /// The five phases.

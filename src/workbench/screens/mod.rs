@@ -11,6 +11,7 @@ pub mod measuring;
 pub mod modeling;
 pub mod precalibration;
 pub mod start;
+pub mod which_sensor;
 
 use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
@@ -43,6 +44,8 @@ pub struct PanelStates {
     pub compare: compare::PanelState,
     /// Of the import.
     pub import: import::PanelState,
+    /// Of the choice of a sensor.
+    pub which_sensor: which_sensor::PanelState,
 }
 
 /// Draws the panel of a phase, with its foot, which stays where it is while the panel scrolls.

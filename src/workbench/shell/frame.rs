@@ -62,6 +62,18 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             let memory = (&mut panels.compare, views);
             centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
         }
+        Screen::WhichSensor => {
+            let State {
+                model,
+                outbox,
+                panels,
+                ..
+            } = state;
+            let panel = &mut panels.which_sensor;
+            centre().show(ui, |ui| {
+                screens::which_sensor::show(ui, model, panel, outbox)
+            });
+        }
         Screen::Import => {
             let State {
                 model,

@@ -445,6 +445,13 @@ fn model(state: &State) -> Vec<Item> {
             computing,
             IdentificationCommand::Stop,
         ),
+        item(
+            Menu::Model,
+            "Which sensor?",
+            None,
+            true,
+            ViewCommand::Go(Screen::WhichSensor),
+        ),
     ]
 }
 

@@ -8,7 +8,7 @@ mod choice;
 mod colours;
 mod content;
 mod deviations;
-mod document;
+pub mod document;
 mod html;
 mod input;
 mod pdf;
@@ -20,9 +20,11 @@ pub mod tolerance;
 
 use std::path::{Path, PathBuf};
 
-use tautline_session::{WriteError, write_bytes};
+use document::Document;
+use tautline_session::{Timestamp, WriteError, write_bytes};
 
 pub use choice::{Part, ReportChoice};
+pub use colours::PLOT;
 pub use input::{ComparisonInput, ReportInput};
 pub use pdf::PdfError;
 pub use results::{Results, completed};
@@ -89,10 +91,18 @@ pub fn render_report(
     input: &ReportInput<'_>,
     format: ReportFormat,
 ) -> Result<Vec<u8>, ReportError> {
-    let document = content::document(input);
+    render(&content::document(input), format, input.now)
+}
+
+/// A document as bytes of a file.
+fn render(
+    document: &Document,
+    format: ReportFormat,
+    now: Timestamp,
+) -> Result<Vec<u8>, ReportError> {
     Ok(match format {
-        ReportFormat::Html => html::render(&document).into_bytes(),
-        ReportFormat::Pdf => pdf::render(&document, input.now)?,
+        ReportFormat::Html => html::render(document).into_bytes(),
+        ReportFormat::Pdf => pdf::render(document, now)?,
     })
 }
 
@@ -104,11 +114,7 @@ pub fn render_comparison(
     input: &ComparisonInput<'_>,
     format: ReportFormat,
 ) -> Result<Vec<u8>, ReportError> {
-    let document = content::comparison::document(input);
-    Ok(match format {
-        ReportFormat::Html => html::render(&document).into_bytes(),
-        ReportFormat::Pdf => pdf::render(&document, input.now)?,
-    })
+    render(&content::comparison::document(input), format, input.now)
 }
 
 /// Writes the report of a comparison in the format that the name of the file says, completely or not at all.
@@ -116,10 +122,7 @@ pub fn render_comparison(
 /// # Errors
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.
 pub fn write_comparison(path: &Path, input: &ComparisonInput<'_>) -> Result<(), ReportError> {
-    let format =
-        ReportFormat::of(path).ok_or_else(|| ReportError::Extension(path.to_path_buf()))?;
-    write_bytes(path, &render_comparison(input, format)?)?;
-    Ok(())
+    write_document(path, &content::comparison::document(input), input.now)
 }
 
 /// Writes the report in the format that the name of the file says, completely or not at all.
@@ -127,8 +130,16 @@ pub fn write_comparison(path: &Path, input: &ComparisonInput<'_>) -> Result<(), 
 /// # Errors
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.
 pub fn write_report(path: &Path, input: &ReportInput<'_>) -> Result<(), ReportError> {
+    write_document(path, &content::document(input), input.now)
+}
+
+/// Writes a document in the format that the name of the file says, completely or not at all.
+///
+/// # Errors
+/// If the name ends with neither .html nor .pdf, or the file cannot be written.
+pub fn write_document(path: &Path, document: &Document, now: Timestamp) -> Result<(), ReportError> {
     let format =
         ReportFormat::of(path).ok_or_else(|| ReportError::Extension(path.to_path_buf()))?;
-    write_bytes(path, &render_report(input, format)?)?;
+    write_bytes(path, &render(document, format, now)?)?;
     Ok(())
 }

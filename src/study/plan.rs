@@ -1,0 +1,328 @@
+//! The plan of a study: everything that its chunks need, and what the expected covariance answers without them.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::estimation::Control;
+use tautline_core::geometry::Pose;
+use tautline_core::planning::{PlanError, plan, random_poses};
+use tautline_core::robot::{FrameTransform, Robot, presets};
+use tautline_session::{
+    Catalogue, Fingerprint, VersionedFile, read_robot, read_versioned, versioned, write_versioned,
+};
+
+use crate::StudyError;
+use crate::cell::{Cell, options, robot_of};
+use crate::design::{Combination, combinations};
+use crate::file::{Choice, StudyFile};
+use crate::scaling::size_m;
+
+/// File of the plan in the folder of a study.
+pub const PLAN: &str = "plan.json";
+/// Feasible poses among which planned ones are chosen.
+const CANDIDATES: usize = 600;
+
+/// A study ready to run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudyPlan {
+    /// The study.
+    pub study: StudyFile,
+    /// Its robots, in the order of the design.
+    pub robots: Vec<Robot>,
+    /// Sequences of poses, home not counted, that cells share.
+    pub poses: Vec<Vec<FrameTransform>>,
+    /// Its cells.
+    pub cells: Vec<PlannedCell>,
+}
+
+/// A cell and what it promises.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlannedCell {
+    /// What it is.
+    pub combination: Combination,
+    /// Standard deviation of the laser's readings (m); null without a laser.
+    pub laser_sd_m: Option<f64>,
+    /// Price of its sensor, where the catalogue has one.
+    #[serde(default)]
+    pub cost: Option<f64>,
+    /// Which sequence its poses begin.
+    pub sequence: usize,
+    /// What the expected covariance says.
+    pub expected: ExpectedErrors,
+}
+
+/// Errors that the expected covariance predicts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExpectedErrors {
+    /// Root mean square error of the entry points' coordinates (m); null where the poses leave something open.
+    pub entry_m: Option<f64>,
+    /// Root mean square position error over the workspace (m); null also without home pose.
+    pub position_m: Option<f64>,
+    /// Root mean square position error for each kelvin by which a steel frame has warmed since (m/K).
+    pub position_m_per_kelvin: Option<f64>,
+}
+
+impl VersionedFile for StudyPlan {
+    const FORMAT: &'static str = "tautline-study-plan";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 1 << 30;
+}
+
+impl StudyPlan {
+    /// Plans a study; files of robots are looked for in `folder`. The observer hears how many cells are done of how many.
+    ///
+    /// # Errors
+    /// One sentence with the field, if a robot or sensor cannot be used or a cell cannot be answered; or cancelled.
+    pub fn new(
+        study: StudyFile,
+        folder: &Path,
+        observer: &mut dyn FnMut(usize, usize) -> Control,
+    ) -> Result<Self, StudyError> {
+        let robots = (study.design.robots.iter().enumerate())
+            .map(|(index, name)| robot(name, folder, index))
+            .collect::<Result<Vec<_>, _>>()?;
+        let catalogue = Catalogue::of_user()?;
+        let combinations = combinations(&study)?;
+        let mut sequences = Sequences::default();
+        let mut cells = Vec::with_capacity(combinations.len());
+        let all = combinations.len();
+        for (index, combination) in combinations.into_iter().enumerate() {
+            if observer(index, all) == Control::Cancel {
+                return Err(StudyError::Cancelled);
+            }
+            let base = &robots[combination.robot];
+            let robot = robot_of(base, &combination, &catalogue).map_err(StudyError::Input)?;
+            let sequence = sequences.of(&study, base, &combination, &robot)?;
+            let poses = sequences.poses[sequence][..combination.poses].to_vec();
+            let sensor = catalogue.find(&combination.laser).ok();
+            cells.push(PlannedCell {
+                laser_sd_m: robot.laser.map(|laser| laser.sd_m),
+                cost: sensor.and_then(|sensor| sensor.cost),
+                sequence,
+                expected: expected(robot, poses, &combination)?,
+                combination,
+            });
+        }
+        observer(all, all);
+        Ok(Self {
+            poses: sequences
+                .poses
+                .iter()
+                .map(|poses| poses.iter().map(transform).collect())
+                .collect(),
+            study,
+            robots,
+            cells,
+        })
+    }
+
+    /// The robot and the poses of a cell.
+    ///
+    /// # Errors
+    /// If the plan was changed by hand so that they do not exist.
+    pub fn cell(&self, index: usize) -> Result<Cell, StudyError> {
+        let planned = self.cells.get(index);
+        let damaged = || {
+            StudyError::Input(format!(
+                "{PLAN}: cell {index} is damaged, expected a plan as this program writes it"
+            ))
+        };
+        let planned = planned.ok_or_else(damaged)?;
+        let combination = &planned.combination;
+        let base = self.robots.get(combination.robot).ok_or_else(damaged)?;
+        // The catalogue of another machine may differ: the plan has the standard deviation.
+        let known = Combination {
+            laser: if combination.laser == "none" {
+                "none"
+            } else {
+                "own"
+            }
+            .to_owned(),
+            ..combination.clone()
+        };
+        let mut robot =
+            robot_of(base, &known, &Catalogue::with(None)?).map_err(StudyError::Input)?;
+        if let (Some(laser), Some(sd_m)) = (&mut robot.laser, planned.laser_sd_m) {
+            laser.sd_m = sd_m;
+        }
+        let poses = self
+            .poses
+            .get(planned.sequence)
+            .and_then(|poses| poses.get(..combination.poses));
+        let poses = poses
+            .ok_or_else(damaged)?
+            .iter()
+            .map(FrameTransform::pose)
+            .collect();
+        Cell::new(robot, poses, combination.method.of_solver())
+            .map_err(|error| input(combination, &error))
+    }
+
+    /// The cells that are simulated.
+    #[must_use]
+    pub fn simulated(&self) -> Vec<usize> {
+        let is_simulated = |index: &usize| self.cells[*index].combination.is_simulated;
+        (0..self.cells.len()).filter(is_simulated).collect()
+    }
+
+    /// Number of calibrations of the whole study.
+    #[must_use]
+    pub fn calibrations(&self) -> u64 {
+        self.simulated().len() as u64 * self.study.simulation.calibrations
+    }
+
+    /// Chunks into which the study cuts itself.
+    #[must_use]
+    pub fn chunks(&self) -> u64 {
+        self.calibrations().div_ceil(self.study.simulation.chunk)
+    }
+
+    /// Fingerprint of all that results depend on.
+    #[must_use]
+    pub fn fingerprint(&self) -> String {
+        let text = serde_json::to_string(&versioned(self)).unwrap_or_default();
+        Fingerprint::of(text.as_bytes()).to_hex()
+    }
+
+    /// Writes the plan into the folder of the study.
+    ///
+    /// # Errors
+    /// If it cannot be written, or there is one of another study.
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, StudyError> {
+        let path = folder.join(PLAN);
+        if path.exists() && read_plan(folder)?.fingerprint() != self.fingerprint() {
+            return Err(StudyError::Input(format!(
+                "{}: belongs to another study, expected an empty folder",
+                path.display()
+            )));
+        }
+        std::fs::create_dir_all(folder).map_err(|error| {
+            StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
+        })?;
+        write_versioned(&path, self)?;
+        Ok(path)
+    }
+}
+
+/// Reads the plan of a study from its folder.
+///
+/// # Errors
+/// If there is none or it is not valid.
+pub fn read_plan(folder: &Path) -> Result<StudyPlan, StudyError> {
+    Ok(read_versioned::<StudyPlan>(&folder.join(PLAN))?.value)
+}
+
+fn robot(name: &str, folder: &Path, index: usize) -> Result<Robot, StudyError> {
+    if let Some(preset) = presets::find(name) {
+        return Ok(preset.robot);
+    }
+    let path = folder.join(name);
+    if !path.exists() {
+        let presets = presets::NAMES.join(", ");
+        return Err(StudyError::Input(format!(
+            "/design/robots/{index}: found \"{name}\", expected a robot.json or one of {presets}"
+        )));
+    }
+    let robot = read_robot(&path)?.value;
+    if !robot.effects.is_empty() {
+        return Err(StudyError::Input(format!(
+            "{}: found a model with effects, expected a robot without any; faults say what is hidden",
+            path.display()
+        )));
+    }
+    Ok(robot)
+}
+
+/// Sequences of poses with what they were made for.
+#[derive(Default)]
+struct Sequences {
+    poses: Vec<Vec<Pose>>,
+    keys: Vec<String>,
+}
+
+impl Sequences {
+    /// The sequence that a cell's poses begin: planned ones are chosen once for a robot with its own instruments, so that
+    /// cells differ in nothing but what they name; random ones for all numbers of poses together.
+    fn of(
+        &mut self,
+        study: &StudyFile,
+        base: &Robot,
+        cell: &Combination,
+        robot: &Robot,
+    ) -> Result<usize, StudyError> {
+        let most = study
+            .design
+            .poses
+            .iter()
+            .copied()
+            .max()
+            .unwrap_or(cell.poses);
+        let count = match cell.choice {
+            Choice::Planned => cell.poses,
+            Choice::Random => most,
+        };
+        let has_laser = robot.laser.is_some();
+        let key = format!(
+            "{} {:?} {:?} {count} {has_laser}",
+            cell.robot,
+            cell.size_m.map(f64::to_bits),
+            cell.choice
+        );
+        if let Some(known) = self.keys.iter().position(|other| *other == key) {
+            return Ok(known);
+        }
+        let own = Combination {
+            laser: if has_laser { "own" } else { "none" }.to_owned(),
+            home_sd_m: None,
+            inclinometer_sd_rad: None,
+            length_sd_m: None,
+            tension_sd_n: None,
+            ..cell.clone()
+        };
+        let robot = robot_of(base, &own, &Catalogue::with(None)?).map_err(StudyError::Input)?;
+        let mut options = options(count, study.seed, size_m(&robot));
+        options.candidates = CANDIDATES.max(count);
+        let poses = match cell.choice {
+            Choice::Planned => plan(&robot, &options, &mut |_| Control::Continue)
+                .map(|planned| planned.poses.iter().map(|planned| planned.pose).collect()),
+            Choice::Random => random_poses(&robot, &options),
+        };
+        self.poses.push(poses.map_err(|error| input(cell, &error))?);
+        self.keys.push(key);
+        Ok(self.poses.len() - 1)
+    }
+}
+
+fn expected(
+    robot: Robot,
+    poses: Vec<Pose>,
+    combination: &Combination,
+) -> Result<ExpectedErrors, StudyError> {
+    let cell = Cell::new(robot, poses, combination.method.of_solver())
+        .map_err(|error| input(combination, &error))?;
+    let criteria = cell.expected().criteria;
+    Ok(ExpectedErrors {
+        entry_m: criteria.mean_m,
+        position_m: criteria.platform_m,
+        position_m_per_kelvin: cell.position_m_per_kelvin(),
+    })
+}
+
+fn input(cell: &Combination, error: &PlanError) -> StudyError {
+    let size = cell
+        .size_m
+        .map_or_else(String::new, |size| format!(" of {size} m"));
+    StudyError::Input(format!(
+        "/design: robot {}{size} with {} poses: {error}",
+        cell.robot + 1,
+        cell.poses
+    ))
+}
+
+fn transform(pose: &Pose) -> FrameTransform {
+    FrameTransform {
+        position_m: pose.position.into(),
+        orientation_wxyz: pose.orientation_wxyz(),
+    }
+}

@@ -1,0 +1,181 @@
+//! Doing the chunks of a study: on threads of this process, each chunk a file; what is there is not done again.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crate::calibration::Simulator;
+use crate::cell::Cell;
+use crate::chunk::{Origin, Part, Rows, read_chunk, write_chunk};
+use crate::plan::{PLAN, StudyPlan};
+use crate::{StudyError, VERSION};
+
+/// Calibrations between two looks at whether it was cancelled.
+const BETWEEN_LOOKS: u64 = 16;
+
+/// What running threads tell and are told.
+#[derive(Debug, Default)]
+pub struct Shared {
+    /// Calibrations done.
+    pub done: AtomicU64,
+    /// Set to end early: chunks that are not finished are lost.
+    pub cancelled: AtomicBool,
+}
+
+/// What a run did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Summary {
+    /// Chunks done.
+    pub done: u64,
+    /// Chunks that were there.
+    pub found: u64,
+}
+
+/// Does these parts of a study with so many threads.
+///
+/// # Errors
+/// If a part is not one of the study, a chunk that is there belongs to something else, one cannot be written, or it was
+/// cancelled.
+pub fn run(
+    plan: &StudyPlan,
+    folder: &Path,
+    parts: &[Part],
+    threads: usize,
+    shared: &Shared,
+) -> Result<Summary, StudyError> {
+    let all = plan.calibrations();
+    if let Some(part) = parts.iter().find(|part| part.of > all.max(1)) {
+        return Err(StudyError::Input(format!(
+            "found a cut into {} chunks, expected at most the {all} calibrations of the study",
+            part.of
+        )));
+    }
+    let fingerprint = &plan.fingerprint();
+    let next = AtomicU64::new(0);
+    let summary = Mutex::new(Summary::default());
+    let failure: Mutex<Option<StudyError>> = Mutex::new(None);
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed) as usize;
+            let Some(part) = parts.get(index) else { return };
+            let is_over = shared.cancelled.load(Ordering::Relaxed) || lock(&failure).is_some();
+            if is_over {
+                return;
+            }
+            match chunk((plan, fingerprint), folder, *part, shared) {
+                Ok(true) => lock(&summary).done += 1,
+                Ok(false) => lock(&summary).found += 1,
+                Err(error) => {
+                    lock(&failure).get_or_insert(error);
+                    return;
+                }
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, parts.len().max(1)) {
+            scope.spawn(work);
+        }
+    });
+    if let Some(error) = lock(&failure).take() {
+        return Err(error);
+    }
+    if shared.cancelled.load(Ordering::Relaxed) {
+        return Err(StudyError::Cancelled);
+    }
+    let summary = *lock(&summary);
+    Ok(summary)
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    // A thread that panicked left a value that is whole: counts and errors are set at once.
+    mutex
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Does one part; whether there was anything to do.
+fn chunk(
+    (plan, fingerprint): (&StudyPlan, &str),
+    folder: &Path,
+    part: Part,
+    shared: &Shared,
+) -> Result<bool, StudyError> {
+    let path = folder.join(part.file_name());
+    let [from, to] = part.range(plan.calibrations());
+    if path.exists() {
+        let (origin, _) = read_chunk(&path)?;
+        belongs(&origin, (plan, fingerprint), part)
+            .map_err(|message| StudyError::Input(format!("{}: {message}", path.display())))?;
+        shared.done.fetch_add(to - from, Ordering::Relaxed);
+        return Ok(false);
+    }
+    let simulated = plan.simulated();
+    let each = plan.study.simulation.calibrations;
+    let mut rows = Rows::default();
+    let mut index = from;
+    while index < to {
+        let place = simulated[(index / each) as usize];
+        let cell = plan.cell(place)?;
+        let end = to.min((index / each + 1) * each);
+        calibrate(plan, (place, &cell), [index, end], shared, &mut rows)?;
+        index = end;
+    }
+    fs::create_dir_all(folder).map_err(|error| {
+        StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
+    })?;
+    write_chunk(folder, (plan, fingerprint), part, &rows)?;
+    Ok(true)
+}
+
+/// Calibrations of one cell, from a number of the study to another.
+fn calibrate(
+    plan: &StudyPlan,
+    (place, cell): (usize, &Cell),
+    [from, to]: [u64; 2],
+    shared: &Shared,
+    rows: &mut Rows,
+) -> Result<(), StudyError> {
+    let method = plan.cells[place].combination.method.of_solver();
+    let simulator = Simulator::new(&plan.study, cell, method)
+        .map_err(|error| StudyError::Input(format!("{PLAN}: cell {place}: {error}")))?;
+    for index in from..to {
+        if index % BETWEEN_LOOKS == 0 && shared.cancelled.load(Ordering::Relaxed) {
+            return Err(StudyError::Cancelled);
+        }
+        let within = index % plan.study.simulation.calibrations;
+        rows.push(place, &simulator.calibrate(index, within));
+        shared.done.fetch_add(1, Ordering::Relaxed);
+    }
+    Ok(())
+}
+
+/// Whether a chunk is this part of this study, by this version of the program; else why not.
+pub(crate) fn belongs(
+    origin: &Origin,
+    (plan, fingerprint): (&StudyPlan, &str),
+    part: Part,
+) -> Result<(), String> {
+    let expect = |what: &str, found: &str, expected: &str| match found == expected {
+        true => Ok(()),
+        false => Err(format!(
+            "found a chunk of {what} {found}, expected {expected}"
+        )),
+    };
+    expect("the program version", &origin.version, VERSION)?;
+    expect("the study", &origin.study, fingerprint)?;
+    expect(
+        "the seed",
+        &origin.seed.to_string(),
+        &plan.study.seed.to_string(),
+    )?;
+    let name = |part: Part| format!("{} of {}", part.number, part.of);
+    expect("number", &name(origin.part), &name(part))?;
+    let range = |[from, to]: [u64; 2]| format!("{from} to {to}");
+    expect(
+        "calibrations",
+        &range(origin.range),
+        &range(part.range(plan.calibrations())),
+    )
+}

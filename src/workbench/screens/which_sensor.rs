@@ -1,0 +1,314 @@
+//! Which sensor, how many poses: sliders, and the answer of the expected covariance while they move.
+
+use egui::{Grid, ScrollArea, Slider, Ui};
+use tautline_core::robot::{Robot, presets};
+use tautline_study::which_sensor::{Advisor, Answer, MOST_POSES, Question};
+use tautline_workflow::plot::Selection;
+use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
+use tautline_workflow::wording::units::significant;
+
+use crate::model::Model;
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::phase::{Phase, Screen};
+use crate::theme::GRID;
+use crate::views::plots::small;
+use crate::widgets::{Verdict, heading, muted, section, verdict};
+
+/// State of the screen.
+#[derive(Debug, Default)]
+pub struct PanelState {
+    asked: Option<Asked>,
+}
+
+/// A robot that is asked about, with the last question and its answer.
+#[derive(Debug)]
+struct Asked {
+    robot: Robot,
+    advisor: Result<Advisor, String>,
+    question: Option<Question>,
+    answer: Option<(Question, Result<Answer, String>)>,
+}
+
+impl Asked {
+    fn new(robot: Robot) -> Self {
+        let advisor = Advisor::new(&robot);
+        Self {
+            question: advisor.as_ref().ok().map(Advisor::question),
+            advisor,
+            robot,
+            answer: None,
+        }
+    }
+}
+
+/// Sizes of the plots (points).
+const PLOT: f32 = 210.0;
+/// Width of the column of sliders (points).
+const SLIDERS: f32 = 300.0;
+
+/// Draws the screen.
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let session = model.open.as_ref().map(|open| open.session());
+    let Some(robot) = session
+        .map(|session| session.robot.clone())
+        .or_else(|| presets::find("mini").map(|mini| mini.robot))
+    else {
+        return;
+    };
+    let known = panel.asked.take().filter(|asked| asked.robot == robot);
+    let asked = panel
+        .asked
+        .insert(known.unwrap_or_else(|| Asked::new(robot)));
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        egui::Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                heading(ui, "Which sensor?");
+                muted(ui, &format!("for {}", asked.robot.name));
+                let back = match session {
+                    Some(_) => Screen::Phase(Phase::Measuring),
+                    None => Screen::Start,
+                };
+                if ui.button("Back").clicked() {
+                    outbox.send(ViewCommand::Go(back));
+                }
+            });
+            muted(ui, "The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");
+            ui.add_space(2.0 * GRID);
+            contents(ui, asked);
+        });
+    });
+}
+
+fn contents(ui: &mut Ui, asked: &mut Asked) {
+    let (Ok(advisor), Some(question)) = (&asked.advisor, &mut asked.question) else {
+        if let Err(error) = &asked.advisor {
+            verdict(ui, Verdict::Bad, error);
+        }
+        return;
+    };
+    ui.horizontal_top(|ui| {
+        ui.vertical(|ui| {
+            ui.set_width(SLIDERS);
+            sliders(ui, &asked.robot, question);
+            if ui.button("Copy as study file").clicked() {
+                ui.ctx().copy_text(study(&asked.robot, question));
+            }
+            muted(ui, "tautline study simulates what is copied here, with faults and other robots if you add them.");
+        });
+        ui.add_space(4.0 * GRID);
+        let is_known = asked.answer.as_ref().is_some_and(|(answered, _)| answered == question);
+        if !is_known {
+            asked.answer = Some((*question, advisor.answer(question)));
+        }
+        ui.vertical(|ui| match &asked.answer {
+            Some((_, Ok(answer))) => answered(ui, question, answer),
+            Some((_, Err(error))) => {
+                verdict(ui, Verdict::Bad, error);
+            }
+            None => {}
+        });
+    });
+}
+
+fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
+    section(ui, "Instruments");
+    Grid::new("which sensor")
+        .num_columns(2)
+        .spacing([3.0 * GRID, 1.5 * GRID])
+        .show(ui, |ui| {
+            if let Some(laser) = robot.laser {
+                optional(
+                    ui,
+                    "Laser",
+                    (&mut question.laser_sd_m, laser.sd_m),
+                    ([0.02, 10.0], 1e3, "mm"),
+                );
+            }
+            let label = ui.label("Poses");
+            ui.add(Slider::new(&mut question.poses, 3..=MOST_POSES).logarithmic(true))
+                .labelled_by(label.id);
+            ui.end_row();
+            if robot.home.is_some_and(|home| home.position_sd_m > 0.0) {
+                let label = ui.label("Home position");
+                millimetres(
+                    ui,
+                    label.id,
+                    &mut question.home_sd_m,
+                    ([0.005, 10.0], 1e3, "mm"),
+                );
+                ui.end_row();
+            }
+            optional(
+                ui,
+                "Inclinometer",
+                (&mut question.inclinometer_sd_rad, 1e-3),
+                ([0.02, 10.0], 1e3, "mrad"),
+            );
+        });
+}
+
+/// An instrument that may be there, with what it is if it comes.
+fn optional(
+    ui: &mut Ui,
+    name: &str,
+    (value, usual): (&mut Option<f64>, f64),
+    unit: ([f64; 2], f64, &str),
+) {
+    let mut is_there = value.is_some();
+    let label = ui.checkbox(&mut is_there, name);
+    match (is_there, value.is_some()) {
+        (true, false) => *value = Some(usual),
+        (false, true) => *value = None,
+        _ => {}
+    }
+    match value {
+        Some(value) => millimetres(ui, label.id, value, unit),
+        None => muted(ui, "none"),
+    }
+    ui.end_row();
+}
+
+fn millimetres(
+    ui: &mut Ui,
+    label: egui::Id,
+    value: &mut f64,
+    ([low, high], scale, unit): ([f64; 2], f64, &str),
+) {
+    let mut shown = *value * scale;
+    let slider = Slider::new(&mut shown, low..=high)
+        .logarithmic(true)
+        .suffix(format!(" {unit}"));
+    let slider = slider.custom_formatter(|value, _| significant(value, 2));
+    if ui.add(slider).labelled_by(label).changed() {
+        *value = shown / scale;
+    }
+}
+
+fn answered(ui: &mut Ui, question: &Question, answer: &Answer) {
+    section(ui, "Answer");
+    ui.label(answer.sentence(question));
+    if let Some(entry_m) = answer.entry_m {
+        muted(
+            ui,
+            &format!(
+                "Entry points: {} mm along each axis.",
+                significant(1e3 * entry_m, 2)
+            ),
+        );
+    }
+    ui.add_space(GRID);
+    Grid::new("changes")
+        .num_columns(2)
+        .spacing([4.0 * GRID, GRID])
+        .show(ui, |ui| {
+            for (what, error) in &answer.changes {
+                ui.label(format!("With {what}"));
+                ui.label(error.map_or_else(
+                    || "open".to_owned(),
+                    |error| format!("{} mm", significant(1e3 * error, 2)),
+                ));
+                ui.end_row();
+            }
+        });
+    ui.add_space(2.0 * GRID);
+    let at = |x: f64| answer.position_m.map(|error| (x, error));
+    if let Some(sd_m) = question.laser_sd_m {
+        let line = answer
+            .over_laser
+            .iter()
+            .map(|(sd, error)| (1e3 * sd, *error));
+        let figure = figure(("Laser, 1 sd", "mm"), line, at(1e3 * sd_m));
+        small::show(
+            ui,
+            "Position error over the laser",
+            &figure,
+            PLOT,
+            Selection::default(),
+        );
+    }
+    let line = answer
+        .over_poses
+        .iter()
+        .map(|(poses, error)| (*poses as f64, *error));
+    let figure = figure(("Poses", ""), line, at(question.poses as f64));
+    small::show(
+        ui,
+        "Position error over the number of poses",
+        &figure,
+        PLOT,
+        Selection::default(),
+    );
+}
+
+/// A line in logarithms, with a mark where the sliders are.
+fn figure(
+    (label, unit): (&str, &'static str),
+    line: impl Iterator<Item = (f64, Option<f64>)>,
+    marked: Option<(f64, f64)>,
+) -> Figure {
+    let axis = |label: &str, unit| Axis {
+        is_logarithmic: true,
+        ..Axis::new(label, unit)
+    };
+    let place = |x: f64, error: f64| [x.log10(), (1e3 * error).log10()];
+    let points = marked.map(|(x, error)| {
+        let [x, y] = place(x, error);
+        Point::new(x, y)
+    });
+    Figure {
+        x: axis(label, unit),
+        y: axis("Position error", "mm"),
+        curves: vec![Curve {
+            name: String::new(),
+            ink: Ink::Accent,
+            dashed: false,
+            points: line
+                .filter_map(|(x, error)| Some(place(x, error?)))
+                .collect(),
+        }],
+        series: vec![Series::new(
+            "now",
+            Ink::Warning,
+            Marker::Diamond,
+            points.into_iter().collect(),
+        )],
+        ..Figure::default()
+    }
+}
+
+/// The question as a study file, to be simulated.
+fn study(robot: &Robot, question: &Question) -> String {
+    let named = presets::find(&robot.name).filter(|preset| preset.robot == *robot);
+    let file = named.map_or_else(|| "robot.json".to_owned(), |preset| preset.name.to_owned());
+    let laser = if question.laser_sd_m.is_some() {
+        "own"
+    } else {
+        "none"
+    };
+    format!(
+        "format = \"tautline-study\"\nversion = 1\nname = \"Which sensor\"\n\n[design]\nrobots = [\"{file}\"]\n\
+         lasers = [\"{laser}\", \"class-0.1mm\", \"class-0.3mm\", \"class-1mm\", \"class-3mm\"]\nposes = [12, {}, 100]\n\
+         choice = [\"random\"]\nhome_sd_m = [{:e}]\ninclinometer_sd_rad = [{:e}]\n\n[simulation]\ncalibrations = 1000\nshare = 0.25\n",
+        question.poses,
+        question.home_sd_m,
+        question.inclinometer_sd_rad.unwrap_or(0.0)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_session::parse_versioned_toml;
+    use tautline_study::StudyFile;
+
+    use super::*;
+
+    #[test]
+    fn what_is_copied_is_a_study() {
+        let robot = presets::find("hall").expect("there").robot;
+        let asked = Asked::new(robot);
+        let text = study(&asked.robot, &asked.question.expect("there"));
+        let read = parse_versioned_toml::<StudyFile>(text.as_bytes(), "study.toml").expect("valid");
+        assert_eq!(read.value.design.robots, ["hall"]);
+        assert!(read.notices.is_empty());
+    }
+}
