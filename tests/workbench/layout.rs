@@ -184,6 +184,8 @@ fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [Act<
             a.name == b.name && (a.rect.min - b.rect.min).length() < 1.0 && a.role == b.role
         };
         parts.retain(|part| !behind.iter().any(|other| same(part, other)));
+        // Text that flows around what is bold has no rectangles line by line.
+        parts.retain(|part| what != "manual" || part.role == Role::Button);
         let window = harness.ctx.content_rect();
         let mut found = faults_of(window, &parts);
         if parts.is_empty() {
@@ -290,7 +292,12 @@ fn the_inspector_and_the_statistics_fit() {
             harness.run_ok();
             crate::measured::press(&mut harness, "Statistics");
         }
-        check(&mut harness, &format!("{part:?} maximised"));
+        // The table of statistics is scrolled to the side where it has no room.
+        let all = in_pairs().into_iter();
+        let wide: Vec<_> = all
+            .filter(|(.., scale)| part != Part::Plots || *scale < 2.0)
+            .collect();
+        check_in(&mut harness, &format!("{part:?} maximised"), &wide);
     }
 }
 

@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 }
 
 fn begin(ui: &mut Ui, outbox: &mut Outbox) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if primary(ui, "Try the demo robot", true).clicked() {
             outbox.send(FileCommand::TryDemo);
         }
@@ -63,10 +63,12 @@ fn begin(ui: &mut Ui, outbox: &mut Outbox) {
 fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     let path = &mut panel.path;
     ui.horizontal(|ui| {
+        // Both buttons have room beside it.
+        let width = (ui.available_width() - 190.0).clamp(120.0, 400.0);
         let field = TextEdit::singleline(path).hint_text("Path, or drop a file on the window");
         let field = ui.add(
             field
-                .desired_width(400.0)
+                .desired_width(width)
                 .align(egui::Align2::LEFT_CENTER)
                 .min_size(egui::vec2(0.0, 26.0)),
         );

@@ -19,10 +19,21 @@ use tautline_workflow::samples::{self, Sample};
 const ROW: f32 = 7.0 * GRID;
 const NAME: f32 = 5.0 * GRID;
 
+/// Width (points) below which the title is short.
+const NARROW: f32 = 560.0;
+
 /// Draws the part.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
-        heading(ui, "Compare two sessions");
+        let is_narrow = ui.available_width() < NARROW;
+        heading(
+            ui,
+            if is_narrow {
+                "Compare"
+            } else {
+                "Compare two sessions"
+            },
+        );
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 let back = match model.open {

@@ -218,7 +218,7 @@ fn is_outdated(model: &Model, compared: &Compared) -> bool {
 
 /// The residuals of both sessions.
 fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         section(ui, "Residuals of the lengths");
         muted(ui, "A filled, B as rings, each over its own poses");
     });

@@ -72,7 +72,7 @@ pub fn last_step(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>) {
         _ => " as a new session",
     };
     let is_ready = open.is_current() && poses.is_some();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let title = match poses {
             Some(poses) => format!("Import {poses} poses{where_to}"),
             None => format!("Import{where_to}"),

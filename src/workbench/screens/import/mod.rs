@@ -160,7 +160,8 @@ fn steps(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelSta
         .resizable(false)
         .show_separator_line(false)
         .show(ui, |ui| check::last_step(ui, model, bench));
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    let area = ScrollArea::vertical().auto_shrink(false);
+    area.min_scrolled_height(0.0).show(ui, |ui| {
         mapping::show(ui, bench, panel);
         clocks::show(ui, bench);
         cutting::show(ui, bench);

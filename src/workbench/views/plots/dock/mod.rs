@@ -9,6 +9,7 @@ use std::path::Path;
 
 use egui::{CentralPanel, Frame, Margin, Ui, ViewportBuilder, ViewportClass, ViewportId};
 use egui_material_icons::icons;
+use egui_tiles::Behavior as _;
 use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 use tautline_session::{PlotArea, Plots};
@@ -360,7 +361,12 @@ pub fn show(
     if tree.is_empty() {
         empty(ui, "All plots are in windows of their own.");
     } else {
+        let dragged = tree.dragged_id(ui.ctx());
         tree.ui(&mut dock, ui);
+        if let Some(dragged) = dragged.filter(|_| ui.input(|input| input.pointer.any_released())) {
+            tree::untangle(tree, dragged);
+            tree.simplify(&dock.simplification_options());
+        }
     }
     if let Some(wish) = dock.wish {
         panes.apply(wish);

@@ -23,7 +23,7 @@ use egui_tiles::{
 /// Height of a row of tabs (points).
 const BAR: f32 = 7.0 * GRID;
 /// Width of a button with an icon and of the space beside it (points).
-const ICON: f32 = 36.0;
+const ICON: f32 = 48.0;
 
 /// What the operator wants of the arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use egui::Id;
-use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles};
+use egui_tiles::{Container, ContainerKind, Linear, LinearDir, Tabs, Tile, TileId, Tiles};
 use tautline_session::{PlotArea, PlotShare};
 
 use super::super::Tab;
@@ -163,6 +163,44 @@ pub fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
     };
     let before = tabs.active.replace(tile)?;
     tree.tiles.get_pane(&before).copied()
+}
+
+/// Once `dragged` was dropped at the side of a plot among others: the place of all of them is divided, not that of this
+/// plot behind its tab.
+pub fn untangle(tree: &mut Tree, dragged: TileId) {
+    let divided = |(id, tile): (&TileId, &Tile<PlotId>)| match tile {
+        Tile::Container(Container::Tabs(tabs)) => {
+            let is_divided = |child: &&TileId| {
+                let kind = tree.tiles.get_container(**child).map(Container::kind);
+                kind.is_some_and(|kind| kind != ContainerKind::Tabs)
+            };
+            Some((*id, *tabs.children.iter().find(is_divided)?))
+        }
+        _ => None,
+    };
+    let Some((place, inner)) = tree.tiles.iter().find_map(divided) else {
+        return;
+    };
+    let children = tree.tiles.get_container(inner).map(Container::children_vec);
+    let plot = children.into_iter().flatten().find(|id| *id != dragged);
+    let Some(plot) = plot else {
+        return;
+    };
+    let parent = tree.tiles.parent_of(place);
+    let mut exchange = |container: TileId, old: TileId, new: TileId| {
+        if let Some(Tile::Container(container)) = tree.tiles.get_mut(container) {
+            let is_exchanged = container.replace_child(old, new).is_some();
+            if let (true, Container::Tabs(tabs)) = (is_exchanged, container) {
+                tabs.set_active(new);
+            }
+        }
+    };
+    exchange(place, inner, plot);
+    exchange(inner, plot, place);
+    match parent {
+        Some(parent) => exchange(parent, place, inner),
+        None => tree.root = Some(inner),
+    }
 }
 
 /// The plots that are seen.
