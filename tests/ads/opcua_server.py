@@ -91,6 +91,7 @@ async def process_message(self, seqhdr, body):
     word = "state" if nodes == [STATE] else "read" if kind == READ else "write"
     action = Orders.action(word)
     if action == "before":
+        self._transport.close()
         return False
     if action == "late":
         await asyncio.sleep(LATE_S)
@@ -108,6 +109,7 @@ async def process_message(self, seqhdr, body):
         data, self._transport = self._transport.data, real
         if action == "half":
             real.write(data[: len(data) // 2])
+        real.close()
         return False
     return result
 
