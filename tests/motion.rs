@@ -10,8 +10,9 @@ use tautline_core::simulation::{Recording, Simulated, SimulationOptions, record}
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 
-/// Latency of the external instrument (s), and drift of its clock.
+/// Latency of the external instrument (s).
 pub const DELAY_S: f64 = 0.034;
+/// Drift of its clock.
 pub const DRIFT: f64 = 5e-5;
 /// The error of a delay that counts as found, whatever its interval (s).
 const GOOD_S: f64 = 2e-4;
@@ -35,14 +36,17 @@ pub struct MotionRow {
     pub recordings: usize,
     /// Mean number of samples used.
     pub samples: f64,
-    /// Mean and root mean square error of the delay (s).
+    /// Mean error of the delay (s).
     pub delay_bias_s: f64,
+    /// Root mean square error of the delay (s).
     pub delay_rms_s: f64,
     /// Share of delays within 0.2 ms of the truth or whose interval covers it.
     pub delay_good: f64,
-    /// Shares of 95 % intervals that cover the delay, the drift and the entry points.
+    /// Share of 95 % intervals that cover the delay.
     pub delay_covered: f64,
+    /// Share that cover the drift.
     pub drift_covered: f64,
+    /// Share that cover coordinates of entry points.
     pub entry_covered: f64,
     /// Mean chi-square over the degrees of freedom.
     pub chi2_ratio: f64,

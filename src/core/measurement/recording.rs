@@ -129,6 +129,8 @@ impl Measurements {
         let largest = correlations
             .iter()
             .fold(0.0_f64, |most, (_, rho)| most.max(*rho));
+        // What stays alike for longer than the window is motion, or readings without noise.
+        let largest = largest.min((-step_s / HALF_WINDOW_S).exp());
         let apart = if largest > INDEPENDENT {
             (INDEPENDENT.ln() / largest.ln()).ceil() as usize
         } else {
