@@ -163,7 +163,9 @@ fn optional(
     }
     match value {
         Some(value) => millimetres(ui, label.id, value, unit),
-        None => muted(ui, "none"),
+        None => {
+            muted(ui, "none");
+        }
     }
     ui.end_row();
 }
