@@ -79,7 +79,6 @@ fn a_tab_that_is_dragged_to_the_side_docks_there_and_stays_there() {
 #[test]
 fn edges_of_panels_are_gripped_without_aiming() {
     let mut harness = identified();
-    let before = rect(&harness, "3D view");
     // Within the margin of the panel; beyond it the pointer turns the robot.
     for (beside, by) in [(2.0, 30.0), (7.0, -30.0)] {
         let view = rect(&harness, "3D view");
@@ -91,7 +90,6 @@ fn edges_of_panels_are_gripped_without_aiming() {
             "{beside}: {view:?} {now:?}"
         );
     }
-    assert!((rect(&harness, "3D view").max.x - before.max.x).abs() < 3.0);
 }
 
 #[test]

@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     let format = draft.format;
     let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
-        ui.set_width(520.0);
+        ui.set_width(520.0_f32.min(ui.ctx().content_rect().width() - 12.0 * GRID));
         heading(ui, &format!("Save the report as {}", format.title()));
         ui.horizontal(|ui| {
             let width = ui.available_width() - 120.0;
