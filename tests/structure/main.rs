@@ -31,7 +31,7 @@ struct Rules<'a> {
 
 /// The crates in the order of their dependencies. `main.rs` of the workbench is not looked at: it
 /// chooses between window and commands.
-const CRATES: [Rules; 7] = [
+const CRATES: [Rules; 9] = [
     Rules {
         folder: "src/core",
         crates: &[],
@@ -63,6 +63,16 @@ const CRATES: [Rules; 7] = [
         order: &[],
     },
     Rules {
+        folder: "src/study",
+        crates: &["tautline_core", "tautline_session", "tautline_workflow"],
+        order: &[],
+    },
+    Rules {
+        folder: "src/python",
+        crates: &["tautline_core", "tautline_session", "tautline_workflow"],
+        order: &[],
+    },
+    Rules {
         folder: "src/cli",
         crates: &[
             "tautline_core",
@@ -70,6 +80,7 @@ const CRATES: [Rules; 7] = [
             "tautline_import",
             "tautline_link",
             "tautline_workflow",
+            "tautline_study",
         ],
         order: &[],
     },
@@ -81,6 +92,7 @@ const CRATES: [Rules; 7] = [
             "tautline_import",
             "tautline_link",
             "tautline_workflow",
+            "tautline_study",
         ],
         order: &[
             "model", "commands", "theme", "widgets", "views", "screens", "shell", "lib",

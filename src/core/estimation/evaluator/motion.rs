@@ -90,7 +90,7 @@ impl<T: Real> Lag<T> {
             // Rotation on top of the pose seen by a change of the step: that of Rodrigues' parameters, half the step.
             let half = turn_x.lift(0.5);
             let by_turn = [turn_x, turn_y, turn_z];
-            let by_turn = add_scaled(cross(turn, by_turn), half, by_turn);
+            let by_turn = add_scaled(by_turn, half, cross(turn, by_turn));
             let shrink = one / (dot(turn, turn) * half).mul_add(half, one);
             for row in first..first + 3 {
                 let [x, y, z, a, b, c] = equations.by_pose[row];
