@@ -108,12 +108,13 @@ pub fn scale_ticks(axis: &Axis, view: [f64; 2], most: usize) -> Vec<Tick> {
     if usual.len() >= FEWEST || axis.is_whole || !axis.names.is_empty() {
         return usual;
     }
-    if axis.is_logarithmic {
-        return within_decades(view, most);
-    }
     let more = (most + 1..=4 * FEWEST).map(|most| ticks(axis, view, most));
     let mut enough = more.filter(|ticks| ticks.len() >= FEWEST);
-    enough.next().unwrap_or(usual)
+    match enough.next() {
+        Some(ticks) => ticks,
+        None if axis.is_logarithmic => within_decades(view, most),
+        None => usual,
+    }
 }
 
 /// Ticks of a logarithmic axis that spans less than three powers of ten.
