@@ -122,7 +122,9 @@ pub fn speed(calibrations: u64) -> Result<Speed> {
     let (mut whole, mut solver) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..5 {
         let begin = Instant::now();
-        (0..calibrations).for_each(|index| drop(simulator.calibrate(index, index)));
+        for index in 0..calibrations {
+            std::hint::black_box(simulator.calibrate(index, index));
+        }
         whole = whole.min(begin.elapsed().as_secs_f64());
         let mut seconds = 0.0;
         for index in 0..calibrations {
