@@ -27,7 +27,7 @@ def test_presets_are_robots() -> None:
 def test_a_wrong_robot_is_refused_in_the_sentence_of_the_command() -> None:
     robot = tautline.Robot.preset("mini")
     robot.description["cables"][2]["winch"]["drum_diameter_m"] = -0.04
-    with pytest.raises(tautline.TautlineError, match=r"cables\[2\]\.winch\.drum_diameter_m.*-0\.04"):
+    with pytest.raises(tautline.TautlineError, match="/cables/2/winch/drum_diameter_m: found -0.04"):
         robot.checked()
     with pytest.raises(tautline.TautlineError, match='"maxi", expected one of mini'):
         tautline.Robot.preset("maxi")

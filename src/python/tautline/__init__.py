@@ -14,8 +14,10 @@ that the command of the same name writes, as `document`.
 from __future__ import annotations
 
 import csv
+import importlib
 import io
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
@@ -184,9 +186,7 @@ class Dataset:
 
     def to_pandas(self) -> Any:
         """The columns as a pandas table, if pandas is installed."""
-        import pandas
-
-        return pandas.DataFrame(self.columns)
+        return importlib.import_module("pandas").DataFrame(self.columns)
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), ()))
@@ -337,8 +337,6 @@ def read_robot(path: Path) -> Robot:
 
 def read_dataset(folder: Path) -> Dataset:
     """Reads a dataset folder."""
-    import warnings
-
     robot, poses, notices = _tautline.read_dataset(folder)
     for notice in notices:
         warnings.warn(notice, stacklevel=2)
