@@ -115,7 +115,8 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
             kept.push(alternative);
         }
         Claim {
-            probability,
+            // A sum of shares may exceed 1 by rounding.
+            probability: probability.min(1.0),
             alternatives: kept,
             is_sure: probability + all >= SURE,
         }

@@ -2,14 +2,15 @@
 //!
 //! With the structure matrix `A` of the free coordinates (rows `[u; (R b) x u]`) lengths change by `l' = -A v` and
 //! `l'' = -A a - A' v`, which least squares solves for the twists `v` and `a`; `A'` is the change of `A` along `v`.
-//! Assumes that lengths change as the readings do: what tensions stretch on the way is left out. Where cables are too few, or a
-//! reading is missing, the rates are those of the external instrument, else 0.
+//! A cable under the tension `T` is `1 + T c` times as long as without, with its compliance `c = 1/EA`: lengths change by
+//! what is paid out and by what changing tensions stretch. Where cables are too few, or a reading is missing, the rates are
+//! those of the external instrument, else 0.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::context::or_zero;
 use crate::geometry::{Pose, Twist, Vec3};
-use crate::kinematics::structure_matrix;
+use crate::kinematics::{inverse_kinematics, structure_matrix};
 use crate::measurement::{Grid, Measurements, Rates};
 use crate::robot::{Cable, Robot};
 
@@ -47,6 +48,27 @@ pub(super) fn tension_rates(cable: &Cable, data: &Measurements, at: (usize, usiz
     finite(rates.map(|(rates, gain)| [0, 1].map(|k| rates.force[k].get(at.0, at.1) / gain)))
 }
 
+/// First and second derivative of the length (m/s, m/s^2) of a cable that is `loaded_m` long, from those of what is paid out:
+/// with `L = L0 (1 + T c)`, `L' = L0' (1 + T c) + L0 T' c`, and so on.
+fn length_rates(
+    cable: &Cable,
+    data: &Measurements,
+    at: (usize, usize),
+    (paid, loaded_m): ([f64; 2], f64),
+) -> [f64; 2] {
+    let compliance = cable.cable.axial_stiffness_n.map_or(0.0, f64::recip);
+    let (Some(sensor), false) = (cable.force_sensor, data.force_n.is_empty()) else {
+        return paid;
+    };
+    let strain = compliance * or_zero(Some(sensor.tension_n(data.force_n.get(at.0, at.1))));
+    let [change, second] = tension_rates(cable, data, at).map(|rate| compliance * rate);
+    let unstrained_m = loaded_m / (1.0 + strain);
+    [
+        paid[0] * (1.0 + strain) + unstrained_m * change,
+        paid[1] * (1.0 + strain) + 2.0 * paid[0] * change + unstrained_m * second,
+    ]
+}
+
 /// Velocity and acceleration at a row, near a pose (m, rad, s; base frame).
 pub(super) fn twists(
     robot: &Robot,
@@ -73,13 +95,17 @@ fn from_lengths(
     if robot.cable_count() < freedom.count() {
         return None;
     }
-    let reading = |order: usize| {
-        let cables = robot.cables.iter().enumerate();
-        let rates = cables
-            .map(|(index, cable)| length_rate(cable, data, &rates.length[order], (row, index)));
-        DVector::from_iterator(robot.cable_count(), rates)
-    };
-    let [first, second] = [reading(0), reading(1)];
+    let states = inverse_kinematics(robot, pose).ok()?;
+    let cables = || robot.cables.iter().zip(&states).enumerate();
+    let stretched = cables().map(|(index, (cable, state))| {
+        let at = (row, index);
+        let paid = [0, 1].map(|order| length_rate(cable, data, &rates.length[order], at));
+        let loaded_m = cable.winch.length_to_pulley_m + state.length_m;
+        length_rates(cable, data, at, (paid, loaded_m))
+    });
+    let stretched: Vec<[f64; 2]> = stretched.collect();
+    let [first, second] = [0, 1]
+        .map(|order| DVector::from_iterator(stretched.len(), stretched.iter().map(|l| l[order])));
     if first
         .iter()
         .chain(second.iter())

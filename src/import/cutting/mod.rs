@@ -19,6 +19,8 @@ use rest::Limits;
 const LONGEST_STEP_S: f64 = 0.2;
 /// Fewest rows of a recording: fewer are poses, one in each row.
 const RECORDING: usize = 100;
+/// Fewest rests that make a recording one of poses at rest: it may begin and end with one.
+const FEWEST_RESTS: usize = 3;
 
 /// A pose and what was read there.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +53,7 @@ pub(crate) fn is_recording(series: &Series) -> bool {
     series.rows >= RECORDING
 }
 
-/// Whether rests are found in the sources by a recipe, and are fewer than rows.
+/// Whether the sources hold poses at rest by a recipe: several rests, and far fewer than rows.
 pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -63,7 +65,7 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
     };
     let limits = Limits::of(robot, &Rest::default());
     let rests = rest::find(&mapping, main, time_s, &Rest::default(), &limits);
-    !rests.is_empty() && rests.len() * 5 < time_s.len()
+    rests.len() >= FEWEST_RESTS && rests.len() * 5 < time_s.len()
 }
 
 /// Whether the series of the cables is sampled fast enough to know how it moves.
