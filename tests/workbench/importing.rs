@@ -111,7 +111,8 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     bench.undo();
     assert!(!import(&bench).draft.recipe().first_pose_is_home);
     bench.undo();
-    assert_eq!(import(&bench).draft.recipe().cutting, Cutting::Rows);
+    // What is sampled this fast is in motion until somebody says that its rests are poses.
+    assert_eq!(import(&bench).draft.recipe().cutting, Cutting::Motion);
     bench.undo();
     assert_eq!(used(&bench, "Slot[3]"), None);
     for _ in 0..3 {

@@ -1,11 +1,7 @@
 //! Which sensor: sliders, and an answer at once.
 
-use std::time::Instant;
-
 use egui::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tautline_core::robot::presets;
-use tautline_study::which_sensor::{Advisor, Question};
 use tautline_workbench::model::command::ViewCommand;
 use tautline_workbench::model::phase::Screen;
 
@@ -19,7 +15,7 @@ fn the_answer_follows_the_sliders() {
     settle(&mut harness);
     let answer = |harness: &egui_kittest::Harness<'_, tautline_workbench::shell::App>| {
         let said = harness.get_by_label_contains("the platform is off by");
-        said.accesskit_node().label().expect("a text")
+        said.accesskit_node().value().expect("a text")
     };
     let before = answer(&harness);
     assert!(
@@ -42,24 +38,4 @@ fn the_answer_follows_the_sliders() {
     press(&mut harness, "Copy as study file");
     press(&mut harness, "Back");
     assert_eq!(harness.state().state.model.screen, Screen::Start);
-}
-
-/// A slider is followed without a stutter: 50 ms for MINI. Best of ten: other programs disturb a measurement, none makes it
-/// faster.
-#[test]
-fn mini_is_answered_within_50_ms() {
-    let robot = presets::find("mini").expect("there").robot;
-    let advisor = Advisor::new(&robot).expect("poses");
-    let mut best = f64::INFINITY;
-    for step in 0..10 {
-        let question = Question {
-            laser_sd_m: Some(1e-4 * f64::from(step + 1)),
-            ..advisor.question()
-        };
-        let begin = Instant::now();
-        advisor.answer(&question).expect("an answer");
-        best = best.min(begin.elapsed().as_secs_f64());
-    }
-    println!("answered in {:.1} ms", 1e3 * best);
-    assert!(best < 0.05, "{best} s");
 }

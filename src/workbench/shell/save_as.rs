@@ -20,10 +20,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     let replaces = path.is_file() && own != Some(path.as_path());
     let (mut is_open, mut entered) = (true, false);
     let modal = Modal::new(Id::unique("save as")).show(ui.ctx(), |ui| {
-        ui.set_width(560.0);
+        let width = 560.0_f32.min(ui.ctx().content_rect().width() - 12.0 * GRID);
+        ui.set_width(width);
         heading(ui, "Save the session as");
         ui.horizontal(|ui| {
-            let field = ui.add(TextEdit::singleline(&mut text).desired_width(440.0));
+            let field = ui.add(TextEdit::singleline(&mut text).desired_width(width - 120.0));
             field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the session"));
             entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             if ui.memory(|memory| memory.focused().is_none()) {
