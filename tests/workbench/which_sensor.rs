@@ -19,7 +19,7 @@ fn the_answer_follows_the_sliders() {
     };
     let before = answer(&harness);
     assert!(
-        before.starts_with("With 25 poses and a laser of 0.30 mm (1 sd)"),
+        before.starts_with("With 25 poses and a laser of 0.3 mm (1 sd)"),
         "{before}"
     );
     harness.get_by_label("Position error over the laser");

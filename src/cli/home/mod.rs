@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION")]
     session: PathBuf,
-    /// Return home before each measurement: sim, replay:DIR or ads:HOST[:PORT]/NETID; without it the platform is home
+    /// Return home before each measurement: sim, replay:DIR, ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]; without it the platform is home
     #[arg(long, value_name = "CONTROLLER", requires = "arm")]
     controller: Option<String>,
     /// Allow the robot to move

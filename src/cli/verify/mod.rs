@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION")]
     session: PathBuf,
-    /// sim, replay:DIR or ads:HOST[:PORT]/NETID; not needed with --check
+    /// sim, replay:DIR, ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]; not needed with --check
     #[arg(long, value_name = "CONTROLLER", required_unless_present = "check")]
     controller: Option<String>,
     /// Allow the robot to move

@@ -48,7 +48,7 @@ fn bad_input_is_named_and_writes_nothing() {
     .refused(&[
         "--controller",
         "\"simulated\"",
-        "expected sim, replay:DIR or ads:",
+        "expected sim, replay:DIR, ads:",
     ]);
     with(&["measure", &new], &sim).refused(&[&new, "not found", "--robot"]);
     with(
