@@ -28,6 +28,9 @@ const INDEPENDENT: f64 = 0.02;
 /// Windows in which the noise is looked at, at most.
 const MOST_WINDOWS: usize = 2000;
 
+/// Samples of one channel by their row.
+type Channel<'a> = dyn Fn(usize) -> f64 + 'a;
+
 /// Readings that one device makes, with noise of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadingKind {
@@ -238,7 +241,7 @@ impl Measurements {
                 let [(first, Some(one)), (second, Some(other))] = &windows else {
                     continue;
                 };
-                let sum = |filter: &[f64], start: usize, channel: &dyn Fn(usize) -> f64| -> f64 {
+                let sum = |filter: &[f64], start: usize, channel: &Channel<'_>| -> f64 {
                     let terms = filter.iter().enumerate();
                     terms.map(|(k, c)| c * channel(start + k)).sum()
                 };
@@ -255,7 +258,7 @@ impl Measurements {
     }
 
     /// Calls a function with every channel whose noise is looked at.
-    fn each_channel(&self, visit: &mut dyn FnMut(ReadingKind, &dyn Fn(usize) -> f64)) {
+    fn each_channel(&self, visit: &mut dyn FnMut(ReadingKind, &Channel<'_>)) {
         let (lengths, _) = self.length_readings();
         for (kind, grid) in [
             (ReadingKind::Length, lengths),
@@ -301,7 +304,7 @@ impl Measurements {
             let near = at.and_then(|row| Window::new(self, row, half));
             let far = at.and_then(|row| Window::new(self, row, force_half));
             let still = if at.is_none() { 0.0 } else { f64::NAN };
-            let of = |window: &Option<Window>, channel: &dyn Fn(usize) -> f64| match window {
+            let of = |window: &Option<Window>, channel: &Channel<'_>| match window {
                 Some(window) => window.rates(channel),
                 None => [still; 2],
             };
@@ -334,7 +337,7 @@ impl Measurements {
         &self,
         window: &Option<Window>,
         row: usize,
-        of: &dyn Fn(&Option<Window>, &dyn Fn(usize) -> f64) -> [f64; 2],
+        of: &dyn Fn(&Option<Window>, &Channel<'_>) -> [f64; 2],
     ) -> [Twist; 2] {
         let mut rates = [Twist::zeros(); 2];
         let mut set = |k: usize, [first, second]: [f64; 2]| {
@@ -383,7 +386,7 @@ impl Window {
         })
     }
 
-    fn rates(&self, channel: &dyn Fn(usize) -> f64) -> [f64; 2] {
+    fn rates(&self, channel: &Channel<'_>) -> [f64; 2] {
         let start = self.rows.start;
         let [_, first, second] = derivatives(&self.times_s, &self.weights, |k| channel(start + k));
         [first, second]

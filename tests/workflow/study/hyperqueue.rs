@@ -26,7 +26,7 @@ impl Engine {
             python.exists(),
             "the Python environment of this test is missing: make it by bash .ci/python"
         );
-        let script = root.join("docs/studies/hyperqueue.py");
+        let script = root.join("docs/studies/on_hyperqueue.py");
         let child = Command::new(python)
             .arg(script)
             .args([folder, &CHUNKS.to_string(), slow])

@@ -1,7 +1,7 @@
 """All chunks of a study on two HyperQueue workers of this machine, then the merged result:
 
     pip install hyperqueue
-    python docs/studies/hyperqueue.py FOLDER CHUNKS [PROGRAM]
+    python docs/studies/on_hyperqueue.py FOLDER CHUNKS [PROGRAM]
 
 With a server that runs already (`hq server start` of HyperQueue's own program) the environment variable HQ_SERVER_DIR names
 its folder, and the workers are those that are connected to it, on however many machines. Whatever was killed, the same line
