@@ -71,7 +71,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             } = state;
             let panel = &mut panels.which_sensor;
             centre().show(ui, |ui| {
-                screens::which_sensor::show(ui, model, panel, outbox)
+                screens::which_sensor::show(ui, model, panel, outbox);
             });
         }
         Screen::Import => {
