@@ -56,9 +56,13 @@ const HANGING: Variant = ("hanging", "suspended", on_four_cables);
 /// Poses of it.
 const HANGING_POSES: usize = 27;
 
+/// Nor is it known between which limits the tensions are.
 fn without_force_sensors(robot: &mut Robot) {
     for cable in &mut robot.cables {
         cable.force_sensor = None;
+    }
+    if let Some(limits) = &mut robot.limits {
+        limits.tension = None;
     }
 }
 

@@ -205,7 +205,9 @@ pub(super) fn quantity_of(kind: RowKind) -> Option<Quantity> {
         RowKind::Observation(Kind::Inclination(_)) => Some(Quantity::Inclination),
         RowKind::Observation(Kind::TrackerPosition(_)) => Some(Quantity::TrackerPosition),
         RowKind::Observation(Kind::TrackerOrientation(_)) => Some(Quantity::TrackerOrientation),
-        RowKind::Observation(Kind::Equilibrium(_)) | RowKind::Prior(_) => None,
+        RowKind::Observation(Kind::Equilibrium(_))
+        | RowKind::AssumedTension(_)
+        | RowKind::Prior(_) => None,
     }
 }
 

@@ -19,6 +19,7 @@ impl ReadingId {
     /// for the tension readings at home.
     pub fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
         let (quantity, cable, component) = match row.kind {
+            RowKind::AssumedTension(_) => return None,
             RowKind::Prior(index) => match linear.parameters[index].id {
                 ParameterId::HomeTension { cable } => (Quantity::Tension, Some(cable), None),
                 _ => return None,

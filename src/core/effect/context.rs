@@ -7,7 +7,7 @@ use super::direction::angles;
 use super::motion::{finite, inertia, paid_rates, tension_rates, twists};
 use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
 use crate::geometry::{Pose, Twist};
-use crate::kinematics::PulleyGeometry;
+use crate::kinematics::{PulleyGeometry, balanced_tension};
 use crate::measurement::{Grid, Measurements, Variable};
 use crate::robot::{Cable, Robot};
 
@@ -33,11 +33,12 @@ pub struct CableContext {
     pub paid_rates: [f64; 2],
     /// Those of the tension by its sensor (N/s, N/s^2).
     pub tension_rates: [f64; 2],
-    /// Tension by its sensor, or the mean where it was not read (N); 0 without a sensor.
+    /// Tension by its sensor, or the mean where it was not read (N); without any reading one within the stated limits that
+    /// holds the platform, 0 if none are stated.
     pub tension_n: f64,
-    /// Mean of these tensions over all rows where there is a reading (N).
+    /// Mean of these tensions over all rows where there is one (N).
     pub mean_tension_n: f64,
-    /// Reading per tension of the force sensor; 0 without one.
+    /// Reading per tension of the force sensor; 0 where it is not read.
     pub tension_gain: f64,
     /// Wrap angle on the pulley, nominal geometry at an approximate pose (rad).
     pub wrap_rad: f64,
@@ -157,8 +158,9 @@ impl PoseContexts {
                 variables: platform_variables(data, row, &poses[row], &poses[home.unwrap_or(0)]),
             })
             .collect();
+        let tension = tensions(robot, data, poses);
         let means: Vec<f64> = (0..robot.cable_count())
-            .map(|index| mean_tension(&robot.cables[index], data, index))
+            .map(|index| mean_tension(&tension, index))
             .collect();
         let down = robot.gravity().try_normalize(0.0).unwrap_or_default();
         let mut cables: Vec<CableContext> = Vec::with_capacity(data.len() * robot.cable_count());
@@ -184,12 +186,14 @@ impl PoseContexts {
                     ),
                 };
                 let facing = *facings[index].get_or_insert(path.facing);
+                let tension_n = tension.get(row, index);
+                let is_read = !data.force_n.is_empty();
                 let own = CableVariables {
                     length: path.length,
                     revolutions: paid_revolutions(data, home, (row, index)),
                     drum_per_motor: cable.winch.gear_ratio.recip(),
                     counts: !data.revolutions.is_empty(),
-                    tension: tension(cable, data, (row, index)),
+                    tension: Some(tension_n).filter(|t| is_read && t.is_finite()),
                     wrap: path.wrap,
                     swivel: angle_about(cable.pulley.swivel_axis, facing, path.facing),
                     direction,
@@ -205,9 +209,14 @@ impl PoseContexts {
                     direction,
                     paid_rates,
                     tension_rates: tension_rates(cable, data, (row, index)),
-                    tension_n: tension(cable, data, (row, index)).unwrap_or(means[index]),
+                    tension_n: if tension_n.is_finite() {
+                        tension_n
+                    } else {
+                        means[index]
+                    },
                     mean_tension_n: means[index],
-                    tension_gain: cable.force_sensor.map_or(0.0, |s| s.tension_gain),
+                    tension_gain: (cable.force_sensor.filter(|_| is_read))
+                        .map_or(0.0, |s| s.tension_gain),
                     wrap_rad: path.wrap,
                     pull_horizontal: (pull - down * down.dot(&pull)).into(),
                     entry_point_m: cable.pulley.entry_point_m,
@@ -336,17 +345,33 @@ fn pulley_of(cable: &Cable) -> PulleyGeometry<f64> {
     }
 }
 
-fn tension(cable: &Cable, data: &Measurements, at: (usize, usize)) -> Option<f64> {
-    let sensor = cable.force_sensor?;
-    let tension = sensor.tension_n(data.force_n.get(at.0, at.1));
-    tension.is_finite().then_some(tension)
+/// Tensions by their sensors (N); without any reading those within the stated limits that hold the platform, as close to the
+/// reference as that allows. NaN where neither is known.
+fn tensions(robot: &Robot, data: &Measurements, poses: &[Pose]) -> Grid {
+    let mut found = Grid::missing(data.len(), robot.cable_count());
+    let limits = robot.unread_tension().filter(|_| data.force_n.is_empty());
+    for row in 0..data.len() {
+        let held = limits.map(|limits| balanced_tension(robot, &poses[row], &limits));
+        for (index, cable) in robot.cables.iter().enumerate() {
+            let read = || {
+                let sensor = cable.force_sensor?;
+                Some(sensor.tension_n(data.force_n.get(row, index)))
+            };
+            let held = held.as_ref().map(|held| held[index]);
+            if let Some(tension) = held.or_else(read).filter(|t| t.is_finite()) {
+                found.set(row, index, tension);
+            }
+        }
+    }
+    found
 }
 
-fn mean_tension(cable: &Cable, data: &Measurements, index: usize) -> f64 {
-    let read: Vec<f64> = (0..data.len())
-        .filter_map(|row| tension(cable, data, (row, index)))
+fn mean_tension(tension: &Grid, index: usize) -> f64 {
+    let known: Vec<f64> = (0..tension.rows())
+        .map(|row| tension.get(row, index))
+        .filter(|t| t.is_finite())
         .collect();
-    read.iter().sum::<f64>() / read.len().max(1) as f64
+    known.iter().sum::<f64>() / known.len().max(1) as f64
 }
 
 fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {

@@ -1,6 +1,7 @@
 //! Lengths that are read late: `reading(t) = truth(t - delay)`, with the delay in seconds. What is paid out now is the reading
 //! plus `delay l' + delay^2 l''/2` with its own rates, from a smooth derivative; for delays that are short beside the motion.
 
+use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
 use super::{Effect, EffectParameter, Scope};
 
@@ -19,11 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
     },
     check: Some(CHECK_CLOCKS),
     source: "Transport delay; second order in the delay",
-    change_cable: |parameters, at, ports| {
-        let [rate, change] = at.paid_rates;
-        let delay = parameters[0];
-        ports.paid += delay * rate + delay * delay * (0.5 * change);
-    },
+    change_cable: |parameters, at, ports| ports.paid += change_within(parameters[0], at.paid_rates),
     delays: |values, _, delays| delays.length += values[0],
     ..Effect::NEUTRAL
 };

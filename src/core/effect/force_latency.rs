@@ -1,7 +1,8 @@
 //! Forces that are read late: `reading(t) = truth(t - delay)`, with the delay in seconds, as by the filter of an amplifier. The tension
-//! now is that of the reading plus `delay T' + delay^2 T''/2` with its own rates, which are noisier than those of lengths: the
-//! delay comes out a little too small.
+//! now is that of the reading plus `delay T' + delay^2 T''/2` with its own rates. Noise in these rates makes the delay too small by the
+//! ratio of its variance to that of the rates (attenuation), which docs/VALIDATION.md states for simulated recordings.
 
+use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
 use super::{Effect, EffectParameter, Scope};
 
@@ -17,9 +18,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(CHECK_CLOCKS),
     source: "Transport delay; second order in the delay",
     change_cable: |parameters, at, ports| {
-        let [rate, change] = at.tension_rates;
-        let delay = parameters[0];
-        ports.tension += delay * rate + delay * delay * (0.5 * change);
+        ports.tension += change_within(parameters[0], at.tension_rates);
     },
     delays: |values, _, delays| delays.force += values[0],
     ..Effect::NEUTRAL

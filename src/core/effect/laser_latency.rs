@@ -1,6 +1,7 @@
 //! A laser that is read late: `reading(t) = truth(t - delay)`, with the delay in seconds: the reading expected is the distance
 //! less `delay d' + delay^2 d''/2` with its own rates.
 
+use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
 use super::{Effect, EffectParameter, Scope};
 
@@ -18,9 +19,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(CHECK_CLOCKS),
     source: "Transport delay; second order in the delay",
     change_platform: |parameters, at, ports| {
-        let [rate, change] = at.laser_rates;
-        let delay = parameters[0];
-        ports.laser_bias += -(delay * rate + delay * delay * (0.5 * change));
+        ports.laser_bias += -change_within(parameters[0], at.laser_rates);
     },
     delays: |values, _, delays| delays.laser += values[0],
     ..Effect::NEUTRAL

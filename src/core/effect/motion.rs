@@ -8,6 +8,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Dual;
 use super::context::or_zero;
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::kinematics::{inverse_kinematics, structure_matrix};
@@ -18,6 +19,12 @@ use crate::robot::{Cable, Robot};
 const STEP_S: f64 = 1e-4;
 /// Smallest singular value of the structure matrix with which velocities follow from lengths, relative to the largest.
 const REGULAR: f64 = 1e-3;
+
+/// What a quantity with these first and second derivatives by time changes by within a delay, to second order:
+/// `delay q' + delay^2 q''/2`.
+pub(super) fn change_within(delay: Dual, [rate, change]: [f64; 2]) -> Dual {
+    delay * rate + delay * delay * (0.5 * change)
+}
 
 /// The values, 0 for those that are not known.
 pub(super) fn finite(values: Option<[f64; 2]>) -> [f64; 2] {

@@ -60,11 +60,17 @@ impl ExpectedInformation {
     #[must_use]
     pub fn of(&self, picked: impl IntoIterator<Item = usize>) -> DMatrix<f64> {
         let mut sum = self.common.clone();
+        self.add(picked, &mut sum);
+        sum
+    }
+
+    /// Adds the information of the poses picked.
+    pub(crate) fn add(&self, picked: impl IntoIterator<Item = usize>, sum: &mut DMatrix<f64>) {
         for index in picked {
             let rows = &self.poses[index];
-            sum.gemm_tr(1.0, rows, rows, 1.0);
+            // With a transposed copy the product is computed in blocks, which counts for dozens of cables.
+            sum.gemm(1.0, &rows.transpose(), rows, 1.0);
         }
-        sum
     }
 }
 
@@ -78,10 +84,11 @@ fn remaining_rows(at: &mut Evaluated<'_, f64>, index: usize) -> DMatrix<f64> {
         .collect();
     let mut basis = DMatrix::zeros(measured.len(), 6);
     let mut rows: Option<DMatrix<f64>> = None;
+    let mut gradient = vec![0.0; layout.columns];
     for (k, r) in measured.iter().enumerate() {
         let y = elimination.half_solve(equations.by_pose[*r]);
         basis.row_mut(k).copy_from_slice(&y);
-        let gradient = elimination.remaining_gradient(equations, &layout, *r, y);
+        elimination.remaining_gradient(equations, &layout, *r, y, &mut gradient);
         let mapped = at.map.map_row(&at.home, &gradient);
         let rows = rows.get_or_insert_with(|| DMatrix::zeros(measured.len(), mapped.len()));
         rows.row_mut(k).copy_from_slice(&mapped);

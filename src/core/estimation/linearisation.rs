@@ -12,7 +12,7 @@ use super::analysis::{is_tension_read, sd_of};
 use super::evaluated::Evaluated;
 use super::evaluator::{Elimination, NoiseEstimate};
 use super::observation::ObservationKind;
-use super::parameter::Parameter;
+use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 use super::solution::Solution;
 use super::system::Priors;
@@ -22,6 +22,8 @@ use super::system::Priors;
 pub enum RowKind {
     /// A reading or an equilibrium equation.
     Observation(ObservationKind),
+    /// The prior of a tension that was not read, of the cable with this index.
+    AssumedTension(usize),
     /// The prior of the parameter with this index.
     Prior(usize),
 }
@@ -136,10 +138,11 @@ impl<'a> Builder<'a> {
             .collect();
         let mut basis = DMatrix::zeros(present.len(), 6);
         let mut design = DMatrix::zeros(present.len(), self.solution.parameters.len());
+        let mut gradient = vec![0.0; layout.columns];
         for (k, r) in present.iter().enumerate() {
             let y = elimination.half_solve(equations.by_pose[*r]);
             basis.row_mut(k).copy_from_slice(&y);
-            let gradient = elimination.remaining_gradient(equations, &layout, *r, y);
+            elimination.remaining_gradient(equations, &layout, *r, y, &mut gradient);
             let mapped = self.at.map.map_row(&self.at.home, &gradient);
             design.row_mut(k).copy_from_slice(&mapped);
         }
@@ -165,8 +168,11 @@ impl<'a> Builder<'a> {
     /// that are present.
     fn noise_of(&self, row: usize, present: &[usize]) -> (Vec<LinearRow>, DMatrix<f64>) {
         let poses = &self.at.poses;
+        let is_assumed = self.problem.assumes_tensions();
         let read = |kind: ObservationKind, own: usize| match kind {
-            ObservationKind::Tension(cable) => is_tension_read(self.problem, poses, (row, cable)),
+            ObservationKind::Tension(cable) => {
+                is_assumed || is_tension_read(self.problem, poses, (row, cable))
+            }
             _ => present.contains(&own),
         };
         let estimates = poses.noise_estimates();
@@ -176,7 +182,10 @@ impl<'a> Builder<'a> {
             .collect();
         let of = |one: &&NoiseEstimate<f64>| LinearRow {
             row: Some(row),
-            kind: RowKind::Observation(one.kind),
+            kind: match one.kind {
+                ObservationKind::Tension(cable) if is_assumed => RowKind::AssumedTension(cable),
+                kind => RowKind::Observation(kind),
+            },
             sd: sd_of(self.problem, poses, one.kind, row),
         };
         let balance = poses.layout.equilibrium;
@@ -241,7 +250,12 @@ impl<'a> Builder<'a> {
             }
             self.rows.push(LinearRow {
                 row: None,
-                kind: RowKind::Prior(index),
+                kind: match parameter.id {
+                    ParameterId::HomeTension { cable } if self.problem.assumes_tensions() => {
+                        RowKind::AssumedTension(cable)
+                    }
+                    _ => RowKind::Prior(index),
+                },
                 sd,
             });
             self.residual.push(priors.residuals[index]);

@@ -82,16 +82,22 @@ fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     }
     let forces = &problem.dataset.measurements.force_n;
     let is_read = |row| forces.row(row).iter().any(|f| f.is_finite());
-    if !(problem.has_latent_tension() && problem.home_row().is_some_and(is_read)) {
+    let is_assumed = problem.assumes_tensions();
+    if !(problem.has_latent_tension() && (is_assumed || problem.home_row().is_some_and(is_read))) {
         return;
     }
+    let what = if is_assumed {
+        "tension over the assumed one"
+    } else {
+        "tension reading error"
+    };
     for (cable, description) in robot.cables.iter().enumerate() {
-        if let Some(sensor) = description.force_sensor {
+        if let Some(sd) = problem.tension_sd_n(cable) {
             parameters.push(Parameter {
                 id: ParameterId::HomeTension { cable },
-                name: format!("{} tension reading error at home", description.name),
+                name: format!("{} {what} at home", description.name),
                 unit: "N",
-                prior_sd: Some(sensor.tension_sd_n),
+                prior_sd: Some(sd),
             });
         }
     }

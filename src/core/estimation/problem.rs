@@ -143,14 +143,35 @@ impl<'a> Problem<'a> {
         let robot = &self.dataset.robot;
         self.method == Method::Joint
             && robot.platform.mass_kg.is_some()
-            && robot.has_force_sensors()
-            && !self.dataset.measurements.force_n.is_empty()
+            && (robot.has_force_sensors() && !self.dataset.measurements.force_n.is_empty()
+                || self.assumes_tensions())
     }
 
-    /// Whether tensions have noise of their own.
+    /// Whether tensions are unknowns.
     #[must_use]
     pub fn has_latent_tension(&self) -> bool {
-        self.method == Method::Joint && !self.dataset.measurements.force_n.is_empty()
+        self.method == Method::Joint
+            && (!self.dataset.measurements.force_n.is_empty() || self.assumes_tensions())
+    }
+
+    /// Whether tensions, of which none is read, are unknowns with a prior: around those within the stated limits that hold the
+    /// platform (`CableContext::tension_n`), with the standard deviation
+    /// [`TensionLimits::sd_n`](crate::robot::TensionLimits::sd_n), while static equilibrium holds.
+    #[must_use]
+    pub fn assumes_tensions(&self) -> bool {
+        self.method == Method::Joint
+            && self.dataset.measurements.force_n.is_empty()
+            && self.dataset.robot.unread_tension().is_some()
+    }
+
+    /// Standard deviation of a cable's tension before the equilibrium is asked (N): that of its sensor or of the assumed
+    /// tension; `None` where tensions are not modelled.
+    pub(super) fn tension_sd_n(&self, cable: usize) -> Option<f64> {
+        if self.assumes_tensions() {
+            return self.dataset.robot.unread_tension().map(|t| t.sd_n());
+        }
+        let sensor = self.dataset.robot.cables[cable].force_sensor?;
+        Some(sensor.tension_sd_n)
     }
 
     /// Whether something is held at approximate poses while it is solved: what effects depend on, and the motion of the
@@ -160,6 +181,7 @@ impl<'a> Problem<'a> {
         !self.held_effects.is_empty()
             || !self.free_effects.is_empty()
             || self.dataset.measurements.rates.is_some()
+            || self.assumes_tensions()
     }
 
     /// Rows of the measurements that are fitted, the home row excluded.

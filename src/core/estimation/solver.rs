@@ -353,6 +353,15 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         search.iterations += 1;
     }
 
+    /// Number of the equations that assumed tensions satisfy by themselves: those of the equilibrium.
+    fn assumed(&self) -> f64 {
+        if !self.problem.assumes_tensions() {
+            return 0.0;
+        }
+        let rows = self.poses.rows().len() + usize::from(self.home_evaluator.is_some());
+        (self.problem.dataset.robot.platform.freedom().count() * rows) as f64
+    }
+
     fn finish(mut self, search: &SearchState, termination: Termination) -> Solution {
         if search.damping != 0.0 {
             self.poses.assemble(self.huber, 0.0);
@@ -364,7 +373,8 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             .iter()
             .filter(|p| p.prior_sd.is_some())
             .count();
-        let observations = self.poses.sums.readings + self.home.readings + priors as f64;
+        let observations =
+            self.poses.sums.readings + self.home.readings + priors as f64 - self.assumed();
         let unknowns = self.poses.sums.coordinates + self.parameters.len() as f64;
         let free = match self.problem.poses {
             Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),

@@ -20,6 +20,7 @@ pub use inverse::{
 };
 pub use length_breakdown::{LengthBreakdown, LengthBreakdownError, length_breakdown};
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
+pub(crate) use statics::balanced_tension;
 pub use statics::{
     Feasibility, TensionDistribution, applied_wrench, distribute_tension, equilibrium_residual,
     structure_matrix,

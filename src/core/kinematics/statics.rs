@@ -12,7 +12,7 @@
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use crate::geometry::{Pose, Twist, Vec3};
-use crate::robot::Robot;
+use crate::robot::{Robot, TensionLimits};
 
 use super::KinematicsError;
 use super::inverse::LocatedCable;
@@ -169,6 +169,24 @@ pub fn distribute_tension(
         tensions_n,
         residual: residual.iter().copied().collect(),
         iterations,
+    }
+}
+
+/// Tensions within limits that hold the platform at a pose, as close to their reference as balance allows (N, one per
+/// cable); the reference where none do.
+pub(crate) fn balanced_tension(robot: &Robot, pose: &Pose, limits: &TensionLimits) -> Vec<f64> {
+    let all = |value: f64| vec![value; robot.cable_count()];
+    let found = structure_matrix(robot, pose).and_then(|structure| {
+        let wrench = applied_wrench(robot, pose)?;
+        let [reference, lower, upper] =
+            [limits.reference_n, limits.lower_n, limits.upper_n].map(all);
+        Ok(distribute_tension(
+            &structure, &wrench, &reference, &lower, &upper,
+        ))
+    });
+    match found {
+        Ok(found) if found.feasibility == Feasibility::Feasible => found.tensions_n,
+        _ => all(limits.reference_n),
     }
 }
 

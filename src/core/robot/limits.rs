@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::FrameTransform;
+use super::{FrameTransform, Robot};
 
 /// Limits of a robot. They belong to the description like its geometry: nothing follows from the robot's name.
 ///
@@ -39,4 +39,30 @@ pub struct TensionLimits {
     pub reference_n: f64,
     /// Largest (N).
     pub upper_n: f64,
+}
+
+impl TensionLimits {
+    /// Standard deviation of a tension of which no more is known than the limits (N): that of the uniform distribution
+    /// between them.
+    #[must_use]
+    pub fn sd_n(&self) -> f64 {
+        (self.upper_n - self.lower_n) / 12.0_f64.sqrt()
+    }
+}
+
+impl Robot {
+    /// Within which limits tensions are taken to be where no force is read. `None` unless the description states them and
+    /// the platform's mass: tensions are not modelled then.
+    #[must_use]
+    pub fn unread_tension(&self) -> Option<TensionLimits> {
+        self.platform.mass_kg?;
+        self.limits?.tension
+    }
+
+    /// Whether cables of a simulated robot pull.
+    #[must_use]
+    pub fn has_tensions(&self) -> bool {
+        self.platform.mass_kg.is_some()
+            && (self.has_force_sensors() || self.unread_tension().is_some())
+    }
 }

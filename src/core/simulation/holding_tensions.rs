@@ -129,7 +129,7 @@ pub(super) fn holding_tensions(
     visit: &Visit<'_>,
     range: &TensionRange,
 ) -> Result<Option<Vec<f64>>, KinematicsError> {
-    if truth.platform.mass_kg.is_none() || !truth.has_force_sensors() {
+    if !truth.has_tensions() {
         return Ok(Some(vec![0.0; truth.cable_count()]));
     }
     let pose = visit.pose;

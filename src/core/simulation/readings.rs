@@ -21,6 +21,7 @@ pub(super) fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
 }
 
 /// A planned pose and the tensions that hold it.
+#[derive(Debug, Clone)]
 pub(crate) struct PlannedRow {
     /// Label of the pose; times follow from labels.
     pub label: i64,

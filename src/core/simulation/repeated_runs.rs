@@ -33,7 +33,6 @@ pub struct RepeatedRuns {
     commanded: Vec<Pose>,
     /// Tensions of the nominal robot there (N); zeros where tension is not modelled.
     tensions: Vec<Vec<f64>>,
-    models_tension: bool,
 }
 
 /// The true robot at one pose.
@@ -61,9 +60,8 @@ impl RepeatedRuns {
         let range = tension.unwrap_or_else(|| TensionRange::of(robot));
         let home = robot.home.map(|home| home.pose());
         let commanded: Vec<Pose> = home.into_iter().chain(poses.iter().copied()).collect();
-        let models_tension = robot.platform.mass_kg.is_some() && robot.has_force_sensors();
         let hold = |pose: &Pose| {
-            if !models_tension {
+            if !robot.has_tensions() {
                 return Ok(vec![0.0; robot.cable_count()]);
             }
             let held = range.tensions(robot, pose)?;
@@ -80,7 +78,6 @@ impl RepeatedRuns {
             range,
             commanded,
             tensions: tensions?,
-            models_tension,
         })
     }
 
@@ -149,7 +146,7 @@ impl RepeatedRuns {
         if paths.iter().any(|path| !has_path(path)) {
             return None;
         }
-        let tensions_n = match self.models_tension {
+        let tensions_n = match self.robot.has_tensions() {
             true => self.tensions_near(truth, row, (&pose, &paths))?,
             false => self.tensions[row].clone(),
         };

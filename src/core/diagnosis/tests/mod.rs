@@ -10,6 +10,7 @@ mod odd_inputs;
 mod separation;
 mod sets;
 mod structure;
+mod unread_tensions;
 
 use super::adequacy_tests::{run_of, run_with, setting};
 use super::fit::Fit;

@@ -41,8 +41,11 @@ impl HomeReadings<'_> {
             .collect()
     }
 
-    /// The tension readings: priors of their errors.
+    /// The tension readings: priors of their errors. Assumed tensions are none.
     pub fn tensions(&self) -> Vec<Observation> {
+        if self.problem.assumes_tensions() {
+            return Vec::new();
+        }
         let parameters = &self.solution.parameters;
         let priors = Priors::evaluate(self.problem, &self.solution.globals, parameters);
         let tension = |(k, parameter): (usize, &Parameter)| {

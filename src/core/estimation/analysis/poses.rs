@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{Collector, is_tension_read, sd_of};
-use crate::estimation::evaluator::{CABLE_COLUMNS, Elimination, Evaluator, Layout, NoiseEstimate};
+use super::{Collector, NEVER_SUSPECT, is_tension_read, sd_of};
+use crate::estimation::evaluator::{Elimination, Equations, Evaluator, Layout, NoiseEstimate};
 use crate::estimation::observation::{Observation, ObservationKind, Pull};
 use crate::real::{Kernel, Packet};
 
@@ -20,30 +20,23 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
         let layout = self.evaluator.layout.clone();
         let zero = T::splat(self.token, 0.0);
         let mut elimination = Elimination::new(&layout, zero);
+        let mut rows = Rows::new(&layout, self.collector.covariance.is_some(), zero);
+        let mut sum = RowSum::new(&layout, zero);
         let mut found = Vec::new();
         for batch in 0..self.evaluator.batches() {
-            // Twice: the first time finds the tensions at which the second linearises.
-            self.evaluator.equations_at(batch);
+            if self.collector.covariance.is_none() {
+                // This pass finds the tensions at which the next one linearises; else those of the covariance have found them.
+                self.evaluator.equations_at(batch);
+            }
             let equations = self.evaluator.equations_at(batch);
             elimination.eliminate(equations, &layout, 0.0);
-            let mut rows = Rows {
-                residual: equations.residual.clone(),
-                by_pose: Vec::with_capacity(layout.rows),
-                by_column: Vec::new(),
-            };
-            for row in 0..layout.rows {
-                let y = elimination.half_solve(equations.by_pose[row]);
-                rows.by_pose.push(y);
-                if self.collector.covariance.is_some() {
-                    let gradient = elimination.remaining_gradient(equations, &layout, row, y);
-                    rows.by_column.push(gradient);
-                }
-            }
+            rows.fill(equations, &elimination, &layout);
             let estimates = self.evaluator.noise_estimates();
             found.clear();
             for one in &estimates {
-                let covariance = self.collector.covariance.as_ref();
-                found.push(rows.reading(one, &layout, covariance, zero));
+                sum.clear(zero);
+                sum.add_estimate(&rows, one, &layout);
+                found.push(sum.reading(self.collector, &layout));
             }
             self.collect(batch, &estimates, &found);
         }
@@ -55,8 +48,40 @@ struct Rows<T> {
     residual: Vec<T>,
     /// Derivative with respect to the pose, over the Cholesky factor of its information.
     by_pose: Vec<[T; 6]>,
-    /// Derivative with respect to the columns, the pose following; empty where these have no covariance.
-    by_column: Vec<Vec<T>>,
+    /// Derivative with respect to the columns, the pose following, row by row; empty where these have no covariance.
+    by_column: Vec<T>,
+}
+
+impl<T: Packet> Rows<T> {
+    fn new(layout: &Layout, has_covariance: bool, zero: T) -> Self {
+        let rows = if has_covariance { layout.rows } else { 0 };
+        Self {
+            residual: vec![zero; layout.rows],
+            by_pose: vec![[zero; 6]; layout.rows],
+            by_column: vec![zero; rows * layout.columns],
+        }
+    }
+
+    #[inline(always)]
+    fn fill(&mut self, equations: &Equations<T>, elimination: &Elimination<T>, layout: &Layout) {
+        self.residual.copy_from_slice(&equations.residual);
+        for row in 0..layout.rows {
+            self.by_pose[row] = elimination.half_solve(equations.by_pose[row]);
+        }
+        let gradients = self.by_column.chunks_exact_mut(layout.columns);
+        for (row, gradient) in gradients.enumerate() {
+            elimination.remaining_gradient(equations, layout, row, self.by_pose[row], gradient);
+        }
+    }
+}
+
+/// A linear function of the rows.
+struct RowSum<T> {
+    standardised: T,
+    /// Sum of its squared factors.
+    square: T,
+    by_pose: [T; 6],
+    gradient: Vec<T>,
 }
 
 /// A reading of a packet of poses.
@@ -69,34 +94,44 @@ struct Reading<T> {
     pull_squared: T,
 }
 
-impl<T: Packet> Rows<T> {
+impl<T: Packet> RowSum<T> {
+    fn new(layout: &Layout, zero: T) -> Self {
+        Self {
+            standardised: zero,
+            square: zero,
+            by_pose: [zero; 6],
+            gradient: vec![zero; layout.columns],
+        }
+    }
+
     #[inline(always)]
-    fn reading(
-        &self,
-        estimate: &NoiseEstimate<T>,
-        layout: &Layout,
-        covariance: Option<&DMatrix<f64>>,
-        zero: T,
-    ) -> Reading<T> {
-        let mut standardised = zero;
-        let mut redundancy = zero;
-        let mut by_pose = [zero; 6];
-        let mut gradient = vec![zero; layout.columns];
-        let mut add = |row: usize, factor: T| {
-            standardised = factor.mul_add(self.residual[row], standardised);
-            redundancy = factor.mul_add(factor, redundancy);
-            for (sum, y) in by_pose.iter_mut().zip(self.by_pose[row]) {
-                *sum = factor.mul_add(y, *sum);
+    fn clear(&mut self, zero: T) {
+        self.standardised = zero;
+        self.square = zero;
+        self.by_pose = [zero; 6];
+        self.gradient.fill(zero);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, rows: &Rows<T>, row: usize, factor: T) {
+        self.standardised = factor.mul_add(rows.residual[row], self.standardised);
+        self.square = factor.mul_add(factor, self.square);
+        for (sum, y) in self.by_pose.iter_mut().zip(&rows.by_pose[row]) {
+            *sum = factor.mul_add(*y, *sum);
+        }
+        let columns = self.gradient.len();
+        if let Some(by_column) = rows.by_column.get(row * columns..(row + 1) * columns) {
+            for (sum, g) in self.gradient.iter_mut().zip(by_column) {
+                *sum = factor.mul_add(*g, *sum);
             }
-            if let Some(by_column) = self.by_column.get(row) {
-                for (sum, g) in gradient.iter_mut().zip(by_column) {
-                    *sum = factor.mul_add(*g, *sum);
-                }
-            }
-        };
+        }
+    }
+
+    #[inline(always)]
+    fn add_estimate(&mut self, rows: &Rows<T>, estimate: &NoiseEstimate<T>, layout: &Layout) {
         let kind = estimate.kind;
         if !matches!(kind, ObservationKind::Equilibrium(_)) {
-            add(estimate.row, estimate.own);
+            self.add(rows, estimate.row, estimate.own);
         }
         let is_shared = matches!(
             kind,
@@ -105,49 +140,75 @@ impl<T: Packet> Rows<T> {
                 | ObservationKind::Tension(_)
         );
         if let Some(first) = layout.equilibrium.filter(|_| is_shared) {
-            for (k, factor) in estimate.balance.into_iter().enumerate() {
-                add(first + k, factor);
+            for (k, factor) in estimate.balance.iter().enumerate() {
+                self.add(rows, first + k, *factor);
             }
         }
+    }
+
+    #[inline(always)]
+    fn reading(&self, collector: &Collector<'_>, layout: &Layout) -> Reading<T> {
+        let zero = self.standardised.lift(0.0);
         let mut reading = Reading {
-            standardised,
-            redundancy: redundancy - crate::real::square_norm(by_pose),
+            standardised: self.standardised,
+            redundancy: self.square - crate::real::square_norm(self.by_pose),
             pulled: zero,
             pull_squared: zero,
         };
-        if let Some(covariance) = covariance {
-            reading.follow(covariance, &gradient, layout);
+        if let Some(covariance) = &collector.covariance {
+            reading.redundancy = reading.redundancy - self.variance(covariance);
+            if collector.keeps_all || reading.may_be_suspect() {
+                self.pull(covariance, layout, &mut reading);
+            }
         }
         reading
+    }
+
+    /// `g^T C g`: the common parameters follow an error of the reading.
+    #[inline(always)]
+    fn variance(&self, covariance: &DMatrix<f64>) -> T {
+        let zero = self.standardised.lift(0.0);
+        let mut variance = zero;
+        for (k, column) in covariance.column_iter().enumerate() {
+            // The matrix is symmetric: what stands above the diagonal counts twice.
+            let mut inner = self.gradient[k] * zero.lift(0.5 * column[k]);
+            for (g, c) in self.gradient[..k].iter().zip(&column) {
+                inner = g.mul_add(zero.lift(*c), inner);
+            }
+            variance = self.gradient[k].mul_add(inner, variance);
+        }
+        variance + variance
+    }
+
+    /// `C g`, of the entry points.
+    #[inline(always)]
+    fn pull(&self, covariance: &DMatrix<f64>, layout: &Layout, reading: &mut Reading<T>) {
+        let zero = self.standardised.lift(0.0);
+        for cable in 0..layout.cables {
+            let mut square = zero;
+            for axis in 0..3 {
+                let column = covariance.column(layout.cable_column(cable) + axis);
+                let mut moved = zero;
+                for (g, c) in self.gradient.iter().zip(&column) {
+                    moved = g.mul_add(zero.lift(*c), moved);
+                }
+                square = moved.mul_add(moved, square);
+            }
+            let more = square - reading.pull_squared;
+            reading.pulled = more.select_positive(zero.lift(cable as f64), reading.pulled);
+            reading.pull_squared = more.select_positive(square, reading.pull_squared);
+        }
     }
 }
 
 impl<T: Packet> Reading<T> {
-    /// The common parameters follow an error of the reading: `C g` and `g^T C g`.
+    /// Whether the normalised residual of any pose is so large that it may be suspect.
     #[inline(always)]
-    fn follow(&mut self, covariance: &DMatrix<f64>, gradient: &[T], layout: &Layout) {
-        let zero = gradient[0].lift(0.0);
-        let mut moved = Vec::with_capacity(gradient.len());
-        for (g, column) in gradient.iter().zip(covariance.column_iter()) {
-            let mut inner = zero;
-            for (h, c) in gradient.iter().zip(&column) {
-                inner = h.mul_add(zero.lift(*c), inner);
-            }
-            self.redundancy = self.redundancy - *g * inner;
-            moved.push(inner);
-        }
-        for (cable, moved) in moved[..CABLE_COLUMNS * layout.cables]
-            .chunks_exact(CABLE_COLUMNS)
-            .enumerate()
-        {
-            let mut square = zero;
-            for d in &moved[..3] {
-                square = d.mul_add(*d, square);
-            }
-            let more = square - self.pull_squared;
-            self.pulled = more.select_positive(zero.lift(cable as f64), self.pulled);
-            self.pull_squared = more.select_positive(square, self.pull_squared);
-        }
+    fn may_be_suspect(&self) -> bool {
+        let zero = self.standardised.lift(0.0);
+        let limit = zero.lift(NEVER_SUSPECT * NEVER_SUSPECT) * self.redundancy;
+        let beyond = self.standardised * self.standardised - limit;
+        beyond.select_positive(zero.lift(1.0), zero).sum() > 0.0
     }
 }
 

@@ -99,23 +99,29 @@ fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home:
     }
 }
 
-/// Tension by its sensor (N); 0 without a sensor, NaN where it was not read.
-fn nominal_tension(cable: &Cable, data: &Measurements, at: (usize, usize)) -> f64 {
-    match cable.force_sensor {
-        Some(sensor) if !data.force_n.is_empty() => sensor.tension_n(data.force_n.get(at.0, at.1)),
+/// Tension of a `(row, cable)` by its sensor or as assumed (N); 0 without either, NaN where it was not read.
+fn nominal_tension(problem: &Problem<'_>, selection: Selection<'_>, at: (usize, usize)) -> f64 {
+    let data = &problem.dataset.measurements;
+    let sensor = problem.dataset.robot.cables[at.1].force_sensor;
+    match (selection.contexts, sensor) {
+        (Some(contexts), _) if problem.assumes_tensions() => contexts.cable(at.0, at.1).tension_n,
+        (_, Some(sensor)) if !data.force_n.is_empty() => {
+            sensor.tension_n(data.force_n.get(at.0, at.1))
+        }
         _ => 0.0,
     }
 }
 
-/// The ports of a cable before any effect, at one row.
+/// The ports of the cable of a `(row, cable)` before any effect.
 fn nominal_cable_ports(
-    cable: &Cable,
-    data: &Measurements,
+    problem: &Problem<'_>,
+    selection: Selection<'_>,
     at: (usize, usize),
-    is_home: bool,
 ) -> CablePorts {
-    let paid = nominal_paid(cable, data, at, is_home);
-    let tension = nominal_tension(cable, data, at);
+    let cable = &problem.dataset.robot.cables[at.1];
+    let data = &problem.dataset.measurements;
+    let paid = nominal_paid(cable, data, at, selection.is_home);
+    let tension = nominal_tension(problem, selection, at);
     CablePorts::nominal(cable, paid, tension)
 }
 
@@ -315,10 +321,8 @@ fn pack_cable<T: Packet>(
             links: Vec::new(),
         };
     }
-    let data = &problem.dataset.measurements;
-    let cable = &problem.dataset.robot.cables[index];
     let ports_at = |row: usize, values: &[Vec<Dual>]| {
-        let mut ports = nominal_cable_ports(cable, data, (row, index), selection.is_home);
+        let mut ports = nominal_cable_ports(problem, selection, (row, index));
         if let Some(contexts) = selection.contexts {
             let at = contexts.cable(row, index);
             for k in &concerned {
@@ -401,7 +405,7 @@ fn pack_without_effects<T: Packet>(
             store.varying(rows.clone().map(paid), f64::NAN)
         }
         CablePort::Tension => {
-            let tension = |row: &usize| nominal_tension(cable, data, (*row, index));
+            let tension = |row: &usize| nominal_tension(problem, selection, (*row, index));
             store.varying(rows.clone().map(tension), f64::NAN)
         }
         _ => store.uniform(nominal.get(port).value),

@@ -22,7 +22,7 @@ use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
 use steps::Eliminated;
 
 pub(super) use equations::Equations;
-pub(super) use layout::{CABLE_COLUMNS, Layout, effect_columns};
+pub(super) use layout::{Layout, effect_columns};
 pub(super) use noise::NoiseEstimate;
 pub(super) use normal::{Elimination, Sums};
 

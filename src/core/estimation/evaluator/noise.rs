@@ -36,6 +36,7 @@ pub(in crate::estimation) struct NoiseSizes {
 
 impl<T: Real> Equations<T> {
     /// The noise of every row that is a reading or an equation, then that of the tension readings.
+    #[inline(always)]
     pub fn noise_estimates(&self, layout: &Layout, sizes: &NoiseSizes) -> Vec<NoiseEstimate<T>> {
         let zero = self.laser_by_plane.lift(0.0);
         let one = zero.lift(1.0);
@@ -78,6 +79,7 @@ impl<T: Real> Equations<T> {
     }
 
     /// `E^-1 r` for a whitened residual of 1 in each row of the equilibrium; zero where there is none.
+    #[inline(always)]
     fn multipliers(&self, layout: &Layout) -> [[T; 6]; 6] {
         let zero = self.laser_by_plane.lift(0.0);
         let mut multipliers = [[zero; 6]; 6];
@@ -91,6 +93,7 @@ impl<T: Real> Equations<T> {
         multipliers
     }
 
+    #[inline(always)]
     fn shared_row(
         &self,
         cable: usize,
@@ -103,14 +106,16 @@ impl<T: Real> Equations<T> {
         let sd = sizes.tension_n.get(cable).copied().unwrap_or(0.0);
         let c = self.length_by_tension[cable];
         let a = &self.structure[cable];
-        let product = |lambda: [T; 6]| {
-            let terms = a.iter().zip(lambda);
-            terms.fold(zero, |sum, (a, l)| a.mul_add(l, sum))
-        };
+        let mut balance = [zero; 6];
+        for (sum, lambda) in balance.iter_mut().zip(multipliers) {
+            for (a, l) in a.iter().zip(lambda) {
+                *sum = a.mul_add(*l, *sum);
+            }
+        }
         SharedRow {
             weight,
             regression: c * zero.lift(sd * sd) * weight * weight,
-            balance: multipliers.map(product),
+            balance,
         }
     }
 }

@@ -133,7 +133,7 @@ impl<T: Packet> Elimination<T> {
     }
 
     /// What is left of a row's derivative with respect to the columns once the poses follow:
-    /// `g - Y^T y` with `y = L^-1 j`.
+    /// `g - Y^T y` with `y = L^-1 j`, written to `gradient`.
     #[inline(always)]
     pub fn remaining_gradient(
         &self,
@@ -141,20 +141,21 @@ impl<T: Packet> Elimination<T> {
         layout: &Layout,
         row: usize,
         y: [T; 6],
-    ) -> Vec<T> {
-        let zero = y[0].lift(0.0);
-        let mut gradient = vec![zero; layout.columns];
+        gradient: &mut [T],
+    ) {
         for (entry, column) in gradient.iter_mut().zip(&self.columns) {
-            for k in 0..6 {
-                *entry = *entry - column[k] * y[k];
+            let mut sum = -(column[0] * y[0]);
+            for k in 1..6 {
+                sum = sum.minus_product(column[k], y[k]);
             }
+            *entry = sum;
         }
         match layout.kinds[row] {
             Kind::Equilibrium(axis) => {
                 for (entry, g) in gradient.iter_mut().zip(&equations.equilibrium_by_column) {
                     *entry = *entry + g[axis.index()];
                 }
-                return gradient;
+                return;
             }
             Kind::Length(cable) => {
                 let g = &equations.length_by_cable[cable];
@@ -176,7 +177,6 @@ impl<T: Packet> Elimination<T> {
         }
         let effects = &equations.by_effect[row * layout.effects..(row + 1) * layout.effects];
         add_to(&mut gradient[layout.effect_column()..], effects);
-        gradient
     }
 
     /// `dx` from `Y dg` of the poses.

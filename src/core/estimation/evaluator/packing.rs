@@ -25,8 +25,8 @@ pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableCon
     let has_forces = !problem.dataset.measurements.force_n.is_empty();
     let needs_sag = |bound: &crate::effect::BoundEffect| bound.effect.needs_sag;
     let effects = || problem.held_effects.iter().chain(&problem.free_effects);
-    let constants = |cable: &crate::robot::Cable| {
-        let measured = has_forces && cable.force_sensor.is_some();
+    let constants = |(index, cable): (usize, &crate::robot::Cable)| {
+        let measured = problem.assumes_tensions() || has_forces && cable.force_sensor.is_some();
         let latent = problem.has_latent_tension() && !is_home;
         CableConstants {
             run: cable.winch.length_to_pulley_m,
@@ -35,17 +35,16 @@ pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableCon
             } else {
                 cable.winch.length_sd_m
             },
-            tension_sd: match cable.force_sensor {
-                Some(sensor) if latent => sensor.tension_sd_n,
-                _ => 0.0,
-            },
+            tension_sd: (problem.tension_sd_n(index).filter(|_| latent)).unwrap_or(0.0),
             sags: measured && (cable.cable.weight_n_per_m != 0.0 || effects().any(needs_sag)),
             surface: cable.cable.elongation_surface.clone().filter(|_| measured),
             swivel_zero: cable.pulley.swivel_zero.unwrap_or_default(),
             swivel_sd: cable.pulley.swivel_sd_rad.unwrap_or(f64::INFINITY),
         }
     };
-    problem.dataset.robot.cables.iter().map(constants).collect()
+    (problem.dataset.robot.cables.iter().enumerate())
+        .map(constants)
+        .collect()
 }
 
 /// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.

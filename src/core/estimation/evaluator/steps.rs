@@ -69,11 +69,17 @@ impl<T: Packet> Evaluator<'_, T> {
             let evaluator = self;
             return T::run(token, MovePoses { evaluator, step });
         }
-        let now = self.eliminated.tension_errors.clone();
-        let now = std::mem::replace(&mut self.tension_errors, now);
+        // Those of the last pass serve once: the next one replaces them.
+        std::mem::swap(
+            &mut self.tension_errors,
+            &mut self.eliminated.tension_errors,
+        );
         let evaluator = &mut *self;
         T::run(token, MovePosesAgain { evaluator, step });
-        self.tension_errors = now;
+        std::mem::swap(
+            &mut self.tension_errors,
+            &mut self.eliminated.tension_errors,
+        );
     }
 
     /// Begins a pass that eliminates the poses; returns the step by which it moves them.

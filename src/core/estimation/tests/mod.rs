@@ -1,6 +1,7 @@
 //! Tests of the estimator as a whole. Seeds are fixed; statistical tests state how improbable
 //! their failure would be for a correct program.
 
+mod assumed_tensions;
 mod derivatives;
 mod evaluation;
 mod linearisation;
@@ -61,6 +62,28 @@ fn identified(dataset: &Dataset, method: Method) -> Solution {
     let solution = solved(&problem);
     assert!(solution.converged(), "{:?}", solution.termination);
     solution
+}
+
+/// Errors of the entry points by their covariance: a chi-square variable, and its degrees of freedom.
+fn entry_error(run: &Simulated, solution: &Solution) -> (f64, f64) {
+    let free = solution.parameters.iter().enumerate();
+    let free: Vec<(usize, f64)> = free
+        .filter_map(|(k, p)| match p.id {
+            ParameterId::EntryPoint { cable, axis } => {
+                let truth = run.truth.cables[cable].pulley.entry_point_m[axis];
+                Some((k, solution.globals.entry_points[cable][axis] - truth))
+            }
+            _ => None,
+        })
+        .collect();
+    let covariance = solution.covariance.as_ref().unwrap();
+    let n = free.len();
+    let block = nalgebra::DMatrix::from_fn(n, n, |i, k| covariance[(free[i].0, free[k].0)]);
+    let error = nalgebra::DVector::from_iterator(n, free.iter().map(|(_, e)| *e));
+    (
+        error.dot(&block.cholesky().unwrap().solve(&error)),
+        n as f64,
+    )
 }
 
 /// Largest difference of entry points, in standard deviations of the first solution.

@@ -68,22 +68,9 @@ fn errors_of_entry_points_are_as_large_as_stated() {
         for seed in 0..12 {
             let run = run_of(name, 20, 400 + seed);
             let solution = identified(&run.dataset, Method::Joint);
-            let free = solution.parameters.iter().enumerate();
-            let free: Vec<(usize, f64)> = free
-                .filter_map(|(k, p)| match p.id {
-                    ParameterId::EntryPoint { cable, axis } => {
-                        let truth = run.truth.cables[cable].pulley.entry_point_m[axis];
-                        Some((k, solution.globals.entry_points[cable][axis] - truth))
-                    }
-                    _ => None,
-                })
-                .collect();
-            let covariance = solution.covariance.as_ref().unwrap();
-            let n = free.len();
-            let block = nalgebra::DMatrix::from_fn(n, n, |i, k| covariance[(free[i].0, free[k].0)]);
-            let error = nalgebra::DVector::from_iterator(n, free.iter().map(|(_, e)| *e));
-            sum += error.dot(&block.cholesky().unwrap().solve(&error));
-            count += n as f64;
+            let (error, coordinates) = entry_error(&run, &solution);
+            sum += error;
+            count += coordinates;
         }
         let away = (sum - count) / (2.0 * count).sqrt();
         assert!(away.abs() < LIMIT, "{name}: {sum} of {count}");

@@ -99,7 +99,7 @@ impl Robot {
     /// The default is a share of the weight: without gravity the standard deviation must be stated.
     fn check_wrench_sd(&self, root: &Object) -> Checked {
         let stated = self.platform.wrench_sd.is_some();
-        let needed = self.platform.mass_kg.is_some() && self.has_force_sensors();
+        let needed = self.has_tensions();
         if needed && !stated && self.gravity().norm() == 0.0 {
             let message = "not given, expected one because without gravity it has no default";
             return root.child("platform").fail("wrench_sd", message);

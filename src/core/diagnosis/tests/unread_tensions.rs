@@ -1,0 +1,56 @@
+//! What acts by the tension is found without force sensors, too, where mass and limits of the tensions are stated.
+
+use super::*;
+use crate::effect::EffectSetting;
+use crate::measurement::Grid;
+
+/// A run whose forces nobody reads.
+fn unread(name: &str, seed: u64, effects: &[EffectSetting]) -> Dataset {
+    let mut dataset = run_with(name, 40, seed, effects).dataset;
+    for cable in &mut dataset.robot.cables {
+        cable.force_sensor = None;
+    }
+    dataset.measurements.force_n = Grid::default();
+    dataset
+}
+
+#[test]
+fn stretch_and_sag_are_seen_without_force_sensors() {
+    let softer = setting("cable_stiffness", &[], &[("change", -0.4)]);
+    let heavier = setting("cable_sag", &[], &[("weight", 4.0)]);
+    for (effect, seed) in [(softer, 41), (heavier, 42)] {
+        let diagnosis = diagnosed(&unread("suspended", seed, std::slice::from_ref(&effect)));
+        let listed: Vec<_> = diagnosis.findings.iter().flat_map(names).collect();
+        assert!(
+            listed.contains(&(effect.effect.as_str(), vec![])),
+            "{listed:?}"
+        );
+    }
+}
+
+/// At the default level, a finding in ten clean data sets has a probability below 0.1, two or more below 0.005.
+#[test]
+fn clean_data_without_force_sensors_are_silent() {
+    let runs = (0..10).map(|seed| (["mini", "suspended"][seed as usize % 2], 900 + seed));
+    let alarms: Vec<_> = runs
+        .map(|(name, seed)| found(&diagnosed(&unread(name, seed, &[]))))
+        .filter(|names| !names.is_empty())
+        .collect();
+    assert!(alarms.len() < 2, "{alarms:?}");
+}
+
+#[test]
+fn sensors_that_are_not_there_have_no_errors() {
+    let dataset = unread("mini", 45, &[]);
+    let diagnosis = diagnosed(&dataset);
+    let asked: Vec<&str> = diagnosis
+        .invisible
+        .iter()
+        .map(|i| i.cause.effect().id())
+        .collect();
+    assert!(asked.contains(&"payload_com"), "{asked:?}");
+    assert!(
+        asked.iter().all(|id| !id.starts_with("force_")),
+        "{asked:?}"
+    );
+}
