@@ -1,7 +1,7 @@
 //! Value and derivatives of sampled readings, by a polynomial fitted to a window of samples.
 //!
-//! Savitzky and Golay, Analytical Chemistry 36 (1964) 1627, for samples at any times. A quintic over half a second leaves
-//! nothing of a motion of one hertz.
+//! Savitzky and Golay, Analytical Chemistry 36 (1964) 1627, for samples at any times. A quintic over half a second reproduces
+//! a motion of one hertz, one over two seconds a motion of a quarter of that.
 
 use nalgebra::{SMatrix, SVector};
 

@@ -20,9 +20,11 @@ const LONGEST_STEP_S: f64 = 0.2;
 const GAP: f64 = 3.0;
 /// A reading that changes by less than this many standard deviations is at rest.
 const STILL: f64 = 20.0;
-/// Half the time over which readings are smoothed (s); forces are noisier.
+/// Half the time over which readings are smoothed (s).
 const HALF_WINDOW_S: f64 = 0.25;
-const FORCE_HALF_WINDOW_S: f64 = 0.5;
+/// That of forces, whose noise is larger: the noise of a rate shrinks a delay that is estimated from it, and falls with the
+/// power 1.5 of this time.
+const FORCE_HALF_WINDOW_S: f64 = 1.0;
 /// Correlation of the noise of neighbouring samples below which they count as independent.
 const INDEPENDENT: f64 = 0.02;
 /// Windows in which the noise is looked at, at most.

@@ -36,6 +36,35 @@ pub struct Expectation {
     pub criteria: DesignCriteria,
 }
 
+/// Those of the criteria that take least time: neither eigenvalues nor determinants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// As [`DesignCriteria::mean_m`] (m).
+    pub mean_m: Option<f64>,
+    /// As [`DesignCriteria::platform_m`] (m).
+    pub platform_m: Option<f64>,
+}
+
+impl Accuracy {
+    /// Accuracy at a covariance of all parameters.
+    pub(super) fn of(
+        parameters: &[Parameter],
+        platform: Option<&DMatrix<f64>>,
+        covariance: Option<&DMatrix<f64>>,
+    ) -> Self {
+        let mean = |covariance: &DMatrix<f64>| {
+            let picked = entry_points(parameters);
+            let trace: f64 = picked.iter().map(|k| covariance[(*k, *k)]).sum();
+            (!picked.is_empty()).then(|| (trace / picked.len() as f64).sqrt())
+        };
+        Self {
+            mean_m: covariance.and_then(mean),
+            platform_m: (platform.zip(covariance))
+                .map(|(weights, covariance)| weights.dot(covariance).max(0.0).sqrt()),
+        }
+    }
+}
+
 impl Expectation {
     /// Expectation of the poses picked, together with all that is known without them.
     pub(super) fn of(
@@ -49,6 +78,7 @@ impl Expectation {
         let entry = covariance
             .as_ref()
             .and_then(|c| of_entry_points(&information.parameters, c));
+        let accuracy = Accuracy::of(&information.parameters, platform, covariance.as_ref());
         Self {
             sd: (0..information.parameters.len()).map(sd).collect(),
             criteria: DesignCriteria {
@@ -57,9 +87,8 @@ impl Expectation {
                     let eigen = SymmetricEigen::new(c.clone());
                     eigen.eigenvalues.max().max(0.0).sqrt()
                 }),
-                mean_m: entry.map(|c| (c.trace() / c.nrows() as f64).sqrt()),
-                platform_m: (platform.zip(covariance.as_ref()))
-                    .map(|(weights, covariance)| weights.dot(covariance).max(0.0).sqrt()),
+                mean_m: accuracy.mean_m,
+                platform_m: accuracy.platform_m,
             },
         }
     }
@@ -85,11 +114,14 @@ fn log_det(information: &DMatrix<f64>) -> f64 {
 
 /// The part of a covariance that belongs to entry points.
 fn of_entry_points(parameters: &[Parameter], covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let is_entry = |p: &Parameter| matches!(p.id, ParameterId::EntryPoint { .. });
-    let picked: Vec<usize> = (0..parameters.len())
-        .filter(|k| is_entry(&parameters[*k]))
-        .collect();
+    let picked = entry_points(parameters);
     (!picked.is_empty()).then(|| covariance.select_rows(&picked).select_columns(&picked))
+}
+
+/// Places of the entry points' coordinates.
+fn entry_points(parameters: &[Parameter]) -> Vec<usize> {
+    let is_entry = |k: &usize| matches!(parameters[*k].id, ParameterId::EntryPoint { .. });
+    (0..parameters.len()).filter(is_entry).collect()
 }
 
 /// Expectations of poses drawn at random.

@@ -16,7 +16,7 @@ mod position_error;
 mod tests;
 
 pub use candidates::Refused;
-pub use expectation::{DesignCriteria, Expectation};
+pub use expectation::{Accuracy, DesignCriteria, Expectation};
 pub use goal::{Goal, Volume};
 pub use order::Order;
 pub use pose_set::{PoseSet, expect, iso_9283_poses, position_jacobians, random_poses};

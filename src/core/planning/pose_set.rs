@@ -7,12 +7,13 @@ use rand_chacha::ChaCha8Rng;
 use super::candidates::{Candidate, Frame, accept, draw_pose};
 use super::information_model::InformationModel;
 use super::{
-    Expectation, Goal, PlanError, PlanOptions, Refused, position_error, with_tension_margin,
+    Accuracy, Expectation, Goal, PlanError, PlanOptions, Refused, position_error,
+    with_tension_margin,
 };
-use crate::estimation::{ExpectedInformation, Parameter};
+use crate::estimation::{ExpectedInformation, Parameter, covariance_of};
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
-use crate::simulation::{TensionRange, Workspace};
+use crate::simulation::{PlannedRow, TensionRange, Workspace};
 
 /// Poses tried for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 200;
@@ -22,6 +23,9 @@ const TRIES_PER_POSE: usize = 200;
 pub struct PoseSet {
     information: ExpectedInformation,
     weights: Option<DMatrix<f64>>,
+    /// The poses with the tensions that hold them, and the limits of these.
+    rows: Vec<PlannedRow>,
+    range: TensionRange,
 }
 
 impl PoseSet {
@@ -44,6 +48,61 @@ impl PoseSet {
         let count = count.min(self.information.poses.len());
         Expectation::of(&self.information, self.weights.as_ref(), 0..count)
     }
+
+    /// Accuracy after each of these numbers of poses, which rise.
+    #[must_use]
+    pub fn accuracy_after(&self, counts: &[usize]) -> Vec<Accuracy> {
+        let mut total = self.information.common.clone();
+        let mut done = 0;
+        let mut after = |count: &usize| {
+            let count = (*count).clamp(done, self.information.poses.len());
+            self.information.add(done..count, &mut total);
+            done = count;
+            let covariance = covariance_of(&total);
+            Accuracy::of(
+                self.parameters(),
+                self.weights.as_ref(),
+                covariance.as_ref(),
+            )
+        };
+        counts.iter().map(&mut after).collect()
+    }
+
+    /// The first `count` poses, held by the same tensions, with the instruments and standard deviations of `robot`, which
+    /// is otherwise the robot that this set was made for.
+    ///
+    /// # Errors
+    /// If nothing is to be identified, or the robot cannot be simulated.
+    pub fn measured_by(
+        &self,
+        robot: &Robot,
+        count: usize,
+        options: &PlanOptions<'_>,
+    ) -> Result<Self, PlanError> {
+        let rows = &self.rows[..count.min(self.rows.len())];
+        let options = PlanOptions {
+            poses: rows.len(),
+            ..options.clone()
+        };
+        let model = InformationModel::new(robot, &options, self.range)?;
+        let information = model.information(rows.iter().cloned())?;
+        Ok(Self {
+            weights: (self.weights.as_ref())
+                .map(|weights| rearranged(weights, self.parameters(), &information.parameters)),
+            information,
+            rows: rows.to_vec(),
+            range: self.range,
+        })
+    }
+}
+
+/// Weights of parameters in another order; those that are new move no platform.
+fn rearranged(weights: &DMatrix<f64>, from: &[Parameter], to: &[Parameter]) -> DMatrix<f64> {
+    let place = |new: &Parameter| from.iter().position(|old| old.id == new.id);
+    let places: Vec<Option<usize>> = to.iter().map(place).collect();
+    DMatrix::from_fn(to.len(), to.len(), |i, j| {
+        (places[i].zip(places[j])).map_or(0.0, |place| weights[place])
+    })
 }
 
 /// What measuring `poses` in this order promises; goal, effects, method and limits are those of the options.
@@ -79,7 +138,8 @@ fn expect_within(
             Ok(held.row(label))
         })
         .collect();
-    let information = model.information(rows?.into_iter())?;
+    let rows = rows?;
+    let information = model.information(rows.iter().cloned())?;
     if information.parameters.is_empty() {
         return Err(PlanError::NothingToEstimate);
     }
@@ -92,6 +152,8 @@ fn expect_within(
     Ok(PoseSet {
         weights: position_error::weights(&model.robot, &within, &information.parameters),
         information,
+        rows,
+        range,
     })
 }
 
@@ -160,7 +222,7 @@ mod tests {
     use super::*;
     use crate::estimation::Control;
     use crate::planning::{evaluate, plan};
-    use crate::robot::presets;
+    use crate::robot::{Inclinometer, presets};
 
     #[test]
     fn a_sequence_promises_what_its_plan_does() {
@@ -177,6 +239,33 @@ mod tests {
             assert_eq!(set.parameters(), planned.parameters());
             assert_eq!(set.after(12), planned.expected, "{name}");
             assert_eq!(set.after(7), planned.after(7), "{name}");
+        }
+    }
+
+    /// Other instruments change which parameters there are; what is kept of the poses changes nothing.
+    #[test]
+    fn other_instruments_at_the_same_poses_promise_what_they_do_from_the_beginning() {
+        let robot = presets::find("mini").unwrap().robot;
+        let options = PlanOptions::new(12, 3);
+        let poses = random_poses(&robot, &options).unwrap();
+        let set = expect(&robot, &poses, &options).unwrap();
+        let mut other = robot.clone();
+        other.laser = None;
+        other.inclinometer = Some(Inclinometer { sd_rad: 1e-3 });
+        other.home.as_mut().unwrap().position_sd_m *= 0.5;
+        for robot in [&robot, &other] {
+            let again = set.measured_by(robot, 9, &options).unwrap();
+            let anew = expect(robot, &poses[..9], &options).unwrap();
+            assert_eq!(again.parameters(), anew.parameters());
+            // Products of matrices of another size round differently.
+            let same =
+                |a: Option<f64>, b: Option<f64>| (a.unwrap() / b.unwrap() - 1.0).abs() < 1e-9;
+            let counts = [6, 6, 9];
+            for (count, accuracy) in counts.into_iter().zip(again.accuracy_after(&counts)) {
+                let criteria = anew.after(count).criteria;
+                assert!(same(accuracy.mean_m, criteria.mean_m), "{count}");
+                assert!(same(accuracy.platform_m, criteria.platform_m), "{count}");
+            }
         }
     }
 
