@@ -13,6 +13,8 @@ const PREFIX: &str = ".tautline-";
 const LETTERS: usize = 6;
 /// Age from which a temporary file belongs to a killed program: nothing takes so long to write.
 const STALE: Duration = Duration::from_secs(24 * 60 * 60);
+/// Where large temporary files belong on Unix: /tmp is often in memory.
+const LARGE_FILES: &str = "/var/tmp";
 
 /// Writes a temporary file in the same folder and renames it: a reader sees either the old content or the new, also
 /// after a power failure.
@@ -37,6 +39,18 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
 /// If the file cannot be written.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
+}
+
+/// A file without a name for what does not fit into memory; the system deletes it with the program.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn temporary_file() -> std::io::Result<fs::File> {
+    let large = Path::new(LARGE_FILES);
+    match large.is_dir() && std::env::var_os("TMPDIR").is_none() {
+        true => tempfile::tempfile_in(large).or_else(|_| tempfile::tempfile()),
+        false => tempfile::tempfile(),
+    }
 }
 
 fn replace(

@@ -24,7 +24,7 @@ mod session;
 mod symbols_file;
 mod table;
 
-pub use atomic::{link_target, write_bytes, write_text};
+pub use atomic::{link_target, temporary_file, write_bytes, write_text};
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
     write_dataset,
@@ -45,7 +45,7 @@ pub use phases::{
 };
 pub use plan_table::{read_plan, write_plan};
 pub use plots::{PlotArea, PlotShare, Plots};
-pub use poses::{read_poses, write_poses};
+pub use poses::{PoseColumns, pose_columns, read_poses, write_poses};
 pub use preferences::{LastConnection, Layout, Preferences, RecentSession, Theme};
 pub use recovery::{
     RecoveredSession, RecoveryWriter, SessionChanges, UnsavedSession, find_unsaved_sessions,

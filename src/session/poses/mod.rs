@@ -59,6 +59,34 @@ pub fn read_poses(
     })
 }
 
+/// Measured poses as named columns of one length.
+#[derive(Debug, Default)]
+pub struct PoseColumns {
+    /// Labels of the poses.
+    pub labels: Vec<i64>,
+    /// Group labels; empty where there are none.
+    pub groups: Vec<String>,
+    /// Columns of numbers; NaN is "not measured".
+    pub numbers: Vec<(String, Vec<f64>)>,
+    /// Columns of text.
+    pub texts: Vec<(String, Vec<String>)>,
+}
+
+/// The columns that `poses.csv` has of measurements.
+#[must_use]
+pub fn pose_columns(measurements: &Measurements) -> PoseColumns {
+    let columns = Columns::of(measurements);
+    let numbers = columns.numbers.into_iter();
+    PoseColumns {
+        labels: columns.labels,
+        groups: columns.groups,
+        numbers: numbers
+            .map(|(column, values)| (column.name(), values))
+            .collect(),
+        texts: columns.other,
+    }
+}
+
 /// Index in the file of the labels and of every column of numbers and of text.
 struct Places {
     label: usize,

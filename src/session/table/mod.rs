@@ -257,7 +257,13 @@ fn utf8<'a>(text: &'a [u8], file: &str, line: u64) -> Result<&'a str, ReadError>
 fn cell<'a>(text: &'a str, ends: &[usize], k: usize) -> &'a str {
     let start = if k == 0 { 0 } else { ends[k - 1] };
     // A cell boundary inside a character is possible only if the text was not UTF-8 per cell.
-    unescape_formula(text.get(start..ends[k]).unwrap_or_default().trim())
+    let cell = text.get(start..ends[k]).unwrap_or_default();
+    let is_plain = |byte: Option<&u8>| byte.is_some_and(|byte| byte.is_ascii_alphanumeric());
+    // Most cells have nothing to be trimmed: numbers.
+    match is_plain(cell.as_bytes().first()) && is_plain(cell.as_bytes().last()) {
+        true => cell,
+        false => unescape_formula(cell.trim()),
+    }
 }
 
 impl Row<'_> {

@@ -2,6 +2,14 @@
 
 /// Parses a decimal number; an error says what was expected.
 pub(super) fn parse(text: &str, decimal_comma: bool) -> Result<f64, &'static str> {
+    // Whatever parses to a finite number is written plainly: this is nearly every cell.
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => parse_unusual(text, decimal_comma),
+    }
+}
+
+fn parse_unusual(text: &str, decimal_comma: bool) -> Result<f64, &'static str> {
     let number = |text: &str| text.parse::<f64>().map_err(|_| "a number");
     let plain = |byte: u8| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E');
     let value = if text.bytes().all(plain) {
