@@ -223,7 +223,9 @@ pub fn clock_times(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Vec<Op
             .collect(),
         Err(_) => {
             let series = sources.iter().flat_map(|source| &source.series);
-            series.map(|series| series.time_s.clone()).collect()
+            series
+                .map(|series| Some(series.time_s.as_ref()?.iter().collect()))
+                .collect()
         }
     }
 }
@@ -239,7 +241,7 @@ mod tests {
         let channel = |name: &&str| Channel {
             name: (*name).into(),
             unit: None,
-            values: vec![0.0, 1.0],
+            values: vec![0.0, 1.0].into(),
         };
         Source {
             file: format!("{name}.csv"),

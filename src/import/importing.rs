@@ -40,6 +40,7 @@ pub fn import(
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
     let mut notices = notices(sources, &mapping);
     let mut poses = cut(&mapping, recipe, robot, file, &mut notices)?;
+    check_storage(&mapping, file)?;
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
@@ -77,6 +78,16 @@ pub fn import(
             poses: document.poses.into(),
         }),
     }
+}
+
+/// Refuses poses that are cut from values which could not be read again.
+fn check_storage(mapping: &Mapping<'_>, file: &str) -> Result<(), ReadError> {
+    let channels = mapping.series.iter().flat_map(|series| &series.channels);
+    if channels.clone().all(|channel| channel.values.is_intact()) {
+        return Ok(());
+    }
+    let message = "the temporary file of a long recording cannot be read again, expected room for it and no other program that changes it";
+    Err(ReadError::new(file, Place::File, message))
 }
 
 /// Imports, takes up what the check suggests, and imports again until it suggests nothing.

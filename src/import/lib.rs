@@ -23,6 +23,7 @@ mod sources;
 mod table;
 mod text;
 mod units;
+mod values;
 
 pub use alignment::{AlignedClock, ClockFit, align_clocks};
 pub use check::{Change, Mistake, Suggestion};
@@ -40,6 +41,7 @@ pub use robots::read_robot_description;
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;
 pub use units::{Dimension, Unit, parse_unit, split_heading};
+pub use values::Values;
 
 #[cfg(test)]
 mod tests;

@@ -1,15 +1,18 @@
 //! The course of a channel, with as many points as a plot can show.
 
+use crate::values::Values;
+
 /// Rows and values of a channel, at most two for each of `columns` parts of the rows: the least and the largest value, so
 /// that no peak is lost. Where values are missing there is one row that is NaN.
 #[must_use]
-pub fn outline(values: &[f64], columns: usize) -> Vec<(usize, f64)> {
+pub fn outline(values: &Values, columns: usize) -> Vec<(usize, f64)> {
     let columns = columns.clamp(1, values.len().max(1));
     let mut points: Vec<(usize, f64)> = Vec::with_capacity(2 * columns);
     for column in 0..columns {
         let from = column * values.len() / columns;
         let to = (column + 1) * values.len() / columns;
-        let mut rows = (from..to).filter(|row| !values[*row].is_nan());
+        let rows = (from..to).zip(values.range(from..to));
+        let mut rows = rows.filter(|(_, value)| !value.is_nan());
         let Some(first) = rows.next() else {
             if to > from && points.last().is_some_and(|(_, value)| !value.is_nan()) {
                 points.push((from, f64::NAN));
@@ -17,17 +20,21 @@ pub fn outline(values: &[f64], columns: usize) -> Vec<(usize, f64)> {
             continue;
         };
         let (mut least, mut largest) = (first, first);
-        for row in rows {
-            if values[row] < values[least] {
-                least = row;
+        for point in rows {
+            if point.1 < least.1 {
+                least = point;
             }
-            if values[row] > values[largest] {
-                largest = row;
+            if point.1 > largest.1 {
+                largest = point;
             }
         }
-        points.push((least.min(largest), values[least.min(largest)]));
-        if least != largest {
-            points.push((least.max(largest), values[least.max(largest)]));
+        let (earlier, later) = match least.0 < largest.0 {
+            true => (least, largest),
+            false => (largest, least),
+        };
+        points.push(earlier);
+        if earlier.0 != later.0 {
+            points.push(later);
         }
     }
     points
@@ -36,14 +43,15 @@ pub fn outline(values: &[f64], columns: usize) -> Vec<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::outline;
+    use crate::values::Values;
 
     #[test]
     fn short_channels_are_shown_as_they_are() {
         assert_eq!(
-            outline(&[1.0, 3.0, 2.0], 100),
+            outline(&vec![1.0, 3.0, 2.0].into(), 100),
             [(0, 1.0), (1, 3.0), (2, 2.0)]
         );
-        assert!(outline(&[], 10).is_empty());
+        assert!(outline(&Values::default(), 10).is_empty());
     }
 
     #[test]
@@ -52,7 +60,7 @@ mod tests {
         values[7123] = 5.0;
         values[7124] = -5.0;
         values[2000..3000].fill(f64::NAN);
-        let points = outline(&values, 50);
+        let points = outline(&values.into(), 50);
         assert!(points.len() <= 100);
         assert!(points.contains(&(7123, 5.0)) && points.contains(&(7124, -5.0)));
         let gaps = points.iter().filter(|(_, value)| value.is_nan());

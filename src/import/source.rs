@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::values::Values;
+
 /// The formats that are recognised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
@@ -61,7 +63,7 @@ pub struct Series {
     /// Number of rows.
     pub rows: usize,
     /// When each row was sampled (s), where the format says it by itself.
-    pub time_s: Option<Vec<f64>>,
+    pub time_s: Option<Values>,
     /// Columns of numbers.
     pub channels: Vec<Channel>,
     /// Columns of text.
@@ -76,7 +78,7 @@ pub struct Channel {
     /// Its unit as the file states it.
     pub unit: Option<String>,
     /// Its values; NaN where there is none.
-    pub values: Vec<f64>,
+    pub values: Values,
 }
 
 /// A column of text: names of points, states.
@@ -133,13 +135,13 @@ impl Channel {
             gaps: 0,
             range: [f64::NAN; 2],
         };
-        for value in &self.values {
+        for value in self.values.iter() {
             if value.is_nan() {
                 summary.gaps += 1;
                 continue;
             }
             summary.values += 1;
-            summary.range = [summary.range[0].min(*value), summary.range[1].max(*value)];
+            summary.range = [summary.range[0].min(value), summary.range[1].max(value)];
         }
         summary
     }

@@ -19,9 +19,12 @@ use tautline_session::{Place, ReadError, quoted};
 use crate::cutting::{Times, main_series};
 use crate::recipe::{Clock, Mapping, Recipe, resolve};
 use crate::source::Source;
+use crate::values::Values;
 
 /// Fewest samples of a recording that can be aligned.
 const FEWEST: usize = 100;
+/// Most rows of a recording that are used; of a longer one every so many.
+const MOST: usize = 200_000;
 
 /// Channels that were sampled together.
 #[derive(Debug, Clone, Default)]
@@ -127,10 +130,10 @@ fn sentence(series: &str, main: &str, fit: &ClockFit) -> String {
     };
     let rate = if fit.drift < 0.0 { "fast" } else { "slow" };
     format!(
-        "the clock of {series} is {:.4} s (± {:.4} s) {direction} that of {main} and {:.0} ppm (± {:.0} ppm) {rate}; \
+        "the clock of {series} is {:.5} s (± {:.2} ms) {direction} that of {main} and {:.0} ppm (± {:.1} ppm) {rate}; \
          {:.1} % of its channels follow from the cables",
         fit.offset_s.abs(),
-        fit.offset_sd_s,
+        1e3 * fit.offset_sd_s,
         1e6 * fit.drift.abs(),
         1e6 * fit.drift_sd,
         100.0 * fit.explained
@@ -157,20 +160,21 @@ fn recording(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Option<Re
     });
     // What moves with the platform says most; forces, for example, say something where there is nothing else.
     let any_moves = own.clone().any(|(quantity, _)| quantity.moves());
-    let used: Vec<&[f64]> = own
+    let used: Vec<&Values> = own
         .filter(|(quantity, _)| quantity.moves() || !any_moves)
-        .map(|(_, mapped)| one.channels[mapped.channel].values.as_slice())
+        .map(|(_, mapped)| &one.channels[mapped.channel].values)
         .collect();
     let mut found = Recording {
         time_s: Vec::new(),
         channels: vec![Vec::new(); used.len()],
     };
-    for (row, time) in times.iter().enumerate() {
+    let every = times.len().div_ceil(MOST).max(1);
+    for (row, time) in times.iter().enumerate().step_by(every) {
         let is_later = found.time_s.last().is_none_or(|last| time > last);
-        if time.is_finite() && is_later && used.iter().all(|values| values[row].is_finite()) {
+        if time.is_finite() && is_later && used.iter().all(|values| values.at(row).is_finite()) {
             found.time_s.push(*time);
             for (channel, values) in found.channels.iter_mut().zip(&used) {
-                channel.push(values[row]);
+                channel.push(values.at(row));
             }
         }
     }

@@ -126,14 +126,14 @@ fn the_recipe_takes_the_clock_of_the_second_series() {
         series: vec![Series {
             name: name.into(),
             rows: recording.time_s.len(),
-            time_s: Some(recording.time_s.clone()),
+            time_s: Some(recording.time_s.clone().into()),
             channels: columns
                 .iter()
                 .zip(&recording.channels)
                 .map(|(name, values)| Channel {
                     name: name.clone(),
                     unit: None,
-                    values: values.clone(),
+                    values: values.clone().into(),
                 })
                 .collect(),
             texts: Vec::new(),

@@ -7,6 +7,8 @@ use crate::recipe::{Mapping, Recipe, is_series};
 
 /// A step longer than this many usual steps is a gap.
 const GAP: f64 = 5.0;
+/// Steps whose median is taken, at most.
+const MOST_STEPS: usize = 100_000;
 
 /// Times of the rows, where there are any, and what is wrong with them.
 pub(crate) struct Times {
@@ -28,13 +30,10 @@ impl Times {
         let time_s = match mapping.times[series] {
             Some(mapped) => {
                 let values = one.channels[mapped.channel].values.iter();
-                Some(
-                    values
-                        .map(|value| mapped.factor * value + mapped.offset)
-                        .collect(),
-                )
+                let times = values.map(|value| mapped.factor * value + mapped.offset);
+                Some(times.collect())
             }
-            None => one.time_s.clone(),
+            None => one.time_s.as_ref().map(|times| times.iter().collect()),
         };
         let mut times = Self {
             time_s,
@@ -136,8 +135,10 @@ fn more(count: usize) -> String {
     }
 }
 
-/// Median of the steps forward of a clock (s), if there are any.
+/// Median of the steps forward of a clock (s), if there are any; of a long recording that of every so many.
 pub(super) fn usual_step(time_s: &[f64]) -> Option<f64> {
-    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
+    let every = time_s.len().div_ceil(MOST_STEPS).max(1);
+    let pairs = time_s.windows(2).step_by(every);
+    let steps = pairs.map(|pair| pair[1] - pair[0]);
     median(steps.filter(|step| *step > 0.0))
 }

@@ -1,14 +1,16 @@
 //! Values of a series between its samples, at the times of another one.
 
+use crate::values::Values;
+
 /// A step longer than this many usual ones is a gap, across which nothing is interpolated.
 const GAP: f64 = 3.0;
 
 /// Value at a time (s) by the cubic through the four samples around it, at the ends through those that there are; nothing where a sample beside
 /// it is missing or too far.
-pub(super) fn value_at(time_s: &[f64], values: &[f64], usual_s: f64, at_s: f64) -> Option<f64> {
+pub(super) fn value_at(time_s: &[f64], values: &Values, usual_s: f64, at_s: f64) -> Option<f64> {
     let after = time_s.partition_point(|time| *time < at_s);
     if time_s.get(after) == Some(&at_s) {
-        return Some(values[after]).filter(|value| !value.is_nan());
+        return values.get(after).filter(|value| !value.is_nan());
     }
     if after == 0 || after == time_s.len() || time_s[after] - time_s[after - 1] > GAP * usual_s {
         return None;
@@ -21,7 +23,7 @@ pub(super) fn value_at(time_s: &[f64], values: &[f64], usual_s: f64, at_s: f64) 
     ];
     let near = |row: &usize| {
         let is_near = |time: f64| (time - at_s).abs() <= (GAP + 1.0) * usual_s;
-        time_s.get(*row).is_some_and(|time| is_near(*time)) && values[*row].is_finite()
+        time_s.get(*row).is_some_and(|time| is_near(*time)) && values.at(*row).is_finite()
     };
     let nodes: Vec<usize> = beside.into_iter().flatten().filter(near).collect();
     if !(nodes.contains(&after) && nodes.contains(&(after - 1))) {
@@ -33,7 +35,12 @@ pub(super) fn value_at(time_s: &[f64], values: &[f64], usual_s: f64, at_s: f64) 
             .map(|other| (at_s - time_s[*other]) / (time_s[node] - time_s[*other]))
             .product()
     };
-    Some(nodes.iter().map(|node| weight(*node) * values[*node]).sum())
+    Some(
+        nodes
+            .iter()
+            .map(|node| weight(*node) * values.at(*node))
+            .sum(),
+    )
 }
 
 #[cfg(test)]
@@ -45,7 +52,8 @@ mod tests {
         let cubic = |t: f64| 1.0 + t * (2.0 - t * (3.0 - t));
         let mut times: Vec<f64> = (0..50).map(|k| 0.01 * f64::from(k)).collect();
         let mut values: Vec<f64> = times.iter().map(|t| cubic(*t)).collect();
-        let read = |times: &[f64], values: &[f64], at| value_at(times, values, 0.01, at);
+        let read =
+            |times: &[f64], values: &[f64], at| value_at(times, &values.to_vec().into(), 0.01, at);
         assert!((read(&times, &values, 0.1234).unwrap() - cubic(0.1234)).abs() < 1e-12);
         assert_eq!(read(&times, &values, 0.2), Some(values[20]));
         assert_eq!(

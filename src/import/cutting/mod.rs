@@ -15,6 +15,8 @@ use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
 
+/// Most samples of a recording in motion: far more than are independent of each other.
+const MOST_SAMPLES: usize = 60_000;
 /// Longest time between samples of a recording in motion (s).
 const LONGEST_STEP_S: f64 = 0.2;
 /// Fewest rows of a recording: fewer are poses, one in each row.
@@ -124,7 +126,11 @@ pub(crate) fn cut(
                 file,
                 "for a recording in motion",
             )?;
-            (0..rows).map(|row| row..row + 1).collect()
+            let every = rows.div_ceil(MOST_SAMPLES).max(1);
+            if every > 1 {
+                notices.push(format!("a recording of {rows} rows: one in {every} is used, which leaves more than {} samples", MOST_SAMPLES / 2));
+            }
+            (0..rows).step_by(every).map(|row| row..row + 1).collect()
         }
         Cutting::Labels => by_labels(mapping, main, file)?,
         Cutting::Rest(rest) => {
@@ -174,8 +180,8 @@ fn by_labels(
             series.texts[label.channel].codes[row] == series.texts[label.channel].codes[row - 1]
         }
         false => {
-            series.channels[label.channel].values[row]
-                == series.channels[label.channel].values[row - 1]
+            let values = &series.channels[label.channel].values;
+            values.at(row) == values.at(row - 1)
         }
     };
     let mut ranges: Vec<Range<usize>> = Vec::new();
@@ -233,8 +239,8 @@ fn pose(
             }
             continue;
         }
-        let values = &mapping.series[mapped.series].channels[mapped.channel].values[rows];
-        if let Some(mut averaged) = average(values) {
+        let values = &mapping.series[mapped.series].channels[mapped.channel].values;
+        if let Some(mut averaged) = average(values.range(rows)) {
             averaged.mean = mapped.factor * averaged.mean + mapped.offset;
             averaged.sd *= mapped.factor.abs();
             pose.readings.insert(*quantity, averaged);
@@ -266,7 +272,7 @@ fn sample(mapping: &Mapping<'_>, main: usize, times: &[Times], row: usize) -> Cu
             (false, Some(time_s), Some(at_s)) => {
                 interpolation::value_at(time_s, values, other.usual_s, at_s)
             }
-            _ => values.get(row).copied().filter(|value| !value.is_nan()),
+            _ => values.get(row).filter(|value| !value.is_nan()),
         };
         if let Some(value) = value {
             let mean = mapped.factor * value + mapped.offset;
@@ -285,7 +291,7 @@ fn sample(mapping: &Mapping<'_>, main: usize, times: &[Times], row: usize) -> Cu
 fn text_at(series: &Series, mapped: &Mapped, row: usize) -> String {
     match mapped.is_text {
         true => series.texts[mapped.channel].at(row).to_owned(),
-        false => series.channels[mapped.channel].values[row].to_string(),
+        false => series.channels[mapped.channel].values.at(row).to_string(),
     }
 }
 
@@ -345,8 +351,8 @@ pub(crate) fn number_of(label: &str) -> Option<i64> {
 }
 
 /// Mean and standard deviation of the values that there are. The mean of equal values is that value, to the last digit.
-fn average(values: &[f64]) -> Option<Averaged> {
-    let mut there = values.iter().copied().filter(|value| !value.is_nan());
+fn average(values: impl Iterator<Item = f64>) -> Option<Averaged> {
+    let mut there = values.filter(|value| !value.is_nan());
     let first = there.next()?;
     let (mut sum, mut squares, mut number) = (0.0, 0.0, 1_usize);
     for value in there {

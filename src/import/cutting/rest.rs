@@ -4,6 +4,7 @@
 //! by half the window: noise averages out, and one outlier is no motion. A row is at rest where every channel that moves
 //! with the platform is slower than its limit.
 
+use std::collections::VecDeque;
 use std::ops::Range;
 
 use tautline_core::robot::Robot;
@@ -11,11 +12,14 @@ use tautline_core::robot::Robot;
 use super::clock::usual_step;
 use crate::median::median;
 use crate::recipe::{Kind, Mapping, Quantity, Rest};
+use crate::values::Values;
 
 /// Sizes of the noise that a speed may have on top of its limit (standard deviations).
 const NOISE: f64 = 4.0;
 /// A step longer than this many usual steps ends a rest.
 const GAP: f64 = 5.0;
+/// Second differences whose median is the noise, at most.
+const MOST_DIFFERENCES: usize = 100_000;
 
 /// Fastest motion at rest, in units of each kind of quantity.
 pub(super) struct Limits {
@@ -109,37 +113,17 @@ pub(super) fn find(
 }
 
 /// Clears the rows at which a channel moves faster than `limit`.
-fn mark_motion(values: &[f64], half: usize, half_s: f64, limit: f64, still: &mut [bool]) {
+fn mark_motion(values: &Values, half: usize, half_s: f64, limit: f64, still: &mut [bool]) {
     let sd = noise(values);
     let allowed = limit + NOISE * sd * (2.0 / half as f64).sqrt() / half_s;
-    // Sums from the beginning, of values relative to the first one, and of how many there are.
-    let first = values
-        .iter()
-        .copied()
-        .find(|value| !value.is_nan())
-        .unwrap_or(0.0);
-    let mut sums = Vec::with_capacity(values.len() + 1);
-    sums.push((0.0, 0_usize));
-    let (mut sum, mut count) = (0.0, 0);
-    for value in values {
-        if !value.is_nan() {
-            sum += value - first;
-            count += 1;
-        }
-        sums.push((sum, count));
-    }
-    let mean = |from: usize, to: usize| {
-        let count = sums[to].1 - sums[from].1;
-        (count > 0).then(|| (sums[to].0 - sums[from].0) / count as f64)
-    };
+    let mut sums = Sums::of(values);
+    let rows = values.len();
     for (row, still) in still.iter_mut().enumerate() {
         // Near the ends the window is shorter, and the halves with it.
-        let reach = half.min(row.max(1)).min((values.len() - row).max(1));
-        let (before, after) = (
-            mean(row.saturating_sub(reach), row),
-            mean(row, (row + reach).min(values.len())),
-        );
-        if let (Some(before), Some(after)) = (before, after) {
+        let reach = half.min(row.max(1)).min((rows - row).max(1));
+        let (from, to) = (row.saturating_sub(reach), (row + reach).min(rows));
+        sums.keep(row.saturating_sub(half), to);
+        if let (Some(before), Some(after)) = (sums.mean(from, row), sums.mean(row, to)) {
             let widened = (half as f64 / reach as f64).sqrt();
             let speed = (after - before).abs() / (half_s * reach as f64 / half as f64);
             let allowed = limit + (allowed - limit) * widened.powi(3);
@@ -148,11 +132,59 @@ fn mark_motion(values: &[f64], half: usize, half_s: f64, limit: f64, still: &mut
     }
 }
 
-/// Standard deviation of the noise: the median of second differences, which motion hardly changes.
-fn noise(values: &[f64]) -> f64 {
-    let second = values
-        .windows(3)
-        .map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
+/// Sums of the values before a row, relative to the first one, and how many there are: for the rows of a window that moves on.
+struct Sums<'a> {
+    values: Box<dyn Iterator<Item = f64> + 'a>,
+    reference: f64,
+    /// Row of the first sum that is kept.
+    first: usize,
+    kept: VecDeque<(f64, usize)>,
+}
+
+impl<'a> Sums<'a> {
+    fn of(values: &'a Values) -> Self {
+        Self {
+            reference: values.iter().find(|value| !value.is_nan()).unwrap_or(0.0),
+            values: Box::new(values.iter()),
+            first: 0,
+            kept: VecDeque::from([(0.0, 0)]),
+        }
+    }
+
+    /// Goes on to the sum before `to`, and forgets those before `from`.
+    fn keep(&mut self, from: usize, to: usize) {
+        while self.first + self.kept.len() <= to {
+            let (mut sum, mut count) = self.kept.back().copied().unwrap_or_default();
+            if let Some(value) = self.values.next().filter(|value| !value.is_nan()) {
+                sum += value - self.reference;
+                count += 1;
+            }
+            self.kept.push_back((sum, count));
+        }
+        while self.first < from {
+            self.kept.pop_front();
+            self.first += 1;
+        }
+    }
+
+    /// Mean of the values of some rows, relative to the reference; none where all are missing.
+    fn mean(&self, from: usize, to: usize) -> Option<f64> {
+        let [from, to] = [from, to].map(|row| self.kept.get(row.checked_sub(self.first)?));
+        let ((from, before), (to, until)) = (from?, to?);
+        let count = until - before;
+        (count > 0).then(|| (to - from) / count as f64)
+    }
+}
+
+/// Standard deviation of the noise: the median of second differences, which motion hardly changes; of long recordings that of
+/// every so many.
+fn noise(values: &Values) -> f64 {
+    let every = values.len().div_ceil(MOST_DIFFERENCES).max(1);
+    let rows = (0..values.len().saturating_sub(2)).step_by(every);
+    let second = rows.map(|row| {
+        let [one, two, three] = [0, 1, 2].map(|k| values.at(row + k));
+        (one - 2.0 * two + three).abs()
+    });
     let second = second.filter(|value| !value.is_nan());
     1.4826 * median(second).unwrap_or(0.0) / 6.0_f64.sqrt()
 }

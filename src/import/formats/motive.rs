@@ -8,6 +8,7 @@ use tautline_session::{Place, ReadError, quoted};
 use super::{encoding_notice, stem};
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Decimal, Lines, Separator, is_gap, parse_number};
+use crate::values::{Table, Values};
 
 /// Most lines before the data.
 const HEADER_LINES: usize = 20;
@@ -113,7 +114,7 @@ fn headings(rows: &[Vec<String>], axes: &Cells, unit: &str) -> Vec<Channel> {
             Channel {
                 name: parts.join("."),
                 unit,
-                values: Vec::new(),
+                values: Values::default(),
             }
         })
         .collect()
@@ -125,9 +126,10 @@ fn data(
     axes: &Cells,
     channels: &mut [Channel],
     notices: &mut Vec<String>,
-) -> Result<Vec<f64>, ReadError> {
+) -> Result<Values, ReadError> {
     let file = lines.file();
     let mut cells = Cells::default();
+    let mut table = Table::new(channels.len());
     let mut times = Vec::new();
     let mut frames = Frames::default();
     while let Some((line, text)) = lines.next_line()? {
@@ -176,10 +178,9 @@ fn data(
             });
         }
         frames.add(frame);
+        let failed = |error| ReadError::io(file, Place::Line(line), &error);
+        table.push(&row).map_err(failed)?;
         times.push(time);
-        for (channel, value) in channels.iter_mut().zip(row) {
-            channel.values.push(value);
-        }
     }
     if times.is_empty() {
         return Err(ReadError::new(
@@ -189,7 +190,8 @@ fn data(
         ));
     }
     notices.extend(frames.notice(file));
-    Ok(times)
+    table.finish(channels);
+    Ok(times.into())
 }
 
 /// Whether a row may be one that was cut off: rows in the middle of a file end with all their separators.

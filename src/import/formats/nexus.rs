@@ -9,6 +9,7 @@ use super::{encoding_notice, stem};
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Lines, Separator, is_gap, parse_number};
 use crate::units::bare;
+use crate::values::{Table, Values};
 
 const TITLES: [&str; 6] = [
     "Trajectories",
@@ -124,6 +125,7 @@ fn section(
     let mut channels = headings(&names, &axes, &units);
     let mut frames = Frames::default();
     let mut at = Vec::new();
+    let mut table = Table::new(channels.len());
     let mut cells = Cells::default();
     while let Some((line, text)) = lines.next_line()? {
         cells.split(text, separator);
@@ -158,9 +160,8 @@ fn section(
             frame,
             parse_number(cells.get(1)).map_or(0.0, |(frame, _)| frame),
         ));
-        for (channel, value) in channels.iter_mut().zip(row) {
-            channel.values.push(value);
-        }
+        let failed = |error| ReadError::io(file, Place::Line(line), &error);
+        table.push(&row).map_err(failed)?;
     }
     if at.is_empty() {
         return Err(ReadError::new(
@@ -170,6 +171,7 @@ fn section(
         ));
     }
     notices.extend(frames.notice(file));
+    table.finish(&mut channels);
     Ok(Series {
         name: format!("{} {title}", stem(file)),
         rows: at.len(),
@@ -197,14 +199,14 @@ fn headings(names: &Cells, axes: &Cells, units: &Cells) -> Vec<Channel> {
             Channel {
                 name,
                 unit,
-                values: Vec::new(),
+                values: Values::default(),
             }
         })
         .collect()
 }
 
 /// Times (s) since frame 1. Analogue devices sample several times a frame; the rate of a section is that of its rows.
-fn times(at: &[(f64, f64)], rate_hz: f64) -> Vec<f64> {
+fn times(at: &[(f64, f64)], rate_hz: f64) -> Values {
     let per_frame = at.iter().fold(0.0_f64, |most, (_, sub)| most.max(*sub)) + 1.0;
     at.iter()
         .map(|(frame, sub)| ((frame - 1.0) * per_frame + sub) / rate_hz)

@@ -12,6 +12,7 @@ use super::{encoding_notice, stem};
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Decimal, Lines, Separator, is_gap, parse_number, parse_timestamp};
 use crate::units::split_heading;
+use crate::values::{Filling, Storage, Values};
 
 /// Most lines before the data.
 const HEADER_LINES: usize = 200;
@@ -26,10 +27,9 @@ struct Header {
 }
 
 /// Time or sample, and value, of one channel.
-#[derive(Default)]
-struct Pairs {
-    at: Vec<f64>,
-    values: Vec<f64>,
+struct Pairs<V> {
+    at: V,
+    values: V,
 }
 
 pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, ReadError> {
@@ -129,9 +129,14 @@ fn data(
     separator: Separator,
     header: &Header,
     notices: &mut Vec<String>,
-) -> Result<Vec<Pairs>, ReadError> {
+) -> Result<Vec<Pairs<Values>>, ReadError> {
     let file = lines.file();
-    let mut channels: Vec<Pairs> = header.names.iter().map(|_| Pairs::default()).collect();
+    let filling = |_| Pairs {
+        at: Filling::default(),
+        values: Filling::default(),
+    };
+    let mut storage = Storage::default();
+    let mut channels: Vec<Pairs<Filling>> = header.names.iter().map(filling).collect();
     let mut cells = Cells::default();
     let mut ended = false;
     let mut unread = 0_usize;
@@ -183,8 +188,10 @@ fn data(
                 let message = "found decimal points and decimal commas, expected one of the two";
                 return Err(ReadError::new(file, place(), message));
             }
-            channel.at.push(time);
-            channel.values.push(value);
+            let stored = storage
+                .push(&mut channel.at, time)
+                .and_then(|()| storage.push(&mut channel.values, value));
+            stored.map_err(|error| ReadError::io(file, Place::Line(line), &error))?;
         }
     }
     if !ended {
@@ -193,14 +200,18 @@ fn data(
     if unread > 0 {
         notices.push(format!("{file}: {unread} cells of its last row left out"));
     }
-    if channels.iter().all(|channel| channel.at.is_empty()) {
+    if channels.iter().all(|channel| channel.at.len() == 0) {
         return Err(ReadError::new(
             file,
             Place::File,
             "found channels without samples, expected rows of data",
         ));
     }
-    Ok(channels)
+    let filled = channels.into_iter().map(|pairs| Pairs {
+        at: storage.finish(pairs.at),
+        values: storage.finish(pairs.values),
+    });
+    Ok(filled.collect())
 }
 
 /// Whether a cell without a number is the last of its line.
@@ -209,7 +220,7 @@ fn lines_end(text: &str, cell: &str) -> bool {
 }
 
 /// Channels with the same times become one series.
-fn by_time(channels: Vec<Pairs>, header: &Header, stem: &str) -> Vec<Series> {
+fn by_time(channels: Vec<Pairs<Values>>, header: &Header, stem: &str) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for (k, pairs) in channels.into_iter().enumerate() {
         if pairs.at.is_empty() {
@@ -247,8 +258,11 @@ fn by_time(channels: Vec<Pairs>, header: &Header, stem: &str) -> Vec<Series> {
 }
 
 /// Times (s) of what stands before the values: the number of the sample, or the time in milliseconds.
-fn seconds(at: &[f64], sample_ms: Option<f64>) -> Vec<f64> {
-    let counts = at.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+fn seconds(at: &Values, sample_ms: Option<f64>) -> Values {
+    let counts = at
+        .iter()
+        .zip(at.iter().skip(1))
+        .all(|(one, next)| next - one == 1.0);
     let factor = match sample_ms {
         Some(sample_ms) if counts => sample_ms * 1e-3,
         _ => 1e-3,

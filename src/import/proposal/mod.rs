@@ -398,7 +398,14 @@ impl Proposal<'_> {
         let repeats = label.is_some_and(|label| {
             series().any(|series| {
                 match (series.channel(&label.channel), series.text(&label.channel)) {
-                    (Some(channel), _) => channel.values.windows(2).any(|pair| pair[0] == pair[1]),
+                    (Some(channel), _) => {
+                        let next = channel.values.iter().skip(1);
+                        channel
+                            .values
+                            .iter()
+                            .zip(next)
+                            .any(|(one, next)| one == next)
+                    }
                     (None, Some(text)) => text.codes.windows(2).any(|pair| pair[0] == pair[1]),
                     (None, None) => false,
                 }
@@ -440,7 +447,7 @@ impl Proposal<'_> {
                 .find_map(|series| series.channel(&name));
             let Some(channel) = channel else { return };
             let [low, high] = channel.summary().range;
-            let first = channel.values.iter().copied().find(|value| !value.is_nan());
+            let first = channel.values.iter().find(|value| !value.is_nan());
             largest = largest.max(first.map_or(0.0, f64::abs));
             span = span.max(high - low);
         }

@@ -7,6 +7,7 @@ use tautline_session::{Place, ReadError, quoted};
 use super::layout::Layout;
 use crate::source::{Channel, Series, TextChannel};
 use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
+use crate::values::{Filling, Storage};
 
 /// Most different texts that a column may have to be kept: names of points and states have few.
 const MAX_DISTINCT: usize = 100_000;
@@ -22,20 +23,21 @@ pub(crate) struct Columns {
     last_line: u64,
     /// Line of the first number with a decimal point, and with a decimal comma.
     decimals: [Option<u64>; 2],
+    storage: Storage,
 }
 
 struct Column {
     name: String,
     unit: Option<String>,
-    values: Values,
+    cells: Filled,
     /// Cells that are no reading: the first one's line and text, and how many.
     not_read: Option<(u64, String, usize)>,
 }
 
-enum Values {
-    Numbers(Vec<f64>),
+enum Filled {
+    Numbers(Filling),
     /// Dates and times of day, in seconds.
-    Times(Vec<f64>),
+    Times(Filling),
     Texts {
         codes: Vec<u32>,
         distinct: Vec<String>,
@@ -55,7 +57,7 @@ impl Columns {
         let column = |(k, (name, unit)): (usize, &(String, Option<String>))| Column {
             name: name.clone(),
             unit: unit.clone(),
-            values: Values::like(data().map(|cells| cells.get(k))),
+            cells: Filled::like(data().map(|cells| cells.get(k))),
             not_read: None,
         };
         Self {
@@ -65,6 +67,7 @@ impl Columns {
             broken: None,
             last_line: 0,
             decimals: [None; 2],
+            storage: Storage::default(),
         }
     }
 
@@ -89,7 +92,9 @@ impl Columns {
         }
         self.rows += 1;
         for (k, column) in self.columns.iter_mut().enumerate() {
-            if let Some(decimal) = column.push(line, cells.get(k)) {
+            let pushed = column.push(line, cells.get(k), &mut self.storage);
+            let failed = |error| ReadError::io(&self.file, Place::Line(line), &error);
+            if let Some(decimal) = pushed.map_err(failed)? {
                 let which = usize::from(decimal == Decimal::Comma);
                 self.decimals[which].get_or_insert(line);
             }
@@ -138,7 +143,7 @@ impl Columns {
             let Column {
                 name,
                 unit,
-                values,
+                cells,
                 not_read,
             } = column;
             let place = format!("{file}, column {}", quoted(&name));
@@ -153,22 +158,26 @@ impl Columns {
                     quoted(&text)
                 ));
             }
-            match values {
-                Values::Numbers(values) => series.channels.push(Channel { name, unit, values }),
-                Values::Times(values) => series.channels.push(Channel {
+            match cells {
+                Filled::Numbers(values) => series.channels.push(Channel {
+                    name,
+                    unit,
+                    values: self.storage.finish(values),
+                }),
+                Filled::Times(values) => series.channels.push(Channel {
                     name,
                     unit: Some("s".into()),
-                    values,
+                    values: self.storage.finish(values),
                 }),
-                Values::Texts { distinct, .. } if distinct.len() > MAX_DISTINCT => {
+                Filled::Texts { distinct, .. } if distinct.len() > MAX_DISTINCT => {
                     notices.push(format!(
                         "{place}: text, more than {MAX_DISTINCT} different ones, not kept"
                     ));
                 }
-                Values::Texts { distinct, .. } if distinct.iter().all(String::is_empty) => {
+                Filled::Texts { distinct, .. } if distinct.iter().all(String::is_empty) => {
                     notices.push(format!("{place}: empty, left out"));
                 }
-                Values::Texts {
+                Filled::Texts {
                     codes, distinct, ..
                 } => series.texts.push(TextChannel {
                     name,
@@ -181,7 +190,7 @@ impl Columns {
     }
 }
 
-impl Values {
+impl Filled {
     /// Columns that hold what most of these cells are.
     fn like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let filled = cells.filter(|cell| !is_gap(cell));
@@ -194,9 +203,9 @@ impl Values {
             .filter(|cell| parse_timestamp(cell).is_some())
             .count();
         if numbers * 2 >= count && count > 0 {
-            Self::Numbers(Vec::new())
+            Self::Numbers(Filling::default())
         } else if times * 2 >= count && count > 0 {
-            Self::Times(Vec::new())
+            Self::Times(Filling::default())
         } else {
             Self::Texts {
                 codes: Vec::new(),
@@ -209,10 +218,15 @@ impl Values {
 
 impl Column {
     /// Adds a cell; the decimal sign of a number that has one.
-    fn push(&mut self, line: u64, cell: &str) -> Option<Decimal> {
+    fn push(
+        &mut self,
+        line: u64,
+        cell: &str,
+        storage: &mut Storage,
+    ) -> std::io::Result<Option<Decimal>> {
         let mut decimal = None;
-        let value = match &mut self.values {
-            Values::Texts {
+        let value = match &mut self.cells {
+            Filled::Texts {
                 codes,
                 distinct,
                 known,
@@ -225,21 +239,21 @@ impl Column {
                     known.insert(cell.into(), code);
                     codes.push(code);
                 }
-                return None;
+                return Ok(None);
             }
-            Values::Numbers(_) => parse_number(cell).map(|(value, sign)| {
+            Filled::Numbers(_) => parse_number(cell).map(|(value, sign)| {
                 decimal = Some(sign).filter(|sign| *sign != Decimal::None);
                 value
             }),
-            Values::Times(_) => parse_timestamp(cell),
+            Filled::Times(_) => parse_timestamp(cell),
         };
         if value.is_none() && !is_gap(cell) {
             let (_, _, count) = self.not_read.get_or_insert_with(|| (line, cell.into(), 0));
             *count += 1;
         }
-        if let Values::Numbers(values) | Values::Times(values) = &mut self.values {
-            values.push(value.unwrap_or(f64::NAN));
+        if let Filled::Numbers(values) | Filled::Times(values) = &mut self.cells {
+            storage.push(values, value.unwrap_or(f64::NAN))?;
         }
-        decimal
+        Ok(decimal)
     }
 }

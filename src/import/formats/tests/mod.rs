@@ -63,9 +63,15 @@ fn refusal(name: &str, bytes: impl AsRef<[u8]>) -> String {
 /// Name, unit and values of the channels of a series; NaN as `None`.
 type Content = Vec<(String, Option<String>, Vec<Option<f64>>)>;
 
-fn known(values: &[f64]) -> Vec<Option<f64>> {
-    let known = |value: &f64| Some(*value).filter(|value| !value.is_nan());
-    values.iter().map(known).collect()
+fn known(values: impl Iterator<Item = f64>) -> Vec<Option<f64>> {
+    values
+        .map(|value| Some(value).filter(|value| !value.is_nan()))
+        .collect()
+}
+
+/// Times of the rows (s).
+fn times(series: &Series) -> Option<Vec<f64>> {
+    series.time_s.as_ref().map(|times| times.iter().collect())
 }
 
 fn content(series: &Series) -> Content {
@@ -76,7 +82,7 @@ fn content(series: &Series) -> Content {
             (
                 channel.name.clone(),
                 channel.unit.clone(),
-                known(&channel.values),
+                known(channel.values.iter()),
             )
         })
         .collect()
@@ -87,7 +93,11 @@ fn channel(
     unit: Option<&str>,
     values: &[f64],
 ) -> (String, Option<String>, Vec<Option<f64>>) {
-    (name.into(), unit.map(Into::into), known(values))
+    (
+        name.into(),
+        unit.map(Into::into),
+        known(values.iter().copied()),
+    )
 }
 
 #[test]

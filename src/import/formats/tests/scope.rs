@@ -21,7 +21,7 @@ fn check(source: &Source) {
     assert_eq!(source.format, Format::TwinCatScope);
     assert_eq!(source.series.len(), 2, "{:?}", source.notices);
     let fast = &source.series[0];
-    assert_eq!(fast.time_s.as_deref(), Some(&[0.0, 0.002, 0.004][..]));
+    assert_eq!(times(fast).as_deref(), Some(&[0.0, 0.002, 0.004][..]));
     assert_eq!(
         content(fast),
         [
@@ -30,7 +30,7 @@ fn check(source: &Source) {
         ]
     );
     let slow = &source.series[1];
-    assert_eq!(slow.time_s.as_deref(), Some(&[0.0, 0.004][..]));
+    assert_eq!(times(slow).as_deref(), Some(&[0.0, 0.004][..]));
     assert_eq!(content(slow), [channel("GVL.Temp", None, &[20.5, 20.6])]);
 }
 

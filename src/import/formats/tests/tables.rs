@@ -123,7 +123,7 @@ fn texts_and_times_are_columns_too() {
     let series = &source.series[0];
     assert_eq!(content(series)[0].1.as_deref(), Some("s"));
     assert_eq!(
-        series.channels[0].values[2] - series.channels[0].values[0],
+        series.channels[0].values.at(2) - series.channels[0].values.at(0),
         1.0
     );
     let states: Vec<&str> = (0..3).map(|row| series.texts[0].at(row)).collect();

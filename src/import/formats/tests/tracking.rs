@@ -15,7 +15,7 @@ fn platform(source: &Source, unit: &str, scale: f64) {
     assert_eq!(source.format, Format::Motive);
     let series = &source.series[0];
     assert_eq!(
-        series.time_s.as_deref(),
+        times(series).as_deref(),
         Some(&[0.0, 0.008_333, 0.016_667][..])
     );
     let content = content(series);
@@ -102,7 +102,7 @@ const NEXUS: &str = "Trajectories\n100\n,,robot:A,,,robot:B,,\nFrame,Sub Frame,X
 fn markers(source: &Source) {
     assert_eq!(source.format, Format::Nexus);
     let series = &source.series[0];
-    assert_eq!(series.time_s.as_deref(), Some(&[0.0, 0.01, 0.02][..]));
+    assert_eq!(times(series).as_deref(), Some(&[0.0, 0.01, 0.02][..]));
     assert_eq!(
         content(series)[0],
         channel("robot:A.X", Some("mm"), &[1.5, f64::NAN, 2.5])
@@ -126,7 +126,7 @@ fn nexus_exports_are_read_in_their_variants() {
     let devices = "Devices\n200\n,,Force,,\nFrame,Sub Frame,Fx,Fy,Fz\n,,N,N,N\n1,0,1,2,3\n1,1,4,5,6\n2,0,7,8,9\n\n";
     let source = read("d.csv", format!("{devices}{NEXUS}"));
     assert_eq!(
-        source.series[0].time_s.as_deref(),
+        times(&source.series[0]).as_deref(),
         Some(&[0.0, 0.005, 0.01][..])
     );
     assert_eq!(
