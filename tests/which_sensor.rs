@@ -1,18 +1,13 @@
-//! The tables of docs/WHICH-SENSOR.md: the studies of docs/studies, planned, run, merged. And how fast studies run.
+//! The tables of docs/WHICH-SENSOR.md: the studies of docs/studies, planned, run, merged.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context, Result};
 use tautline_core::estimation::Control;
-use tautline_core::planning::random_poses;
-use tautline_core::robot::presets;
 use tautline_session::read_versioned_toml;
-use tautline_study::calibration::Simulator;
-use tautline_study::cell::{Cell, options};
-use tautline_study::chunk::Part;
-use tautline_study::report::{groups, sentences};
+use tautline_study::report::groups;
+use tautline_study::result::CellResult;
 use tautline_study::run::{Shared, run};
 use tautline_study::{StudyFile, StudyPlan, StudyResult, merge};
 
@@ -30,15 +25,14 @@ pub fn study(name: &str) -> Result<(StudyPlan, StudyResult)> {
     let study = read_versioned_toml::<StudyFile>(&path)?.value;
     let plan = StudyPlan::new(study, &folder(), &mut |_, _| Control::Continue)?;
     let temporary = tempfile::tempdir()?;
-    let of = plan.chunks();
-    let parts: Vec<Part> = (1..=of).map(|number| Part { number, of }).collect();
+    let parts = plan.parts(None).map_err(anyhow::Error::msg)?;
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     run(&plan, temporary.path(), &parts, threads, &Shared::default())?;
     let result = merge(&plan, temporary.path())?;
     Ok((plan, result))
 }
 
-/// Position errors as tables, lasers by numbers of poses, and the answers in sentences.
+/// Position errors as tables, lasers by numbers of poses, with simulation beside theory.
 ///
 /// # Errors
 /// If writing fails, which it does not.
@@ -47,10 +41,10 @@ pub fn markdown(plan: &StudyPlan, result: &StudyResult) -> Result<String> {
     for group in groups(plan, result) {
         let poses = group.poses();
         write!(text, "\n**{}**\n\n| laser | 1 sd mm |", group.title)?;
-        poses
-            .iter()
-            .try_for_each(|poses| write!(text, " {poses} poses |"))?;
-        writeln!(text, "\n|---|---|{}", "---|".repeat(poses.len()))?;
+        for poses in &poses {
+            write!(text, " {poses} poses | simulated / expected |")?;
+        }
+        writeln!(text, "\n|---|---|{}", "---|---|".repeat(poses.len()))?;
         for laser in group.lasers() {
             let cells = group.over_poses(laser);
             let sd = cells.first().and_then(|cell| cell.planned.laser_sd_m);
@@ -58,85 +52,46 @@ pub fn markdown(plan: &StudyPlan, result: &StudyResult) -> Result<String> {
             write!(text, "| {laser} | {sd} |")?;
             for cell in cells {
                 let expected = cell.planned.expected.position_m.context("an expectation")?;
-                write!(text, " {:.3}", 1e3 * expected)?;
-                if let Some(found) = &cell.simulated {
-                    let rms_m = found.position.map_or(f64::NAN, |position| position.rms_m);
-                    write!(
-                        text,
-                        " ({:.3}{})",
-                        1e3 * rms_m,
-                        if found.is_marked { "*" } else { "" }
-                    )?;
-                }
-                write!(text, " |")?;
+                write!(text, " {:.3} | {} |", 1e3 * expected, ratio(cell))?;
             }
             writeln!(text)?;
         }
     }
-    writeln!(text)?;
-    for sentence in sentences(plan, result) {
-        writeln!(text, "- {sentence}")?;
-    }
-    let ratios: Vec<[f64; 3]> = result
-        .cells
-        .iter()
-        .filter_map(|cell| cell.simulated.as_ref()?.over_expected)
-        .collect();
+    writeln!(text, "\n{}", check(plan, result))?;
+    Ok(text)
+}
+
+/// Simulated over expected position error with its 95 % interval, and a star where they differ by more than 5 %.
+fn ratio(cell: &CellResult) -> String {
+    let found = cell.simulated.as_ref();
+    let ratio = found.and_then(|found| Some((found.over_expected?, found.is_marked)));
+    ratio.map_or_else(String::new, |([ratio, low, high], is_marked)| {
+        let star = if is_marked { " *" } else { "" };
+        format!("{ratio:.3} ({low:.3} to {high:.3}){star}")
+    })
+}
+
+fn check(plan: &StudyPlan, result: &StudyResult) -> String {
+    let found = || {
+        result
+            .cells
+            .iter()
+            .filter_map(|cell| cell.simulated.as_ref())
+    };
+    let ratios: Vec<[f64; 3]> = found().filter_map(|found| found.over_expected).collect();
     let ends = ratios.iter().map(|ratio| ratio[0]);
-    writeln!(
-        text,
-        "\n{} cells, {} of them simulated with {} calibrations each: simulated over expected {:.3} to {:.3}; {} of the 95 % intervals contain 1.",
+    format!(
+        "{} cells, {} of them simulated with {} calibrations each, of which {} did not converge: simulated over expected {:.3} to {:.3}; {} of the 95 % intervals contain 1, and {} cells differ by more than 5 %.",
         result.cells.len(),
         ratios.len(),
         plan.study.simulation.calibrations,
+        found().map(|found| found.not_converged).sum::<u64>(),
         ends.clone().fold(f64::INFINITY, f64::min),
         ends.fold(0.0, f64::max),
         ratios
             .iter()
             .filter(|ratio| ratio[1] <= 1.0 && ratio[2] >= 1.0)
-            .count()
-    )?;
-    Ok(text)
-}
-
-/// Calibrations per second on one core, and the share of their time that the solver alone takes.
-#[derive(Debug, Clone, Copy)]
-pub struct Speed {
-    /// Calibrations per second.
-    pub per_second: f64,
-    /// Time of the solver over that of the whole.
-    pub solver_share: f64,
-}
-
-/// Measures with MINI at 25 poses, best of five rounds: other programs disturb a round, none makes it faster.
-///
-/// # Errors
-/// If MINI cannot be simulated.
-pub fn speed(calibrations: u64) -> Result<Speed> {
-    let study: StudyFile = read_versioned_toml(&folder().join("mini.toml"))?.value;
-    let robot = presets::find("mini").context("no MINI")?.robot;
-    let poses = random_poses(&robot, &options(25, 1, 1.0))?;
-    let method = tautline_core::estimation::Method::Joint;
-    let cell = Cell::new(robot, poses, method)?;
-    let simulator = Simulator::new(&study, &cell, method)?;
-    let (mut whole, mut solver) = (f64::INFINITY, f64::INFINITY);
-    for _ in 0..5 {
-        let begin = Instant::now();
-        for index in 0..calibrations {
-            std::hint::black_box(simulator.calibrate(index, index));
-        }
-        whole = whole.min(begin.elapsed().as_secs_f64());
-        let mut seconds = 0.0;
-        for index in 0..calibrations {
-            let run = simulator.run(index)?;
-            let begin = Instant::now();
-            simulator.solve(&run)?;
-            seconds += begin.elapsed().as_secs_f64();
-        }
-        solver = solver.min(seconds);
-    }
-    Ok(Speed {
-        per_second: calibrations as f64 / whole,
-        solver_share: solver / whole,
-    })
+            .count(),
+        found().filter(|found| found.is_marked).count()
+    )
 }

@@ -74,6 +74,21 @@ pub struct Origin {
     pub content: String,
 }
 
+impl Origin {
+    /// Of a part of a plan with this fingerprint, which this program has done.
+    #[must_use]
+    pub fn of((plan, fingerprint): (&StudyPlan, &str), part: Part, rows: &Rows) -> Self {
+        Self {
+            study: fingerprint.to_owned(),
+            version: VERSION.to_owned(),
+            seed: plan.study.seed,
+            part,
+            range: part.range(plan.calibrations()),
+            content: rows.fingerprint(),
+        }
+    }
+}
+
 /// Text in a chunk that says what it belongs to.
 const ORIGIN: &str = "origin.json";
 
@@ -193,28 +208,15 @@ impl Rows {
     }
 }
 
-/// Writes a chunk of a plan with this fingerprint, completely or not at all.
+/// Writes a chunk, completely or not at all.
 ///
 /// # Errors
 /// If it cannot be written, as on a full disk.
-pub fn write_chunk(
-    folder: &Path,
-    (plan, fingerprint): (&StudyPlan, &str),
-    part: Part,
-    rows: &Rows,
-) -> Result<PathBuf, StudyError> {
-    let origin = Origin {
-        study: fingerprint.to_owned(),
-        version: VERSION.to_owned(),
-        seed: plan.study.seed,
-        part,
-        range: part.range(plan.calibrations()),
-        content: rows.fingerprint(),
-    };
-    let text = serde_json::to_string_pretty(&origin)
+pub fn write_chunk(folder: &Path, origin: &Origin, rows: &Rows) -> Result<PathBuf, StudyError> {
+    let text = serde_json::to_string_pretty(origin)
         .map_err(|error| StudyError::Input(error.to_string()))?;
     let bytes = npz::write((ORIGIN, &text), &rows.columns()).map_err(StudyError::Input)?;
-    let path = folder.join(part.file_name());
+    let path = folder.join(origin.part.file_name());
     write_bytes(&path, &bytes)?;
     Ok(path)
 }

@@ -20,7 +20,7 @@ pub mod statistics;
 pub mod which_sensor;
 
 pub use file::StudyFile;
-pub use merging::{RESULT, merge};
+pub use merging::{RESULT, merge, read_result};
 pub use plan::{StudyPlan, read_plan};
 pub use result::StudyResult;
 

@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use tautline_session::write_versioned;
+use tautline_session::{read_versioned, write_versioned};
 
 use crate::StudyError;
 use crate::chunk::{Part, read_chunk};
-use crate::plan::StudyPlan;
+use crate::plan::{PLAN, StudyPlan};
 use crate::result::{StudyResult, Tallies};
 use crate::run::belongs;
 
@@ -30,6 +30,27 @@ pub fn merge(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, StudyError>
     }
     let result = tallies.result(plan, fingerprint);
     write_versioned(&folder.join(RESULT), &result)?;
+    Ok(result)
+}
+
+/// Reads the result that [`merge`] has written.
+///
+/// # Errors
+/// One sentence that names the file, if there is none, it is not valid, or belongs to another study.
+pub fn read_result(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, StudyError> {
+    let path = folder.join(RESULT);
+    let fail = |message: &str| StudyError::Input(format!("{}: {message}", path.display()));
+    if !path.exists() {
+        return Err(fail(
+            "not found, expected the result that the command study merge writes",
+        ));
+    }
+    let result = read_versioned::<StudyResult>(&path)?.value;
+    if result.study != plan.fingerprint() || result.cells.len() != plan.cells.len() {
+        return Err(fail(&format!(
+            "found the result of another study than {PLAN}, expected to merge it again"
+        )));
+    }
     Ok(result)
 }
 

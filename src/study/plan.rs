@@ -14,6 +14,7 @@ use tautline_session::{
 
 use crate::StudyError;
 use crate::cell::{Cell, options, robot_of};
+use crate::chunk::Part;
 use crate::design::{Combination, combinations};
 use crate::file::{Choice, StudyFile};
 use crate::scaling::size_m;
@@ -176,6 +177,18 @@ impl StudyPlan {
     #[must_use]
     pub fn chunks(&self) -> u64 {
         self.calibrations().div_ceil(self.study.simulation.chunk)
+    }
+
+    /// The parts that are to be done: the one that `chunk` names, as `3/7`, or all into which the study cuts itself.
+    ///
+    /// # Errors
+    /// What was found and what was expected.
+    pub fn parts(&self, chunk: Option<&str>) -> Result<Vec<Part>, String> {
+        let of = self.chunks();
+        match chunk {
+            Some(text) => Ok(vec![Part::parse(text)?]),
+            None => Ok((1..=of).map(|number| Part { number, of }).collect()),
+        }
     }
 
     /// Fingerprint of all that results depend on.

@@ -125,7 +125,8 @@ fn chunk(
     fs::create_dir_all(folder).map_err(|error| {
         StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
     })?;
-    write_chunk(folder, (plan, fingerprint), part, &rows)?;
+    let origin = Origin::of((plan, fingerprint), part, &rows);
+    write_chunk(folder, &origin, &rows)?;
     Ok(true)
 }
 

@@ -36,7 +36,15 @@ fn position(cell: &CellResult) -> Option<f64> {
 }
 
 fn shown(metres: f64) -> String {
-    format!("{} mm", significant(1e3 * metres, 2))
+    format!("{} mm", significant(1e3 * metres, 3))
+}
+
+fn with(laser: &str) -> String {
+    match laser {
+        "none" => "without a laser".to_owned(),
+        "own" => "with its own laser".to_owned(),
+        named => format!("with the laser {named}"),
+    }
 }
 
 /// How exact the best laser makes it, and up to which one a worse one does as well.
@@ -99,10 +107,11 @@ fn how_many_poses(group: &Group<'_>) -> Option<String> {
         "still gain"
     };
     Some(format!(
-        "{}: {more} poses instead of {fewer} {worth}: {} instead of {} with the laser {laser}.",
+        "{}: {more} poses instead of {fewer} {worth}: {} instead of {} {}.",
         group.title,
         shown(to),
-        shown(from)
+        shown(from),
+        with(laser)
     ))
 }
 
@@ -121,11 +130,11 @@ fn wanted_is_reached(group: &Group<'_>, wanted_m: f64) -> Option<String> {
     });
     Some(match cheapest {
         Some(cell) => format!(
-            "{}: {} is reached from {} poses on, with the laser {}.",
+            "{}: {} is reached from {} poses on, {}.",
             group.title,
             shown(wanted_m),
             cell.planned.combination.poses,
-            cell.planned.combination.laser
+            with(&cell.planned.combination.laser)
         ),
         None => format!(
             "{}: {} is not reached; the best cell has {}.",
@@ -170,7 +179,7 @@ fn what_else(groups: &[Group<'_>]) -> Option<String> {
     };
     let ((good, best), (bad, worst)) = (ranked(true)?, ranked(false)?);
     Some(format!(
-        "With the best laser and most poses, {} gives {}, {} {}: {} times as much comes from what is not the laser.",
+        "With the best laser and most poses, {} gives {} and {} gives {}: a factor of {} that no laser makes up for.",
         good.title,
         shown(best),
         bad.title,

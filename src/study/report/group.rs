@@ -87,6 +87,15 @@ pub fn groups<'a>(plan: &StudyPlan, result: &'a StudyResult) -> Vec<Group<'a>> {
     groups
 }
 
+/// A laser of the catalogue, in words.
+pub fn laser_name(laser: &str) -> &str {
+    match laser {
+        "none" => "no laser",
+        "own" => "own laser",
+        named => named,
+    }
+}
+
 /// What a cell has in common with those of its group, in words.
 pub fn title(plan: &StudyPlan, cell: &CellResult) -> String {
     let cell = &cell.planned.combination;
@@ -109,7 +118,11 @@ pub fn title(plan: &StudyPlan, cell: &CellResult) -> String {
     );
     add(cell.length_sd_m, 1e3, "lengths ", "mm");
     add(cell.tension_sd_n, 1.0, "tensions ", "N");
-    parts.extend((cell.choice == Choice::Random).then(|| "random poses".to_owned()));
-    parts.extend((cell.method == Method::Simple).then(|| "tensions exact".to_owned()));
+    // What all cells have in common tells none apart.
+    let design = &plan.study.design;
+    let is_random = cell.choice == Choice::Random && design.choice.len() > 1;
+    parts.extend(is_random.then(|| "random poses".to_owned()));
+    let is_simple = cell.method == Method::Simple && design.methods.len() > 1;
+    parts.extend(is_simple.then(|| "tensions exact".to_owned()));
     parts.join(", ")
 }

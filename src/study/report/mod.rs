@@ -39,7 +39,7 @@ fn document(plan: &StudyPlan, result: &StudyResult, now: Timestamp) -> Document 
         accuracy(&groups),
         faults(plan, result, &groups),
         cost(&groups),
-        check(result),
+        check(plan, result),
         tables::cells(plan, result),
         about(plan, result, now),
     ];
@@ -119,7 +119,7 @@ fn cost(groups: &[Group<'_>]) -> Section {
     section
 }
 
-fn check(result: &StudyResult) -> Section {
+fn check(plan: &StudyPlan, result: &StudyResult) -> Section {
     let mut section = Section::new("Theory and simulation");
     let ratios: Vec<[f64; 3]> = (result.cells.iter())
         .filter_map(|cell| cell.simulated.as_ref()?.over_expected)
@@ -151,7 +151,11 @@ fn check(result: &StudyResult) -> Section {
         "Simulated over expected position error: {least:.3} to {largest:.3}; {covering} of {} intervals of 95 % contain 1.",
         ratios.len()
     ));
-    section.table(tables::marked(result));
+    let marked = tables::marked(plan, result);
+    match marked.rows.is_empty() {
+        true => section.paragraph("No cell differs by more than 5 %."),
+        false => section.table(marked),
+    }
     section
 }
 

@@ -6,13 +6,15 @@ use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, S
 use tautline_workflow::plot::{Colours, Drawing};
 use tautline_workflow::report::PLOT;
 
-use super::group::Group;
+use super::group::{Group, laser_name};
 use crate::result::CellResult;
 
 /// Size of a plot (pt): two stand side by side.
 const SIZE: [f64; 2] = [236.0, 170.0];
 /// Makes the labels of a plot 7 pt high.
 const SCALE: f64 = 0.61;
+/// Distance of simulated points of neighbouring curves, as a part of the axis.
+const APART: f64 = 0.012;
 /// Most curves of a plot.
 const CURVES: usize = 8;
 
@@ -57,7 +59,18 @@ fn figure<'a>(
         ..Figure::default()
     };
     let log_mm = |metres: f64| (1e3 * metres).log10();
-    for (index, (name, cells)) in lines.take(CURVES).enumerate() {
+    let lines: Vec<_> = lines.take(CURVES).collect();
+    let places = lines
+        .iter()
+        .flat_map(|(_, cells)| cells)
+        .filter_map(|cell| at(cell));
+    let ends = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    });
+    let middle = 0.5 * (lines.len() as f64 - 1.0);
+    for (index, (name, cells)) in lines.into_iter().enumerate() {
+        // Ranges of several lines at one place stand beside each other.
+        let aside = APART * (ends[1] - ends[0]).max(0.0) * (index as f64 - middle);
         let ink = Ink::Cable(index);
         let place =
             |cell: &CellResult| Some([at(cell)?, log_mm(cell.planned.expected.position_m?)]);
@@ -75,6 +88,7 @@ fn figure<'a>(
             else {
                 continue;
             };
+            let x = x + aside;
             points.push(Point::new(x, log_mm(position.rms_m)));
             let [low, _, high] = position.quantiles_m.map(log_mm);
             let range = Curve {
@@ -111,7 +125,7 @@ pub fn over_poses(group: &Group<'_>) -> Option<Drawing> {
     let lines = group
         .lasers()
         .into_iter()
-        .map(|laser| (laser.to_owned(), group.over_poses(laser)));
+        .map(|laser| (laser_name(laser).to_owned(), group.over_poses(laser)));
     let figure = figure(logarithmic("Poses", ""), lines, |cell| {
         Some((cell.planned.combination.poses as f64).log10())
     });
@@ -134,7 +148,7 @@ pub fn over_size<'a>(groups: &[Group<'a>]) -> Option<Drawing> {
         let mut cells: Vec<&'a CellResult> = groups.iter().flat_map(of).collect();
         let size = |cell: &&CellResult| cell.planned.combination.size_m.unwrap_or(0.0);
         cells.sort_by(|a, b| size(a).total_cmp(&size(b)));
-        (laser.to_owned(), cells)
+        (laser_name(laser).to_owned(), cells)
     });
     let figure = figure(logarithmic("Size of the frame", "m"), lines, |cell| {
         cell.planned.combination.size_m.map(f64::log10)

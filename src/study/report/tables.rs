@@ -3,7 +3,7 @@
 use tautline_workflow::report::document::{Section, Table};
 use tautline_workflow::wording::units::significant;
 
-use super::group::title;
+use super::group::{laser_name, title};
 use crate::plan::StudyPlan;
 use crate::result::{CellResult, ErrorRange, StudyResult};
 
@@ -54,7 +54,7 @@ pub fn cells(plan: &StudyPlan, result: &StudyResult) -> Section {
         };
         table.push([
             title(plan, cell),
-            planned.combination.laser.clone(),
+            laser_name(&planned.combination.laser).to_owned(),
             mm(planned.laser_sd_m),
             planned.combination.poses.to_string(),
             mm(planned.expected.position_m),
@@ -76,29 +76,30 @@ pub fn cells(plan: &StudyPlan, result: &StudyResult) -> Section {
 }
 
 /// Cells where theory and simulation differ.
-pub fn marked(result: &StudyResult) -> Table {
+pub fn marked(plan: &StudyPlan, result: &StudyResult) -> Table {
     let mut table = Table::new(
         "Cells in which simulation and theory differ by more than 5 %",
-        1,
+        2,
         &[
-            "Cell",
+            "Robot",
+            "laser",
             "poses",
-            "laser sd mm",
             "expected mm",
             "simulated mm",
             "ratio",
             "interval",
         ],
     );
-    let marked = result.cells.iter().enumerate().filter_map(|(index, cell)| {
+    let marked = result.cells.iter().filter_map(|cell| {
         let found = cell.simulated.as_ref().filter(|found| found.is_marked)?;
-        Some((index, cell, found, found.over_expected?))
+        Some((cell, found, found.over_expected?))
     });
-    for (index, CellResult { planned, .. }, found, [ratio, low, high]) in marked.take(ROWS) {
+    for (cell, found, [ratio, low, high]) in marked.take(ROWS) {
+        let CellResult { planned, .. } = cell;
         table.push([
-            index.to_string(),
+            title(plan, cell),
+            laser_name(&planned.combination.laser).to_owned(),
             planned.combination.poses.to_string(),
-            mm(planned.laser_sd_m),
             mm(planned.expected.position_m),
             rms(found.position),
             format!("{ratio:.3}"),
@@ -131,7 +132,7 @@ pub fn faults(plan: &StudyPlan, result: &StudyResult) -> Table {
         };
         table.push([
             title(plan, cell),
-            cell.planned.combination.laser.clone(),
+            laser_name(&cell.planned.combination.laser).to_owned(),
             cell.planned.combination.poses.to_string(),
             found.with_fault.of.to_string(),
             percent(found.with_fault.count, found.with_fault.of),

@@ -1,10 +1,11 @@
 //! Study files: what is varied, what is simulated, what is asked. TOML, checked with one sentence for each mistake.
 
+mod check;
+
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::effect;
 use tautline_core::robot::FieldError;
 use tautline_session::VersionedFile;
 
@@ -181,185 +182,14 @@ fn joint() -> Vec<Method> {
     vec![Method::Joint]
 }
 
-/// Most poses of a cell, faults and calibrations of a study.
-const MOST_POSES: usize = 1000;
-const MOST_FAULTS: usize = 8;
-const MOST_CALIBRATIONS: u64 = 1_000_000_000;
-
 impl VersionedFile for StudyFile {
     const FORMAT: &'static str = "tautline-study";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 4 << 20;
 
     fn check(&self) -> Result<(), FieldError> {
-        self.design.check()?;
-        let simulation = &self.simulation;
-        let whole = 1..=MOST_CALIBRATIONS;
-        let number = |key: &str, value: u64| {
-            expect(
-                whole.contains(&value),
-                &format!("/simulation/{key}"),
-                value,
-                "a number from 1 to 1e9",
-            )
-        };
-        number("calibrations", simulation.calibrations)?;
-        number("chunk", simulation.chunk)?;
-        let part = |value: f64| (0.0..=1.0).contains(&value);
-        expect(
-            part(simulation.share),
-            "/simulation/share",
-            simulation.share,
-            "a part from 0 to 1",
-        )?;
-        let level = simulation.alpha > 0.0 && simulation.alpha < 1.0;
-        expect(
-            level,
-            "/simulation/alpha",
-            simulation.alpha,
-            "a level between 0 and 1",
-        )?;
-        if self.faults.len() > MOST_FAULTS {
-            return fail(
-                "/faults",
-                format!(
-                    "found {} faults, expected at most {MOST_FAULTS}",
-                    self.faults.len()
-                ),
-            );
-        }
-        for (index, fault) in self.faults.iter().enumerate() {
-            let at = |key: &str| format!("/faults/{index}/{key}");
-            expect(
-                part(fault.rate),
-                &at("rate"),
-                fault.rate,
-                "a part from 0 to 1",
-            )?;
-            let Some(found) = effect::find(&fault.effect) else {
-                let message = format!(
-                    "found \"{}\", expected an effect that the command effects lists",
-                    fault.effect
-                );
-                return fail(at("effect"), message);
-            };
-            if matches!(found.scope(), effect::Scope::Pair | effect::Scope::Reading) {
-                let message = format!(
-                    "found \"{}\", expected an effect of one cable or of the robot",
-                    fault.effect
-                );
-                return fail(at("effect"), message);
-            }
-            let names: Vec<&str> = found.parameters().iter().map(|p| p.name).collect();
-            if let Some(unknown) = fault
-                .parameters
-                .keys()
-                .find(|name| !names.contains(&name.as_str()))
-            {
-                let message = format!(
-                    "found the parameter \"{unknown}\", expected {}",
-                    names.join(", ")
-                );
-                return fail(at("parameters"), message);
-            }
-        }
-        match self.wanted_m {
-            Some(wanted) => expect(
-                wanted > 0.0 && wanted.is_finite(),
-                "/wanted_m",
-                wanted,
-                "a number greater than 0",
-            ),
-            None => Ok(()),
-        }
+        check::study(self)
     }
-}
-
-impl Design {
-    fn check(&self) -> Result<(), FieldError> {
-        for (key, is_empty) in [
-            ("robots", self.robots.is_empty()),
-            ("lasers", self.lasers.is_empty()),
-            ("poses", self.poses.is_empty()),
-            ("choice", self.choice.is_empty()),
-            ("methods", self.methods.is_empty()),
-        ] {
-            if is_empty {
-                return fail(
-                    format!("/design/{key}"),
-                    "found an empty array, expected one value or more",
-                );
-            }
-        }
-        for (index, poses) in self.poses.iter().enumerate() {
-            let good = (1..=MOST_POSES).contains(poses);
-            expect(
-                good,
-                &format!("/design/poses/{index}"),
-                poses,
-                "a number from 1 to 1000",
-            )?;
-        }
-        let random = self.random_cells;
-        if random == Some(0) {
-            return fail("/design/random_cells", "found 0, expected 1 or more");
-        }
-        for (key, axis, may_be_0) in [
-            ("size_m", &self.size_m, false),
-            ("home_sd_m", &self.home_sd_m, false),
-            ("inclinometer_sd_rad", &self.inclinometer_sd_rad, true),
-            ("length_sd_m", &self.length_sd_m, false),
-            ("tension_sd_n", &self.tension_sd_n, false),
-        ] {
-            axis.check(&format!("/design/{key}"), may_be_0, random.is_some())?;
-        }
-        Ok(())
-    }
-}
-
-impl Axis {
-    fn check(&self, pointer: &str, may_be_0: bool, is_random: bool) -> Result<(), FieldError> {
-        let good = |value: f64| value.is_finite() && (value > 0.0 || may_be_0 && value == 0.0);
-        match self {
-            Self::Values(values) => match values.iter().position(|value| !good(*value)) {
-                Some(index) => expect(
-                    false,
-                    &format!("{pointer}/{index}"),
-                    values[index],
-                    "a number greater than 0",
-                ),
-                None => Ok(()),
-            },
-            Self::Range { from, to } if !(*from > 0.0 && to > from && to.is_finite()) => fail(
-                pointer,
-                format!("found {from} to {to}, expected a rising range above 0"),
-            ),
-            Self::Range { .. } if !is_random => fail(
-                pointer,
-                "found a range, expected values, or a number of random_cells beside",
-            ),
-            Self::Range { .. } => Ok(()),
-        }
-    }
-}
-
-fn expect(
-    is_good: bool,
-    pointer: &str,
-    found: impl std::fmt::Display,
-    expected: &str,
-) -> Result<(), FieldError> {
-    if is_good {
-        return Ok(());
-    }
-    fail(pointer, format!("found {found}, expected {expected}"))
-}
-
-fn fail<T>(pointer: impl Into<String>, message: impl Into<String>) -> Result<T, FieldError> {
-    Err(FieldError {
-        pointer: pointer.into(),
-        message: message.into(),
-    })
 }
 
 #[cfg(test)]
