@@ -1,7 +1,9 @@
 //! The compiled part of the Python package `tautline`.
 //!
 //! Robots and results cross as the JSON of the commands, measured poses as the text of `poses.csv`: both have one reader, with
-//! its checks and sentences. `tautline/__init__.py` makes arrays and dataclasses of them.
+//! its checks and sentences. The modules of `tautline/` make arrays and dataclasses of them.
+
+mod study;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -80,20 +82,36 @@ fn settings(effects: &str) -> PyResult<Vec<EffectSetting>> {
     serde_json::from_str(effects).map_err(|e| error(format!("effects: {e}")))
 }
 
-/// Whether to go on: not after Ctrl+C, which Python then raises itself.
-fn control() -> Control {
-    match Python::attach(|py| py.check_signals()) {
-        Ok(()) => Control::Continue,
-        Err(_) => Control::Cancel,
+/// Watches for Ctrl+C while work is done without the lock of the interpreter.
+#[derive(Default)]
+struct Interrupt(Option<PyErr>);
+
+impl Interrupt {
+    /// Whether to go on.
+    fn control(&mut self) -> Control {
+        if self.0.is_none() {
+            self.0 = Python::attach(|py| py.check_signals()).err();
+        }
+        match self.0 {
+            None => Control::Continue,
+            Some(_) => Control::Cancel,
+        }
     }
 }
 
 /// Runs `work` without the lock of the interpreter; what was interrupted by Ctrl+C is raised as that.
 fn detached<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce() -> Result<T, String> + Send,
+    work: impl FnOnce(&mut Interrupt) -> Result<T, String> + Send,
 ) -> PyResult<T> {
-    py.detach(work).map_err(error)
+    let (done, interrupt) = py.detach(|| {
+        let mut interrupt = Interrupt::default();
+        (work(&mut interrupt), interrupt)
+    });
+    match interrupt.0 {
+        Some(interrupted) => Err(interrupted),
+        None => done.map_err(error),
+    }
 }
 
 /// Names of the robots that come with the program.
@@ -179,7 +197,7 @@ fn simulate(
         noise,
         ..SimulationOptions::new(poses, seed)
     };
-    let run = detached(py, || {
+    let run = detached(py, |_| {
         simulate_readings(&robot, &options).map_err(|e| e.to_string())
     })?;
     Ok((poses_text(&run.dataset)?, json(&run.truth)?))
@@ -231,13 +249,11 @@ fn identify(
         }
         request.options.loss = Loss::Huber(limit);
     }
-    let identified = detached(py, || {
-        let found = identify_robot(&request, &mut |_| control());
+    let identified = detached(py, |interrupt| {
+        let found = identify_robot(&request, &mut |_| interrupt.control());
         let found = found.map_err(|e| e.to_string())?;
         found.refuse_extrapolation().map_err(|e| e.to_string())
-    });
-    py.check_signals()?;
-    let identified = identified?;
+    })?;
     Ok((json(&identified.document())?, json(&identified.model)?))
 }
 
@@ -262,12 +278,11 @@ fn diagnose(
         )));
     }
     let dataset = Arc::new(parsed_dataset(&dataset.0, &dataset.1)?);
-    let diagnosed = detached(py, || {
+    let diagnosed = detached(py, |interrupt| {
         let asked = (alpha, time_limit_s);
-        diagnose_dataset(dataset, asked, &mut |_| control()).map_err(|e| e.to_string())
-    });
-    py.check_signals()?;
-    let diagnosed = diagnosed?;
+        let observe = &mut |_: &_| interrupt.control();
+        diagnose_dataset(dataset, asked, observe).map_err(|e| e.to_string())
+    })?;
     let model = identified(diagnosed.robot(), &diagnosed.diagnosis.extended_solution);
     Ok((json(&diagnosed.document())?, json(&model)?))
 }
@@ -286,22 +301,25 @@ fn plan(
         candidates,
         ..PlanOptions::new(poses, seed)
     };
-    let document = detached(py, || {
-        let planned =
-            plan_poses(&robot, &options, &mut |_| control()).map_err(|e| e.to_string())?;
+    let document = detached(py, |interrupt| {
+        let planned = plan_poses(&robot, &options, &mut |_| interrupt.control());
+        let planned = planned.map_err(|e| e.to_string())?;
         let mut document = PlanDocument::of(&robot, &planned);
         if explain {
             let explained = IsolabilityDocument::of_dataset(&planned.dataset);
             document.isolability = Some(explained.map_err(|e| e.to_string())?);
         }
         Ok(document)
-    });
-    py.check_signals()?;
-    json(&document?)
+    })?;
+    json(&document)
 }
 
 #[pymodule]
 mod _tautline {
+    #[pymodule_export]
+    use super::study::{
+        merge_study, plan_study, read_study, report_study, run_study, study_from_toml,
+    };
     #[pymodule_export]
     use super::{
         TautlineError, checked_robot, diagnose, identify, plan, predict, preset, presets_names,

@@ -1,19 +1,16 @@
 """The Python package, against its own arithmetic where it has any and against formulas written here."""
 
+import _thread
 import json
 import subprocess
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
+from arro3.core import Table
 
 import tautline
-
-
-@pytest.fixture(scope="module")
-def run() -> tautline.Run:
-    effect = tautline.Effect("winch_scale", ["cable-3"], {"scale": 0.02})
-    return tautline.simulate(tautline.Robot.preset("mini"), poses=25, seed=5, effects=[effect])
 
 
 def test_presets_are_robots() -> None:
@@ -138,3 +135,17 @@ def test_readings_per_cable(run: tautline.Run) -> None:
 def test_results_say_what_they_are(run: tautline.Run) -> None:
     assert repr(run.dataset) == "Dataset(Robot('mini', 8 cables), 26 poses)"
     assert "degrees of freedom" in repr(tautline.identify(run.dataset))
+
+
+def test_arrow_takes_a_dataset(run: tautline.Run) -> None:
+    table = Table.from_arrow(run.dataset)
+    assert table.column_names == list(run.dataset.columns)
+    np.testing.assert_array_equal(table["laser_m"].to_numpy(), run.dataset.columns["laser_m"])
+
+
+def test_ctrl_c_ends_a_long_call() -> None:
+    """Without it this takes some seconds: 64 poses among 20,000 candidates."""
+    robot = tautline.Robot.preset("mini")
+    threading.Timer(0.2, _thread.interrupt_main).start()
+    with pytest.raises(KeyboardInterrupt):
+        tautline.plan(robot, poses=64, candidates=20_000)

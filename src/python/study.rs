@@ -1,0 +1,102 @@
+//! Studies: the command `study` without a command line.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use tautline_core::estimation::Control;
+use tautline_session::{parse_versioned, read_versioned_toml};
+use tautline_study::report::write_report;
+use tautline_study::run::{Shared, run};
+use tautline_study::{StudyFile, StudyPlan, merge, read_plan, read_result};
+use tautline_workflow::clock;
+
+use crate::{detached, error, json};
+
+/// Time between two looks at whether Ctrl+C was pressed.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// The study of a TOML file.
+#[pyfunction]
+pub fn study_from_toml(path: PathBuf) -> PyResult<String> {
+    json(
+        &read_versioned_toml::<StudyFile>(&path)
+            .map_err(error)?
+            .value,
+    )
+}
+
+/// Plans a study and writes its folder; files of robots are looked for in `robots`.
+#[pyfunction]
+pub fn plan_study(
+    py: Python<'_>,
+    study: &str,
+    robots: PathBuf,
+    folder: PathBuf,
+) -> PyResult<String> {
+    let study = parse_versioned::<StudyFile>(study.as_bytes(), "study").map_err(error)?;
+    let plan = detached(py, |interrupt| {
+        let plan = StudyPlan::new(study.value, &robots, &mut |_, _| interrupt.control());
+        plan.map_err(|e| e.to_string())
+    })?;
+    plan.write(&folder).map_err(error)?;
+    json(&plan)
+}
+
+/// The plan in the folder of a study.
+#[pyfunction]
+pub fn read_study(folder: PathBuf) -> PyResult<String> {
+    json(&plan_of(&folder)?)
+}
+
+/// Does one chunk of a study, or all: how many were done, and how many were there.
+#[pyfunction]
+pub fn run_study(
+    py: Python<'_>,
+    folder: PathBuf,
+    chunk: Option<&str>,
+    threads: Option<usize>,
+) -> PyResult<(u64, u64)> {
+    let plan = plan_of(&folder)?;
+    let parts = plan
+        .parts(chunk)
+        .map_err(|e| error(format!("chunk: {e}")))?;
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let threads = threads.unwrap_or(cores);
+    let summary = detached(py, |interrupt| {
+        let shared = Shared::default();
+        std::thread::scope(|scope| {
+            let running = scope.spawn(|| run(&plan, &folder, &parts, threads, &shared));
+            while !running.is_finished() {
+                let is_over = interrupt.control() == Control::Cancel;
+                shared.cancelled.fetch_or(is_over, Ordering::Relaxed);
+                std::thread::sleep(LOOK);
+            }
+            let ran = running.join();
+            let ran = ran.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            ran.map_err(|e| e.to_string())
+        })
+    })?;
+    Ok((summary.done, summary.found))
+}
+
+/// Joins the chunks of a study to its result.
+#[pyfunction]
+pub fn merge_study(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+    let plan = plan_of(&folder)?;
+    let result = detached(py, |_| merge(&plan, &folder).map_err(|e| e.to_string()))?;
+    json(&result)
+}
+
+/// Writes the report of a merged study, as HTML or PDF by its name.
+#[pyfunction]
+pub fn report_study(folder: PathBuf, out: PathBuf) -> PyResult<()> {
+    let plan = plan_of(&folder)?;
+    let result = read_result(&plan, &folder).map_err(error)?;
+    write_report(&out, &plan, &result, clock::now()).map_err(error)
+}
+
+fn plan_of(folder: &Path) -> PyResult<StudyPlan> {
+    read_plan(folder).map_err(error)
+}

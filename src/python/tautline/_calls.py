@@ -1,0 +1,117 @@
+"""Simulation, prediction, identification, diagnosis and planning."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _tautline
+from ._data import Dataset, Effect, Robot, to_json
+from ._results import Cause, Diagnosis, Finding, Identification, Plan, Prediction, Run
+from ._table import numbers
+from ._tautline import TautlineError
+
+
+def simulate(
+    robot: Robot,
+    poses: int = 25,
+    seed: int = 1,
+    effects: Sequence[Effect] = (),
+    *,
+    noise: bool = True,
+    nominal: bool = False,
+) -> Run:
+    """Simulates a calibration run; the true entry points are drawn from their priors, or as drawn if `nominal`."""
+    hidden = to_json([effect.document() for effect in effects])
+    text, truth = _tautline.simulate(robot.text(), (poses, seed), hidden, (noise, nominal))
+    return Run(Dataset.parsed(robot, text), Robot(json.loads(truth)))
+
+
+def predict(robot: Robot, poses: ArrayLike) -> Prediction:
+    """Lengths and angles of all cables at poses, rows of `x y z qw qx qy qz`."""
+    rows = np.asarray(poses, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 7:
+        raise TautlineError(f"poses: found an array of shape {rows.shape}, expected rows of x y z qw qx qy qz")
+    lengths, wraps, swivels = _tautline.predict(robot.text(), rows.tolist())
+    count = len(robot.cables)
+    return Prediction(*(numbers(values).reshape(-1, count) for values in (lengths, wraps, swivels)))
+
+
+def identify(
+    dataset: Dataset, method: str = "joint", effects: Sequence[str] = (), huber: float | None = None
+) -> Identification:
+    """Identifies the robot.
+
+    `effects` are freed as on the command line: `winch_scale`, `winch_scale:cable-3`, `cable_slip:cable-3:pose=12`. With
+    `huber`, residuals beyond so many standard deviations weigh less.
+    """
+    text, model = _tautline.identify(dataset.texts(), method, list(effects), huber)
+    document = json.loads(text)
+    return Identification(
+        converged=document["converged"],
+        chi2=document["chi2"],
+        dof=document["dof"],
+        p_value=document["p_value"],
+        entry_points_m=numbers(document["entry_points_m"]),
+        entry_points_sd_m=numbers(document["entry_points_sd_m"]),
+        positions_m=numbers([pose["position_m"] for pose in document["poses"]]),
+        orientations_wxyz=numbers([pose["orientation_wxyz"] for pose in document["poses"]]),
+        seconds=document["seconds"],
+        model=Robot(json.loads(model)),
+        document=document,
+    )
+
+
+def _cause(document: dict[str, Any]) -> Cause:
+    return Cause(document["effect"], document["targets"], document["probability"])
+
+
+def diagnose(
+    dataset: Dataset, alpha: float | None = None, time_limit_s: float | None = None
+) -> Diagnosis:
+    """Asks what the model gets wrong.
+
+    `alpha` is the probability of a false finding where the model is right, by default 0.01; after `time_limit_s`, by default
+    a minute, it ends with the best answer so far.
+    """
+    text, model = _tautline.diagnose(dataset.texts(), alpha, time_limit_s)
+    document = json.loads(text)
+    findings = [
+        Finding(
+            verdict=finding["verdict"],
+            effect=finding["effect"],
+            targets=finding["targets"],
+            probability=finding["probability"],
+            cause=finding["cause"],
+            advice=finding["advice"],
+            parameters={one["name"]: (one["value"], one["sd"]) for one in finding["parameters"]},
+            alternatives=[_cause(other) for other in finding["alternatives"]],
+            document=finding,
+        )
+        for finding in document["findings"]
+    ]
+    return Diagnosis(
+        adequate=document["adequate"],
+        findings=findings,
+        possible=[_cause(other) for other in document["possible"]],
+        model=Robot(json.loads(model)),
+        seconds=document["seconds"],
+        document=document,
+    )
+
+
+def plan(
+    robot: Robot, poses: int = 25, *, candidates: int = 3000, seed: int = 1, explain: bool = False
+) -> Plan:
+    """Chooses poses to measure; with `explain` the document says which faults they show."""
+    document = json.loads(_tautline.plan(robot.text(), (poses, candidates, seed), explain))
+    return Plan(
+        positions_m=numbers([pose["position_m"] for pose in document["poses"]]).reshape(-1, 3),
+        orientations_wxyz=numbers([pose["orientation_wxyz"] for pose in document["poses"]]).reshape(-1, 4),
+        entry_point_sd_after_m=numbers(document["entry_point_sd_after_m"]),
+        document=document,
+    )

@@ -1,0 +1,131 @@
+"""Studies: many simulated calibrations, in chunks on any number of processes and machines."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _tautline
+from ._data import Path, to_json
+from ._table import Columns, numbers
+
+_COMBINATION = ("size_m", "home_sd_m", "inclinometer_sd_rad", "length_sd_m", "tension_sd_n")
+_EXPECTED = ("position_m", "entry_m", "position_m_per_kelvin")
+
+
+def _cells(robots: list[str], cells: Iterable[dict[str, Any]]) -> dict[str, NDArray[Any]]:
+    """One array for each quantity of the cells; NaN where it is as the robot states it, or open."""
+    cells = list(cells)
+    combinations = [cell["combination"] for cell in cells]
+
+    def texts(values: list[str]) -> NDArray[Any]:
+        return np.array(values, dtype=np.str_)
+
+    columns = {
+        "robot": texts([robots[one["robot"]] for one in combinations]),
+        "laser": texts([one["laser"] for one in combinations]),
+        "laser_sd_m": numbers([cell["laser_sd_m"] for cell in cells]),
+        "poses": np.array([one["poses"] for one in combinations], dtype=np.int64),
+        "choice": texts([one["choice"] for one in combinations]),
+        "method": texts([one["method"] for one in combinations]),
+    }
+    columns |= {name: numbers([one[name] for one in combinations]) for name in _COMBINATION}
+    columns |= {f"expected_{name}": numbers([cell["expected"][name] for cell in cells]) for name in _EXPECTED}
+    return columns
+
+
+@dataclass(repr=False)
+class StudyResult(Columns):
+    """The merged result of a study; `columns` have one row for each cell."""
+
+    calibrations: int
+    columns: dict[str, NDArray[Any]]
+    """What the cell is, what the expected covariance says, and what simulation found: root mean square errors (m),
+    simulated over expected position error with its 95 % interval, and whether they differ by more than 5 %."""
+    document: dict[str, Any]
+
+    @classmethod
+    def of(cls, robots: list[str], document: dict[str, Any]) -> StudyResult:
+        """The result of a study of these robots from its document."""
+        cells = document["cells"]
+        found = [cell["simulated"] or {} for cell in cells]
+        columns = _cells(robots, cells)
+        columns["calibrations"] = np.array([one.get("calibrations", 0) for one in found], dtype=np.int64)
+        for name in ("position", "entry", "accuracy", "position_with_fault"):
+            columns[f"simulated_{name}_m"] = numbers([(one.get(name) or {}).get("rms_m") for one in found])
+        ratios = numbers([one.get("over_expected") or [None] * 3 for one in found]).reshape(-1, 3)
+        for index, name in enumerate(("over_expected", "over_expected_low", "over_expected_high")):
+            columns[name] = ratios[:, index]
+        columns["is_marked"] = np.array([one.get("is_marked", False) for one in found], dtype=np.bool_)
+        return cls(document["calibrations"], columns, document)
+
+    def __repr__(self) -> str:
+        marked = int(self.columns["is_marked"].sum())
+        return f"StudyResult({len(self)} cells, {self.calibrations} calibrations, {marked} cells marked)"
+
+
+@dataclass(repr=False)
+class Study(Columns):
+    """A study that is planned, in its folder; `columns` have one row for each cell, as the expected covariance answers it."""
+
+    folder: FilePath
+    columns: dict[str, NDArray[Any]]
+    document: dict[str, Any]
+
+    @classmethod
+    def plan(cls, study: Path | Mapping[str, Any], folder: Path) -> Study:
+        """Plans a study file (TOML), or a mapping with the same keys, and writes the folder of the study."""
+        if isinstance(study, Mapping):
+            text, robots = to_json({"format": "tautline-study", "version": 1, **study}), FilePath()
+        else:
+            text, robots = _tautline.study_from_toml(study), FilePath(study).parent
+        return cls._of(folder, _tautline.plan_study(text, robots, folder))
+
+    @classmethod
+    def open(cls, folder: Path) -> Study:
+        """A study that was planned before."""
+        return cls._of(folder, _tautline.read_study(folder))
+
+    @classmethod
+    def _of(cls, folder: Path, plan: str) -> Study:
+        document = json.loads(plan)
+        return cls(FilePath(folder), _cells(cls._robots(document), document["cells"]), document)
+
+    @staticmethod
+    def _robots(document: dict[str, Any]) -> list[str]:
+        return [str(robot["name"]) for robot in document["robots"]]
+
+    def run(self, chunk: tuple[int, int] | None = None, threads: int | None = None) -> int:
+        """Simulates all chunks, or one of so many, `(3, 7)`; those that are there are not done again. How many were done."""
+        part = None if chunk is None else f"{chunk[0]}/{chunk[1]}"
+        done, _ = _tautline.run_study(self.folder, part, threads)
+        return done
+
+    def merge(self) -> StudyResult:
+        """Joins the chunks; refuses those that are missing, damaged, or do not belong together."""
+        document = json.loads(_tautline.merge_study(self.folder))
+        return StudyResult.of(self._robots(self.document), document)
+
+    def report(self, out: Path) -> None:
+        """Writes the report of the merged result, as HTML or PDF by its name."""
+        _tautline.report_study(self.folder, out)
+
+    def calibrations(self) -> dict[str, NDArray[Any]]:
+        """Every calibration of the chunks that are there, in the order of the study: one array for each quantity."""
+        files = sorted(name for name in os.listdir(self.folder) if name.startswith("chunk-") and name.endswith(".npz"))
+        chunks = []
+        for name in files:
+            with np.load(self.folder / name) as chunk:
+                chunks.append({key: chunk[key] for key in chunk.files if key != "origin.json"})
+        names = chunks[0] if chunks else {}
+        return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}
+
+    def __repr__(self) -> str:
+        return f"Study({self.document['study']['name']!r}, {len(self)} cells)"
