@@ -1,7 +1,8 @@
 //! Accuracy of a robot before and after an adjustment: the whole loop of the commands on the simulated MINI, over many
 //! seeds.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
@@ -9,7 +10,7 @@ use serde_json::Value;
 
 use crate::program::program;
 
-/// Seeds of the robots, their noise and their plans.
+/// Seeds of the robots and their noise.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=20;
 /// Numbers of poses, the methods by which they are identified, and how often the home pose is measured; `None`: it is
 /// that of the drawing, which counts as one measurement.
@@ -17,11 +18,11 @@ const ROWS: [(usize, &str, Option<usize>); 11] = [
     (25, "joint", None),
     (25, "simple", None),
     (25, "published", None),
-    (100, "joint", None),
-    (400, "joint", None),
     (25, "joint", Some(1)),
     (25, "joint", Some(4)),
     (25, "joint", Some(16)),
+    (100, "joint", None),
+    (400, "joint", None),
     (400, "joint", Some(1)),
     (400, "joint", Some(4)),
     (400, "joint", Some(16)),
@@ -49,47 +50,91 @@ pub struct Row {
     robots: Vec<Figures>,
 }
 
-/// Runs everything.
+/// Runs everything. Each robot is measured and verified once for each number of poses; the rows go on from copies of that
+/// session, and differ in the home pose and the method alone.
 ///
 /// # Errors
 /// If a command fails.
 pub fn study() -> Result<Vec<Row>> {
-    let rows = ROWS.iter().map(|&(poses, method, home)| {
-        let robots: Result<Vec<_>> = SEEDS
-            .map(|seed| figures((poses, method, home), seed))
-            .collect();
-        let is_planned = method == "joint";
-        Ok(Row {
-            poses,
-            method,
-            home,
-            expected_m: is_planned.then(|| expected_m(poses, home)).transpose()?,
-            robots: robots?,
-        })
-    });
-    rows.collect()
+    let folder = tempfile::tempdir()?;
+    let mut rows = Vec::with_capacity(ROWS.len());
+    for of_one_number in ROWS.chunk_by(|a, b| a.0 == b.0) {
+        let plan = Plan::make(folder.path(), of_one_number[0].0)?;
+        let mut robots = vec![Vec::new(); of_one_number.len()];
+        for seed in SEEDS {
+            let measured = measured(folder.path(), &plan, seed)?;
+            for (row, robots) in of_one_number.iter().zip(&mut robots) {
+                robots.push(adjusted(&measured, *row)?);
+            }
+        }
+        for (&(poses, method, home), robots) in of_one_number.iter().zip(robots) {
+            let is_planned = method == "joint";
+            rows.push(Row {
+                poses,
+                method,
+                home,
+                expected_m: is_planned.then(|| plan.expected_m(home)).transpose()?,
+                robots,
+            });
+        }
+    }
+    Ok(rows)
 }
 
-fn figures((poses, method, home): (usize, &str, Option<usize>), seed: u64) -> Result<Figures> {
-    let folder = tempfile::tempdir()?;
-    let file = folder.path().join("mini.json");
-    let (poses, seed) = (poses.to_string(), seed.to_string());
-    let robot = ["--controller", "sim", "--arm"];
-    let new = ["--robot", "mini", "--poses", &poses, "--seed", &seed];
-    told("measure", &file, &[&robot[..], &new].concat())?;
-    let targets = ["--targets", "cube,circle"];
-    told("verify", &file, &[&robot[..], &targets].concat())?;
+/// The poses that all robots measure, and what their plan promises.
+struct Plan {
+    file: PathBuf,
+    document: Value,
+}
+
+impl Plan {
+    fn make(folder: &Path, poses: usize) -> Result<Self> {
+        let file = folder.join("plan.csv");
+        let poses = poses.to_string();
+        let arguments = ["plan", "mini", "--poses", &poses, "--json", "-"];
+        let document = answer(&[&arguments[..], &["--out", text(&file)?]].concat())?;
+        Ok(Self { file, document })
+    }
+
+    /// Position error (m) with the home pose measured so often, and with the home pose known exactly.
+    fn expected_m(&self, home: Option<usize>) -> Result<[f64; 2]> {
+        let gains = self.document["home"].as_array();
+        let with = |times: Option<usize>| {
+            let mut gains = gains.into_iter().flatten();
+            let gain = gains.find(|gain| gain["times"] == serde_json::json!(times));
+            let value = gain.and_then(|gain| gain["platform_m"].as_f64());
+            value.context("the plan promises nothing")
+        };
+        Ok([with(Some(home.unwrap_or(1)))?, with(None)?])
+    }
+}
+
+/// Every command on a session needs these.
+const ROBOT: [&str; 3] = ["--controller", "sim", "--arm"];
+const TARGETS: [&str; 2] = ["--targets", "cube,circle"];
+
+/// The session of a robot that was measured and verified.
+fn measured(folder: &Path, plan: &Plan, seed: u64) -> Result<PathBuf> {
+    let file = folder.join("measured.json");
+    if file.exists() {
+        fs::remove_file(&file)?;
+    }
+    let (seed, poses) = (seed.to_string(), text(&plan.file)?);
+    let new = ["--robot", "mini", "--plan", poses, "--seed", &seed];
+    told("measure", &file, &new)?;
+    told("verify", &file, &TARGETS)?;
+    Ok(file)
+}
+
+fn adjusted(measured: &Path, (_, method, home): (usize, &str, Option<usize>)) -> Result<Figures> {
+    let file = measured.with_file_name("adjusted.json");
+    fs::copy(measured, &file)?;
     if let Some(repeats) = home {
-        let repeats = repeats.to_string();
-        told(
-            "home",
-            &file,
-            &[&robot[..], &["--repeats", &repeats]].concat(),
-        )?;
+        told("home", &file, &["--repeats", &repeats.to_string()])?;
     }
     let by = ["--method", method, "--allow-unconverged"];
-    told("adjust", &file, &[&robot[..], &by].concat())?;
-    let both = told("verify", &file, &[&robot[..], &targets].concat())?;
+    told("adjust", &file, &by)?;
+    let both = told("verify", &file, &TARGETS)?;
     let figure = |pointer: &str| {
         let value = both.pointer(pointer).and_then(Value::as_f64);
         value.with_context(|| format!("no {pointer}"))
@@ -106,25 +151,15 @@ fn figures((poses, method, home): (usize, &str, Option<usize>), seed: u64) -> Re
     })
 }
 
-fn expected_m(poses: usize, home: Option<usize>) -> Result<[f64; 2]> {
-    let poses = poses.to_string();
-    let plan = answer(&["plan", "mini", "--poses", &poses, "--json", "-"])?;
-    let gains = plan.pointer("/home").and_then(Value::as_array);
-    let with = |times: Option<usize>| {
-        let mut gains = gains.into_iter().flatten();
-        let gain = gains.find(|gain| gain["times"] == serde_json::json!(times));
-        let value = gain.and_then(|gain| gain["platform_m"].as_f64());
-        value.context("the plan promises nothing")
-    };
-    Ok([with(Some(home.unwrap_or(1)))?, with(None)?])
-}
-
 /// The result document of a command on a session.
 fn told(command: &str, file: &Path, arguments: &[&str]) -> Result<Value> {
-    let file = file
-        .to_str()
-        .context("the folder has a name that is no text")?;
-    answer(&[&[command, file, "--json", "-"], arguments].concat())
+    let session = [command, text(file)?, "--json", "-"];
+    answer(&[&session[..], &ROBOT, arguments].concat())
+}
+
+fn text(path: &Path) -> Result<&str> {
+    path.to_str()
+        .context("the folder has a name that is no text")
 }
 
 fn answer(arguments: &[&str]) -> Result<Value> {

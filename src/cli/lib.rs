@@ -9,6 +9,7 @@ mod diagnose;
 mod effect_arguments;
 mod effects;
 mod evaluate;
+mod export;
 mod home;
 mod identify;
 mod import;
@@ -92,6 +93,8 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Estimate poses only, with the geometry and effects of a model kept fixed
     Evaluate(evaluate::Arguments),
+    /// Write a dataset or its results as a table for other programs: CSV, MATLAB
+    Export(export::Arguments),
     /// Compare two runs: which pulleys moved, which differences are noise
     Compare(compare::Arguments),
     /// Compute the accuracy figures of ISO 9283 from a check.csv
@@ -163,6 +166,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Home(arguments) => home::run(&arguments),

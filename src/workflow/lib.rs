@@ -9,6 +9,7 @@ pub mod comparison;
 pub mod controllers;
 pub mod diagnosis;
 pub mod documents;
+pub mod exporting;
 pub mod fonts;
 pub mod identification;
 pub mod importing;

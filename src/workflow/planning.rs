@@ -108,7 +108,20 @@ fn request(session: &Session) -> Result<IdentificationRequest, String> {
     IdentificationRequest::of_session(session).map_err(|error| error.to_string())
 }
 
-/// Chooses so many poses with a seed, after those that are measured already.
+/// Chooses so many poses with a seed, after those that are measured already; what to expect of them takes longer.
+///
+/// # Errors
+/// One sentence, if there is no such plan or the observer cancelled it.
+pub fn choose_poses(
+    session: &Session,
+    wanted: (usize, u64),
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Vec<PlannedPose>, String> {
+    let planned = chosen(session, wanted, observe)?;
+    Ok(with_home(session, &planned))
+}
+
+/// Chooses poses as [`choose_poses`] does, and says what to expect of them.
 ///
 /// # Errors
 /// One sentence, if there is no such plan or the observer cancelled it.
@@ -117,12 +130,20 @@ pub fn plan_poses(
     wanted: (usize, u64),
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
 ) -> Result<PlanSummary, String> {
+    let planned = chosen(session, wanted, observe)?;
+    Ok(PlanSummary::of(with_home(session, &planned), &planned))
+}
+
+fn chosen(
+    session: &Session,
+    wanted: (usize, u64),
+    observe: &mut dyn FnMut(&PlanProgress) -> Control,
+) -> Result<Plan, String> {
     let request = request(session)?;
     let measured = session.dataset().measurements;
     let options = options(&request, &measured, wanted);
     let planned = plan(&request.dataset.robot, &options, observe);
-    let planned = planned.map_err(|error| error.to_string())?;
-    Ok(PlanSummary::of(with_home(session, &planned), &planned))
+    planned.map_err(|error| error.to_string())
 }
 
 impl PlanSummary {

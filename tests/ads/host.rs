@@ -49,9 +49,7 @@ pub trait Host {
         robot: &Robot,
         options: AdsOptions,
     ) -> SymbolController {
-        let clock = Arc::new(SystemClock::start());
-        let made = ads::controller(self.address(), mapping, robot, options, clock);
-        made.expect("a mapping that fits")
+        ads_client(self.address(), (mapping, robot), options)
     }
 
     /// Sends orders without waiting for them.
@@ -62,4 +60,15 @@ pub trait Host {
 
     /// Gives an order and waits until it is carried out.
     fn carry_out(&self, order: Value);
+}
+
+/// A client that speaks ADS.
+pub(super) fn ads_client(
+    address: AdsAddress,
+    (mapping, robot): (&SymbolMapping, &Robot),
+    options: AdsOptions,
+) -> SymbolController {
+    let clock = Arc::new(SystemClock::start());
+    let made = ads::controller(address, mapping, robot, options, clock);
+    made.expect("a mapping that fits")
 }

@@ -12,12 +12,12 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use tautline_core::robot::Robot;
 use tautline_link::SystemClock;
-use tautline_link::ads::{self, AdsAddress, AdsOptions};
+use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::opcua::{self, OpcUaAddress, OpcUaOptions};
 use tautline_link::symbols::SymbolController;
 use tautline_session::SymbolMapping;
 
-use super::host::{Host, Orders, Written};
+use super::host::{Host, Orders, Written, ads_client};
 
 /// How long an order may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -188,18 +188,18 @@ impl Host for Server {
         options: AdsOptions,
     ) -> SymbolController {
         let mapping = self.protocol.mapping(mapping);
-        let clock = Arc::new(SystemClock::start());
-        let made = match self.protocol {
-            Protocol::Ads => ads::controller(self.address(), &mapping, robot, options, clock),
+        match self.protocol {
+            Protocol::Ads => ads_client(self.address(), (&mapping, robot), options),
             Protocol::OpcUa => {
+                let clock = Arc::new(SystemClock::start());
                 let options = OpcUaOptions {
                     timeout_s: options.timeout_s,
                     acknowledge_s: options.acknowledge_s,
                 };
-                opcua::controller(self.url(), &mapping, robot, options, clock)
+                let made = opcua::controller(self.url(), &mapping, robot, options, clock);
+                made.expect("a mapping that fits")
             }
-        };
-        made.expect("a mapping that fits")
+        }
     }
 
     fn orders(&self) -> Orders {

@@ -8,11 +8,11 @@ use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Loss};
-use tautline_core::measurement::Dataset;
+use tautline_core::measurement::{Dataset, Truth};
 use tautline_session::{Method, write_bytes, write_robot};
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, PublishedIdentification, identify, identify_published,
-    readings_csv, solved_method, values_csv,
+    readings_table, solved_method, values_table,
 };
 use tautline_workflow::wording::sampling_sentence;
 
@@ -83,10 +83,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             )?;
             let identified = identified.refuse_extrapolation().map_err(BadInput::new)?;
             if let Some(path) = &arguments.statistics {
-                write_bytes(path, readings_csv(&identified).as_bytes())?;
+                write_bytes(path, readings_table(&identified).csv().as_bytes())?;
             }
             if let Some(path) = &arguments.values {
-                write_bytes(path, values_csv(&identified).as_bytes())?;
+                write_bytes(path, values_table(&identified).csv().as_bytes())?;
             }
             let converged = identified.solution.converged();
             (identified.model.clone(), identified.document(), converged)
@@ -120,7 +120,9 @@ fn fastest<T>(
     Ok(best)
 }
 
-fn request(arguments: &Arguments, dataset: Dataset) -> Result<IdentificationRequest> {
+fn request(arguments: &Arguments, mut dataset: Dataset) -> Result<IdentificationRequest> {
+    // Identification never looks at the true values of simulated data, which take a third of the memory.
+    dataset.measurements.truth = Truth::default();
     let effects = arguments
         .effects
         .settings(&dataset.robot, Some(&dataset.measurements))?;

@@ -1,5 +1,6 @@
 //! `tautline import`.
 
+mod progress;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -10,11 +11,12 @@ use tautline_import::{
     ImportDocument, Imported, Recipe, Source, align_clocks, import, import_corrected,
     is_robot_description, propose, read_recipe, read_robot_description, read_sources,
 };
-use tautline_session::{read_robot, write_robot, write_text, write_versioned};
+use tautline_session::{Loaded, ReadError, read_robot, write_robot, write_text, write_versioned};
 
 use crate::BadInput;
 use crate::input::{self, noticed};
 use crate::output::{JsonOutput, note, say};
+use progress::Progress;
 
 /// Name of the recipe that is kept beside the poses.
 const RECIPE: &str = "recipe.json";
@@ -64,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if describes_robot(&arguments.sources)? {
         return robot_description(arguments);
     }
-    let sources = noticed(read_sources(&arguments.sources, &|_| true)?);
+    let sources = noticed(read(&arguments.sources)?);
     let robot = robot(arguments)?;
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
     if arguments.align_clocks {
@@ -90,6 +92,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write(arguments, folder, &robot, &poses_csv, &document.recipe)?;
     }
     deliver(arguments, document, assumptions)
+}
+
+/// Reads the sources; meanwhile a terminal shows how far it is, and an interrupt ends it with the program.
+fn read(sources: &[PathBuf]) -> Result<Loaded<Vec<Source>>, ReadError> {
+    let progress = Progress::new();
+    read_sources(sources, &|part| {
+        progress.show(part);
+        true
+    })
 }
 
 /// Whether all sources describe a robot. A mixture is refused by the reader of readings.

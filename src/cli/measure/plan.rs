@@ -8,7 +8,7 @@ use tautline_session::{PlannedPose, Session, read_plan, read_table_file};
 use super::Arguments;
 use crate::{BadInput, input};
 use tautline_workflow::controllers::ControllerChoice;
-use tautline_workflow::planning::plan_poses;
+use tautline_workflow::planning::choose_poses;
 use tautline_workflow::wording::count;
 
 /// Poses that are closer than this are the same one (m and rad).
@@ -37,16 +37,15 @@ pub fn complete(
         return take(session, poses.collect(), &folder.display().to_string());
     }
     note!("Planning {}.", count(arguments.poses, "pose"));
-    let planned = plan_poses(session, (arguments.poses, arguments.seed), &mut |_| {
+    let chosen = choose_poses(session, (arguments.poses, arguments.seed), &mut |_| {
         Control::Continue
     });
-    let planned = planned.map_err(|error| {
+    session.plan = chosen.map_err(|error| {
         BadInput::new(format!(
             "no {} can be planned: {error}",
             count(arguments.poses, "pose")
         ))
     })?;
-    session.plan = planned.poses;
     Ok(())
 }
 

@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_session::{Loaded, read_versioned, read_versioned_toml};
-use tautline_study::chunk::Part;
+use tautline_session::{Loaded, read_versioned_toml};
 use tautline_study::plan::PLAN;
 use tautline_study::report::{sentences, write_report};
 use tautline_study::run::run as run_chunks;
-use tautline_study::{StudyError, StudyFile, StudyPlan, StudyResult, merge, read_plan};
+use tautline_study::{RESULT, StudyError, StudyFile, StudyPlan, merge, read_plan, read_result};
 use tautline_workflow::clock;
 use tautline_workflow::report::{ReportError, ReportFormat};
 
@@ -38,7 +37,7 @@ pub enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
         /// One chunk of so many: 3/7; by default all, as the study file cuts it
-        #[arg(long, value_name = "I/N")]
+        #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
         chunk: Option<String>,
         /// Threads; by default as many as the machine has cores
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -172,13 +171,8 @@ fn print_cells(plan: &StudyPlan) {
 
 fn simulate(folder: &Path, chunk: Option<&str>, threads: Option<u16>) -> Result<()> {
     let plan = read_plan(folder).map_err(correctable)?;
-    let of = plan.chunks();
-    let parts: Vec<Part> = match chunk {
-        Some(text) => vec![
-            Part::parse(text).map_err(|message| BadInput::new(format!("--chunk: {message}")))?,
-        ],
-        None => (1..=of).map(|number| Part { number, of }).collect(),
-    };
+    let parts = plan.parts(chunk);
+    let parts = parts.map_err(|message| BadInput::new(format!("--chunk: {message}")))?;
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let threads = threads.map_or(cores, usize::from);
     interrupt::listen()?;
@@ -210,7 +204,7 @@ fn join(folder: &Path, json: &JsonOutput) -> Result<()> {
         say!(
             "{} calibrations are merged in {}",
             result.calibrations,
-            folder.join(tautline_study::RESULT).display()
+            folder.join(RESULT).display()
         );
     })
 }
@@ -220,20 +214,7 @@ fn report(folder: &Path, out: &Path) -> Result<()> {
         return Err(BadInput::new(ReportError::Extension(out.to_path_buf())));
     }
     let plan = read_plan(folder).map_err(correctable)?;
-    let path = folder.join(tautline_study::RESULT);
-    if !path.exists() {
-        return Err(BadInput::new(format!(
-            "{}: not found, expected the result that the command study merge writes",
-            path.display()
-        )));
-    }
-    let result = read_versioned::<StudyResult>(&path)?.value;
-    if result.study != plan.fingerprint() || result.cells.len() != plan.cells.len() {
-        return Err(BadInput::new(format!(
-            "{}: found the result of another study than {PLAN}, expected to merge it again",
-            path.display()
-        )));
-    }
+    let result = read_result(&plan, folder).map_err(correctable)?;
     write_report(out, &plan, &result, clock::now())?;
     Ok(())
 }

@@ -91,6 +91,7 @@ pub fn implausible(description: &Robot, model: &Robot) -> Option<Doubt> {
     let (name, off, sd) = far.first()?;
     let more = match far.len() - 1 {
         0 => String::new(),
+        1 => ", and so does 1 more".to_owned(),
         more => format!(", and so do {more} more"),
     };
     let text = format!(
@@ -180,7 +181,7 @@ mod tests {
         );
         assert!(doubt.sentence.starts_with("3 "), "{}", doubt.sentence);
         assert!(
-            doubt.sentence.ends_with("and so do 1 more"),
+            doubt.sentence.ends_with("and so does 1 more"),
             "{}",
             doubt.sentence
         );

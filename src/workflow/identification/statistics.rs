@@ -5,9 +5,9 @@ use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{DetectionTest, Observation, Parameter, ParameterId};
 use tautline_core::geometry::Coordinate;
 use tautline_core::statistics::normal_quantile;
-use tautline_session::csv_row;
 
 use super::{Identification, all_readings, group_of, reading_name};
+use crate::exporting::Table;
 use crate::wording::units::unit_of;
 
 /// Probability with which a value lies in its interval.
@@ -187,52 +187,46 @@ pub fn unit_of_value(fit: &Identification, parameter: &Parameter) -> &'static st
     unit_of(name.unwrap_or_default(), parameter.unit)
 }
 
-/// The statistics of readings as CSV: SI units, dots as decimal points, nothing where a number is not known.
+/// The statistics of readings as a table in SI units.
 #[must_use]
-pub fn readings_csv(fit: &Identification) -> String {
+pub fn readings_table(fit: &Identification) -> Table {
     let cables = &fit.dataset.robot.cables;
-    let mut text = "pose,reading,unit,residual,sd,redundancy,normalised_residual,smallest_detectable_error,influence_m,moves,suspect\n".to_owned();
-    for one in reading_statistics(fit) {
-        let moves = one.moves.and_then(|cable| cables.get(cable));
-        text += &csv_row(&[
-            one.pose.to_string(),
-            one.name,
-            one.unit.to_owned(),
-            one.residual.to_string(),
-            one.sd.to_string(),
-            known(one.redundancy),
-            known(one.normalised),
-            known(one.smallest_error),
-            known(one.influence_m),
-            moves.map_or_else(String::new, |cable| cable.name.clone()),
-            if one.is_suspect { "yes" } else { "" }.to_owned(),
-        ]);
-    }
-    text
+    let all = reading_statistics(fit);
+    let moves = |one: &ReadingStatistics| Some(cables.get(one.moves?)?.name.clone());
+    let suspect = |one: &ReadingStatistics| if one.is_suspect { "yes" } else { "" }.to_owned();
+    let all = || all.iter();
+    Table::new("readings")
+        .numbers("pose", all().map(|one| one.pose as f64))
+        .texts("reading", all().map(|one| one.name.clone()))
+        .texts("unit", all().map(|one| one.unit.to_owned()))
+        .numbers("residual", all().map(|one| one.residual))
+        .numbers("sd", all().map(|one| one.sd))
+        .known("redundancy", all().map(|one| one.redundancy))
+        .known("normalised_residual", all().map(|one| one.normalised))
+        .known(
+            "smallest_detectable_error",
+            all().map(|one| one.smallest_error),
+        )
+        .known("influence_m", all().map(|one| one.influence_m))
+        .texts("moves", all().map(|one| moves(one).unwrap_or_default()))
+        .texts("suspect", all().map(suspect))
 }
 
-/// The statistics of values as CSV, in the same way.
+/// The statistics of values as a table in SI units.
 #[must_use]
-pub fn values_csv(fit: &Identification) -> String {
-    let mut text = "parameter,unit,nominal,value,sd,prior_sd,from_95,to_95\n".to_owned();
-    for one in value_statistics(fit) {
-        let [from, to] = [0, 1].map(|end| one.interval.map(|ends| ends[end]));
-        text += &csv_row(&[
-            one.name,
-            one.unit.to_owned(),
-            known(one.nominal),
-            one.value.to_string(),
-            known(one.sd),
-            known(one.prior_sd),
-            known(from),
-            known(to),
-        ]);
-    }
-    text
-}
-
-fn known(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
+pub fn values_table(fit: &Identification) -> Table {
+    let all = value_statistics(fit);
+    let all = || all.iter();
+    let end = |end: usize| all().map(move |one| one.interval.map(|ends| ends[end]));
+    Table::new("values")
+        .texts("parameter", all().map(|one| one.name.clone()))
+        .texts("unit", all().map(|one| one.unit.to_owned()))
+        .known("nominal", all().map(|one| one.nominal))
+        .numbers("value", all().map(|one| one.value))
+        .known("sd", all().map(|one| one.sd))
+        .known("prior_sd", all().map(|one| one.prior_sd))
+        .known("from_95", end(0))
+        .known("to_95", end(1))
 }
 
 #[cfg(test)]
@@ -267,8 +261,8 @@ mod tests {
     fn tables_have_a_row_each_and_as_many_cells_as_headings() {
         let fit = identified();
         for (text, rows) in [
-            (readings_csv(&fit), reading_statistics(&fit).len()),
-            (values_csv(&fit), value_statistics(&fit).len()),
+            (readings_table(&fit).csv(), reading_statistics(&fit).len()),
+            (values_table(&fit).csv(), value_statistics(&fit).len()),
         ] {
             let mut lines = text.lines();
             let heads = lines.next().expect("headings").split(',').count();

@@ -5,6 +5,7 @@ use tautline_core::robot::Robot;
 
 use super::{Identification, IdentificationDocument};
 use crate::wording::count;
+use crate::wording::units::signed;
 
 impl IdentificationDocument {
     /// The first line of whatever is said about it: the robot, how it was identified and whether that converged.
@@ -37,7 +38,7 @@ impl Identification {
     pub fn suspect_line(&self, reading: &Observation) -> String {
         let size = reading.normalised().unwrap_or(f64::NAN);
         let what = reading_name(&self.dataset.robot, reading.kind);
-        format!("{what}: off by {size:+.1} standard deviations")
+        format!("{what}: off by {} standard deviations", signed(size, 1))
     }
 
     pub(super) fn suspect_lines(&self) -> Vec<String> {

@@ -19,6 +19,8 @@ pub const GRID: f32 = 4.0;
 const MOST_SHAPES: usize = 3000;
 /// Ticks of the y axis for which room is made in the lowest plot.
 const FEWEST_TICKS: usize = 4;
+/// Largest part of the height for title and legend; two lines have room always.
+const LEGEND: f32 = 0.34;
 /// Width of an average character of the font, in sizes of the font.
 const CHARACTER: f32 = 0.55;
 
@@ -70,12 +72,14 @@ impl Layout {
     ) -> Self {
         let line = TEXT + GRID;
         let title = width(&figure.y.title()) + 4.0 * GRID;
-        let legend = legend(figure, whole, title, width);
+        // In a low plot the data come first: what has no room is left out, bands and curves before cables.
+        let room = (LEGEND * whole.height()).max(2.0 * line);
+        let legend = legend(figure, whole.with_max_y(whole.min.y + room), title, width);
         let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
         let top = lines.fold(line, f32::max) + GRID;
         // A short title stands beside the ticks, a long one below; names say what they are themselves.
         let x_title = width(&figure.x.title());
-        let is_long = x_title > 0.2 * whole.width();
+        let is_long = x_title > 0.25 * whole.width();
         let bottom = if is_long { 2.0 * line } else { line } + GRID;
         let height = (whole.height() - top - bottom).max(16.0);
         // A low plot still has a scale.
@@ -94,6 +98,11 @@ impl Layout {
         );
         let longest = width(&fixed(view[0][1], (view[0][1] - view[0][0]) / 10.0)) + 6.0 * GRID;
         let most = (plot.width() / longest.max(40.0)) as usize;
+        // Powers of ten alone would leave a short logarithmic axis without any.
+        let x_ticks = match figure.x.is_logarithmic {
+            true => scale_ticks(&figure.x, view[0], most),
+            false => ticks(&figure.x, view[0], most),
+        };
         Self {
             x_title: match is_long || !figure.x.names.is_empty() {
                 true => f32::INFINITY,
@@ -102,12 +111,13 @@ impl Layout {
             whole,
             scale: Scale { view, rect: plot },
             legend,
-            x_ticks: ticks(&figure.x, view[0], most),
+            x_ticks,
             y_ticks,
         }
     }
 }
 
+/// The entries that have room in a rectangle, beside a title that ends at `left` or below it.
 fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
     // Many cables are named by their numbers alone, so that the data keep the space.
     let is_short = figure.series.len() > 4;
@@ -144,6 +154,9 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
         let size = vec2(width(text) + 5.0 * GRID, line);
         if x > left && x + size.x > whole.width() {
             (x, y) = (left, y + line);
+        }
+        if y + line > whole.height() {
+            break;
         }
         entries.push(Entry {
             rect: Rect::from_min_size(whole.min + vec2(x, y), size),

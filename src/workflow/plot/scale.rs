@@ -4,6 +4,7 @@ use emath::{Pos2, Rect, Vec2};
 
 use super::figure::Axis;
 use super::round::round_up;
+use crate::wording::units;
 
 /// What a plot shows and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -210,9 +211,8 @@ pub fn fixed(value: f64, step: f64) -> String {
     if decimals > 6.0 || value.abs() >= 1e7 {
         return format!("{value:.2e}");
     }
-    let text = format!("{value:.*}", decimals as usize);
     // The typographic minus has the width of a digit.
-    text.replace('-', "\u{2212}")
+    units::fixed(value, decimals as usize).replace('-', "\u{2212}")
 }
 
 /// A number with the decimals that a screen of `view` can tell apart.
@@ -282,6 +282,13 @@ mod tests {
             ..plain
         };
         assert_eq!(texts(&names, [0.0, 5.0], 5), ["one"]);
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        assert_eq!(fixed(-0.004, 0.2), "0.0");
+        assert_eq!(fixed(-0.4, 2.0), "0");
+        assert_eq!(fixed(-0.06, 0.2), "\u{2212}0.1");
     }
 
     #[test]

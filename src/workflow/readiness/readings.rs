@@ -92,10 +92,19 @@ pub(super) fn complete(dataset: &Dataset) -> CheckItem {
             count(holes, "reading")
         ),
     };
-    item(
+    let found = item(
         CheckOutcome::Pass,
         format!("{}; {holes}.", sentence(&count(poses, "pose"))),
-    )
+    );
+    let mut cables = dataset.robot.cables.iter();
+    let is_elastic = cables.any(|c| c.cable.axial_stiffness_n.is_some());
+    if is_elastic && data.force_n.is_empty() && dataset.robot.unread_tension().is_none() {
+        return found.with(
+            "Forces were not read: state the mass and the limits of the tensions in robot.json, so that stretch, sag and \
+             gravity are modelled.",
+        );
+    }
+    found
 }
 
 /// Changes of length between poses, read and expected where the platform was sent.

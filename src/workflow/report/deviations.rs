@@ -131,26 +131,26 @@ impl View {
         ];
         canvas.line(&corners, Stroke::new(0.75, FAINT), false);
         let mut labels: Vec<(Pos2, String)> = Vec::new();
+        let mut arrows = Vec::new();
         for (index, pulley) in pulleys.iter().enumerate() {
             let from = self.place(&pulley.from);
             let to = self.place(&(pulley.from + magnification * pulley.by));
             let colour = if pulley.is_marked { WARNING } else { ACCENT };
             canvas.ring(from, 2.2, Stroke::new(0.75, MUTED));
             arrow(canvas, from, to, colour);
-            // Outwards, where nothing else is.
-            let out = (from - frame.center()).normalized();
-            let at = from + LABEL * if out == Vec2::ZERO { Vec2::DOWN } else { out };
+            arrows.push([from, to]);
             let number = (index + 1).to_string();
             match labels
                 .iter_mut()
-                .find(|(other, _)| other.distance(at) < SAME)
+                .find(|(other, _)| other.distance(from) < SAME)
             {
                 Some((_, text)) => *text = format!("{text}, {number}"),
-                None => labels.push((at, number)),
+                None => labels.push((from, number)),
             }
         }
-        for (at, text) in &labels {
-            canvas.text(*at, Align2::CENTER_CENTER, text, TEXT, MUTED);
+        for (pulley, text) in &labels {
+            let at = label_place(*pulley, frame.center(), &arrows);
+            canvas.text(at, Align2::CENTER_CENTER, text, TEXT, MUTED);
         }
         let corner = self.whole.left_top();
         canvas.text(corner, Align2::LEFT_TOP, title, TEXT, MUTED);
@@ -163,6 +163,20 @@ impl View {
             MUTED,
         );
     }
+}
+
+/// Where the label of a pulley stands: outwards, or where no arrow crosses it.
+fn label_place(pulley: Pos2, centre: Pos2, arrows: &[[Pos2; 2]]) -> Pos2 {
+    let out = (pulley - centre).normalized();
+    let out = if out == Vec2::ZERO { Vec2::DOWN } else { out };
+    let sides = [out, out.rot90(), -out.rot90(), -out];
+    let places = sides.map(|side| pulley + LABEL * side);
+    let is_free = |at: &&Pos2| {
+        arrows.iter().all(|[from, to]| {
+            (0..=8).all(|k| from.lerp(*to, k as f32 / 8.0).distance(**at) > 0.5 * LABEL)
+        })
+    };
+    places.iter().find(is_free).copied().unwrap_or(places[0])
 }
 
 /// A line with a head; a head alone where it is too short to be seen.

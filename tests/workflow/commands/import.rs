@@ -170,6 +170,134 @@ fn mistakes_are_named_and_corrected() {
     );
 }
 
+/// A recording as two recorders wrote it: the winches, and the position of a marker by a camera with a clock of its own that is 3.2 s behind and 80 ppm
+/// slow. Found within five standard deviations, which chance exceeds less often than once in a thousand.
+#[test]
+fn the_clock_of_a_second_recorder_is_found() {
+    let folder = Folder::new();
+    let made = folder.join("made");
+    let simulate = [
+        "simulate",
+        "--robot",
+        "mini",
+        "--tracker",
+        "--motion",
+        "40",
+        "--seed",
+        "3",
+        "--out",
+        &made,
+    ];
+    tautline(&simulate).succeeded();
+    let text = std::fs::read_to_string(folder.join("made/poses.csv")).expect("poses");
+    let header: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
+    let (offset_s, drift) = (3.2, 8e-5);
+    let part = |kept: &dyn Fn(&str) -> bool, own: &dyn Fn(f64) -> f64| {
+        let columns: Vec<usize> = (0..header.len()).filter(|k| kept(header[*k])).collect();
+        let names: Vec<&str> = columns.iter().map(|k| header[*k]).collect();
+        let mut lines = vec![format!("time_s,{}", names.join(","))];
+        let time = header
+            .iter()
+            .position(|name| *name == "time_s")
+            .expect("times");
+        for row in text.lines().skip(1) {
+            let cells: Vec<&str> = row.split(',').collect();
+            let values: Vec<&str> = columns.iter().map(|k| cells[*k]).collect();
+            let at: f64 = cells[time].parse().expect("a time");
+            lines.push(format!("{},{}", own(at), values.join(",")));
+        }
+        lines.join("\n")
+    };
+    let log = part(
+        &|name| name.starts_with("rev_") || name.starts_with("force_"),
+        &|time| time,
+    );
+    let take = part(
+        &|name| name.starts_with("meas_") && name.ends_with("_m"),
+        &|time| (time - offset_s) / (1.0 + drift),
+    );
+    let (log, take) = (
+        folder.write("log.csv", &log),
+        folder.write("take.csv", &take),
+    );
+    let out = folder.join("data");
+    let arguments = [
+        "import",
+        &log,
+        &take,
+        "--robot",
+        &folder.join("made/robot.json"),
+        "--align-clocks",
+        "-o",
+        &out,
+        "--json",
+        "-",
+    ];
+    let answer = tautline(&arguments).succeeded();
+    let said = answer
+        .stderr
+        .lines()
+        .find(|line| line.contains("the clock of take"))
+        .expect("a sentence");
+    assert!(said.contains("behind that of log"), "{said}");
+    let stated: Vec<f64> = said
+        .split("(± ")
+        .skip(1)
+        .map(|rest| {
+            rest.split(' ')
+                .next()
+                .and_then(|number| number.parse().ok())
+                .expect("a number")
+        })
+        .collect();
+    let clock = &folder.json("data/recipe.json")["clocks"][0];
+    let number = |key: &str| clock[key].as_f64().unwrap_or(0.0);
+    let expected = offset_s + drift * number("drift_from_s");
+    let off = number("offset_s") - expected;
+    assert!(
+        off.abs() < 5e-3 * stated[0] && stated[0] < 10.0,
+        "{said}: off by {off} s"
+    );
+    assert!(
+        (number("drift") - drift).abs() < 5e-6 * stated[1] && stated[1] < 1000.0,
+        "{said}"
+    );
+}
+
+#[test]
+fn a_dataset_and_its_results_are_exported() {
+    let folder = bench();
+    let made = folder.join("made");
+    let file = folder.join("all.mat");
+    let tables = [
+        "--table", "poses", "--table", "values", "--table", "readings",
+    ];
+    let answer = tautline(&[&["export", &made, "-o", &file], &tables[..]].concat()).succeeded();
+    assert!(
+        answer.stdout.contains("poses with 21 rows"),
+        "{}",
+        answer.stdout
+    );
+    // The reader of MATLAB files finds the poses again, which give the same identification.
+    let again = ["import", &file, "--robot", "mini", "--channels"];
+    let listed = tautline(&again).succeeded().stdout;
+    assert!(
+        listed.contains("poses.rev_8") && listed.contains("values.sd"),
+        "{listed}"
+    );
+    let csv = folder.join("values.csv");
+    let one = ["export", &made, "-o", &csv];
+    tautline(&[&one[..], &["--table", "values"]].concat()).succeeded();
+    let values = std::fs::read_to_string(&csv).expect("values");
+    assert!(
+        values.starts_with("parameter,unit,nominal,value,sd,prior_sd,from_95,to_95\n"),
+        "{values}"
+    );
+    tautline(&[&one[..], &tables[..]].concat()).refused(&["--table: found 3 tables"]);
+    tautline(&["export", &made, "-o", &folder.join("a.xlsx")])
+        .refused(&["expected a file that ends in .csv or .mat"]);
+}
+
 #[test]
 fn a_robot_of_caspr_becomes_a_robot() {
     let folder = Folder::new();

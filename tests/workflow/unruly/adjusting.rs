@@ -10,7 +10,9 @@ use tautline_validation::ads::unruly::{Action, Kind};
 use tautline_validation::ads::{Host, Plant};
 use tautline_validation::program::{Folder, tautline};
 
-use super::{RELEASE, client, controller, heard, held, last_outcome, measured, session, start};
+use super::{
+    RELEASE, client, controller, heard, held, last_outcome, measured, session, start, wait_until,
+};
 
 /// Values that an adjustment of the measured session changes.
 const VALUES: u64 = 31;
@@ -93,13 +95,7 @@ fn a_roll_back_is_settled_and_finished_as_well() {
         .server
         .fault(Kind::Write, 1, Action::DownAfterValues(5));
     let mut child = start(&roll_back);
-    while plant.server.count(Kind::Write) < 3 {
-        assert!(
-            child.try_wait().expect("a state").is_none(),
-            "it ends early"
-        );
-        std::thread::yield_now();
-    }
+    wait_until(&mut child, || plant.server.count(Kind::Write) >= 3);
     child.kill().expect("it runs");
     child.wait().expect("it ends");
     plant.server.up();
@@ -129,13 +125,7 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
         plant.server.fault(Kind::Write, 2, Action::Late(60_000));
         let before = plant.server.values();
         let mut child = start(&adjust);
-        while plant.server.values() < before + 1 + VALUES {
-            assert!(
-                child.try_wait().expect("a state").is_none(),
-                "it ends early"
-            );
-            std::thread::yield_now();
-        }
+        wait_until(&mut child, || plant.server.values() > before + VALUES);
         child.kill().expect("it runs");
         child.wait().expect("it ends");
         let new = held(&plant);

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use tautline_link::{Controller, GuardedController};
@@ -74,6 +75,15 @@ fn measured(folder: &Folder, name: &str) -> String {
         session.to_string()
     });
     folder.write(name, text)
+}
+
+/// Waits until something is so, while a program runs.
+fn wait_until(child: &mut Child, is_so: impl Fn() -> bool) {
+    while !is_so() {
+        let ended = child.try_wait().expect("a state");
+        assert!(ended.is_none(), "it ends early");
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }
 
 /// Starts the program; nobody can type there.

@@ -8,7 +8,7 @@ use tautline_validation::ads::Plant;
 use tautline_validation::ads::unruly::{Action, Kind};
 use tautline_validation::program::Folder;
 
-use super::{controller, heard, held, last_outcome, measured, start};
+use super::{controller, heard, held, last_outcome, measured, start, wait_until};
 
 fn send(child: &Child, signal: Signal) {
     let pid = Pid::from_raw(child.id() as i32).expect("a process");
@@ -26,10 +26,8 @@ fn values_are_finished_before_the_program_ends() {
         // Late enough for the signals, in time for the answer.
         plant.server.fault(Kind::Write, 1, Action::Late(600));
         let before = plant.server.values();
-        let child = start(&["adjust", &file, "--controller", &controller, "--arm"]);
-        while plant.server.values() < before + 9 {
-            std::thread::yield_now();
-        }
+        let mut child = start(&["adjust", &file, "--controller", &controller, "--arm"]);
+        wait_until(&mut child, || plant.server.values() >= before + 9);
         // Nor does an impatient operator end it.
         send(&child, signal);
         send(&child, signal);
@@ -55,10 +53,8 @@ fn nobody_waits_for_a_line_that_stays_down() {
     plant
         .server
         .fault(Kind::Write, 1, Action::DownAfterValues(3));
-    let child = start(&["adjust", &file, "--controller", &controller, "--arm"]);
-    while plant.server.count(Kind::Write) == 0 {
-        std::thread::yield_now();
-    }
+    let mut child = start(&["adjust", &file, "--controller", &controller, "--arm"]);
+    wait_until(&mut child, || plant.server.count(Kind::Write) > 0);
     send(&child, Signal::TERM);
     let answer = heard(child, |_, _| ());
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);

@@ -10,7 +10,7 @@ use crate::report::deviations::Deviation;
 use crate::report::document::{Block, Document, Section, Table};
 use crate::report::input::{ComparisonInput, PROGRAM};
 use crate::report::plots;
-use crate::wording::units::{mm, quantity, significant, with_sd};
+use crate::wording::units::{decimals, display_unit, fixed, mm, quantity, significant, with_sd};
 use crate::wording::{count, ratio, sentence};
 
 /// The whole report.
@@ -94,7 +94,7 @@ fn pulleys(input: &ComparisonInput<'_>) -> Section {
             }
         })
         .collect();
-    displacements::draw(&drawn, None, &mut section);
+    displacements::draw(&drawn, "in the first session", None, &mut section);
     section.table(differences(input.comparison));
     section
 }
@@ -161,7 +161,18 @@ fn others(compared: &Comparison) -> Section {
     let mut push =
         |name: String, unit: &str, size: &tautline_core::comparison::ScalarDifference| {
             let value = |value: Option<f64>| {
-                value.map_or_else(|| super::NONE.to_owned(), |value| quantity(value, unit))
+                let (factor, name) = display_unit(unit);
+                value.map_or_else(
+                    || super::NONE.to_owned(),
+                    // With the decimals of the difference, which is to be seen.
+                    |value| match factor * size.sd {
+                        sd if sd.is_finite() && sd > 0.0 => {
+                            let value = fixed(factor * value, decimals(sd));
+                            format!("{value} {name}").trim_end().replace('-', "−")
+                        }
+                        _ => quantity(value, unit).replace('-', "−"),
+                    },
+                )
             };
             let verdict = match differs(compared, size.test) {
                 true => "different",

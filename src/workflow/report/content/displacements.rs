@@ -39,18 +39,18 @@ fn conformity(deviation: &Deviation, tolerance_m: f64) -> Conformity {
 /// Three views and the coordinates with their intervals.
 pub fn drawn(fit: &Identification, tolerance_m: Option<f64>, section: &mut Section) {
     let pulleys = deviations(fit, tolerance_m);
-    draw(&pulleys, tolerance_m, section);
+    draw(&pulleys, "on the drawing", tolerance_m, section);
 }
 
-/// The same of any displacements.
-pub fn draw(pulleys: &[Deviation], tolerance_m: Option<f64>, section: &mut Section) {
+/// The same of any displacements; `before` says where the pulleys were before.
+pub fn draw(pulleys: &[Deviation], before: &str, tolerance_m: Option<f64>, section: &mut Section) {
     let (views, magnification) = views(pulleys);
     section.heading("Displacements of the pulleys");
     let scale = match magnification > 1.0 {
         true => format!("{} times", significant(magnification, 2)),
         false => "not".to_owned(),
     };
-    section.note(format!("Rings: where the pulleys were expected. Arrows: displacements, {scale} magnified. Numbers: cables."));
+    section.note(format!("Rings: where the pulleys are {before}. Arrows: displacements, {scale} magnified. Numbers: cables."));
     section.blocks.push(Block::Plots(views));
     section
         .blocks

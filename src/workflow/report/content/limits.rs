@@ -61,7 +61,14 @@ fn assumptions(robot: &Robot, input: &ReportInput<'_>) -> Vec<String> {
     if robot.cables.iter().all(|c| c.cable.weight_n_per_m == 0.0) {
         all.push("No cable sags under its weight.".to_owned());
     }
-    if robot.platform.mass_kg.is_some() && !input.session.measurements.force_n.is_empty() {
+    let is_read = !input.session.measurements.force_n.is_empty();
+    if let (false, Some(limits)) = (is_read, robot.unread_tension()) {
+        all.push(format!(
+            "Tensions, which were not measured, are those that hold the platform closest to {:.0} N, between {:.0} N and {:.0} N.",
+            limits.reference_n, limits.lower_n, limits.upper_n
+        ));
+    }
+    if robot.platform.mass_kg.is_some() && (is_read || robot.unread_tension().is_some()) {
         all.push("The platform is at rest at every pose, and nothing but gravity and the cables acts on it.".to_owned());
     }
     if input.session.phases.home.is_empty() && robot.home.is_some() {

@@ -17,10 +17,13 @@ pub fn section(session: &Session, fit: &Identification) -> Section {
         Method::Simple => {
             "Tensions are taken from the sensors as exact, without static equilibrium"
         }
-        Method::Joint if fit.dataset.measurements.force_n.is_empty() => "No tensions were measured",
-        Method::Joint => {
+        Method::Joint if !fit.dataset.measurements.force_n.is_empty() => {
             "Tensions are estimated as well: their readings have noise, and static equilibrium holds at every pose"
         }
+        Method::Joint if fit.dataset.robot.unread_tension().is_some() => {
+            "No tensions were measured: they are estimated from their limits and the static equilibrium at every pose"
+        }
+        Method::Joint => "No tensions were measured",
     };
     section.paragraph(format!(
         "Pulleys and poses are estimated together by least squares from the lengths, tensions and distances at all measured poses, each reading weighted by its noise. {tensions}."

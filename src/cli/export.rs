@@ -1,0 +1,86 @@
+//! `tautline export`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::ValueEnum;
+use tautline_core::estimation::{Control, Method};
+use tautline_core::measurement::Dataset;
+use tautline_session::write_bytes;
+use tautline_workflow::exporting::{Table, TableFormat, encode, poses_table};
+use tautline_workflow::identification::{
+    Identification, IdentificationRequest, identify, readings_table, values_table,
+};
+
+use crate::BadInput;
+use crate::effect_arguments::FreedEffects;
+use crate::input;
+use crate::output::say;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Dataset folder
+    #[arg(value_name = "DATASET")]
+    dataset: PathBuf,
+    /// File to write: .csv with one table, or .mat (MATLAB version 5) with a struct for each
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
+    #[arg(long, value_enum, default_value = "poses")]
+    table: Vec<Content>,
+    #[command(flatten)]
+    effects: FreedEffects,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Content {
+    Poses,
+    Values,
+    Readings,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let out = arguments.out.display();
+    let Some(format) = TableFormat::of(&arguments.out) else {
+        let message = format!("--out: found {out}, expected a file that ends in .csv or .mat");
+        return Err(BadInput::new(message));
+    };
+    let mut contents = arguments.table.clone();
+    contents.dedup();
+    if format == TableFormat::Csv && contents.len() > 1 {
+        let message = format!(
+            "--table: found {} tables for {out}, expected one for CSV, or a .mat file",
+            contents.len()
+        );
+        return Err(BadInput::new(message));
+    }
+    let dataset = input::dataset(&arguments.dataset)?;
+    let fit = match contents.iter().any(|content| *content != Content::Poses) {
+        true => Some(identified(arguments, &dataset)?),
+        false => None,
+    };
+    let table = |content: &Content| match (content, &fit) {
+        (Content::Values, Some(fit)) => values_table(fit),
+        (Content::Readings, Some(fit)) => readings_table(fit),
+        _ => poses_table(&dataset.measurements),
+    };
+    let tables: Vec<Table> = contents.iter().map(table).collect();
+    write_bytes(&arguments.out, &encode(format, &tables))?;
+    for table in &tables {
+        let (rows, columns) = (table.rows(), table.columns.len());
+        say!(
+            "{out}: {} with {rows} rows and {columns} columns",
+            table.name
+        );
+    }
+    Ok(())
+}
+
+fn identified(arguments: &Arguments, dataset: &Dataset) -> Result<Identification> {
+    let effects = &arguments.effects;
+    let effects = effects.settings(&dataset.robot, Some(&dataset.measurements))?;
+    let request = IdentificationRequest::new(dataset.clone(), Method::Joint, &effects);
+    let request = request.map_err(BadInput::new)?;
+    let fit = identify(&request, &mut |_| Control::Continue).map_err(BadInput::new)?;
+    fit.refuse_extrapolation().map_err(BadInput::new)
+}

@@ -1,0 +1,206 @@
+//! Datasets and results as tables for other programs.
+
+mod matlab;
+
+use std::path::Path;
+
+use tautline_core::measurement::Measurements;
+use tautline_session::{csv_row, pose_columns};
+
+/// A table with named columns of one length.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Its name, a word.
+    pub name: &'static str,
+    /// Name and cells of each column.
+    pub columns: Vec<(String, Cells)>,
+}
+
+/// The cells of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cells {
+    /// Numbers; NaN where there is none.
+    Numbers(Vec<f64>),
+    /// Texts.
+    Texts(Vec<String>),
+}
+
+/// What a table is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableFormat {
+    /// Commas, points as decimal signs, nothing where there is no number.
+    Csv,
+    /// MATLAB version 5, a struct for each table.
+    Matlab,
+}
+
+impl TableFormat {
+    /// The format of a file by its name.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "csv" => Some(Self::Csv),
+            "mat" => Some(Self::Matlab),
+            _ => None,
+        }
+    }
+}
+
+impl Cells {
+    fn len(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Texts(texts) => texts.len(),
+        }
+    }
+
+    /// A cell as text; empty where there is no number.
+    fn text(&self, row: usize) -> String {
+        match self {
+            Self::Numbers(numbers) if numbers[row].is_nan() => String::new(),
+            Self::Numbers(numbers) => numbers[row].to_string(),
+            Self::Texts(texts) => texts[row].clone(),
+        }
+    }
+}
+
+impl Table {
+    /// A table without columns.
+    #[must_use]
+    pub fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            columns: Vec::new(),
+        }
+    }
+
+    /// With a column of numbers.
+    #[must_use]
+    pub fn numbers(mut self, name: &str, numbers: impl Iterator<Item = f64>) -> Self {
+        let column = (name.to_owned(), Cells::Numbers(numbers.collect()));
+        self.columns.push(column);
+        self
+    }
+
+    /// With a column of numbers of which some are not known.
+    #[must_use]
+    pub fn known(self, name: &str, numbers: impl Iterator<Item = Option<f64>>) -> Self {
+        self.numbers(name, numbers.map(|number| number.unwrap_or(f64::NAN)))
+    }
+
+    /// With a column of texts.
+    #[must_use]
+    pub fn texts(mut self, name: &str, texts: impl Iterator<Item = String>) -> Self {
+        let column = (name.to_owned(), Cells::Texts(texts.collect()));
+        self.columns.push(column);
+        self
+    }
+
+    /// Number of its rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |(_, cells)| cells.len())
+    }
+
+    /// The table as CSV.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let names: Vec<String> = self.columns.iter().map(|(name, _)| name.clone()).collect();
+        let mut text = csv_row(&names);
+        for row in 0..self.rows() {
+            let cells = self.columns.iter().map(|(_, cells)| cells.text(row));
+            text += &csv_row(&cells.collect::<Vec<_>>());
+        }
+        text
+    }
+}
+
+/// Measured poses, with the columns of `poses.csv`.
+#[must_use]
+pub fn poses_table(measurements: &Measurements) -> Table {
+    let columns = pose_columns(measurements);
+    let labels = columns.labels.iter().map(|label| *label as f64);
+    let mut table = Table::new("poses").numbers("pose", labels);
+    if !columns.groups.is_empty() {
+        table = table.texts("group", columns.groups.into_iter());
+    }
+    for (name, values) in columns.numbers {
+        table = table.numbers(&name, values.into_iter());
+    }
+    for (name, texts) in columns.texts {
+        table = table.texts(&name, texts.into_iter());
+    }
+    table
+}
+
+/// The bytes of a file with one table, or, of a format that holds several, with all of them.
+#[must_use]
+pub fn encode(format: TableFormat, tables: &[Table]) -> Vec<u8> {
+    match format {
+        TableFormat::Csv => tables
+            .iter()
+            .map(Table::csv)
+            .collect::<String>()
+            .into_bytes(),
+        TableFormat::Matlab => matlab::file(tables),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::documents::diagnosis::samples::identified;
+    use crate::identification::{readings_table, values_table};
+    use tautline_import::read_source;
+
+    fn tables() -> Vec<Table> {
+        let fit = identified();
+        let measurements = &fit.dataset.measurements;
+        vec![
+            poses_table(measurements),
+            values_table(&fit),
+            readings_table(&fit),
+        ]
+    }
+
+    /// Numbers read back by the reader of foreign files, which shares nothing with the writer, are the same bits.
+    #[test]
+    fn tables_in_matlab_files_read_back_to_the_same_numbers() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("all.mat");
+        let tables = tables();
+        std::fs::write(&path, encode(TableFormat::Matlab, &tables)).expect("written");
+        let source = read_source(&path).expect("read");
+        let mut compared = 0;
+        for table in &tables {
+            for (name, cells) in &table.columns {
+                let Cells::Numbers(numbers) = cells else {
+                    continue;
+                };
+                let name = format!("{}.{name}", table.name);
+                let mut series = source.series.iter();
+                let channel = series.find_map(|series| series.channel(&name));
+                let read = channel
+                    .unwrap_or_else(|| panic!("{name} is missing"))
+                    .values
+                    .iter();
+                assert!(
+                    read.map(f64::to_bits)
+                        .eq(numbers.iter().map(|one| one.to_bits())),
+                    "{name}"
+                );
+                compared += 1;
+            }
+        }
+        assert!(compared > 30, "{compared}");
+    }
+
+    #[test]
+    fn poses_as_csv_are_the_poses_that_a_dataset_has() {
+        let fit = identified();
+        let measurements = &fit.dataset.measurements;
+        let csv = poses_table(measurements).csv();
+        let read = tautline_session::read_poses(csv.as_bytes(), "poses.csv", &fit.dataset.robot);
+        assert_eq!(read.expect("read").value, *measurements);
+    }
+}
