@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use egui_kittest::Harness;
 use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::measurement::Dataset;
 use tautline_core::robot::presets::{self, Preset};
-use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_core::simulation::{Recording, SimulationOptions, TrueGeometry, record, simulate};
 use tautline_session::{PhaseData, write_dataset};
 pub use tautline_validation::harness::{give, press};
 use tautline_workbench::model::OpenSession;
@@ -43,6 +44,18 @@ impl Measured {
         Self::of(presets::find("mini").expect("a preset"), poses, effects)
     }
 
+    /// A planar robot in motion for so long (s), with twenty samples a second.
+    pub fn in_motion(duration_s: f64) -> Self {
+        let robot = presets::find("planar").expect("a preset").robot;
+        let recording = Recording {
+            duration_s,
+            rate_hz: 20.0,
+            correlation_s: 0.0,
+        };
+        let run = record(&robot, &SimulationOptions::new(0, 5), &recording).expect("recorded");
+        Self::written(&run.dataset)
+    }
+
     /// `poses` poses of a robot of 4, 8 or 16 cables.
     pub fn with_cables(cables: usize, poses: usize) -> Self {
         let preset = match cables {
@@ -77,13 +90,13 @@ impl Measured {
             ..SimulationOptions::new(poses, 1)
         };
         let simulated = simulate(&preset.robot, &options).expect("measurements");
+        Self::written(&simulated.dataset)
+    }
+
+    fn written(dataset: &Dataset) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        write_dataset(
-            &folder.path().join("mini"),
-            &simulated.dataset,
-            &PhaseData::default(),
-        )
-        .expect("written");
+        write_dataset(&folder.path().join("mini"), dataset, &PhaseData::default())
+            .expect("written");
         Self { folder }
     }
 

@@ -1,5 +1,6 @@
 //! The foot of each phase: one button leads from the start to the verified robot.
 
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
 use tautline_workbench::model::link::SIMULATED_SPEED;
@@ -123,6 +124,121 @@ fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
     assert!(operator.clicks <= MOST_CLICKS, "{} clicks", operator.clicks);
     let waited_s = moving_s / SIMULATED_SPEED;
     assert!(waited_s < MOST_S, "{waited_s} s at the usual speed");
+}
+
+/// Presses keys, types, and never has a pointer.
+struct Typist {
+    bench: Bench,
+}
+
+impl Typist {
+    fn key(&mut self, modifiers: Modifiers, key: Key) {
+        self.bench.harness.key_press_modifiers(modifiers, key);
+        self.bench.harness.step();
+        self.bench.harness.step();
+    }
+
+    fn write(&mut self, text: &str) {
+        self.bench.harness.event(egui::Event::Text(text.to_owned()));
+        self.bench.harness.step();
+    }
+
+    /// Takes the next step, which has to be this one.
+    fn next(&mut self, title: &str) {
+        self.bench.harness.step();
+        let name = format!("Next: {title}");
+        assert!(find(&self.bench.harness, &name).is_some(), "no {name:?}");
+        self.key(Modifiers::COMMAND, Key::Enter);
+    }
+
+    /// Goes on with Tab until what has this name has the focus, and presses Enter.
+    fn tab_to(&mut self, name: &str) {
+        for _ in 0..40 {
+            let found = self.bench.harness.query_all_by_label(name);
+            if found
+                .into_iter()
+                .any(|node| node.accesskit_node().is_focused())
+            {
+                return self.key(Modifiers::NONE, Key::Enter);
+            }
+            self.key(Modifiers::NONE, Key::Tab);
+        }
+        panic!("Tab does not lead to {name:?}");
+    }
+
+    fn verify(&mut self, title: &str, runs: usize) {
+        self.next(title);
+        self.bench.wait("a verification", |state| {
+            let open = state.model.open.as_ref().expect("a session");
+            open.session().verifications().len() == runs && state.model.link.verifying.is_none()
+        });
+    }
+}
+
+#[test]
+fn keys_alone_lead_to_an_accepted_robot() {
+    let mut bench = Bench::new(Some(SEED));
+    bench.harness.set_size(egui::vec2(1600.0, 1000.0));
+    let mut typist = Typist { bench };
+    typist.key(Modifiers::COMMAND | Modifiers::SHIFT, Key::P);
+    typist.write("try the demo");
+    typist.key(Modifiers::NONE, Key::Enter);
+    typist
+        .bench
+        .wait("the demonstration", |state| state.model.open.is_some());
+    typist.next("Apply measured values");
+    typist.next("Plan 25 poses");
+    typist.bench.settle("a plan");
+    typist.next("Connect and arm the simulated robot");
+    typist
+        .bench
+        .wait("arming", |state| state.model.link.is_armed());
+    typist.next("Start measuring");
+    typist.bench.wait("a pose", |state| {
+        state
+            .model
+            .link
+            .run
+            .as_ref()
+            .is_some_and(|run| run.done() > 2)
+    });
+    // Stop has a key of its own, and the run goes on where it was.
+    typist.key(Modifiers::NONE, Key::F12);
+    typist
+        .bench
+        .wait("the end", |state| !state.model.link.is_measuring());
+    typist.next("Continue measuring");
+    typist
+        .bench
+        .wait("all poses", |state| !state.model.link.is_measuring());
+    typist.next("Identify the pulleys");
+    typist.bench.settle("an identification");
+    typist.next("Diagnose model");
+    typist.bench.settle("a diagnosis");
+    typist.next("Add to model: Winch scale (cable-3)");
+    typist.bench.settle("the identification with the cause");
+    typist.next("Go to adjustment");
+    typist.next("Add the parameters to the simulated controller");
+    typist
+        .bench
+        .wait("a controller that corrects effects", |state| {
+            let mut held = state.model.link.parameters.iter();
+            held.any(|p| p.name.starts_with("effect.")) && state.model.link.is_armed()
+        });
+    typist.verify("Measure before", 1);
+    typist.next("Write ");
+    // Behind a question the next step waits.
+    typist.key(Modifiers::COMMAND, Key::Enter);
+    typist.write("Ada");
+    typist.tab_to("Write");
+    typist
+        .bench
+        .wait("the values", |state| !state.model.link.writing);
+    typist.verify("Measure after", 2);
+    typist.next("Accept the robot");
+    let last = typist.bench.session().verifications().last();
+    let accepted = last.and_then(|run| run.accepted.clone());
+    assert_eq!(accepted.expect("it is accepted").operator, "Ada");
 }
 
 #[test]

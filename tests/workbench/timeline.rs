@@ -78,6 +78,52 @@ fn playback_restarts_at_the_first_pose_and_stops_at_the_last() {
     harness.get_by_label("Play poses");
 }
 
+/// A step of the harness is a quarter of a second, in which a recording of 20 Hz has five samples.
+#[test]
+fn a_recording_is_played_as_fast_as_it_was_made_and_plotted_over_time() {
+    let mut harness = Measured::in_motion(6.0).opened();
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
+    give(&mut harness, go);
+    let labels = {
+        let open = harness.state().state.model.open.as_ref();
+        open.expect("it is open")
+            .session()
+            .measurements
+            .labels
+            .clone()
+    };
+    harness.get_by_label("Play poses").click();
+    let mut seen: Vec<usize> = Vec::new();
+    for _ in 0..40 {
+        harness.step();
+        let place = pose(&harness).and_then(|pose| labels.iter().position(|one| *one == pose));
+        let Some(place) = place else { continue };
+        if seen.last() != Some(&place) {
+            seen.push(place);
+        }
+    }
+    assert_eq!(
+        (seen[0], seen.last()),
+        (0, Some(&(labels.len() - 1))),
+        "{seen:?}"
+    );
+    let steps = seen.windows(2).map(|pair| pair[1] - pair[0]);
+    assert!(steps.clone().all(|step| step <= 6), "{seen:?}");
+    assert!(steps.filter(|step| *step == 5).count() > 15, "{seen:?}");
+    harness.get_by_label("Play poses");
+    if harness.query_by_label("Over time").is_none() {
+        press(&mut harness, "More plots");
+    }
+    press(&mut harness, "Over time");
+    let views = &mut harness.state_mut().state.views;
+    let (title, range) = views.plots.range(Tab::Course).expect("it is drawn");
+    assert_eq!(title, "Time (s)");
+    assert!(
+        range[0] <= 0.0 && range[1] >= 6.0 && range[1] < 8.0,
+        "{range:?}"
+    );
+}
+
 #[test]
 fn plots_side_by_side_move_together_and_are_restored() {
     let mut harness = identified(12);

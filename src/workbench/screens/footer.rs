@@ -3,7 +3,7 @@
 use egui::{Align, Button, Label, Layout, ProgressBar, RichText, Role, Ui, WidgetInfo, vec2};
 
 use crate::model::command::Outbox;
-use crate::model::next_step::{Action, NextStep};
+use crate::model::next_step::{Action, KEYS, NextStep};
 use crate::theme::{self, GRID};
 
 /// Draws it.
@@ -43,7 +43,9 @@ fn button(ui: &mut Ui, action: Action, outbox: &mut Outbox) {
         .inner;
     let name = format!("Next: {}", action.title);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-    if response.on_hover_text(&action.title).clicked() {
+    let keys = ui.ctx().format_shortcut(&KEYS);
+    let hint = format!("{} ({keys})", action.title);
+    if response.on_hover_text(hint).clicked() {
         for command in action.commands {
             outbox.send(command);
         }

@@ -1,11 +1,11 @@
 //! Which sensor, how many poses: sliders, and the answer of the expected covariance while they move.
 
-use egui::{Grid, ScrollArea, Slider, Ui};
+use egui::{Grid, Rangef, ScrollArea, Slider, Ui};
 use tautline_core::robot::{Robot, presets};
 use tautline_study::which_sensor::{Advisor, Answer, MOST_POSES, Question};
 use tautline_workflow::plot::Selection;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
-use tautline_workflow::wording::units::significant;
+use tautline_workflow::wording::units::{fixed, significant};
 
 use crate::model::Model;
 use crate::model::command::{Outbox, ViewCommand};
@@ -41,8 +41,13 @@ impl Asked {
     }
 }
 
-/// Sizes of the plots (points).
-const PLOT: f32 = 210.0;
+/// Least and greatest height of a plot (points).
+const PLOT: Rangef = Rangef {
+    min: 190.0,
+    max: 360.0,
+};
+/// Width of the screen (points) below which the answer stands below the sliders.
+const NARROW: f32 = 720.0;
 /// Width of the column of sliders (points).
 const SLIDERS: f32 = 300.0;
 
@@ -86,28 +91,43 @@ fn contents(ui: &mut Ui, asked: &mut Asked) {
         }
         return;
     };
+    let height = ui.available_height();
+    let is_narrow = ui.available_width() < NARROW;
+    if is_narrow {
+        asking(ui, &asked.robot, question);
+        ui.add_space(2.0 * GRID);
+    }
     ui.horizontal_top(|ui| {
-        ui.vertical(|ui| {
-            ui.set_width(SLIDERS);
-            sliders(ui, &asked.robot, question);
-            if ui.button("Copy as study file").clicked() {
-                ui.ctx().copy_text(study(&asked.robot, question));
-            }
-            muted(ui, "tautline study simulates what is copied here, with faults and other robots if you add them.");
-        });
-        ui.add_space(4.0 * GRID);
-        let is_known = asked.answer.as_ref().is_some_and(|(answered, _)| answered == question);
-        if !is_known {
-            asked.answer = Some((*question, advisor.answer(question)));
+        if !is_narrow {
+            ui.vertical(|ui| {
+                ui.set_width(SLIDERS);
+                asking(ui, &asked.robot, question);
+            });
+            ui.add_space(4.0 * GRID);
         }
-        ui.vertical(|ui| match &asked.answer {
-            Some((_, Ok(answer))) => answered(ui, question, answer),
-            Some((_, Err(error))) => {
+        let known = asked.answer.take();
+        let known = known.filter(|(answered, _)| answered == question);
+        let (_, answer) = asked
+            .answer
+            .insert(known.unwrap_or_else(|| (*question, advisor.answer(question))));
+        ui.vertical(|ui| match answer {
+            Ok(answer) => answered(ui, question, answer, height),
+            Err(error) => {
                 verdict(ui, Verdict::Bad, error);
             }
-            None => {}
         });
     });
+}
+
+fn asking(ui: &mut Ui, robot: &Robot, question: &mut Question) {
+    sliders(ui, robot, question);
+    if ui.button("Copy as study file").clicked() {
+        ui.ctx().copy_text(study(robot, question));
+    }
+    muted(
+        ui,
+        "tautline study simulates what is copied here, with faults and other robots if you add them.",
+    );
 }
 
 fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
@@ -186,7 +206,9 @@ fn millimetres(
     }
 }
 
-fn answered(ui: &mut Ui, question: &Question, answer: &Answer) {
+/// The answer in words, numbers and plots, in so much height.
+fn answered(ui: &mut Ui, question: &Question, answer: &Answer, height: f32) {
+    let top = ui.cursor().min.y;
     section(ui, "Answer");
     ui.label(answer.sentence(question));
     if let Some(entry_m) = answer.entry_m {
@@ -199,21 +221,33 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer) {
         );
     }
     ui.add_space(GRID);
+    // As many decimals as two digits of the smallest need.
+    let errors = answer.changes.iter().filter_map(|(_, error)| *error);
+    let least = errors.fold(f64::INFINITY, f64::min);
+    let decimals = (1.0 - (1e3 * least).log10().floor()).clamp(0.0, 6.0) as usize;
     Grid::new("changes")
         .num_columns(2)
         .spacing([4.0 * GRID, GRID])
         .show(ui, |ui| {
             for (what, error) in &answer.changes {
                 ui.label(format!("With {what}"));
-                ui.label(error.map_or_else(
+                let text = error.map_or_else(
                     || "open".to_owned(),
-                    |error| format!("{} mm", significant(1e3 * error, 2)),
-                ));
+                    |error| format!("{} mm", fixed(1e3 * error, decimals)),
+                );
+                ui.label(text);
                 ui.end_row();
             }
         });
     ui.add_space(2.0 * GRID);
     let at = |x: f64| answer.position_m.map(|error| (x, error));
+    let plots = if question.laser_sd_m.is_some() {
+        2.0
+    } else {
+        1.0
+    };
+    let left = height - (ui.cursor().min.y - top) - plots * ui.spacing().item_spacing.y;
+    let each = PLOT.clamp(left / plots);
     if let Some(sd_m) = question.laser_sd_m {
         let line = answer
             .over_laser
@@ -224,7 +258,7 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer) {
             ui,
             "Position error over the laser",
             &figure,
-            PLOT,
+            each,
             Selection::default(),
         );
     }
@@ -237,7 +271,7 @@ fn answered(ui: &mut Ui, question: &Question, answer: &Answer) {
         ui,
         "Position error over the number of poses",
         &figure,
-        PLOT,
+        each,
         Selection::default(),
     );
 }

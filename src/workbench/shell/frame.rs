@@ -4,7 +4,7 @@ use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
-use super::{State, alert, dialogs, log, palette, rail, save_as, status, top};
+use super::{State, alert, dialogs, log, menu, palette, rail, save_as, status, top};
 use crate::model::command::ViewCommand;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
@@ -27,7 +27,8 @@ const PANEL_RANGE: Rangef = Rangef {
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
-    top::shortcuts(ui, state);
+    let items = menu::items(state);
+    top::shortcuts(ui, state, &items);
     let (fill, ground) = (theme::of(ui).panel, theme::of(ui).ground);
     let centre = || CentralPanel::no_frame().frame(Frame::new().fill(ground));
     let bar = Frame::new()
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
     Panel::top("top")
         .frame(bar)
-        .show(ui, |ui| top::show(ui, state));
+        .show(ui, |ui| top::show(ui, state, &items));
     alert::show(ui, state);
     Panel::bottom("status")
         .frame(bar)

@@ -4,6 +4,7 @@ use egui::{Key, Modal, ScrollArea, TextEdit, Ui};
 
 use super::menu::{self, Item};
 use super::state::State;
+use super::top;
 use crate::model::command::ViewCommand;
 use crate::widgets::muted;
 
@@ -28,13 +29,13 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         field.request_focus();
         let marked = marked(ui, items.len(), text != before);
         if ui.input(|input| input.key_pressed(Key::Enter)) {
-            chosen = items.get(marked.place).map(|item| item.command.clone());
+            chosen = items.get(marked.place).map(|item| item.commands.clone());
         }
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             for (k, item) in items.iter().enumerate() {
                 let line = line(ui, item, k == marked.place);
                 if line.clicked() {
-                    chosen = Some(item.command.clone());
+                    chosen = Some(item.commands.clone());
                 }
                 if k == marked.place && marked.has_moved {
                     line.scroll_to_me(None);
@@ -51,8 +52,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         let id = egui::Id::unique("marked command");
         ui.data_mut(|data| data.remove::<usize>(id));
     }
-    if let Some(command) = chosen {
-        state.outbox.send(command);
+    if let Some(commands) = chosen {
+        top::send(state, &commands);
     } else if is_done {
         state.outbox.send(ViewCommand::Palette(false));
     } else {

@@ -1,6 +1,6 @@
 //! The bar at the top: menus, name of the session, undo and redo.
 
-use egui::{Button, MenuBar, RichText, Role, Ui, WidgetInfo};
+use egui::{Align, Button, Label, Layout, MenuBar, RichText, Role, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::menu::{self, Item, Menu};
@@ -9,12 +9,16 @@ use crate::model::command::{Command, RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::widgets::{icon_only, muted};
 
+/// Least width for the name of the session (points).
+const LEAST_NAME: f32 = 40.0;
+/// Width of what follows the name of a session that is not saved (points).
+const UNSAVED: f32 = 72.0;
 /// Height of a line of a menu with the space below it (points).
 const LINE: f32 = 32.0;
 
 /// Gives the commands whose keys were pressed.
-pub fn shortcuts(ui: &Ui, state: &mut State) {
-    let mut items = menu::items(state);
+pub fn shortcuts(ui: &Ui, state: &mut State, items: &[Item]) {
+    let mut items: Vec<&Item> = items.iter().collect();
     // Keys without Shift also match with it: those that need it come first.
     items.sort_by_key(|item| item.shortcut.is_none_or(|keys| !keys.modifiers.shift));
     for item in items {
@@ -27,24 +31,31 @@ pub fn shortcuts(ui: &Ui, state: &mut State) {
         }
         let is_pressed = ui.input_mut(|input| input.consume_shortcut(&shortcut));
         if is_pressed && item.enabled {
-            state.outbox.send(item.command);
+            send(state, &item.commands);
         }
     }
 }
 
+/// Gives commands one after the other.
+pub fn send(state: &mut State, commands: &[Command]) {
+    for command in commands {
+        state.outbox.send(command.clone());
+    }
+}
+
 /// Draws the bar.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    let items = menu::items(state);
+pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             ui.menu_button(menu.title(), |ui| {
-                lines(ui, state, (menu, &items));
+                lines(ui, state, (menu, items));
             });
         }
         ui.separator();
-        title(ui, state);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(ui, state);
+            // What is left; a long name is cut, and a narrow window has no room for it.
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, state));
         });
     });
 }
@@ -69,7 +80,7 @@ fn line(ui: &mut Ui, state: &mut State, item: &Item) {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
     }
     if ui.add_enabled(item.enabled, button).clicked() {
-        state.outbox.send(item.command.clone());
+        send(state, &item.commands);
         ui.close();
     }
 }
@@ -78,7 +89,16 @@ fn title(ui: &mut Ui, state: &State) {
     let Some(open) = &state.model.open else {
         return;
     };
-    ui.label(RichText::new(&open.session().name).font(theme::strong(13.0)));
+    let state = if open.is_unsaved() { UNSAVED } else { 0.0 };
+    let room = ui.available_width() - state;
+    if room < LEAST_NAME {
+        return;
+    }
+    let name = RichText::new(&open.session().name).font(theme::strong(13.0));
+    ui.scope(|ui| {
+        ui.set_max_width(room);
+        ui.add(Label::new(name).truncate());
+    });
     if open.is_unsaved() {
         muted(ui, "not saved");
     }

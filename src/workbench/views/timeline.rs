@@ -15,8 +15,10 @@ use tautline_workflow::wording::count;
 
 /// Height of the time line with its margins (points).
 pub const HEIGHT: f32 = 40.0;
-/// How long each pose is shown while they are played (s).
+/// How long each pose is shown while they are played (s); a recording in motion is played as fast as it was.
 const EACH_S: f64 = 0.35;
+/// Longest mean time between the samples of a recording in motion (s).
+const LONGEST_STEP_S: f64 = 0.2;
 /// Width of the words at its end (points).
 const WORDS: f32 = 120.0;
 /// Least distance of two marks (points).
@@ -27,6 +29,8 @@ const APART: f32 = 3.0;
 pub struct TimelineState {
     /// When the present pose was reached, while poses are played (s).
     reached_s: Option<f64>,
+    /// When the playback of a recording began, and at which of its times (s).
+    began_s: Option<(f64, f64)>,
 }
 
 /// Draws the time line.
@@ -37,7 +41,11 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
     let labels = &open.session().measurements.labels;
     let selected = model.selection.pose;
     let plays = model.playback.plays;
-    let mut commands = play(ui, plays, &mut views.timeline, labels, selected);
+    let times_s = &open.session().measurements.time_s;
+    let mut commands = match plays && is_recording(labels, times_s) {
+        true => play_recording(ui, &mut views.timeline, (labels, times_s), selected),
+        false => play(ui, plays, &mut views.timeline, labels, selected),
+    };
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = GRID;
         for (icon, name, command) in [
@@ -96,6 +104,7 @@ fn play(
     labels: &[i64],
     selected: Option<i64>,
 ) -> Vec<ViewCommand> {
+    view.began_s = None;
     if !plays {
         view.reached_s = None;
         return Vec::new();
@@ -119,6 +128,42 @@ fn play(
         PoseStep::Next
     };
     vec![ViewCommand::Pose(step)]
+}
+
+/// Whether poses are the samples of a recording in motion.
+fn is_recording(labels: &[i64], times_s: &[f64]) -> bool {
+    match (times_s, labels.len()) {
+        ([first, .., last], count) if times_s.len() == count => {
+            *last > *first && last - first < LONGEST_STEP_S * count as f64
+        }
+        _ => false,
+    }
+}
+
+/// Goes on to the sample of this time.
+fn play_recording(
+    ui: &Ui,
+    view: &mut TimelineState,
+    (labels, times_s): (&[i64], &[f64]),
+    selected: Option<i64>,
+) -> Vec<ViewCommand> {
+    let now = ui.input(|input| input.time);
+    ui.ctx().request_repaint();
+    let (began, from_s) = *view.began_s.get_or_insert_with(|| {
+        let place = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
+        let place = place.filter(|place| place + 1 < labels.len()).unwrap_or(0);
+        (now, times_s[place])
+    });
+    let after = times_s.partition_point(|time| *time <= from_s + now - began);
+    let label = labels[after.saturating_sub(1)];
+    let mut commands = Vec::new();
+    if selected != Some(label) {
+        commands.push(ViewCommand::Pose(PoseStep::To(label)));
+    }
+    if after == labels.len() {
+        commands.push(ViewCommand::Play(false));
+    }
+    commands
 }
 
 fn words(labels: &[i64], place: Option<usize>) -> String {

@@ -11,7 +11,7 @@ use crate::widgets::muted;
 /// Size of a cell (points).
 const CELL: [f32; 2] = [22.0, 17.0];
 /// Width of the names, and of the probability of detection.
-const NAME: f32 = 250.0;
+const NAME: f32 = 268.0;
 const SHOWN: f32 = 40.0;
 /// Height of a title bar (points).
 const TITLE: f32 = 36.0;

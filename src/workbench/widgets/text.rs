@@ -74,8 +74,11 @@ pub fn verdict(ui: &mut Ui, verdict: Verdict, text: &str) {
 
 /// Text of an empty area: what will appear here, and how to get it.
 pub fn empty(ui: &mut Ui, text: &str) {
-    let colour = theme::of(ui).muted;
-    ui.centered_and_justified(|ui| {
-        ui.add(egui::Label::new(RichText::new(text).color(colour)).wrap())
-    });
+    let text = RichText::new(text).color(theme::of(ui).muted);
+    let text = egui::WidgetText::from(text);
+    let room = ui.available_size() - egui::vec2(4.0 * GRID, 0.0);
+    let wrap = Some(egui::TextWrapMode::Wrap);
+    let galley = text.into_galley(ui, wrap, room.x, egui::TextStyle::Body);
+    ui.add_space((0.5 * (room.y - galley.size().y)).max(0.0));
+    ui.vertical_centered(|ui| ui.label(galley));
 }

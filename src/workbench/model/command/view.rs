@@ -60,6 +60,8 @@ pub enum PoseStep {
     Next,
     /// The last that was measured.
     Last,
+    /// The one with this label.
+    To(i64),
 }
 
 impl PoseStep {
@@ -69,6 +71,7 @@ impl PoseStep {
         let last = labels.len().checked_sub(1)?;
         let now = selected.and_then(|pose| labels.iter().position(|label| *label == pose));
         let wanted = match (self, now) {
+            (Self::To(wanted), _) => labels.iter().position(|label| *label == wanted)?,
             (Self::First, _) | (Self::Next, None) => 0,
             (Self::Last, _) | (Self::Previous, None) => last,
             (Self::Next, Some(now)) => (now + 1).min(last),
@@ -94,6 +97,7 @@ mod tests {
             (Some(5), PoseStep::First, 0),
             (Some(5), PoseStep::Last, 3),
             (Some(99), PoseStep::Next, 0),
+            (Some(0), PoseStep::To(3), 3),
         ] {
             assert_eq!(step.from(&labels, selected), Some(expected));
         }

@@ -86,9 +86,9 @@ pub struct MeasuringRequest {
 pub struct Surprise {
     /// Label in the run.
     pub label: i64,
-    /// Measured less predicted length of each cable (m).
+    /// Predicted less measured length of each cable (m).
     pub lengths_m: Vec<f64>,
-    /// Measured less predicted laser distance (m).
+    /// Predicted less measured laser distance (m).
     pub laser_m: Option<f64>,
 }
 

@@ -153,10 +153,10 @@ impl Measuring {
         let pairs = revolutions.iter().zip(&expected.revolutions);
         let lengths_m = pairs
             .zip(&self.per_revolution_m)
-            .map(|((measured, predicted), per)| (measured - predicted) * per)
+            .map(|((measured, predicted), per)| (predicted - measured) * per)
             .collect();
         let read_m = pose.readings.laser_at(0);
-        let laser_m = expected.laser_m.map(|expected_m| read_m - expected_m);
+        let laser_m = expected.laser_m.map(|expected_m| expected_m - read_m);
         Some(Surprise {
             label: pose.label(),
             lengths_m,

@@ -39,7 +39,7 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
         false => "Continue measuring",
     };
     let action = Action::new(title, RobotCommand::Start);
-    NextStep::new(status, Some(action), "The robot moves. Stop: F12.")
+    NextStep::new(status, Some(action), "Then: the robot moves. Stop: F12.")
 }
 
 /// A measuring run, paused or not.

@@ -7,6 +7,7 @@ mod measuring;
 
 pub use checklist::{Check, CheckState, Item, checklist};
 
+use egui::{Key, KeyboardShortcut, Modifiers};
 use tautline_session::Session;
 use tautline_workflow::controllers::Kind;
 
@@ -15,6 +16,9 @@ use super::edit::Edit;
 use super::phase::{Phase, PhaseStatus, Progress, Screen};
 use super::{Model, OpenSession, phase_status};
 use tautline_workflow::wording::{count, sentence};
+
+/// The keys that do it.
+pub const KEYS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Enter);
 
 /// What the foot of a phase shows.
 #[derive(Debug, Clone)]

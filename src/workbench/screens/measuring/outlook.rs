@@ -1,5 +1,7 @@
 //! Predicted accuracy of the planned poses.
 
+use std::collections::HashSet;
+
 use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::DesignCriteria;
 
@@ -45,11 +47,16 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         }
         None => return,
     };
-    let measured = &session.measurements.labels;
-    let poses = outlook.poses.iter().filter(|pose| pose.label != 0);
-    let done = poses
-        .filter(|pose| measured.contains(&pose.label) && !session.excluded().contains(&pose.label))
-        .count();
+    // This is asked in every frame: plans are short, measurements may be very many.
+    let planned = outlook.poses.iter().map(|pose| pose.label);
+    let mut open_yet: HashSet<i64> = planned.filter(|label| *label != 0).collect();
+    let of_plan = open_yet.len();
+    let excluded = session.excluded();
+    let measured = session.measurements.labels.iter();
+    for label in measured.filter(|label| !excluded.contains(label)) {
+        open_yet.remove(label);
+    }
+    let done = of_plan - open_yet.len();
     let words = words(outlook);
     let kind = match outlook.expected.mean_m {
         Some(sd_m) if sd_m * 1e3 <= remembered.goal_mm => Verdict::Good,

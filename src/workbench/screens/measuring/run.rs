@@ -12,8 +12,10 @@ use crate::model::link::{Doing, RunLog};
 use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
+use tautline_workflow::identification::RESIDUAL;
 use tautline_workflow::planning::missing;
 use tautline_workflow::wording::count_are;
+use tautline_workflow::wording::units::signed;
 
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;
@@ -168,12 +170,12 @@ fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
     }
 }
 
-/// Differences between measured and predicted readings of the last poses.
+/// Residuals of the last poses, where the present model predicts them.
 fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
     }
-    muted(ui, "Measured minus predicted:");
+    muted(ui, &format!("{RESIDUAL}:"));
     for surprise in run.surprises.iter().rev().take(LISTED) {
         let lengths = surprise.lengths_m.iter().enumerate();
         let worst = lengths
@@ -187,13 +189,13 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
             ui.label(place);
             if let Some((cable, off_m)) = worst {
                 muted(ui, "length");
-                ui.label(format!("{:+.1}", off_m * 1e3));
+                ui.label(signed(off_m * 1e3, 1));
                 muted(ui, "mm on");
                 readings::cable_mark(ui, cable, name_of(model, cable));
             }
             if let Some(laser_m) = surprise.laser_m {
                 muted(ui, "laser");
-                ui.label(format!("{:+.1}", laser_m * 1e3));
+                ui.label(signed(laser_m * 1e3, 1));
                 muted(ui, "mm");
             }
         });

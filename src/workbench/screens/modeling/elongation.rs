@@ -13,6 +13,7 @@ use crate::widgets::{
 };
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::precalibration::{ElongationFit, Table};
+use tautline_workflow::wording::units::signed;
 
 const FIELDS: [RowField; 3] = [
     RowField::millimetres("Length", 1).accepting(
@@ -236,7 +237,7 @@ fn points(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     let remarks: Vec<String> = fit
         .iter()
         .flat_map(|fit| &fit.residuals_m)
-        .map(|residual| format!("{:+.4}", residual * 1e3))
+        .map(|residual| signed(residual * 1e3, 4))
         .collect();
     let editor = Rows {
         noun: "Point",

@@ -12,6 +12,7 @@ use crate::widgets::{
 };
 use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
+use tautline_workflow::wording::units::signed;
 
 /// A pair of a table.
 pub trait Pair: Sized {
@@ -238,7 +239,7 @@ fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
             cells.push(or_dash(current, digits));
             cells.extend([value, sd].map(|number| Cell::new(format!("{number:.digits$}"))));
             if let Some(current) = current.filter(|_| shows_change) {
-                cells.push(Cell::new(format!("{:+.digits$}", value - current)));
+                cells.push(Cell::new(signed(value - current, digits)));
             }
         }
         Some(cells)
@@ -266,7 +267,7 @@ fn pairs<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &
     let remarks: Vec<String> = residuals
         .map_or(&[][..], |quality| quality.residuals)
         .iter()
-        .map(|residual| format!("{:+.decimals$}", residual * per_si))
+        .map(|residual| signed(residual * per_si, decimals))
         .collect();
     let editor = Rows {
         noun: "Pair",

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Theme, Ui, WidgetInfo};
+use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Theme, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
 use super::screen::colours;
+use super::sources::course::Reading;
 use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
@@ -22,6 +23,8 @@ use tautline_workflow::plot::{Drawing, Figure};
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
+/// Width of a button that opens a menu, with the space before it (points).
+const MENU: f32 = 72.0;
 
 /// Options, cursor readings and buttons; while a plot is being saved, the form for its file.
 pub fn options(
@@ -32,20 +35,20 @@ pub fn options(
     outbox: &mut Outbox,
 ) {
     let is_narrow = ui.available_width() < NARROW;
-    let own_row = is_narrow && plots.tab == Tab::Variable && plots.saving.is_none();
-    if own_row {
-        ui.horizontal_wrapped(|ui| choices(ui, model, plots, is_narrow));
-    }
     ui.horizontal(|ui| {
         if plots.saving.is_some() {
             saving(ui, model, plots, figure, outbox);
             return;
         }
-        if !own_row {
-            choices(ui, model, plots, is_narrow);
-        }
+        // Two choices leave no room for buttons.
+        let has_menu = is_narrow && plots.tab == Tab::Variable;
+        choices(ui, model, plots, is_narrow);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            buttons(ui, plots);
+            if has_menu {
+                menu(ui, plots);
+            } else {
+                buttons(ui, plots);
+            }
         });
     });
     // A line of its own: it is too long to stand beside anything.
@@ -72,9 +75,17 @@ fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
             let name = "Tensions shown";
             choose(ui, (name, is_narrow), &shown, &mut plots.tensions);
         }
+        Tab::Course => {
+            if let Some(open) = &model.open {
+                let known = Reading::of(open.session());
+                choose(ui, ("Readings", is_narrow), &known, &mut plots.course);
+            }
+        }
         Tab::Variable => {
             if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.choice) {
-                plots.choice = Some(along(ui, &prepared, choice));
+                let room = ui.available_width() - MENU - ui.spacing().item_spacing.x;
+                let width = is_narrow.then_some(0.5 * room);
+                plots.choice = Some(along(ui, &prepared, choice, width));
             }
         }
         Tab::Elongation => {
@@ -124,17 +135,34 @@ fn choose<T: Copy + PartialEq>(
 }
 
 fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
-    let shown = ComboBox::from_id_salt(name)
-        .selected_text(selected)
-        .show_ui(ui, add);
+    combo_within(ui, (name, None), selected, add);
+}
+
+/// As wide as its text, or so wide.
+fn combo_within(
+    ui: &mut Ui,
+    (name, width): (&str, Option<f32>),
+    selected: &str,
+    add: impl FnOnce(&mut Ui),
+) {
+    let shown = ComboBox::from_id_salt(name).selected_text(selected);
+    let shown = match width {
+        // A text is cut where its place ends, whatever width is asked for.
+        Some(width) => {
+            let size = vec2(width, ui.spacing().interact_size.y);
+            let shown = shown.width(width).truncate();
+            ui.allocate_ui(size, |ui| shown.show_ui(ui, add)).inner
+        }
+        None => shown.show_ui(ui, add),
+    };
     let text = format!("{name}: {selected}");
     shown
         .response
         .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
 }
 
-/// Which readings along which variable.
-fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice) -> Choice {
+/// Which readings along which variable, each choice so wide.
+fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice, width: Option<f32>) -> Choice {
     let name = |quantity: Quantity, cable: Option<usize>| {
         let cables = &prepared.base.dataset.robot.cables;
         match cable.and_then(|index| cables.get(index)) {
@@ -143,7 +171,8 @@ fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice) -> Choice {
         }
     };
     let before = (choice.quantity, choice.cable);
-    combo(ui, "Readings", &name(choice.quantity, choice.cable), |ui| {
+    let readings = name(choice.quantity, choice.cable);
+    combo_within(ui, ("Readings", width), &readings, |ui| {
         for group in &prepared.along {
             let is_chosen = (group.quantity, group.cable) == (choice.quantity, choice.cable);
             if ui
@@ -167,7 +196,8 @@ fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice) -> Choice {
     {
         choice.variable = *first;
     }
-    combo(ui, "Along", &capitalised(choice.variable.name()), |ui| {
+    let variable = capitalised(choice.variable.name());
+    combo_within(ui, ("Along", width), &variable, |ui| {
         for (variable, _) in variables {
             ui.selectable_value(
                 &mut choice.variable,
@@ -181,30 +211,57 @@ fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice) -> Choice {
 
 fn buttons(ui: &mut Ui, plots: &mut PlotState) {
     let save = icon_only(ui, icons::ICON_DOWNLOAD, "Save plot", true);
-    Popup::menu(&save).show(|ui| {
-        for format in Format::ALL {
-            if ui.button(format.title()).clicked() {
-                let path = format!("plot.{}", format.ending());
-                plots.saving = Some(Saving { format, path });
-                ui.close();
-            }
-        }
-    });
-    let panel = plots.panels.entry(plots.tab).or_default();
+    Popup::menu(&save).show(|ui| formats(ui, plots));
     if icon_only(ui, icons::ICON_FIT_SCREEN, "Reset view", true).clicked() {
-        panel.reset();
+        plots.panels.entry(plots.tab).or_default().reset();
     }
-    let name = if panel.cursors.is_some() {
-        "Hide cursors"
-    } else {
-        "Show cursors"
-    };
+    let name = cursors_name(plots);
     if icon_only(ui, icons::ICON_ARROW_RANGE, name, true).clicked() {
-        panel.cursors = match panel.cursors {
-            Some(_) => None,
-            None => Some([0.25, 0.75]),
-        };
+        switch_cursors(plots);
     }
+}
+
+/// The same as a menu, where there is no room for buttons.
+fn menu(ui: &mut Ui, plots: &mut PlotState) {
+    let more = icon_only(ui, icons::ICON_MORE_VERT, "This plot", true);
+    Popup::menu(&more).show(|ui| {
+        if ui.button(cursors_name(plots)).clicked() {
+            switch_cursors(plots);
+            ui.close();
+        }
+        if ui.button("Reset view").clicked() {
+            plots.panels.entry(plots.tab).or_default().reset();
+            ui.close();
+        }
+        ui.separator();
+        formats(ui, plots);
+    });
+}
+
+fn formats(ui: &mut Ui, plots: &mut PlotState) {
+    for format in Format::ALL {
+        if ui.button(format.title()).clicked() {
+            let path = format!("plot.{}", format.ending());
+            plots.saving = Some(Saving { format, path });
+            ui.close();
+        }
+    }
+}
+
+fn cursors_name(plots: &PlotState) -> &'static str {
+    let panel = plots.panels.get(&plots.tab);
+    match panel.is_some_and(|panel| panel.cursors.is_some()) {
+        true => "Hide cursors",
+        false => "Show cursors",
+    }
+}
+
+fn switch_cursors(plots: &mut PlotState) {
+    let panel = plots.panels.entry(plots.tab).or_default();
+    panel.cursors = match panel.cursors {
+        Some(_) => None,
+        None => Some([0.25, 0.75]),
+    };
 }
 
 /// Where a plot is saved.

@@ -26,6 +26,7 @@ use crate::model::{Model, OpenSession, Selection};
 use crate::widgets::{Verdict, empty, verdict};
 pub use dock::{Panes, show, show_detached};
 use panel::{Done, Panel, Shown};
+use sources::course::Reading;
 use sources::residuals::Unit;
 pub use sources::residuals::of_both as residuals_of_both;
 use sources::tensions::Shown as Tensions;
@@ -47,6 +48,7 @@ pub struct PlotState {
     tab: Tab,
     unit: Unit,
     tensions: Tensions,
+    course: Reading,
     choice: Option<Choice>,
     elongation: Option<usize>,
     statistics: statistics::Statistics,
@@ -66,7 +68,7 @@ pub struct PlotState {
 #[derive(Debug, Clone)]
 struct FigureOf {
     session: (u64, u64),
-    options: (Tab, Unit, Tensions, Option<Choice>, Option<usize>),
+    options: (Tab, Unit, Tensions, Reading, Option<Choice>, Option<usize>),
     fit: Option<Arc<Identification>>,
     diagnosed: Option<Arc<Diagnosed>>,
     prepared: Option<Arc<Prepared>>,
@@ -222,6 +224,7 @@ impl PlotState {
                 self.tab,
                 self.unit,
                 self.tensions,
+                self.course,
                 self.choice,
                 self.elongation,
             ),
@@ -280,6 +283,7 @@ impl PlotState {
             Tab::Tensions => {
                 sources::tensions::figure(open.fit().ok_or(nothing)?, self.tensions, excluded)
             }
+            Tab::Course => sources::course::figure(open.session(), self.course),
             Tab::Convergence => sources::convergence::figure(open.fit().ok_or(nothing)?),
             Tab::Correlation => sources::correlation::figure(open.fit().ok_or(nothing)?),
             Tab::Statistics => return Err(nothing),

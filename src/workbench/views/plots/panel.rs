@@ -14,7 +14,7 @@ use tautline_workflow::plot::{Canvas, Colours, Figure, Layout, Plot, Seen, Strok
 use super::dense::picture;
 use super::hit::{Hit, cell_words, nearest, selects, words};
 use super::screen::{Screen, colours, text_width};
-use super::sources::POSE;
+use super::sources::{POSE, TIME};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 
@@ -257,13 +257,14 @@ impl Panel {
         let [low, high] = scale.view[0];
         let [a, b] = self.cursors?.map(|share| low + share * (high - low));
         let number = |value: f64, axis: usize| readable(value, scale.view[axis]);
-        let mut text = format!(
+        let text = format!(
             "A {}, B {}, B \u{2212} A {} {}",
             number(a, 0),
             number(b, 0),
             number(b - a, 0),
             figure.x.unit
         );
+        let mut text = text.trim_end().to_owned();
         // Of the selected cable, or of the first points there are.
         let chosen = figure
             .series
@@ -358,7 +359,7 @@ fn dense(context: &Context, plot: &Plot<'_>) -> Option<Dense> {
     })
 }
 
-/// A line at the selected pose, where poses stand along x.
+/// A line at the selected pose, where poses or their times stand along x.
 fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &theme::Palette) {
     let Some(pose) = shown.selection.pose else {
         return;
@@ -367,7 +368,8 @@ fn draw_pose(canvas: &mut Screen, shown: &Shown<'_>, scale: &Scale, palette: &th
     let mut of_pose = points.filter(|point| point.pose == Some(pose));
     let [low, high] = scale.view[0];
     let x = of_pose.next().map(|point| point.x);
-    if let Some(x) = x.filter(|x| shown.figure.x.label == POSE && (low..=high).contains(x)) {
+    let is_along = [POSE, TIME].contains(&shown.figure.x.label.as_str());
+    if let Some(x) = x.filter(|x| is_along && (low..=high).contains(x)) {
         canvas.line(
             &scale.upright(scale.x(x)),
             Stroke::new(1.0, palette.muted),

@@ -24,6 +24,8 @@ pub enum Tab {
     Elongation,
     /// Residuals before and after what a diagnosis found.
     BeforeAfter,
+    /// Readings over time.
+    Course,
     /// A table of all readings and of all identified values.
     Statistics,
     /// What the controller reads, as it comes.
@@ -32,7 +34,7 @@ pub enum Tab {
 
 impl Tab {
     /// All, from the left.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Residuals,
         Self::Variable,
         Self::Laser,
@@ -42,6 +44,7 @@ impl Tab {
         Self::Correlation,
         Self::Elongation,
         Self::BeforeAfter,
+        Self::Course,
         Self::Statistics,
         Self::Scope,
     ];
@@ -55,6 +58,7 @@ impl Tab {
             Self::Laser => "laser",
             Self::Tensions => "tensions",
             Self::External => "external",
+            Self::Course => "course",
             Self::Convergence => "convergence",
             Self::Correlation => "correlation",
             Self::Elongation => "elongation",
@@ -79,6 +83,7 @@ impl Tab {
             Self::Laser => "Laser",
             Self::Tensions => "Tensions",
             Self::External => "Tracker",
+            Self::Course => "Over time",
             Self::Convergence => "Convergence",
             Self::Correlation => "Correlation",
             Self::Elongation => "Elongation",
@@ -116,6 +121,10 @@ impl Tab {
             Self::External => (
                 fit.is_some_and(|fit| !fit.dataset.measurements.tracked_position_m.is_empty()),
                 "Residuals of positions by a tracker or camera appear here after an identification with such.",
+            ),
+            Self::Course => (
+                super::sources::course::has_times(open.session()),
+                "Readings over time appear here once a recording in motion is imported.",
             ),
             Self::Convergence => (
                 fit.is_some_and(|fit| !fit.steps.is_empty()),

@@ -35,6 +35,12 @@ impl Canvas {
         self.gpu.lock().draws()
     }
 
+    /// Whether the processor draws, once it has.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.gpu.lock().is_software()
+    }
+
     /// Frees what lies on the graphics card, while its context is current.
     pub fn destroy(&self) {
         self.gpu.lock().destroy();

@@ -42,7 +42,7 @@ struct Attached {
 }
 
 impl Attached {
-    /// One colour buffer, and a depth buffer if there are samples.
+    /// A colour buffer and a depth buffer; no samples: one per pixel.
     fn new(gl: &Gl, size: [u32; 2], samples: i32) -> Result<Self, String> {
         let [width, height] = size.map(|side| side as i32);
         // SAFETY: the context is current (see `Framebuffer`); only objects made here are changed, and the bindings
@@ -56,12 +56,7 @@ impl Attached {
             gl.bind_framebuffer(gl::FRAMEBUFFER, Some(attached.framebuffer));
             let colour = (gl::RGBA8, gl::COLOR_ATTACHMENT0);
             let depth = (gl::DEPTH_COMPONENT24, gl::DEPTH_ATTACHMENT);
-            let parts = if samples > 0 {
-                vec![colour, depth]
-            } else {
-                vec![colour]
-            };
-            for (format, place) in parts {
+            for (format, place) in [colour, depth] {
                 let buffer = gl.create_renderbuffer()?;
                 attached.renderbuffers.push(buffer);
                 gl.bind_renderbuffer(gl::RENDERBUFFER, Some(buffer));
@@ -122,8 +117,13 @@ impl Framebuffer {
         self.size
     }
 
-    /// Draws the picture; the framebuffer that was bound is bound afterwards.
-    pub fn draw(&self, context: &three_d::Context, draw: impl FnOnce(&RenderTarget<'_>)) {
+    /// Draws the picture, with one sample per pixel where it `is_rough`; the framebuffer that was bound is bound afterwards.
+    pub fn draw(
+        &self,
+        context: &three_d::Context,
+        is_rough: bool,
+        draw: impl FnOnce(&RenderTarget<'_>),
+    ) {
         let [width, height] = self.size;
         let [w, h] = self.size.map(|side| side as i32);
         // SAFETY: the context is current; the framebuffers are this value's own, and the binding found is put back.
@@ -131,18 +131,23 @@ impl Framebuffer {
             let before = self
                 .gl
                 .get_parameter_framebuffer(gl::DRAW_FRAMEBUFFER_BINDING);
-            let framebuffer = self.samples.framebuffer;
+            let framebuffer = match is_rough {
+                true => self.resolved.framebuffer,
+                false => self.samples.framebuffer,
+            };
             let target = RenderTarget::from_framebuffer(context, width, height, framebuffer);
             draw(&target);
             // Dropping the target would delete the framebuffer.
             target.into_framebuffer();
-            self.gl.disable(gl::SCISSOR_TEST);
-            self.gl
-                .bind_framebuffer(gl::READ_FRAMEBUFFER, Some(framebuffer));
-            self.gl
-                .bind_framebuffer(gl::DRAW_FRAMEBUFFER, Some(self.resolved.framebuffer));
-            let whole = [0, 0, w, h];
-            self.copy(whole, whole);
+            if !is_rough {
+                self.gl.disable(gl::SCISSOR_TEST);
+                self.gl
+                    .bind_framebuffer(gl::READ_FRAMEBUFFER, Some(framebuffer));
+                self.gl
+                    .bind_framebuffer(gl::DRAW_FRAMEBUFFER, Some(self.resolved.framebuffer));
+                let whole = [0, 0, w, h];
+                self.copy(whole, whole);
+            }
             self.gl.bind_framebuffer(gl::FRAMEBUFFER, before);
         }
     }
@@ -194,6 +199,16 @@ impl Drop for Framebuffer {
         self.samples.delete(&self.gl);
         self.resolved.delete(&self.gl);
     }
+}
+
+/// Whether the processor draws instead of a graphics card.
+#[must_use]
+pub fn is_software(gl: &Gl) -> bool {
+    // SAFETY: reads a name of the current context.
+    let name = unsafe { gl.get_parameter_string(gl::RENDERER) };
+    ["llvmpipe", "softpipe", "SwiftShader"]
+        .iter()
+        .any(|software| name.contains(software))
 }
 
 /// Binds a framebuffer of `size` while `paint` runs and gives what was painted, from the upper left corner.

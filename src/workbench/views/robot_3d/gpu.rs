@@ -10,7 +10,7 @@ use three_d::{
 
 use super::camera::Camera;
 use super::drawing::{Drawing, Lines, Points};
-use super::framebuffer::{Framebuffer, PixelBox};
+use super::framebuffer::{Framebuffer, PixelBox, is_software};
 use super::mesh::Triangles;
 
 /// What a picture depends on.
@@ -24,7 +24,8 @@ pub struct PictureKey {
     pub size: [u32; 2],
     /// Pixels per point of the screen.
     pub scale: f32,
-    /// Whether camera or platform move: of very many poses some are left out.
+    /// Whether camera or platform move: of very many poses some are left out, and where the processor draws, edges are not
+    /// smoothed.
     pub moves: bool,
 }
 
@@ -100,6 +101,7 @@ struct LoadedPoses {
 /// Resources on the graphics card.
 struct Card {
     context: Context,
+    is_software: bool,
     solid: Program,
     line: Program,
     point: Program,
@@ -173,6 +175,7 @@ impl Card {
                 include_str!("shaders/point.vert"),
                 include_str!("shaders/point.frag"),
             )?,
+            is_software: is_software(gl),
             context,
             loaded: None,
             poses: None,
@@ -217,7 +220,7 @@ impl Card {
         }
         if let Some(framebuffer) = &self.framebuffer {
             let look = Look::new(&key, drawing);
-            framebuffer.draw(&self.context, |target| {
+            framebuffer.draw(&self.context, self.is_software && key.moves, |target| {
                 self.draw(target, &look, drawing.ground);
             });
         }
@@ -342,6 +345,12 @@ impl Gpu {
     #[must_use]
     pub fn draws(&self) -> u64 {
         self.draws
+    }
+
+    /// Whether the processor draws, once it has.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.card.as_ref().is_some_and(|card| card.is_software)
     }
 
     /// Why there is no picture, if there cannot be one.

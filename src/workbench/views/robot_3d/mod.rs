@@ -384,9 +384,11 @@ impl Robot3d {
         before.is_some_and(|before| navigation.camera() != Some(&before))
     }
 
-    /// How long camera and platform still have to rest until all of very many poses are drawn (s); nothing if they are.
+    /// How long camera and platform still have to rest until everything is drawn as finely as it can be (s); nothing if it
+    /// is.
     fn rest(&mut self, ui: &Ui, scene: &Scene, drawing: &Drawing, flies: bool) -> Option<f64> {
         let has_more = drawing.poses.coarse < drawing.poses.centres.len();
+        let is_rough = has_more || self.canvas.is_software();
         let now_s = ui.input(|input| input.time);
         let has_new_platform = matches!(scene.shown, Shown::Live | Shown::Stopped)
             && self.shown != Some(self.drawings);
@@ -395,7 +397,7 @@ impl Robot3d {
         }
         self.shown = Some(self.drawings);
         let rests_s = self.moved_s.map(|moved_s| moved_s + REST_S - now_s);
-        let left_s = rests_s.filter(|left_s| has_more && *left_s > 0.0)?;
+        let left_s = rests_s.filter(|left_s| is_rough && *left_s > 0.0)?;
         ui.ctx()
             .request_repaint_after(Duration::from_secs_f64(left_s));
         Some(left_s)

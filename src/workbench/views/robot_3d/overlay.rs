@@ -16,6 +16,9 @@ pub(super) const SMALL: f32 = 11.5;
 /// Width of the picture (points) from which on there is room for everything at its lower edge.
 const WIDE: f32 = 520.0;
 
+/// Height of the picture (points) up to which there is no room for directions below the words.
+const LOW: f32 = 120.0;
+
 /// Writes over the picture in `rect`.
 pub fn paint(
     painter: &Painter,
@@ -26,7 +29,9 @@ pub fn paint(
 ) {
     highlight(painter, rect, picture, hovered, palette);
     let mut taken = captions(painter, rect, picture, palette);
-    taken.push(triad(painter, rect, picture, palette));
+    if rect.height() > LOW {
+        taken.push(triad(painter, rect, picture, palette));
+    }
     taken.push(scale(painter, rect, picture, palette));
     taken.extend(legend::paint(painter, rect, picture, palette));
     if picture.options.callouts && picture.options.inspected.is_none() {
@@ -150,10 +155,16 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     parts.extend(arrows.then_some("arrows"));
     parts.extend(ellipsoids.then_some("95 % ellipsoids"));
     let parts = list(&parts);
-    let size = if exaggeration > 1.0 {
-        format!("Displacements magnified {exaggeration:.0}×: {parts}")
+    // In two lines where one would reach over the robot.
+    let after = if rect.width() < 2.0 * WIDE {
+        ":\n"
     } else {
-        format!("Displacements true to scale: {parts}")
+        ": "
+    };
+    let size = if exaggeration > 1.0 {
+        format!("Displacements magnified {exaggeration:.0}×{after}{parts}")
+    } else {
+        format!("Displacements true to scale{after}{parts}")
     };
     let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
     let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));

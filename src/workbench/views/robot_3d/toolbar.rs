@@ -29,7 +29,7 @@ pub enum Aim {
 /// Width (points) from which on everything is in the row.
 const WIDE: f32 = 900.0;
 /// Width (points) from which on colours stand beside each other.
-const MEDIUM: f32 = 660.0;
+const MEDIUM: f32 = 800.0;
 /// Width (points) from which on the standard views do, too.
 const NARROW: f32 = 460.0;
 
@@ -61,15 +61,18 @@ pub fn show(
         } else {
             ui.menu_button("Views", |ui| aim = views(ui, projection).or(aim));
         }
-        ui.separator();
         if width > MEDIUM {
+            ui.separator();
             muted(ui, "Colour");
             colours(ui, options);
         } else {
-            let text = format!("Colour: {}", options.colour.title());
-            ui.menu_button(text, |ui| colours(ui, options));
+            let name = format!("Colour: {}", options.colour.title());
+            let button = ui.menu_button("Colour", |ui| colours(ui, options)).response;
+            button.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &name));
         }
-        ui.separator();
+        if width > MEDIUM {
+            ui.separator();
+        }
         ui.menu_button("Show", |ui| {
             parts(ui, options, scene);
             if besides != Besides::Nothing && !is_wide {

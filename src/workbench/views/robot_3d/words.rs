@@ -2,6 +2,7 @@
 
 use super::picking::Thing;
 use super::scene::{Besides, Residual, Scene, Shown};
+use tautline_workflow::wording::units::signed;
 
 /// Tooltip of an object.
 #[must_use]
@@ -51,7 +52,7 @@ fn cable(scene: &Scene, index: usize) -> String {
 
 fn residual(residual: Residual) -> String {
     match residual {
-        Residual::One(value) => format!("residual {value:+.1} standard deviations"),
+        Residual::One(value) => format!("residual {} standard deviations", signed(value, 1)),
         Residual::Rms(value, count) => {
             format!("residual {value:.1} standard deviations (root mean square of {count})")
         }
@@ -103,7 +104,7 @@ fn pose(scene: &Scene, label: i64) -> String {
     };
     let text = format!("{name}: ({x:.1}, {y:.1}, {z:.1}) mm");
     match pose.residual {
-        Some(value) => format!("{text}, residual {value:+.1} standard deviations"),
+        Some(value) => format!("{text}, residual {} standard deviations", signed(value, 1)),
         None => text,
     }
 }

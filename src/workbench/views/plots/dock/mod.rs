@@ -1,77 +1,34 @@
 //! Plots as tabs that are docked beside and above each other, or detached; those with the same x axis are zoomed and
 //! moved together.
 
+mod plot_id;
 mod tabs;
 mod tree;
+mod windows;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
-use egui::{CentralPanel, Frame, Margin, Ui, ViewportBuilder, ViewportClass, ViewportId};
-use egui_material_icons::icons;
+use egui::Ui;
 use egui_tiles::Behavior as _;
 use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 use tautline_session::{PlotArea, Plots};
 
-use super::{Choice, PlotState, Tab, pane};
-use crate::model::command::{Outbox, ViewCommand};
+use super::{Choice, PlotState, Tab};
+use crate::model::command::Outbox;
 use crate::model::part::Part;
 use crate::model::plot_preparation::Preparation;
 use crate::model::{Model, Selection};
-use crate::theme::{self, GRID};
-use crate::widgets::{empty, icon_button};
+use crate::widgets::empty;
 use tabs::{Dock, Wish};
 use tree::{Preset, Tree};
 
+pub use plot_id::PlotId;
+pub use windows::show_detached;
+
 /// Width (points) below which there is one plot at a time.
 const NARROW: f32 = 560.0;
-/// Size of the window of a plot (points).
-const WINDOW: [f32; 2] = [720.0, 460.0];
-
-/// A plot among all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct PlotId {
-    /// What it shows.
-    pub tab: Tab,
-    /// Counts plots that show the same.
-    pub copy: u8,
-}
-
-impl PlotId {
-    fn first(tab: Tab) -> Self {
-        Self { tab, copy: 0 }
-    }
-
-    /// What preferences call it.
-    fn name(self) -> String {
-        match self.copy {
-            0 => self.tab.name().to_owned(),
-            copy => format!("{} {}", self.tab.name(), u32::from(copy) + 1),
-        }
-    }
-
-    /// The plot that preferences call so.
-    fn named(name: &str) -> Option<Self> {
-        if let Some(tab) = Tab::named(name) {
-            return Some(Self::first(tab));
-        }
-        let (name, number) = name.rsplit_once(' ')?;
-        let copy = number.parse::<u8>().ok()?.checked_sub(1)?;
-        Some(Self {
-            tab: Tab::named(name)?,
-            copy,
-        })
-    }
-
-    /// Label in the window.
-    fn title(self) -> String {
-        match self.copy {
-            0 => self.tab.title().to_owned(),
-            copy => format!("{} {}", self.tab.title(), u32::from(copy) + 1),
-        }
-    }
-}
 
 /// State of the plots.
 pub struct Panes {
@@ -374,72 +331,9 @@ pub fn show(
     panes.link(&before);
 }
 
-/// Draws the plots that have windows of their own, and keeps the arrangement of all once it has changed.
-pub fn show_detached(
-    ui: &Ui,
-    model: &Model,
-    (panes, hovered): (&mut Panes, &mut Selection),
-    outbox: &mut Outbox,
-) {
-    let Some(open) = &model.open else {
-        return;
-    };
-    let before = panes.along();
-    for id in panes.detached.clone() {
-        let Some(plot) = panes.plots.get_mut(&id) else {
-            continue;
-        };
-        plot.settle(open);
-        let title = id.title();
-        let builder = ViewportBuilder::default()
-            .with_title(format!("{title} \u{2013} Tautline"))
-            .with_inner_size(WINDOW);
-        let viewport = ViewportId::from_hash_of(("plot", id.name()));
-        let draw = |ui: &mut Ui, class: ViewportClass| {
-            let mut is_docked = false;
-            let mut content = |ui: &mut Ui| {
-                is_docked = icon_button(ui, icons::ICON_CLOSE_FULLSCREEN, "Dock", true).clicked();
-                pane(ui, model, plot, hovered, outbox);
-            };
-            if class == ViewportClass::EmbeddedWindow {
-                content(ui);
-                return is_docked;
-            }
-            let frame = Frame::new()
-                .fill(theme::of(ui).panel)
-                .inner_margin(Margin::same(3 * GRID as i8));
-            CentralPanel::no_frame().frame(frame).show(ui, content);
-            is_docked || ui.input(|input| input.viewport().close_requested())
-        };
-        if ui.ctx().show_viewport_immediate(viewport, builder, draw) {
-            panes.dock(id);
-        }
-    }
-    panes.link(&before);
-    // What is being dragged is kept once it is let go.
-    if !ui.input(|input| input.pointer.any_down())
-        && let Some(plots) = panes.changed()
-    {
-        outbox.send(ViewCommand::SetPlots(plots));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_of_plots_read_back() {
-        for copy in [0, 1, 9] {
-            for tab in Tab::ALL {
-                let id = PlotId { tab, copy };
-                assert_eq!(PlotId::named(&id.name()), Some(id));
-            }
-        }
-        for wrong in ["", "weather", "variable 0", "variable x", "weather 2"] {
-            assert_eq!(PlotId::named(wrong), None, "{wrong}");
-        }
-    }
 
     #[test]
     fn a_scope_that_came_by_itself_is_not_kept_and_goes() {

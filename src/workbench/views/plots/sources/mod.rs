@@ -3,6 +3,7 @@
 pub mod before_after;
 pub mod convergence;
 pub mod correlation;
+pub mod course;
 pub mod elongation;
 pub mod residuals;
 pub mod tensions;
@@ -16,6 +17,8 @@ use tautline_workflow::plot::figure::Point;
 
 /// Label of an axis along which poses stand.
 pub const POSE: &str = "Pose";
+/// Label of an axis along which times stand.
+pub const TIME: &str = "Time";
 
 /// A point of a pose, given by its row.
 fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f64) -> Point {

@@ -16,6 +16,9 @@ use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, muted};
 use rows::{Head, Listed, Of, Order, Row, arranged, rows_of, text};
 
+/// Width (points) beside the filter from which on the number of rows has room there.
+const COUNTED: f32 = 220.0;
+
 /// State of the table.
 #[derive(Debug, Default)]
 pub struct Statistics {
@@ -49,7 +52,9 @@ pub fn show(
         let field = TextEdit::singleline(&mut state.filter).hint_text("Filter by name");
         ui.add(field.desired_width(140.0))
             .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter the table"));
-        muted(ui, &number_of(shown.len(), rows.len()));
+        if ui.available_width() > COUNTED {
+            muted(ui, &number_of(shown.len(), rows.len()));
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_CONTENT_COPY, "Copy table", true).clicked() {
                 ui.ctx().copy_text(text(heads, rows, shown));

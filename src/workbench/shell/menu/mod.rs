@@ -1,0 +1,268 @@
+//! The table of commands that menus, shortcuts and the command palette share.
+
+mod file;
+mod view;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::state::State;
+use crate::model::command::{
+    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, Setup, ViewCommand,
+};
+use crate::model::manual::Page;
+use crate::model::next_step;
+use crate::model::phase::Screen;
+
+/// A menu.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Menu {
+    /// Files and the program.
+    File,
+    /// Undo and redo.
+    Edit,
+    /// What is shown.
+    View,
+    /// What computes.
+    Model,
+    /// The robot and its controller.
+    Robot,
+    /// The manual.
+    Help,
+}
+
+impl Menu {
+    /// All, from the left.
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Edit,
+        Self::View,
+        Self::Model,
+        Self::Robot,
+        Self::Help,
+    ];
+
+    /// What the operator reads.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::View => "View",
+            Self::Model => "Model",
+            Self::Robot => "Robot",
+            Self::Help => "Help",
+        }
+    }
+}
+
+/// A line of a menu.
+#[derive(Debug, Clone)]
+pub struct Item {
+    /// Where it is.
+    pub menu: Menu,
+    /// What the operator reads.
+    pub title: String,
+    /// Its keys.
+    pub shortcut: Option<KeyboardShortcut>,
+    /// Whether it can be used now.
+    pub enabled: bool,
+    /// What it does.
+    pub commands: Vec<Command>,
+}
+
+fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(modifiers, key))
+}
+
+/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
+pub const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
+
+const CONTROL: Modifiers = Modifiers::COMMAND;
+const CONTROL_SHIFT: Modifiers = Modifiers {
+    shift: true,
+    ..Modifiers::COMMAND
+};
+
+/// All lines of all menus, in the state of the program.
+#[must_use]
+pub fn items(state: &State) -> Vec<Item> {
+    let mut items = file::lines(state);
+    items.extend(edit(state));
+    items.extend(view::lines(state));
+    items.extend(model(state));
+    items.extend(robot(state));
+    items.extend(help(state));
+    items
+}
+
+fn item(
+    menu: Menu,
+    title: impl Into<String>,
+    shortcut: Option<KeyboardShortcut>,
+    enabled: bool,
+    command: impl Into<Command>,
+) -> Item {
+    Item {
+        menu,
+        title: title.into(),
+        shortcut,
+        enabled,
+        commands: vec![command.into()],
+    }
+}
+
+fn help(state: &State) -> Vec<Item> {
+    let page = Page::of(state.model.screen);
+    vec![
+        item(
+            Menu::Help,
+            "Manual",
+            None,
+            true,
+            ViewCommand::Manual(Some(Page::Start)),
+        ),
+        item(
+            Menu::Help,
+            format!("Help on this screen: {}", page.title()),
+            keys(Modifiers::NONE, Key::F1),
+            true,
+            ViewCommand::Manual(Some(page)),
+        ),
+        item(
+            Menu::Help,
+            "What each number means",
+            None,
+            true,
+            ViewCommand::Manual(Some(Page::Numbers)),
+        ),
+        item(
+            Menu::Help,
+            "About Tautline",
+            None,
+            true,
+            ViewCommand::About(true),
+        ),
+    ]
+}
+
+fn edit(state: &State) -> Vec<Item> {
+    let [undo, redo] = state.model.next_steps();
+    let named = |what: &str, name: Option<&str>| {
+        name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"))
+    };
+    vec![
+        item(
+            Menu::Edit,
+            named("Undo", undo),
+            keys(CONTROL, Key::Z),
+            undo.is_some(),
+            Command::Undo,
+        ),
+        item(
+            Menu::Edit,
+            named("Redo", redo),
+            keys(CONTROL_SHIFT, Key::Z),
+            redo.is_some(),
+            Command::Redo,
+        ),
+    ]
+}
+
+fn model(state: &State) -> Vec<Item> {
+    let computing = [IDENTIFYING, DIAGNOSING]
+        .iter()
+        .any(|title| state.model.tasks.runs(title));
+    let measured = state
+        .model
+        .open
+        .as_ref()
+        .is_some_and(|d| !d.session().measurements.is_empty());
+    let mut items = vec![
+        item(
+            Menu::Model,
+            "Identify",
+            keys(CONTROL, Key::I),
+            measured,
+            IdentificationCommand::Identify,
+        ),
+        item(
+            Menu::Model,
+            "Diagnose model",
+            keys(CONTROL, Key::D),
+            measured,
+            IdentificationCommand::Diagnose,
+        ),
+        item(
+            Menu::Model,
+            "Cancel computation",
+            None,
+            computing,
+            IdentificationCommand::Stop,
+        ),
+        item(
+            Menu::Model,
+            "Which sensor?",
+            None,
+            true,
+            ViewCommand::Go(Screen::WhichSensor),
+        ),
+    ];
+    items.splice(0..0, next(state));
+    items
+}
+
+/// The one thing to do next, as the foot of the phase has it; not behind a question.
+fn next(state: &State) -> Option<Item> {
+    let Screen::Phase(phase) = state.model.screen else {
+        return None;
+    };
+    let dialogs = &state.model.dialogs;
+    let is_asked = dialogs.leaving.is_some()
+        || dialogs.save_as.is_some()
+        || dialogs.writing.is_some()
+        || dialogs.report.is_some()
+        || state.panels.connect.is_some();
+    let step = next_step::of(&state.model, phase, state.panels.measuring.poses())?;
+    let action = step.action.filter(|_| !is_asked)?;
+    Some(Item {
+        menu: Menu::Model,
+        title: format!("Next: {}", action.title),
+        shortcut: Some(next_step::KEYS),
+        enabled: true,
+        commands: action.commands,
+    })
+}
+
+fn robot(state: &State) -> Vec<Item> {
+    let open = state.model.open.is_some();
+    let connected = state.model.link.is_connected();
+    let lost = state.model.link.lost().is_some();
+    let armed = state.model.link.is_armed();
+    let busy = state.model.link.is_busy();
+    let robot = |title: &str, enabled, command: RobotCommand| {
+        item(Menu::Robot, title, None, enabled, command)
+    };
+    vec![
+        item(
+            Menu::Robot,
+            "Connect…",
+            keys(CONTROL_SHIFT, Key::K),
+            open,
+            RobotCommand::Setup(Setup::Open),
+        ),
+        robot(
+            "Disconnect",
+            (connected && !busy) || lost,
+            RobotCommand::Disconnect,
+        ),
+        robot("Arm the robot", connected && !armed, RobotCommand::Arm),
+        robot("Disarm the robot", armed, RobotCommand::Disarm),
+        item(
+            Menu::Robot,
+            "Stop the robot",
+            Some(STOP),
+            connected,
+            RobotCommand::Stop,
+        ),
+    ]
+}

@@ -1,0 +1,64 @@
+//! Plots that have windows of their own.
+
+use egui::{CentralPanel, Frame, Margin, Ui, ViewportBuilder, ViewportClass, ViewportId};
+use egui_material_icons::icons;
+
+use super::super::pane;
+use super::Panes;
+use crate::model::command::{Outbox, ViewCommand};
+use crate::model::{Model, Selection};
+use crate::theme::{self, GRID};
+use crate::widgets::icon_button;
+
+/// Size of the window of a plot (points).
+const WINDOW: [f32; 2] = [720.0, 460.0];
+
+/// Draws the plots that have windows of their own, and keeps the arrangement of all once it has changed.
+pub fn show_detached(
+    ui: &Ui,
+    model: &Model,
+    (panes, hovered): (&mut Panes, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    let before = panes.along();
+    for id in panes.detached.clone() {
+        let Some(plot) = panes.plots.get_mut(&id) else {
+            continue;
+        };
+        plot.settle(open);
+        let title = id.title();
+        let builder = ViewportBuilder::default()
+            .with_title(format!("{title} \u{2013} Tautline"))
+            .with_inner_size(WINDOW);
+        let viewport = ViewportId::from_hash_of(("plot", id.name()));
+        let draw = |ui: &mut Ui, class: ViewportClass| {
+            let mut is_docked = false;
+            let mut content = |ui: &mut Ui| {
+                is_docked = icon_button(ui, icons::ICON_CLOSE_FULLSCREEN, "Dock", true).clicked();
+                pane(ui, model, plot, hovered, outbox);
+            };
+            if class == ViewportClass::EmbeddedWindow {
+                content(ui);
+                return is_docked;
+            }
+            let frame = Frame::new()
+                .fill(theme::of(ui).panel)
+                .inner_margin(Margin::same(3 * GRID as i8));
+            CentralPanel::no_frame().frame(frame).show(ui, content);
+            is_docked || ui.input(|input| input.viewport().close_requested())
+        };
+        if ui.ctx().show_viewport_immediate(viewport, builder, draw) {
+            panes.dock(id);
+        }
+    }
+    panes.link(&before);
+    // What is being dragged is kept once it is let go.
+    if !ui.input(|input| input.pointer.any_down())
+        && let Some(plots) = panes.changed()
+    {
+        outbox.send(ViewCommand::SetPlots(plots));
+    }
+}

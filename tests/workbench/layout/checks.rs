@@ -1,0 +1,215 @@
+//! What is seen of a window, and what is wrong with it.
+
+use egui::{Rect, Role, ThemePreference, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::NodeT;
+use tautline_workbench::shell::App;
+
+use crate::support::settle;
+
+/// Sizes of the window in pixels.
+pub const SIZES: [Vec2; 4] = [
+    vec2(1024.0, 640.0),
+    vec2(1280.0, 800.0),
+    vec2(1920.0, 1080.0),
+    vec2(2560.0, 1440.0),
+];
+const SCALES: [f32; 2] = [1.0, 2.0];
+const THEMES: [ThemePreference; 2] = [ThemePreference::Dark, ThemePreference::Light];
+
+/// A window: theme, size in pixels, pixels per point.
+pub type Appearance = (ThemePreference, Vec2, f32);
+
+/// Every size at both scales, each of which has both themes.
+pub fn in_pairs() -> Vec<Appearance> {
+    let sizes = SIZES.into_iter().enumerate();
+    let all = sizes.flat_map(|(k, size)| {
+        let scales = SCALES.into_iter().enumerate();
+        scales.map(move |(j, scale)| (THEMES[(k + j) % 2], size, scale))
+    });
+    all.collect()
+}
+
+/// Every size once, so that each scale and theme occur twice: enough for one of several robots.
+pub fn once() -> Vec<Appearance> {
+    let sizes = SIZES.into_iter().enumerate();
+    let all = sizes.map(|(k, size)| (THEMES[k % 2], size, SCALES[usize::from(k == 1 || k == 2)]));
+    all.collect()
+}
+
+/// Edges may touch and lines of text may reach into each other's spacing by this much (points).
+const TOUCH: f32 = 2.5;
+
+/// Something that is seen, with its name.
+pub struct Seen {
+    role: Role,
+    name: String,
+    rect: Rect,
+    /// With what of it cannot be seen.
+    whole: Rect,
+}
+
+/// What is on the screen: of what a scroll area has moved away, the part that can be seen.
+pub fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
+    let visible = visible(harness);
+    let nodes = harness.root().children_recursive();
+    let nodes = nodes.filter(|node| is_part(node.accesskit_node().role()));
+    nodes
+        .filter_map(|node| {
+            let inner = node.accesskit_node();
+            let name = inner.label().or(inner.value()).unwrap_or_default();
+            let whole = node.rect();
+            let same = |(rect, _): &&(Rect, Rect)| {
+                (rect.min - whole.min).length() + (rect.max - whole.max).length() < 0.1
+            };
+            let rect = visible
+                .iter()
+                .find(same)
+                .map_or(whole, |(_, clipped)| *clipped);
+            rect.is_positive().then_some(Seen {
+                role: inner.role(),
+                name,
+                rect,
+                whole,
+            })
+        })
+        .collect()
+}
+
+/// Whole and visible rectangles of all widgets.
+fn visible(harness: &Harness<'_, App>) -> Vec<(Rect, Rect)> {
+    harness.ctx.viewport(|viewport| {
+        let layers = viewport.prev_pass.widgets.layers();
+        let widgets = layers.flat_map(|(_, widgets)| widgets.iter());
+        widgets
+            .map(|widget| (widget.rect, widget.interact_rect))
+            .collect()
+    })
+}
+
+fn is_part(role: Role) -> bool {
+    use Role::{Button, CheckBox, ComboBox, Label, RadioButton, Slider, Tab, TextInput};
+    matches!(
+        role,
+        Button | CheckBox | ComboBox | Label | RadioButton | Slider | Tab | TextInput
+    )
+}
+
+/// What is wrong with what is seen between the bars at the top and at the bottom.
+pub fn faults(harness: &Harness<'_, App>) -> Vec<String> {
+    faults_of(harness.ctx.content_rect(), &seen(harness))
+}
+
+fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
+    let mut faults = Vec::new();
+    for part in all {
+        if part.rect.width() < part.whole.width() - 1.5 {
+            faults.push(format!(
+                "{:?} \"{}\" is cut at the side: {:?} of {:?}",
+                part.role, part.name, part.rect, part.whole
+            ));
+        }
+        if part.rect.min.x < window.min.x - 0.5 || part.rect.max.x > window.max.x + 0.5 {
+            faults.push(format!(
+                "{:?} \"{}\" leaves the window: {:?}",
+                part.role, part.name, part.rect
+            ));
+        }
+    }
+    // What a panel has scrolled away lies behind the bars; it is not seen.
+    let between = window
+        .with_min_y(window.min.y + 36.0)
+        .with_max_y(window.max.y - 40.0);
+    let inside: Vec<&Seen> = all
+        .iter()
+        .filter(|part| between.contains_rect(part.rect))
+        .collect();
+    for (k, a) in inside.iter().enumerate() {
+        for b in &inside[k + 1..] {
+            let common = a.rect.intersect(b.rect);
+            let overlap = common.width() > TOUCH && common.height() > TOUCH;
+            let nested = a.rect.expand(TOUCH).contains_rect(b.rect)
+                || b.rect.expand(TOUCH).contains_rect(a.rect);
+            if overlap && !nested {
+                faults.push(format!(
+                    "\"{}\" {:?} overlaps \"{}\" {:?}",
+                    a.name, a.rect, b.name, b.rect
+                ));
+            }
+        }
+    }
+    faults
+}
+
+/// Looks at the present screen in both themes, all sizes and scales.
+pub fn check(harness: &mut Harness<'_, App>, what: &str) {
+    check_in(harness, what, &in_pairs());
+}
+
+pub fn check_in(harness: &mut Harness<'_, App>, what: &str, appearances: &[Appearance]) {
+    check_with(harness, what, appearances, &mut |harness| {
+        harness.run_ok();
+        faults(harness)
+    });
+}
+
+/// Something that is done to the window.
+type Act<'a> = &'a mut dyn FnMut(&mut Harness<'_, App>);
+
+/// What is wrong with a window that is opened over the screen and closed again: it is looked at alone, and all of it
+/// has to be in the window of the program.
+pub fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [Act<'_>; 2]) {
+    check_with(harness, what, &in_pairs(), &mut |harness| {
+        harness.run_ok();
+        let behind = seen(harness);
+        open(harness);
+        settle(harness);
+        let mut parts = seen(harness);
+        let same = |a: &Seen, b: &Seen| {
+            a.name == b.name && (a.rect.min - b.rect.min).length() < 1.0 && a.role == b.role
+        };
+        parts.retain(|part| !behind.iter().any(|other| same(part, other)));
+        // Text that flows around what is bold has no rectangles line by line.
+        parts.retain(|part| what != "manual" || part.role == Role::Button);
+        // What is scrolled away below, but for its upper edge, is not seen.
+        parts.retain(|part| part.rect.height() > TOUCH);
+        let window = harness.ctx.content_rect();
+        let mut found = faults_of(window, &parts);
+        if parts.is_empty() {
+            found.push("nothing is opened".to_owned());
+        }
+        let outside = parts.iter().filter(|part| {
+            part.rect.min.y < window.min.y - 0.5 || part.rect.max.y > window.max.y + 0.5
+        });
+        found.extend(
+            outside.map(|part| format!("\"{}\" leaves the window: {:?}", part.name, part.rect)),
+        );
+        close(harness);
+        settle(harness);
+        found
+    });
+}
+
+/// Finds faults in windows that look so.
+fn check_with(
+    harness: &mut Harness<'_, App>,
+    what: &str,
+    appearances: &[Appearance],
+    find: &mut dyn FnMut(&mut Harness<'_, App>) -> Vec<String>,
+) {
+    let mut faults_of_all = Vec::new();
+    for (theme, size, scale) in appearances.iter().copied() {
+        harness.ctx.set_theme(theme);
+        harness.set_pixels_per_point(scale);
+        // The scale changes with the next frame, and the size with it.
+        harness.step();
+        harness.set_size(size / scale);
+        harness.run_ok();
+        let now = harness.ctx.content_rect().size() * scale;
+        assert!((now - size).length() < 1.0, "{now:?} instead of {size:?}");
+        let found = find(harness).into_iter();
+        faults_of_all
+            .extend(found.map(|fault| format!("{what}, {theme:?}, {size:?} at {scale}: {fault}")));
+    }
+    assert!(faults_of_all.is_empty(), "{}", faults_of_all.join("\n"));
+}

@@ -1,0 +1,203 @@
+//! Nothing is clipped and nothing overlaps: every screen, in windows from 1024 x 640 to 2560 x 1440 pixels, dark and light,
+//! at 100 and 200 %, with robots of 4, 8 and 16 cables. Sizes, themes, scales and numbers of cables meet in pairs: every
+//! level of each with every level of each other, not all four at a time.
+
+mod checks;
+mod windows;
+
+use egui::Rect;
+use egui_kittest::kittest::Queryable;
+use tautline_workbench::model::command::{
+    CompareCommand, FileCommand, IdentificationCommand, RecordingCommand, ViewCommand,
+};
+use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::part::Part;
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workflow::templates::Template;
+
+use crate::measured::{Measured, give};
+use crate::support::settle;
+use checks::{SIZES, check, check_in, in_pairs, once};
+
+#[test]
+fn the_start_screen_fits() {
+    let mut harness = crate::support::workbench();
+    settle(&mut harness);
+    check(&mut harness, "start");
+}
+
+/// The bar with a long name that is not saved, and a robot that can move.
+#[test]
+fn the_bar_at_the_top_fits() {
+    let mut bench = crate::demo::Bench::demo(3);
+    bench.go(Phase::Measuring);
+    bench.connect_and_arm();
+    let name = "Demo robot after the repair of the third winch";
+    bench.give(Edit::Rename(name.into()));
+    for (_, size, scale) in in_pairs() {
+        let harness = &mut bench.harness;
+        harness.set_pixels_per_point(scale);
+        harness.step();
+        harness.set_size(size / scale);
+        harness.step();
+        harness.step();
+        let mut parts: Vec<(&str, Rect)> = [
+            "File",
+            "Help",
+            "Undo: rename",
+            "Redo",
+            "Command palette",
+            "Stop the robot",
+        ]
+        .iter()
+        .map(|part| {
+            (
+                *part,
+                harness
+                    .get_all_by_label_contains(part)
+                    .next()
+                    .expect("there")
+                    .rect(),
+            )
+        })
+        .collect();
+        let rest = [name, "not saved"].into_iter();
+        parts.extend(rest.filter_map(|part| Some((part, harness.query_by_label(part)?.rect()))));
+        for (k, (a, rect)) in parts.iter().enumerate() {
+            assert!(
+                harness.ctx.content_rect().contains_rect(*rect),
+                "{a}: {rect:?}"
+            );
+            for (b, other) in &parts[k + 1..] {
+                let common = rect.intersect(*other);
+                assert!(
+                    !common.is_positive(),
+                    "{size:?} at {scale}: {a} and {b}: {common:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_phase_fits() {
+    let measured = Measured::mini(30, &[("winch_scale", "cable-3", &[("scale", 0.02)])]);
+    let mut harness = measured.opened();
+    for command in [
+        IdentificationCommand::Identify,
+        IdentificationCommand::Diagnose,
+    ] {
+        harness.state_mut().state.outbox.send(command);
+        settle(&mut harness);
+    }
+    for step in Phase::ALL {
+        harness
+            .state_mut()
+            .state
+            .outbox
+            .send(ViewCommand::Go(Screen::Phase(step)));
+        settle(&mut harness);
+        check(&mut harness, step.title());
+    }
+    harness.state_mut().state.outbox.send(CompareCommand::Show);
+    settle(&mut harness);
+    check(&mut harness, "compare");
+}
+
+#[test]
+fn every_phase_fits_with_few_and_many_cables() {
+    for cables in [4, 16] {
+        let mut harness = Measured::with_cables(cables, 12).opened();
+        give(&mut harness, IdentificationCommand::Identify);
+        for step in Phase::ALL {
+            give(&mut harness, ViewCommand::Go(Screen::Phase(step)));
+            let what = format!("{} with {cables} cables", step.title());
+            check_in(&mut harness, &what, &once());
+        }
+        give(&mut harness, ViewCommand::Inspect(Some(cables - 1)));
+        let what = format!("inspector with {cables} cables");
+        check_in(&mut harness, &what, &once());
+    }
+}
+
+#[test]
+fn the_inspector_and_the_statistics_fit() {
+    let mut harness = Measured::mini(12, &[]).opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
+    give(&mut harness, go);
+    give(&mut harness, ViewCommand::Inspect(Some(2)));
+    check(&mut harness, "inspector");
+    give(&mut harness, ViewCommand::Inspect(None));
+    for part in Part::ALL {
+        give(&mut harness, ViewCommand::Maximise(Some(part)));
+        if part == Part::Plots {
+            harness.set_pixels_per_point(1.0);
+            harness.set_size(SIZES[2]);
+            harness.run_ok();
+            crate::measured::press(&mut harness, "Statistics");
+        }
+        // The table of statistics is scrolled to the side where it has no room.
+        let all = in_pairs().into_iter();
+        let wide: Vec<_> = all
+            .filter(|(.., scale)| part != Part::Plots || *scale < 2.0)
+            .collect();
+        check_in(&mut harness, &format!("{part:?} maximised"), &wide);
+    }
+}
+
+#[test]
+fn a_comparison_fits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [a, b] = ["before.json", "after.json"].map(|name| folder.path().join(name));
+    crate::compare::write(&a, "mini", 0.0, 1);
+    crate::compare::write(&b, "mini", -0.01, 3);
+    let mut harness = crate::support::workbench();
+    give(&mut harness, CompareCommand::Show);
+    crate::compare::take(&mut harness, "A", &a);
+    crate::compare::take(&mut harness, "B", &b);
+    harness.get_by_label_contains("1 pulley has moved");
+    check(&mut harness, "comparison");
+}
+
+#[test]
+fn the_import_fits() {
+    let mut harness = Measured::mini(6, &[]).opened();
+    harness
+        .state_mut()
+        .state
+        .outbox
+        .send(RecordingCommand::Show);
+    settle(&mut harness);
+    check(&mut harness, "import without a file");
+    let folder = tautline_validation::your_data::page().with_file_name("your-data");
+    for name in ["mistakes.csv", "points.txt"] {
+        let path = folder.join(name);
+        give(&mut harness, RecordingCommand::Read(path));
+    }
+    check(&mut harness, "import");
+}
+
+#[test]
+fn the_description_of_a_new_robot_fits() {
+    let mut harness = crate::support::workbench();
+    give(&mut harness, FileCommand::New(Template::Facade));
+    check(&mut harness, "description");
+}
+
+#[test]
+fn plots_beside_each_other_fit() {
+    let measured = Measured::mini(12, &[]);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    let go = ViewCommand::Go(Screen::Phase(Phase::Identification));
+    give(&mut harness, go);
+    for arrangement in ["Two plots", "Four plots"] {
+        harness.set_pixels_per_point(1.0);
+        harness.set_size(SIZES[1]);
+        harness.run_ok();
+        crate::measured::press(&mut harness, "Plot layout");
+        crate::measured::press(&mut harness, arrangement);
+        check(&mut harness, arrangement);
+    }
+}
